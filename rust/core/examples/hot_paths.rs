@@ -1,0 +1,172 @@
+//! The hot paths of the core, one at a time. `hot_paths CASE N` handles about N frames, for counting instructions under
+//! callgrind; `hot_paths time` prints nanoseconds per frame of all of them.
+//!
+//! The frames are ten messages of a copter's telemetry with fixed values, 36 bytes on average.
+
+use mavwire_core::codec;
+use mavwire_core::frame::{self, FrameRef, Header, IFLAG_SIGNED};
+use mavwire_core::registry::Registry;
+use mavwire_core::scan::{Found, Resync, Scanner};
+use mavwire_core::schema::WireVersion;
+use mavwire_core::signing::{self, SecretKey, SigningState};
+use mavwire_core::{builtin, text};
+use std::error::Error;
+use std::hint::black_box;
+use std::io::Write;
+use std::time::Instant;
+
+const BLOCK: usize = 1000;
+const CASES: [&str; 7] = ["scan", "scan-rescan", "decode", "encode", "verify", "text", "json"];
+/// Message ids, with how many payload bytes are left after the zeros were cut.
+const MIX: [(u32, u8); 10] = [
+    (30, 28),
+    (33, 28),
+    (74, 20),
+    (27, 29),
+    (24, 31),
+    (29, 14),
+    (65, 42),
+    (36, 21),
+    (0, 9),
+    (241, 20),
+];
+
+/// Frames behind each other, and where each ends.
+struct Frames {
+    bytes: Vec<u8>,
+    ends: Vec<usize>,
+}
+
+impl Frames {
+    /// A block of frames, signed or not; the first timestamp of the signed ones is 1.
+    fn new(registry: &Registry, key: Option<&SecretKey>) -> Result<Self, Box<dyn Error>> {
+        let (mut bytes, mut ends) = (Vec::new(), Vec::new());
+        for n in 0..BLOCK {
+            let (msgid, len) = MIX[n % MIX.len()];
+            let entry = registry.lookup(msgid).ok_or("the mix has a message the dialect lacks")?;
+            let payload: Vec<u8> = (1..=len).map(|at| at.wrapping_mul(37) | 1).collect();
+            let header = Header {
+                version: WireVersion::V2,
+                payload_len: 0,
+                incompat_flags: if key.is_some() { IFLAG_SIGNED } else { 0 },
+                compat_flags: 0,
+                seq: n as u8,
+                sysid: 1,
+                compid: 1,
+                msgid,
+            };
+            let mut frame = Vec::new();
+            frame::encode(&mut frame, header, &payload, entry.crc_extra)?;
+            if let Some(key) = key {
+                signing::sign(&mut frame, key, 1, 1 + n as u64);
+            }
+            bytes.extend_from_slice(&frame);
+            ends.push(bytes.len());
+        }
+        Ok(Self { bytes, ends })
+    }
+
+    /// The frames one by one.
+    fn iter(&self) -> impl Iterator<Item = &[u8]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.bytes[start..end])
+    }
+}
+
+/// Everything the cases need, made before the clock starts.
+struct Bench {
+    registry: Registry,
+    plain: Frames,
+    signed: Frames,
+}
+
+impl Bench {
+    fn new() -> Result<Self, Box<dyn Error>> {
+        let registry = Registry::new(builtin::dialect("ardupilotmega", WireVersion::V2)?);
+        let plain = Frames::new(&registry, None)?;
+        let signed = Frames::new(&registry, Some(&key()?))?;
+        Ok(Self { registry, plain, signed })
+    }
+
+    /// Handles one block of frames.
+    fn block(&self, case: &str) -> Result<(), Box<dyn Error>> {
+        match case {
+            "scan" => self.scan(Resync::Skip),
+            "scan-rescan" => self.scan(Resync::Rescan),
+            "verify" => self.verify(),
+            "decode" | "encode" | "text" | "json" => {
+                self.plain.iter().try_for_each(|bytes| self.message(case, bytes))
+            }
+            _ => Err(format!("there is no case {case}").into()),
+        }
+    }
+
+    fn scan(&self, policy: Resync) -> Result<(), Box<dyn Error>> {
+        let mut scanner = Scanner::new(policy);
+        let (mut at, mut count) = (0, 0);
+        while let Found::Frame { len, entry: Some(_), .. } =
+            scanner.next(black_box(&self.plain.bytes[at..]), &self.registry)
+        {
+            at += len;
+            count += 1;
+        }
+        if count == BLOCK { Ok(()) } else { Err("not every frame was found".into()) }
+    }
+
+    fn verify(&self) -> Result<(), Box<dyn Error>> {
+        let mut state = SigningState::new();
+        state.set_key(Some(key()?));
+        for bytes in self.signed.iter() {
+            if !state.check(&FrameRef::parse(black_box(bytes))?, None).is_verified() {
+                return Err("a signature did not verify".into());
+            }
+        }
+        Ok(())
+    }
+
+    fn message(&self, case: &str, bytes: &[u8]) -> Result<(), Box<dyn Error>> {
+        let frame = FrameRef::parse(black_box(bytes))?;
+        let entry = self.registry.lookup(frame.header().msgid).ok_or("unknown message")?;
+        let message = self.registry.message(entry.index);
+        let mut out = String::new();
+        match case {
+            "decode" => drop(black_box(codec::decode_all(message, frame.payload()))),
+            "text" => text::write_text(&mut out, message, frame.payload()),
+            "json" => text::write_json(&mut out, message, frame.payload()),
+            _ => {
+                let mut again = Vec::new();
+                frame::encode(&mut again, *frame.header(), frame.payload(), entry.crc_extra)?;
+                if again != bytes {
+                    return Err("encoding gave another frame".into());
+                }
+            }
+        }
+        black_box(out);
+        Ok(())
+    }
+}
+
+fn key() -> Result<SecretKey, Box<dyn Error>> {
+    Ok(SecretKey::new(&[7; 32])?)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut args = std::env::args().skip(1);
+    let case = args.next().ok_or("usage: hot_paths CASE N | hot_paths time")?;
+    let bench = Bench::new()?;
+    if case != "time" {
+        let frames: usize = args.next().ok_or("how many frames?")?.parse()?;
+        return (0..frames / BLOCK).try_for_each(|_| bench.block(&case));
+    }
+    let mut out = std::io::stdout();
+    for case in CASES {
+        let mut best = f64::INFINITY;
+        for _ in 0..300 {
+            let began = Instant::now();
+            bench.block(case)?;
+            best = best.min(began.elapsed().as_nanos() as f64 / BLOCK as f64);
+        }
+        writeln!(out, "{case} {best:.1}")?;
+    }
+    Ok(())
+}

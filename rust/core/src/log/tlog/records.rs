@@ -1,0 +1,127 @@
+//! The good records of a log that may be damaged.
+//!
+//! The frames are found by the re-scanning scanner over the bytes behind each stamp, so a false STX in a stamp or a
+//! record with a wrong length costs no good record. A frame's stamp is the eight bytes in front of it.
+
+use super::{STAMP_LEN, Stamp};
+use crate::frame::Header;
+use crate::registry::{Entry, Registry};
+use crate::scan::{Found, Resync, Scanner};
+
+/// What stands at the front of the unread bytes of a log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FoundRecord {
+    /// A record; `len` bytes, of which the first eight are the stamp.
+    Record {
+        /// Bytes of the record.
+        len: usize,
+        /// Its time.
+        stamp: Stamp,
+        /// The header of its frame.
+        header: Header,
+        /// The message definition; `None` for an unknown id.
+        entry: Option<Entry>,
+    },
+    /// Bytes that belong to no record.
+    Junk {
+        /// At least 1.
+        len: usize,
+    },
+    /// The start of a record.
+    Incomplete {
+        /// Bytes, counted from the front, that must be there before the next look can say more.
+        needed: usize,
+    },
+}
+
+/// Where the frame scanner stands.
+#[derive(Debug, Clone, Copy)]
+enum Ahead {
+    /// At the front, where a stamp should start.
+    AtFront,
+    /// Behind the front's stamp.
+    BehindStamp,
+    /// Behind the frame of the record at the front, which is this.
+    BehindFrame { len: usize, header: Header, entry: Option<Entry> },
+}
+
+/// Finds records. `unread` must start where the previous outcome ended, as for [`Scanner`].
+#[derive(Debug, Clone)]
+pub struct RecordScanner {
+    scanner: Scanner,
+    ahead: Ahead,
+}
+
+impl Default for RecordScanner {
+    fn default() -> Self {
+        Self { scanner: Scanner::new(Resync::Rescan), ahead: Ahead::AtFront }
+    }
+}
+
+impl RecordScanner {
+    /// A scanner at the start of a log, or anywhere in it.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Looks at the front of `unread`. `at_end` says that no more bytes follow: then only an empty rest is incomplete.
+    pub fn next(&mut self, unread: &[u8], registry: &Registry, at_end: bool) -> FoundRecord {
+        if let Ahead::BehindFrame { len, header, entry } = self.ahead {
+            return self.record(unread, len, header, entry);
+        }
+        let Some(frames) = unread.get(STAMP_LEN..) else {
+            return self.without_frame(unread, STAMP_LEN + 1, at_end);
+        };
+        if let Ahead::AtFront = self.ahead {
+            self.scanner.skip(STAMP_LEN);
+            self.ahead = Ahead::BehindStamp;
+        }
+        let mut junk = 0;
+        loop {
+            match self.next_frame(&frames[junk..], registry, at_end) {
+                Found::Frame { len, header, entry } if junk == 0 => {
+                    return self.record(unread, len, header, entry);
+                }
+                Found::Frame { len, header, entry } => {
+                    self.ahead = Ahead::BehindFrame { len, header, entry };
+                    return FoundRecord::Junk { len: junk };
+                }
+                Found::Noise { len } | Found::Rejected { len, .. } => junk += len,
+                Found::Incomplete { .. } if junk > 0 => return FoundRecord::Junk { len: junk },
+                Found::Incomplete { needed } => {
+                    return self.without_frame(unread, STAMP_LEN + needed, at_end);
+                }
+            }
+        }
+    }
+
+    fn next_frame(&mut self, bytes: &[u8], registry: &Registry, at_end: bool) -> Found {
+        if at_end {
+            self.scanner.next_at_end(bytes, registry)
+        } else {
+            self.scanner.next(bytes, registry)
+        }
+    }
+
+    /// The record at the front, whose frame the scanner has found.
+    fn record(
+        &mut self,
+        unread: &[u8],
+        len: usize,
+        header: Header,
+        entry: Option<Entry>,
+    ) -> FoundRecord {
+        self.ahead = Ahead::AtFront;
+        let stamp = Stamp::parse(unread).unwrap_or(Stamp(0));
+        FoundRecord::Record { len: STAMP_LEN + len, stamp, header, entry }
+    }
+
+    /// No frame stands behind the front's stamp yet, or ever.
+    fn without_frame(&mut self, unread: &[u8], needed: usize, at_end: bool) -> FoundRecord {
+        if at_end && !unread.is_empty() {
+            self.ahead = Ahead::AtFront;
+            return FoundRecord::Junk { len: unread.len() };
+        }
+        FoundRecord::Incomplete { needed }
+    }
+}

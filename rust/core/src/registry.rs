@@ -1,0 +1,123 @@
+//! From message id to message definition, fast enough to be asked for every frame.
+//!
+//! Ids are 24 bits wide but cluster: a directory of pages of 256 ids costs two loads per lookup and a few kilobytes per
+//! dialect. Page 0 of the table is the empty page that all unused directory entries point at.
+
+use mavwire_schema::{Dialect, Message};
+
+const PAGE: usize = 256;
+const NO_MESSAGE: u16 = u16::MAX;
+
+/// What scanning needs to know of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Entry {
+    /// Index into the dialect's messages.
+    pub index: u16,
+    /// Checksum seed.
+    pub crc_extra: u8,
+    /// Payload bytes of the base fields.
+    pub min_len: u8,
+    /// Payload bytes with extension fields.
+    pub max_len: u8,
+}
+
+const EMPTY: Entry = Entry { index: NO_MESSAGE, crc_extra: 0, min_len: 0, max_len: 0 };
+
+/// A dialect with an index by message id.
+#[derive(Debug, Clone)]
+pub struct Registry {
+    dialect: Dialect,
+    /// `directory[msgid / PAGE]`: number of the page in `entries`.
+    directory: Box<[u16]>,
+    entries: Box<[Entry]>,
+}
+
+impl Registry {
+    /// Indexes a dialect. Of two messages with one id the later one counts.
+    ///
+    /// # Panics
+    /// Where the dialect has 65,535 messages or more, which the definitions parser does not let through.
+    pub fn new(dialect: Dialect) -> Self {
+        assert!(dialect.messages.len() < usize::from(NO_MESSAGE), "too many messages in a dialect");
+        let pages = dialect.messages.iter().map(|m| page_of(m.id) + 1).max().unwrap_or(0);
+        let mut directory = vec![0; pages].into_boxed_slice();
+        let mut entries = vec![EMPTY; PAGE];
+        for (index, message) in dialect.messages.iter().enumerate() {
+            let page = &mut directory[page_of(message.id)];
+            if *page == 0 {
+                *page = (entries.len() / PAGE) as u16;
+                entries.resize(entries.len() + PAGE, EMPTY);
+            }
+            entries[usize::from(*page) * PAGE + message.id as usize % PAGE] = Entry {
+                index: index as u16,
+                crc_extra: message.crc_extra,
+                min_len: message.min_len,
+                max_len: message.max_len,
+            };
+        }
+        Self { dialect, directory, entries: entries.into_boxed_slice() }
+    }
+
+    /// The dialect.
+    pub fn dialect(&self) -> &Dialect {
+        &self.dialect
+    }
+
+    /// The message with an id, if the dialect has it.
+    #[inline]
+    pub fn lookup(&self, msgid: u32) -> Option<Entry> {
+        let page = usize::from(*self.directory.get(page_of(msgid))?);
+        let entry = *self.entries.get(page * PAGE + msgid as usize % PAGE)?;
+        (entry.index != NO_MESSAGE).then_some(entry)
+    }
+
+    /// The definition behind [`Entry::index`].
+    ///
+    /// # Panics
+    /// Where `index` did not come from this registry.
+    #[inline]
+    pub fn message(&self, index: u16) -> &Message {
+        &self.dialect.messages[usize::from(index)]
+    }
+}
+
+#[inline]
+fn page_of(msgid: u32) -> usize {
+    msgid as usize / PAGE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{message, registry};
+    use mavwire_schema::WireVersion;
+
+    #[test]
+    fn every_message_is_found_and_nothing_else() {
+        let registry = registry();
+        let ids: Vec<u32> = registry.dialect().messages.iter().map(|message| message.id).collect();
+        for msgid in (0..70_000).chain([1 << 16, (1 << 24) - 1, 1 << 24, u32::MAX]) {
+            let found = registry.lookup(msgid);
+            assert_eq!(found.is_some(), ids.contains(&msgid), "{msgid}");
+            if let Some(entry) = found {
+                let message = registry.message(entry.index);
+                let facts = (message.id, message.crc_extra, message.min_len, message.max_len);
+                assert_eq!(facts, (msgid, entry.crc_extra, entry.min_len, entry.max_len));
+            }
+        }
+    }
+
+    #[test]
+    fn extreme_and_repeated_ids() {
+        let (name, wire_version) = ("edge".into(), WireVersion::V2);
+        let mut dialect = Dialect { name, wire_version, messages: vec![], enums: vec![] };
+        assert_eq!(Registry::new(dialect.clone()).lookup(0), None);
+        let last = (1 << 24) - 1;
+        for (id, crc_extra) in [(last, 1), (0, 2), (last, 3)] {
+            dialect.messages.push(message(id, "M", crc_extra, &[], &[]));
+        }
+        let registry = Registry::new(dialect);
+        let seed = |msgid| registry.lookup(msgid).map(|entry| entry.crc_extra);
+        assert_eq!((seed(last), seed(0), seed(last - 1), seed(1)), (Some(3), Some(2), None, None));
+    }
+}

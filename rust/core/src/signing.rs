@@ -1,0 +1,306 @@
+//! Message signing (MAVLink guide, "Message Signing"): who may be believed.
+//!
+//! A signature block is `link_id`, a 48-bit timestamp and the first 48 bits of SHA-256 over key, frame and timestamp. The
+//! timestamp of each stream (`link_id`, `sysid`, `compid`) must grow, which stops replays. The order matters: first the
+//! timestamp is looked at, then the digest, and only a good digest changes anything, so that someone without the key can
+//! neither block a genuine stream nor open the replay window of a new one.
+//!
+//! The clock is an argument (`now`, in signing units; `None` where there is none). What to do with frames that are not
+//! genuine is the caller's policy, and the [`Verdict`] says enough to apply and to log it.
+
+mod key;
+mod streams;
+
+pub use key::{Digest, SecretKey, sig48};
+pub use streams::{StreamId, StreamTable};
+
+use crate::frame::{FrameBuffer, FrameRef, SIGNATURE_LEN};
+use subtle::ConstantTimeEq;
+
+/// Unix time of signing timestamp 0: 2015-01-01 00:00 UTC, in seconds.
+pub const EPOCH_UNIX_SECONDS: u64 = 1_420_070_400;
+/// Timestamp units in a second (10 microseconds each).
+pub const UNITS_PER_SECOND: u64 = 100_000;
+/// Largest timestamp that 48 bits hold, reached in 2104.
+pub const MAX_TIMESTAMP: u64 = (1 << 48) - 1;
+/// How far a new stream's first timestamp may lie behind the local one: one minute.
+pub const NEW_STREAM_WINDOW: u64 = 60 * UNITS_PER_SECOND;
+/// How far received timestamps may move the local one ahead of the clock: one day.
+pub const MAX_LOCAL_LEAD: u64 = 24 * 3600 * UNITS_PER_SECOND;
+/// What received timestamps leave of the 48 bits where there is no clock: a year.
+pub const KEPT_FREE: u64 = 365 * MAX_LOCAL_LEAD;
+/// Message id of `SETUP_SIGNING`, which carries the secret key: never to be broadcast or forwarded.
+pub const SETUP_SIGNING: u32 = 256;
+/// Where `secret_key` stands in the payload of `SETUP_SIGNING`.
+const SETUP_SIGNING_KEY: std::ops::Range<usize> = 10..42;
+
+/// Why something cannot be signed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum SigningError {
+    /// A key of another length than 32 bytes.
+    #[error("a signing key has 32 bytes, not {0}")]
+    KeyLength(usize),
+    /// No key is set.
+    #[error("no signing key is set")]
+    NoKey,
+    /// The 48-bit timestamp is used up; it never wraps.
+    #[error("the signing timestamp is beyond 48 bits")]
+    TimestampExhausted,
+}
+
+/// What the stream table says about a signed frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stream {
+    /// First frame of its stream.
+    New,
+    /// The stream is known and its timestamp grew.
+    Known,
+}
+
+/// What a frame is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// No key is set, so that nothing can be said. Accepted as not verified.
+    NoKey,
+    /// A key is set and the frame carries no signature (version 1 frames never do).
+    Unsigned,
+    /// Genuine.
+    Good {
+        /// What kind of stream it belongs to.
+        stream: Stream,
+    },
+    /// Not newer than what its stream had already: a replay.
+    OldTimestamp {
+        /// Timestamp of the frame.
+        timestamp: u64,
+        /// Last timestamp of the stream.
+        last: u64,
+    },
+    /// First of its stream, and more than a minute behind the local timestamp.
+    NewStreamTooOld {
+        /// Timestamp of the frame.
+        timestamp: u64,
+        /// The local timestamp.
+        local: u64,
+    },
+    /// Further ahead of the clock than the application allows.
+    TooFarAhead {
+        /// Timestamp of the frame.
+        timestamp: u64,
+        /// The clock.
+        now: u64,
+    },
+    /// The digest is not that of the key.
+    Mismatch {
+        /// What kind of stream it claims.
+        stream: Stream,
+    },
+    /// Genuine, but of a new stream for which the table has no room.
+    TableFull,
+}
+
+impl Verdict {
+    /// The signature was checked and is good.
+    pub fn is_verified(self) -> bool {
+        matches!(self, Self::Good { .. })
+    }
+}
+
+/// Key, timestamps and streams of one party. Links that use the same key share one, so that what was heard on one link
+/// cannot be replayed on another.
+#[derive(Debug, Default)]
+pub struct SigningState {
+    key: Option<SecretKey>,
+    /// The timestamp of the next frame to sign, and what new streams are measured against. Not above 2^48.
+    pub timestamp: u64,
+    /// Last timestamp of each verified stream.
+    pub streams: StreamTable,
+    /// Refuse timestamps further ahead of the clock than this; `None` sets no limit, as the protocol does.
+    pub max_ahead: Option<u64>,
+}
+
+impl SigningState {
+    /// No key, timestamp 0, no streams.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Sets or removes the key. Streams and timestamp stay.
+    pub fn set_key(&mut self, key: Option<SecretKey>) {
+        self.key = key;
+    }
+
+    /// The key that is set.
+    pub fn key(&self) -> Option<&SecretKey> {
+        self.key.as_ref()
+    }
+
+    /// A key is set.
+    pub fn has_key(&self) -> bool {
+        self.key.is_some()
+    }
+
+    /// Judges a received frame whose checksum is right, and takes note of it if it is genuine.
+    pub fn check(&mut self, frame: &FrameRef<'_>, now: Option<u64>) -> Verdict {
+        let Some(key) = &self.key else { return Verdict::NoKey };
+        let Some(signature) = frame.signature() else { return Verdict::Unsigned };
+        let header = frame.header();
+        let id =
+            StreamId { link_id: signature.link_id, sysid: header.sysid, compid: header.compid };
+        let timestamp = signature.timestamp;
+        let stream = match self.streams.get(id) {
+            Some(last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
+            Some(_) => Stream::Known,
+            None if timestamp + NEW_STREAM_WINDOW < self.timestamp => {
+                return Verdict::NewStreamTooOld { timestamp, local: self.timestamp };
+            }
+            None => Stream::New,
+        };
+        if let (Some(now), Some(limit)) = (now, self.max_ahead)
+            && timestamp > now.saturating_add(limit)
+        {
+            return Verdict::TooFarAhead { timestamp, now };
+        }
+        let (signed, digest) = frame.bytes().split_at(frame.bytes().len() - size_of::<Digest>());
+        // As numbers, which takes one step; byte by byte is as constant and takes six.
+        if !bool::from(number(&sig48(key, &[signed])).ct_eq(&number(digest))) {
+            return Verdict::Mismatch { stream };
+        }
+        if !self.streams.set(id, timestamp) {
+            return Verdict::TableFull;
+        }
+        self.follow(timestamp, now);
+        Verdict::Good { stream }
+    }
+
+    /// Moves the local timestamp up to a verified one, but not far beyond the clock: one peer with a wrong clock must not
+    /// use up the 48 bits.
+    fn follow(&mut self, timestamp: u64, now: Option<u64>) {
+        let limit = match now {
+            Some(now) => now.saturating_add(MAX_LOCAL_LEAD),
+            None => MAX_TIMESTAMP - KEPT_FREE,
+        };
+        self.timestamp = self.timestamp.max(timestamp.min(limit));
+    }
+
+    /// The timestamp for the next signed frame: above all earlier ones, and the clock's where that is later.
+    ///
+    /// # Errors
+    /// The 48 bits are used up.
+    pub fn next_timestamp(&mut self, now: Option<u64>) -> Result<u64, SigningError> {
+        let timestamp = self.timestamp.max(now.unwrap_or(0).min(MAX_TIMESTAMP));
+        if timestamp > MAX_TIMESTAMP {
+            return Err(SigningError::TimestampExhausted);
+        }
+        self.timestamp = timestamp + 1;
+        Ok(timestamp)
+    }
+
+    /// Signs the frame that `out[start..]` holds by appending the signature block. The frame must have been encoded with
+    /// [`crate::frame::IFLAG_SIGNED`]. Returns the timestamp used.
+    ///
+    /// # Errors
+    /// No key, or the timestamp is used up; nothing is appended then.
+    pub fn sign(
+        &mut self,
+        out: &mut Vec<u8>,
+        start: usize,
+        link_id: u8,
+        now: Option<u64>,
+    ) -> Result<u64, SigningError> {
+        let (timestamp, block) = self.next_signature(&out[start..], link_id, now)?;
+        out.extend_from_slice(&block);
+        Ok(timestamp)
+    }
+
+    /// Signs a frame that was encoded with [`crate::frame::IFLAG_SIGNED`]. Returns the timestamp used.
+    ///
+    /// # Errors
+    /// No key, or the timestamp is used up; the frame stays as it was then.
+    pub fn sign_frame(
+        &mut self,
+        frame: &mut FrameBuffer,
+        link_id: u8,
+        now: Option<u64>,
+    ) -> Result<u64, SigningError> {
+        let (timestamp, block) = self.next_signature(frame, link_id, now)?;
+        frame.append_signature(&block);
+        Ok(timestamp)
+    }
+
+    fn next_signature(
+        &mut self,
+        frame: &[u8],
+        link_id: u8,
+        now: Option<u64>,
+    ) -> Result<(u64, [u8; SIGNATURE_LEN]), SigningError> {
+        if self.key.is_none() {
+            return Err(SigningError::NoKey);
+        }
+        let timestamp = self.next_timestamp(now)?;
+        let key = self.key.as_ref().ok_or(SigningError::NoKey)?;
+        Ok((timestamp, signature(frame, key, link_id, timestamp)))
+    }
+}
+
+/// A digest as a number.
+#[inline]
+fn number(digest: &[u8]) -> u64 {
+    digest.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte))
+}
+
+/// Appends a signature block to the frame in `frame`. The timestamp's upper 16 bits are not sent.
+pub fn sign(frame: &mut Vec<u8>, key: &SecretKey, link_id: u8, timestamp: u64) {
+    let block = signature(frame, key, link_id, timestamp);
+    frame.extend_from_slice(&block);
+}
+
+/// The signature block of a frame.
+fn signature(frame: &[u8], key: &SecretKey, link_id: u8, timestamp: u64) -> [u8; SIGNATURE_LEN] {
+    let mut block = [0; SIGNATURE_LEN];
+    block[0] = link_id;
+    block[1..7].copy_from_slice(&timestamp.to_le_bytes()[..6]);
+    let digest = sig48(key, &[frame, &block[..7]]);
+    block[7..].copy_from_slice(&digest);
+    block
+}
+
+/// The clock as a signing timestamp: 0 before 2015, [`MAX_TIMESTAMP`] from 2104 on.
+pub fn timestamp_from_unix_micros(micros: u64) -> u64 {
+    (micros.saturating_sub(EPOCH_UNIX_SECONDS * 1_000_000) / 10).min(MAX_TIMESTAMP)
+}
+
+/// The link id to use after a verified packet from the target: a ground station with link id 0 adopts the target's.
+pub fn adopt_link_id(own: u8, verified: u8) -> u8 {
+    if own == 0 { verified } else { own }
+}
+
+/// Overwrites the secret key in a payload of `SETUP_SIGNING` with 0xFF, for logs and texts.
+pub fn redact_setup_signing(payload: &mut [u8]) {
+    let end = SETUP_SIGNING_KEY.end.min(payload.len());
+    if let Some(key) = payload.get_mut(SETUP_SIGNING_KEY.start..end) {
+        key.fill(0xFF);
+    }
+}
+
+/// Two places to keep a timestamp across restarts: the smaller is overwritten and the larger one read, so that a write
+/// cut short loses at most the time since the write before.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct TimestampSlots(pub [u64; 2]);
+
+impl TimestampSlots {
+    /// The timestamp to go on from.
+    pub fn latest(&self) -> u64 {
+        self.0[0].max(self.0[1])
+    }
+
+    /// Puts a timestamp in the place of the smaller one; returns which place is to be written out.
+    pub fn store(&mut self, timestamp: u64) -> usize {
+        let slot = usize::from(self.0[1] < self.0[0]);
+        self.0[slot] = timestamp;
+        slot
+    }
+}
+
+#[cfg(test)]
+mod tests;

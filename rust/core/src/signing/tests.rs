@@ -1,0 +1,277 @@
+//! The signing requirements, by number.
+
+use super::*;
+use crate::frame::{self, IFLAG_SIGNED};
+use crate::testing::{HEARTBEAT_V1, HEARTBEAT_V2, header, unhex};
+use mavwire_schema::WireVersion::V2;
+
+const PAYLOAD: [u8; 9] = [4, 0, 0, 0, 2, 3, 0x51, 4, 3];
+
+fn key(byte: u8) -> Option<SecretKey> {
+    SecretKey::new(&[byte; 32]).ok()
+}
+
+fn receiver() -> SigningState {
+    let mut state = SigningState::new();
+    state.set_key(key(b'A'));
+    state
+}
+
+/// A HEARTBEAT from 1/1 signed with key `A`.
+fn signed(timestamp: u64, link_id: u8) -> Vec<u8> {
+    signed_with(b'A', timestamp, link_id)
+}
+
+fn signed_with(key_byte: u8, timestamp: u64, link_id: u8) -> Vec<u8> {
+    let mut header = header(V2, 0, 0);
+    header.incompat_flags = IFLAG_SIGNED;
+    let mut out = Vec::new();
+    frame::encode(&mut out, header, &PAYLOAD, 50).expect("a valid header");
+    sign(&mut out, &key(key_byte).expect("32 bytes"), link_id, timestamp);
+    out
+}
+
+fn check(state: &mut SigningState, bytes: &[u8], now: Option<u64>) -> Verdict {
+    state.check(&FrameRef::parse(bytes).expect("a whole frame"), now)
+}
+
+const GOOD_NEW: Verdict = Verdict::Good { stream: Stream::New };
+const GOOD_KNOWN: Verdict = Verdict::Good { stream: Stream::Known };
+
+fn streams(state: &SigningState) -> Vec<(u8, u8, u8, u64)> {
+    state.streams.iter().map(|(id, ts)| (id.link_id, id.sysid, id.compid, ts)).collect()
+}
+
+#[test]
+fn r30_r32_r33_the_block_is_another_implementations() {
+    let expected = "fd0901000001010000000400000002035104039c56030605040302019032ccaf5951";
+    assert_eq!(signed(0x0102_0304_0506, 3), unhex(expected));
+    assert_eq!(timestamp_from_unix_micros(1_420_070_400_000_000), 0);
+    assert_eq!(timestamp_from_unix_micros(1_420_070_401_000_019), 100_001);
+    assert_eq!(timestamp_from_unix_micros(0), 0);
+    assert_eq!(timestamp_from_unix_micros(u64::MAX), MAX_TIMESTAMP);
+}
+
+#[test]
+fn r34_sent_timestamps_always_grow() {
+    let mut state = receiver();
+    let clock = [Some(100), Some(100), Some(50), None, Some(99), Some(1000), Some(0)];
+    let sent = clock.map(|now| state.next_timestamp(now).unwrap_or(0));
+    assert_eq!(sent, [100, 101, 102, 103, 104, 1000, 1001]);
+}
+
+#[test]
+fn r35_starts_from_the_stored_timestamp_or_the_clock() {
+    let mut state = receiver();
+    state.timestamp = 500;
+    assert_eq!(state.next_timestamp(Some(400)), Ok(500));
+    assert_eq!(state.next_timestamp(Some(600)), Ok(600));
+    // Without a clock it counts up by one, as pymavlink does.
+    assert_eq!(state.next_timestamp(None), Ok(601));
+}
+
+#[test]
+fn r36_two_slots_survive_a_torn_write() {
+    let mut slots = TimestampSlots::default();
+    for timestamp in [10, 20, 30, 40] {
+        let before = slots;
+        let written = slots.store(timestamp);
+        assert_eq!(slots.latest(), timestamp);
+        let mut torn = slots;
+        torn.0[written] = 0;
+        assert_eq!(torn.latest(), before.latest());
+    }
+}
+
+#[test]
+fn r37_the_local_timestamp_follows_verified_frames_only_upwards() {
+    let mut state = receiver();
+    state.timestamp = 5;
+    assert_eq!(check(&mut state, &signed(999, 3), None), GOOD_NEW);
+    assert_eq!(state.timestamp, 999);
+    assert_eq!(check(&mut state, &signed(500, 4), None), GOOD_NEW);
+    assert_eq!(state.timestamp, 999);
+}
+
+#[test]
+fn r38_r41_state_changes_only_after_verification() {
+    let mut state = receiver();
+    // A forged first packet with the largest timestamp neither makes a stream nor moves the clock ...
+    let forged = signed_with(b'B', MAX_TIMESTAMP, 3);
+    assert_eq!(check(&mut state, &forged, None), Verdict::Mismatch { stream: Stream::New });
+    assert_eq!((streams(&state), state.timestamp), (vec![], 0));
+    assert_eq!(check(&mut state, &signed(1000, 3), None), GOOD_NEW);
+    // ... nor does one of a known stream freeze it.
+    assert_eq!(check(&mut state, &forged, None), Verdict::Mismatch { stream: Stream::Known });
+    assert_eq!((streams(&state), state.timestamp), (vec![(3, 1, 1, 1000)], 1000));
+    assert_eq!(check(&mut state, &signed(1001, 3), None), GOOD_KNOWN);
+    assert_eq!(streams(&state), [(3, 1, 1, 1001)]);
+}
+
+#[test]
+fn r41_a_forged_packet_does_not_reopen_the_replay_window() {
+    let mut state = receiver();
+    state.timestamp = 10 * NEW_STREAM_WINDOW;
+    let captured = signed(1000, 3);
+    let too_old = Verdict::NewStreamTooOld { timestamp: 1000, local: state.timestamp };
+    assert_eq!(check(&mut state, &captured, None), too_old);
+    // Forging a recent packet of that stream would have made it known, so that the old one passes.
+    let forged = signed_with(b'B', 10 * NEW_STREAM_WINDOW, 3);
+    assert!(!check(&mut state, &forged, None).is_verified());
+    assert_eq!(check(&mut state, &captured, None), too_old);
+}
+
+#[test]
+fn r32_any_flipped_bit_is_a_mismatch() {
+    let frame = signed(1000, 3);
+    for bit in 0..frame.len() * 8 {
+        let mut flipped = frame.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        let mut state = receiver();
+        if let Ok(frame) = FrameRef::parse(&flipped) {
+            assert!(!state.check(&frame, None).is_verified(), "bit {bit}");
+        }
+        assert!(state.streams.is_empty());
+    }
+}
+
+#[test]
+fn r39_equal_or_smaller_timestamps_are_replays() {
+    let mut state = receiver();
+    assert_eq!(check(&mut state, &signed(1000, 3), None), GOOD_NEW);
+    for timestamp in [1000, 999, 0] {
+        let expected = Verdict::OldTimestamp { timestamp, last: 1000 };
+        assert_eq!(check(&mut state, &signed(timestamp, 3), None), expected);
+    }
+    assert_eq!(check(&mut state, &signed(1001, 3), None), GOOD_KNOWN);
+    // Another link, system or component is another stream.
+    assert_eq!(check(&mut state, &signed(900, 2), None), GOOD_NEW);
+    assert_eq!(streams(&state), [(2, 1, 1, 900), (3, 1, 1, 1001)]);
+}
+
+#[test]
+fn r40_a_new_stream_may_be_a_minute_behind() {
+    let mut state = receiver();
+    state.timestamp = 1000 + NEW_STREAM_WINDOW + 1;
+    let expected = Verdict::NewStreamTooOld { timestamp: 1000, local: state.timestamp };
+    assert_eq!(check(&mut state, &signed(1000, 3), None), expected);
+    state.timestamp = 1000 + NEW_STREAM_WINDOW;
+    assert_eq!(check(&mut state, &signed(1000, 3), None), GOOD_NEW);
+    assert_eq!(state.timestamp, 1000 + NEW_STREAM_WINDOW);
+}
+
+#[test]
+fn r42_links_that_share_a_state_refuse_each_others_replays() {
+    let mut shared = receiver();
+    let heard_on_link_a = signed(1000, 3);
+    assert_eq!(check(&mut shared, &heard_on_link_a, None), GOOD_NEW);
+    let replayed_on_link_b = check(&mut shared, &heard_on_link_a, None);
+    assert_eq!(replayed_on_link_b, Verdict::OldTimestamp { timestamp: 1000, last: 1000 });
+}
+
+#[test]
+fn r43_r44_unsigned_and_version_1_frames_are_told_under_a_key() {
+    let mut state = receiver();
+    assert_eq!(check(&mut state, &HEARTBEAT_V2, None), Verdict::Unsigned);
+    assert_eq!(check(&mut state, &HEARTBEAT_V1, None), Verdict::Unsigned);
+    assert!(!Verdict::Unsigned.is_verified());
+}
+
+#[test]
+fn r48_unknown_ids_are_judged_like_any_other() {
+    let mut unknown = header(V2, 70_000, 0);
+    let mut frame = Vec::new();
+    frame::encode(&mut frame, unknown, &PAYLOAD, 77).expect("a valid header");
+    assert_eq!(check(&mut receiver(), &frame, None), Verdict::Unsigned);
+    frame.clear();
+    unknown.incompat_flags = IFLAG_SIGNED;
+    frame::encode(&mut frame, unknown, &PAYLOAD, 77).expect("a valid header");
+    sign(&mut frame, &key(b'A').expect("32 bytes"), 3, 1000);
+    assert_eq!(check(&mut receiver(), &frame, None), GOOD_NEW);
+}
+
+#[test]
+fn r50_without_a_key_nothing_is_verified() {
+    let mut state = SigningState::new();
+    assert_eq!(check(&mut state, &signed(1000, 3), None), Verdict::NoKey);
+    assert!(!Verdict::NoKey.is_verified() && state.streams.is_empty() && !state.has_key());
+    let mut frame = signed(1000, 3);
+    let before = frame.clone();
+    assert_eq!(state.sign(&mut frame, 0, 3, None), Err(SigningError::NoKey));
+    assert_eq!(frame, before);
+}
+
+#[test]
+fn r51_the_local_timestamp_stays_near_the_clock_and_never_wraps() {
+    let mut state = receiver();
+    let now = 1_000_000;
+    assert_eq!(check(&mut state, &signed(MAX_TIMESTAMP, 3), Some(now)), GOOD_NEW);
+    assert_eq!(state.timestamp, now + MAX_LOCAL_LEAD);
+    state.timestamp = MAX_TIMESTAMP;
+    let mut out = HEARTBEAT_V2.to_vec();
+    assert_eq!(state.sign(&mut out, 0, 0, None), Ok(MAX_TIMESTAMP));
+    assert_eq!(out.len(), HEARTBEAT_V2.len() + SIGNATURE_LEN);
+    for _ in 0..2 {
+        let error = state.sign(&mut out, 0, 0, None);
+        assert_eq!(error, Err(SigningError::TimestampExhausted));
+    }
+    assert_eq!(out.len(), HEARTBEAT_V2.len() + SIGNATURE_LEN);
+}
+
+#[test]
+fn r51_without_a_clock_a_year_of_timestamps_is_left() {
+    let mut state = receiver();
+    assert_eq!(check(&mut state, &signed(MAX_TIMESTAMP, 3), None), GOOD_NEW);
+    assert_eq!(state.timestamp, MAX_TIMESTAMP - KEPT_FREE);
+    let mut out = HEARTBEAT_V2.to_vec();
+    assert_eq!(state.sign(&mut out, 0, 0, None), Ok(MAX_TIMESTAMP - KEPT_FREE));
+}
+
+#[test]
+fn r52_future_timestamps_are_limited_on_request() {
+    let mut state = receiver();
+    state.max_ahead = Some(1000);
+    let far = Verdict::TooFarAhead { timestamp: 2001, now: 1000 };
+    assert_eq!(check(&mut state, &signed(2001, 3), Some(1000)), far);
+    assert_eq!(check(&mut state, &signed(2000, 3), Some(1000)), GOOD_NEW);
+}
+
+#[test]
+fn r53_the_key_in_setup_signing_is_overwritten() {
+    let mut payload = [7; 42];
+    redact_setup_signing(&mut payload);
+    assert_eq!((&payload[..10], &payload[10..]), (&[7; 10][..], &[0xFF; 32][..]));
+    for len in 0..42 {
+        let mut payload = vec![7; len];
+        redact_setup_signing(&mut payload);
+        assert!(payload.iter().skip(10).all(|&byte| byte == 0xFF));
+    }
+}
+
+#[test]
+fn r54_the_signature_is_removed_for_logging() {
+    let frame = signed(1000, 3);
+    let mut logged = Vec::new();
+    frame::encode_unsigned(&mut logged, &FrameRef::parse(&frame).expect("a whole frame"), 50);
+    assert_eq!(logged, HEARTBEAT_V2);
+}
+
+#[test]
+fn r55_the_stream_table_is_bounded() {
+    let mut state = receiver();
+    state.streams = StreamTable::with_capacity(2);
+    assert_eq!(check(&mut state, &signed(1, 1), None), GOOD_NEW);
+    assert_eq!(check(&mut state, &signed(2, 2), None), GOOD_NEW);
+    assert_eq!(check(&mut state, &signed(3, 3), None), Verdict::TableFull);
+    assert_eq!((streams(&state), state.timestamp), (vec![(1, 1, 1, 1), (2, 1, 1, 2)], 2));
+    assert_eq!(check(&mut state, &signed(4, 1), None), GOOD_KNOWN);
+    assert_eq!(state.streams.remove(StreamId { link_id: 2, sysid: 1, compid: 1 }), Some(2));
+    assert_eq!(state.streams.len(), 1);
+    state.streams.clear();
+    assert!(state.streams.is_empty());
+}
+
+#[test]
+fn r57_link_id_0_adopts_the_targets() {
+    assert_eq!((adopt_link_id(0, 5), adopt_link_id(2, 5)), (5, 2));
+}

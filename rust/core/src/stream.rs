@@ -1,0 +1,271 @@
+//! A byte stream that arrives in pieces: a scanner with just enough buffer.
+//!
+//! Two ways to use it. [`FrameStream::push`] and [`FrameStream::next`] copy what arrives and hand it out again, for small
+//! reads. [`FrameStream::feed`] scans a caller's chunk in place, which is what large reads want: only the frame that
+//! straddles two chunks is copied. The memory kept between chunks is at most one frame's worth of bytes, and a large
+//! chunk's buffer is given back.
+
+use crate::registry::Registry;
+use crate::scan::{Found, Resync, Scanner};
+
+/// Capacity that is kept while there is little to hold.
+const KEPT_CAPACITY: usize = 16 * 1024;
+
+/// An outcome of the scanner with its bytes. `found` is never [`Found::Incomplete`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Piece<'a> {
+    /// The bytes that the outcome is about.
+    pub bytes: &'a [u8],
+    /// What they are.
+    pub found: Found,
+}
+
+/// A scanner and the bytes it has not dealt with yet.
+#[derive(Debug, Clone)]
+pub struct FrameStream {
+    scanner: Scanner,
+    buffer: Vec<u8>,
+    /// `buffer[start..]` is unread.
+    start: usize,
+}
+
+impl FrameStream {
+    /// An empty stream.
+    pub fn new(policy: Resync) -> Self {
+        Self { scanner: Scanner::new(policy), buffer: Vec::new(), start: 0 }
+    }
+
+    /// The scanner, for its settings.
+    pub fn scanner_mut(&mut self) -> &mut Scanner {
+        &mut self.scanner
+    }
+
+    /// Appends received bytes.
+    pub fn push(&mut self, bytes: &[u8]) {
+        self.compact();
+        self.buffer.extend_from_slice(bytes);
+    }
+
+    /// The next piece; `None` until more bytes are pushed.
+    pub fn next(&mut self, registry: &Registry) -> Option<Piece<'_>> {
+        let found = self.scanner.next(&self.buffer[self.start..], registry);
+        self.take(found)
+    }
+
+    /// The next piece where no more bytes will come (see [`Scanner::next_at_end`]).
+    pub fn next_at_end(&mut self, registry: &Registry) -> Option<Piece<'_>> {
+        let found = self.scanner.next_at_end(&self.buffer[self.start..], registry);
+        self.take(found)
+    }
+
+    /// Scans `chunk` in place behind whatever is buffered. Dropping the result buffers what it has not handed out.
+    pub fn feed<'a>(&'a mut self, chunk: &'a [u8]) -> Feed<'a> {
+        self.compact();
+        let carried = self.buffer.len();
+        Feed { stream: self, chunk, at: 0, carried }
+    }
+
+    /// Number of unread bytes.
+    pub fn buffered(&self) -> usize {
+        self.buffer.len() - self.start
+    }
+
+    /// The unread bytes.
+    pub fn unread(&self) -> &[u8] {
+        &self.buffer[self.start..]
+    }
+
+    /// Forgets everything received so far.
+    pub fn clear(&mut self) {
+        self.scanner.reset();
+        self.buffer = Vec::new();
+        self.start = 0;
+    }
+
+    fn take(&mut self, found: Found) -> Option<Piece<'_>> {
+        let Some(len) = consumed(&found) else {
+            self.compact();
+            return None;
+        };
+        let from = self.start;
+        self.start += len;
+        Some(Piece { bytes: &self.buffer[from..self.start], found })
+    }
+
+    /// Moves the unread bytes to the front, and gives a large buffer back when little is left in it.
+    fn compact(&mut self) {
+        if self.buffer.capacity() > KEPT_CAPACITY && self.buffered() <= KEPT_CAPACITY / 4 {
+            self.buffer = self.buffer[self.start..].to_vec();
+            self.start = 0;
+        } else if self.start > self.buffer.len() / 2 {
+            self.buffer.drain(..self.start);
+            self.start = 0;
+        }
+    }
+}
+
+/// Bytes that an outcome takes off the stream; `None` for none.
+fn consumed(found: &Found) -> Option<usize> {
+    match *found {
+        Found::Frame { len, .. } | Found::Noise { len } | Found::Rejected { len, .. } => Some(len),
+        Found::Incomplete { .. } => None,
+    }
+}
+
+/// A chunk being scanned in place.
+#[derive(Debug)]
+pub struct Feed<'a> {
+    stream: &'a mut FrameStream,
+    chunk: &'a [u8],
+    /// `chunk[..at]` is handed out or copied into the stream's buffer.
+    at: usize,
+    /// Length of the buffer's part that came before this chunk.
+    carried: usize,
+}
+
+impl Feed<'_> {
+    /// The next piece; `None` when the chunk is used up.
+    pub fn next(&mut self, registry: &Registry) -> Option<Piece<'_>> {
+        loop {
+            let stream = &mut *self.stream;
+            if stream.start >= self.carried {
+                // What is left in the buffer was copied from the chunk: go on there.
+                self.at -= stream.buffered();
+                stream.buffer.clear();
+                (stream.start, self.carried) = (0, 0);
+                let found = stream.scanner.next(&self.chunk[self.at..], registry);
+                let from = self.at;
+                self.at += consumed(&found)?;
+                return Some(Piece { bytes: &self.chunk[from..self.at], found });
+            }
+            let found = stream.scanner.next(&stream.buffer[stream.start..], registry);
+            if let Found::Incomplete { needed } = found {
+                let missing = needed.saturating_sub(stream.buffered()).max(1);
+                let end = self.chunk.len().min(self.at + missing);
+                if end == self.at {
+                    return None;
+                }
+                stream.buffer.extend_from_slice(&self.chunk[self.at..end]);
+                self.at = end;
+            } else {
+                return self.stream.take(found);
+            }
+        }
+    }
+}
+
+impl Drop for Feed<'_> {
+    fn drop(&mut self) {
+        self.stream.buffer.extend_from_slice(&self.chunk[self.at..]);
+        self.at = self.chunk.len();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{HEARTBEAT_V1, HEARTBEAT_V2, noise, registry};
+
+    fn input() -> Vec<u8> {
+        let mut input = Vec::new();
+        for n in 0..200_u8 {
+            input.extend_from_slice(if n % 2 == 0 { &HEARTBEAT_V2 } else { &HEARTBEAT_V1 });
+            input.extend(noise(usize::from(n % 7), n.into()));
+            if n % 31 == 0 {
+                input.extend([0xFE; 300]);
+            }
+        }
+        input
+    }
+
+    type Collected = (Vec<Vec<u8>>, Vec<u8>);
+
+    /// Frames, and all bytes that came out.
+    fn collect((frames, bytes): &mut Collected, piece: Piece<'_>) {
+        bytes.extend_from_slice(piece.bytes);
+        if matches!(piece.found, Found::Frame { .. }) {
+            frames.push(piece.bytes.to_vec());
+        }
+    }
+
+    fn run(policy: Resync, input: &[u8], chunk: usize, feed: bool) -> Collected {
+        let registry = registry();
+        let mut stream = FrameStream::new(policy);
+        let mut collected = Collected::default();
+        for chunk in input.chunks(chunk) {
+            if feed {
+                let mut feed = stream.feed(chunk);
+                while let Some(piece) = feed.next(&registry) {
+                    collect(&mut collected, piece);
+                }
+            } else {
+                stream.push(chunk);
+                while let Some(piece) = stream.next(&registry) {
+                    collect(&mut collected, piece);
+                }
+            }
+            assert!(stream.buffered() < 280);
+        }
+        collected.1.extend_from_slice(stream.unread());
+        collected
+    }
+
+    #[test]
+    fn r22_pushing_and_feeding_any_chunks_gives_the_same_frames() {
+        let input = input();
+        for policy in [Resync::Skip, Resync::Rescan] {
+            let whole = run(policy, &input, input.len(), false);
+            assert!(whole.0.len() > 100);
+            for chunk in (1..80).chain([279, 280, 281, 1000]) {
+                for feed in [false, true] {
+                    let (frames, bytes) = run(policy, &input, chunk, feed);
+                    assert!(frames == whole.0, "{policy:?} chunk {chunk} feed {feed}");
+                    assert!(bytes == input, "{policy:?} chunk {chunk} feed {feed}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_feed_dropped_early_keeps_the_rest() {
+        let registry = registry();
+        let mut stream = FrameStream::new(Resync::Skip);
+        stream.push(&HEARTBEAT_V2[..5]);
+        let chunk = [&HEARTBEAT_V2[5..], &HEARTBEAT_V1, &HEARTBEAT_V2].concat();
+        let mut feed = stream.feed(&chunk);
+        assert_eq!(feed.next(&registry).map(|p| p.bytes.to_vec()), Some(HEARTBEAT_V2.to_vec()));
+        drop(feed);
+        assert_eq!(stream.next(&registry).map(|p| p.bytes), Some(&HEARTBEAT_V1[..]));
+        assert_eq!(stream.next(&registry).map(|p| p.bytes), Some(&HEARTBEAT_V2[..]));
+        assert_eq!(stream.next(&registry), None);
+    }
+
+    #[test]
+    fn r21_memory_between_chunks_is_bounded() {
+        let registry = registry();
+        for policy in [Resync::Skip, Resync::Rescan] {
+            let mut stream = FrameStream::new(policy);
+            let big = HEARTBEAT_V2.repeat(400_000);
+            for chunk in big.chunks(1_000_003) {
+                stream.push(chunk);
+                while stream.next(&registry).is_some() {}
+                assert!(stream.buffer.capacity() <= KEPT_CAPACITY);
+                assert!(stream.buffered() < 21);
+            }
+        }
+    }
+
+    #[test]
+    fn the_end_of_a_stream_frees_frames_behind_a_false_stx() {
+        let registry = registry();
+        let mut stream = FrameStream::new(Resync::Rescan);
+        stream.push(&[&[0xFE, 200, 0], &HEARTBEAT_V2[..]].concat());
+        assert_eq!(stream.next(&registry), None);
+        let junk = stream.next_at_end(&registry).map(|piece| piece.bytes.to_vec());
+        assert_eq!(junk, Some(vec![0xFE, 200, 0]));
+        assert_eq!(stream.next_at_end(&registry).map(|p| p.bytes), Some(&HEARTBEAT_V2[..]));
+        assert_eq!(stream.next_at_end(&registry), None);
+        stream.clear();
+        assert_eq!(stream.buffered(), 0);
+    }
+}

@@ -1,0 +1,12 @@
+//! Everything of mavwire that touches the operating system.
+//!
+//! Protocol logic stays in `mavwire-core`, which takes slices; this crate is where the slices come from. Sockets and serial ports
+//! are read here on systems with POSIX descriptors; elsewhere that is `Unsupported`, and Python reads them.
+
+pub mod address;
+pub mod bytes;
+pub mod clock;
+pub mod datagrams;
+pub mod readiness;
+pub mod records;
+pub mod window;

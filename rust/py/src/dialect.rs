@@ -1,0 +1,293 @@
+//! A dialect as Python holds it: the registry that scans frames, and one Python class per message, made on first use.
+
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+
+use mavwire_core::builtin;
+use mavwire_core::registry::Registry;
+use mavwire_schema::{
+    Definitions, ParseOptions, SchemaError, WireVersion, dialect_name, parse_definitions, resolve,
+};
+use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyString, PyType};
+use pyo3::{create_exception, intern};
+
+use crate::create;
+use crate::frame_bytes::FrameBytes;
+use crate::info::{Info, MessageInfo};
+use crate::message::{Message, Origin};
+
+create_exception!(
+    mavwire._native,
+    DefinitionError,
+    PyValueError,
+    "A definition that is wrong or hostile; the text names file, line and reason."
+);
+
+/// The Python class of one message, with its definition at hand.
+pub(crate) struct MessageClass {
+    pub(crate) class: Py<PyType>,
+    pub(crate) info: &'static Info,
+}
+
+/// A resolved dialect, bound to the namespace of its Python module.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct Dialect {
+    pub(crate) registry: Arc<Registry>,
+    classes: Box<[OnceLock<MessageClass>]>,
+    by_name: HashMap<String, u16>,
+    namespace: OnceLock<Py<PyDict>>,
+    make_class: OnceLock<Py<PyAny>>,
+}
+
+pub(crate) fn schema_error(error: &SchemaError) -> PyErr {
+    DefinitionError::new_err(error.to_string())
+}
+
+/// A definition file by the path that an `<include>` gives: the user's first, else one that comes with mavwire.
+pub(crate) fn lookup(
+    sources: &HashMap<String, String>,
+    path: &str,
+) -> Result<Definitions, SchemaError> {
+    match sources.get(dialect_name(path)) {
+        Some(text) => parse_definitions(path, text, &ParseOptions::default()),
+        None => builtin::definitions(path),
+    }
+}
+
+fn wire_version(text: &str) -> PyResult<WireVersion> {
+    match text {
+        "1.0" => Ok(WireVersion::V1),
+        "2.0" => Ok(WireVersion::V2),
+        _ => Err(PyValueError::new_err(format!(
+            "wire protocol must be \"1.0\" or \"2.0\", not {text:?}"
+        ))),
+    }
+}
+
+impl Dialect {
+    fn from_schema(dialect: mavwire_schema::Dialect) -> Self {
+        let count = dialect.messages.len();
+        let by_name = dialect.messages.iter().zip(0..).map(|(m, i)| (m.name.clone(), i)).collect();
+        Self {
+            registry: Arc::new(Registry::new(dialect)),
+            classes: (0..count).map(|_| OnceLock::new()).collect(),
+            by_name,
+            namespace: OnceLock::new(),
+            make_class: OnceLock::new(),
+        }
+    }
+
+    /// Globals of the Python module this dialect belongs to.
+    pub(crate) fn namespace<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
+        let unbound = || PyRuntimeError::new_err("the dialect is not bound to a module");
+        Ok(self.namespace.get().ok_or_else(unbound)?.bind(py))
+    }
+
+    /// A name of the Python module, looked up each time because user code may assign to it.
+    pub(crate) fn global<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let value = self.namespace(py)?.get_item(name)?;
+        value.ok_or_else(|| PyRuntimeError::new_err(format!("the dialect module lost its {name}")))
+    }
+
+    /// Frames are made in version 2: the module's `WIRE_PROTOCOL_VERSION`, which user code may change at any time.
+    pub(crate) fn is_v2(&self, py: Python<'_>) -> PyResult<bool> {
+        let version = self.namespace(py)?.get_item(intern!(py, "WIRE_PROTOCOL_VERSION"))?;
+        let Some(version) = version else { return Ok(true) };
+        // The strings that modules start with are interned, so that comparing pointers is enough.
+        if version.is(intern!(py, "2.0")) {
+            return Ok(true);
+        }
+        if version.is(intern!(py, "1.0")) {
+            return Ok(false);
+        }
+        let number = py.get_type::<pyo3::types::PyFloat>().call1((version,))?;
+        Ok((number.extract::<f64>()? - 2.0).abs() < f64::EPSILON)
+    }
+
+    /// The class of the message with this index, if it was used before.
+    pub(crate) fn known_class(&self, index: u16) -> Option<&MessageClass> {
+        self.classes[usize::from(index)].get()
+    }
+
+    /// The class of the message with this index, made if it is the first use.
+    #[inline]
+    pub(crate) fn class(&self, py: Python<'_>, index: u16) -> PyResult<&MessageClass> {
+        let cell = &self.classes[usize::from(index)];
+        if let Some(class) = cell.get() {
+            return Ok(class);
+        }
+        self.make_class(py, index)
+    }
+
+    #[cold]
+    fn make_class(&self, py: Python<'_>, index: u16) -> PyResult<&MessageClass> {
+        let cell = &self.classes[usize::from(index)];
+        // Making the class runs Python, which may come back here; whoever is first wins.
+        let info = Info::of(py, self.registry.message(index));
+        let make = self.make_class.get().ok_or_else(|| PyRuntimeError::new_err("not bound"))?;
+        let wrapped = Bound::new(py, MessageInfo { info })?;
+        let class = make.bind(py).call1((wrapped,))?.cast_into::<PyType>()?.unbind();
+        Ok(cell.get_or_init(|| MessageClass { class, info }))
+    }
+
+    /// A message object around a received frame of a known id.
+    pub(crate) fn message<'py>(
+        &self,
+        py: Python<'py>,
+        index: u16,
+        frame: FrameBytes,
+    ) -> PyResult<Bound<'py, Message>> {
+        let class = self.class(py, index)?;
+        let message = Message::received(Some(class.info), frame, Origin::Decoded);
+        create::pooled(class.class.bind(py), message)
+    }
+}
+
+#[pymethods]
+impl Dialect {
+    /// A dialect that comes with mavwire, laid out for wire protocol "1.0" or "2.0".
+    #[staticmethod]
+    fn builtin(name: &str, wire_protocol: &str) -> PyResult<Self> {
+        let dialect = builtin::dialect(name, wire_version(wire_protocol)?);
+        Ok(Self::from_schema(dialect.map_err(|error| schema_error(&error))?))
+    }
+
+    /// A dialect from XML texts: `sources` maps file base names to texts, `main` names the one to start from. Includes
+    /// are looked up in `sources` first and among the built-in dialects second.
+    #[staticmethod]
+    fn from_sources(
+        main: &str,
+        sources: HashMap<String, String>,
+        wire_protocol: &str,
+    ) -> PyResult<Self> {
+        let mut lookup = |path: &str| lookup(&sources, path);
+        let dialect = resolve(main, &mut lookup, wire_version(wire_protocol)?);
+        Ok(Self::from_schema(dialect.map_err(|error| schema_error(&error))?))
+    }
+
+    /// Names of the built-in dialects.
+    #[staticmethod]
+    fn names() -> Vec<&'static str> {
+        builtin::names().collect()
+    }
+
+    /// Ties the dialect to its module: `namespace` are the module's globals, `make_class(info)` makes a message class.
+    fn bind(&self, namespace: Py<PyDict>, make_class: Py<PyAny>) -> PyResult<()> {
+        let fresh = self.namespace.set(namespace).is_ok() & self.make_class.set(make_class).is_ok();
+        if fresh { Ok(()) } else { Err(PyRuntimeError::new_err("the dialect is bound already")) }
+    }
+
+    /// Name of the main definition file.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.registry.dialect().name
+    }
+
+    /// "1.0" or "2.0".
+    #[getter]
+    fn wire_protocol<'py>(&self, py: Python<'py>) -> &Bound<'py, PyString> {
+        match self.registry.dialect().wire_version {
+            WireVersion::V1 => intern!(py, "1.0"),
+            WireVersion::V2 => intern!(py, "2.0"),
+        }
+    }
+
+    /// `[(name, id), ...]` in the dialect's order.
+    fn messages(&self) -> Vec<(&str, u32)> {
+        self.registry.dialect().messages.iter().map(|m| (m.name.as_str(), m.id)).collect()
+    }
+
+    /// The message class of an upper-case name, or `KeyError`.
+    fn message_class(&self, py: Python<'_>, name: &str) -> PyResult<Py<PyType>> {
+        let index = self.by_name.get(name).ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
+        Ok(self.class(py, *index)?.class.clone_ref(py))
+    }
+
+    /// Integer constants of the module: message ids and enum entries, `<ENUM>_ENUM_END` included.
+    fn add_constants(&self, namespace: &Bound<'_, PyDict>) -> PyResult<()> {
+        let py = namespace.py();
+        let dialect = self.registry.dialect();
+        for message in &dialect.messages {
+            namespace.set_item(format!("MAVLINK_MSG_ID_{}", message.name), message.id)?;
+        }
+        for definition in &dialect.enums {
+            for entry in &definition.entries {
+                namespace.set_item(&entry.name, number(py, entry.value)?)?;
+            }
+            namespace.set_item(end_name(definition), number(py, end_value(definition))?)?;
+        }
+        Ok(())
+    }
+
+    /// `[(enum name, bitmask, description, [(value, name, description, has_location, params), ...]), ...]`, where
+    /// `params` is `[(index, label, description, reserved, default), ...]`; the end marker is the last entry.
+    fn enums<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let rows = PyList::empty(py);
+        for definition in &self.registry.dialect().enums {
+            let entries = PyList::empty(py);
+            for entry in &definition.entries {
+                let params: Vec<_> = entry
+                    .params
+                    .iter()
+                    .map(|p| (p.index, &p.label, &p.description, p.reserved, &p.default))
+                    .collect();
+                entries.append((
+                    entry.value,
+                    &entry.name,
+                    &entry.description,
+                    entry.has_location,
+                    params,
+                ))?;
+            }
+            let no_params: Vec<u8> = Vec::new();
+            entries.append((end_value(definition), end_name(definition), "", false, no_params))?;
+            rows.append((&definition.name, definition.bitmask, &definition.description, entries))?;
+        }
+        Ok(rows)
+    }
+
+    /// Descriptions that the definitions themselves carry: `(message text, {field: text})`; empty for built-in ones.
+    fn descriptions(&self, name: &str) -> PyResult<(String, HashMap<String, String>)> {
+        let index = self.by_name.get(name).ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
+        let message = self.registry.message(*index);
+        let fields = message.fields.iter().map(|f| (f.name.clone(), f.description.clone()));
+        Ok((message.description.clone(), fields.collect()))
+    }
+
+    fn __repr__(&self) -> String {
+        let dialect = self.registry.dialect();
+        format!("<Dialect {} {:?}>", dialect.name, dialect.wire_version)
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        for class in self.classes.iter().filter_map(OnceLock::get) {
+            visit.call(&class.class)?;
+        }
+        if let Some(namespace) = self.namespace.get() {
+            visit.call(namespace)?;
+        }
+        if let Some(make_class) = self.make_class.get() {
+            visit.call(make_class)?;
+        }
+        Ok(())
+    }
+}
+
+fn end_name(definition: &mavwire_schema::Enum) -> String {
+    format!("{}_ENUM_END", definition.name)
+}
+
+/// An enum value; nearly all are small, which is the quick conversion.
+fn number(py: Python<'_>, value: i128) -> PyResult<Bound<'_, PyAny>> {
+    Ok(match i64::try_from(value) {
+        Ok(small) => small.into_pyobject(py)?.into_any(),
+        Err(_) => value.into_pyobject(py)?.into_any(),
+    })
+}
+
+fn end_value(definition: &mavwire_schema::Enum) -> i128 {
+    definition.entries.iter().map(|entry| entry.value).max().map_or(1, |last| last + 1)
+}

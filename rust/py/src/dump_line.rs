@@ -1,0 +1,222 @@
+//! One line of a dump: mavlogdump's text, JSON and CSV forms of a message, of an unknown one and of BAD_DATA.
+
+use std::fmt::Write;
+
+use mavwire_core::frame::Header;
+use mavwire_core::pyfloat::write_repr;
+use mavwire_core::text;
+use mavwire_schema::{Field, Message as Definition};
+
+/// What a line is about.
+pub(crate) enum Item<'a> {
+    Known {
+        index: u16,
+        message: &'a Definition,
+        labels: &'a Labels,
+        payload: &'a [u8],
+        header: Header,
+    },
+    Unknown {
+        msgid: u32,
+        frame: &'a [u8],
+    },
+    Bad {
+        frame: &'a [u8],
+        reason: String,
+    },
+}
+
+impl Item<'_> {
+    /// The type name that filters see.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Known { message, .. } => message.name.clone(),
+            Self::Unknown { msgid, .. } => format!("UNKNOWN_{msgid}"),
+            Self::Bad { .. } => "BAD_DATA".to_owned(),
+        }
+    }
+
+    /// System id, component id and sequence number; what is no message has none and shows zeros.
+    pub(crate) fn source(&self) -> (u8, u8, u8) {
+        match self {
+            Self::Known { header, .. } => (header.sysid, header.compid, header.seq),
+            _ => (0, 0, 0),
+        }
+    }
+}
+
+/// What is written for each message.
+pub(crate) enum Style {
+    Silent,
+    Standard { show_source: bool, show_seq: bool },
+    Json { show_source: bool },
+    Csv { separator: String, columns: Vec<Column> },
+}
+
+/// What stands before the values of a message type, put together once: three pieces of text in one cost as much as one.
+pub(crate) struct Labels {
+    head: String,
+    /// Before the value of each field, XML order.
+    fields: Vec<String>,
+}
+
+impl Labels {
+    pub(crate) fn new(style: &Style, message: &Definition) -> Self {
+        let name = &message.name;
+        let (head, quote, colon) = match style {
+            Style::Silent | Style::Csv { .. } => {
+                return Self { head: String::new(), fields: Vec::new() };
+            }
+            Style::Standard { .. } => (format!("{name} {{"), "", " : "),
+            Style::Json { .. } => {
+                (format!("{{\"meta\": {{\"type\": \"{name}\", \"timestamp\": "), "\"", "\": ")
+            }
+        };
+        let label = |(n, field): (usize, &Field)| {
+            format!("{}{quote}{}{colon}", if n > 0 { ", " } else { "" }, field.name)
+        };
+        Self { head, fields: message.fields.iter().enumerate().map(label).collect() }
+    }
+
+    /// Appends each field's label and value.
+    fn write(
+        &self,
+        out: &mut String,
+        message: &Definition,
+        payload: &[u8],
+        write_value: fn(&mut String, &Field, &[u8]),
+    ) {
+        for (field, label) in message.fields.iter().zip(&self.fields) {
+            out.push_str(label);
+            write_value(out, field, payload);
+        }
+    }
+}
+
+/// The columns of one message type in a CSV table.
+pub(crate) struct Column {
+    pub(crate) index: u16,
+    /// The cells of a row that is about another type.
+    pub(crate) blanks: String,
+}
+
+/// A message with its time in seconds since 1970, and what the local clock shows then.
+pub(crate) struct Line<'a> {
+    pub(crate) time: f64,
+    pub(crate) clock: &'a str,
+    pub(crate) item: &'a Item<'a>,
+}
+
+/// Appends the line with its newline.
+pub(crate) fn write_line(out: &mut String, style: &Style, line: &Line<'_>) {
+    match style {
+        Style::Silent => return,
+        Style::Standard { show_source, show_seq } => {
+            write_standard(out, line, *show_source, *show_seq);
+        }
+        Style::Json { show_source } => write_json(out, line, *show_source),
+        Style::Csv { separator, columns } => write_csv(out, line, separator, columns),
+    }
+    out.push('\n');
+}
+
+fn write_standard(out: &mut String, line: &Line<'_>, show_source: bool, show_seq: bool) {
+    out.push_str(line.clock);
+    out.push('.');
+    let hundredths = (line.time * 100.0) as u64 % 100;
+    out.push(char::from(b'0' + (hundredths / 10) as u8));
+    out.push(char::from(b'0' + (hundredths % 10) as u8));
+    out.push_str(": ");
+    match line.item {
+        Item::Known { message, labels, payload, .. } => {
+            out.push_str(&labels.head);
+            labels.write(out, message, payload, text::write_field_text);
+            out.push('}');
+        }
+        Item::Unknown { msgid, frame } => {
+            append(out, format_args!("UNKNOWN_{msgid} {{data:["));
+            write_hex(out, frame);
+            out.push_str("]}");
+        }
+        Item::Bad { frame, reason } => {
+            append(out, format_args!("BAD_DATA {{{reason}, data:["));
+            write_hex(out, frame);
+            out.push_str("]}");
+        }
+    }
+    let (sysid, compid, seq) = line.item.source();
+    if show_source {
+        append(out, format_args!(" srcSystem={sysid} srcComponent={compid}"));
+    }
+    if show_seq {
+        append(out, format_args!(" seq={seq}"));
+    }
+}
+
+fn write_json(out: &mut String, line: &Line<'_>, show_source: bool) {
+    match line.item {
+        Item::Known { labels, .. } => out.push_str(&labels.head),
+        other => {
+            let name = other.name();
+            append(out, format_args!("{{\"meta\": {{\"type\": \"{name}\", \"timestamp\": "));
+        }
+    }
+    write_repr(out, line.time);
+    if show_source {
+        let (sysid, compid, _) = line.item.source();
+        append(out, format_args!(", \"srcSystem\": {sysid}, \"srcComponent\": {compid}"));
+    }
+    out.push_str("}, \"data\": {");
+    match line.item {
+        Item::Known { message, labels, payload, .. } => {
+            labels.write(out, message, payload, text::write_field_json);
+        }
+        Item::Unknown { frame, .. } => write_json_bytes(out, frame),
+        Item::Bad { frame, reason } => {
+            write_json_bytes(out, frame);
+            out.push_str(", \"reason\": ");
+            text::write_json_string(out, reason);
+        }
+    }
+    out.push_str("}}");
+}
+
+/// A row: the time, then the fields of every type in the table, empty but for the line's own type.
+fn write_csv(out: &mut String, line: &Line<'_>, separator: &str, columns: &[Column]) {
+    append(out, format_args!("{:.8}", line.time));
+    for column in columns {
+        match line.item {
+            Item::Known { index, message, payload, .. } if *index == column.index => {
+                for field in &message.fields {
+                    out.push_str(separator);
+                    text::write_field_text(out, field, payload);
+                }
+            }
+            _ => out.push_str(&column.blanks),
+        }
+    }
+}
+
+/// `'fe', '9', '0'`
+fn write_hex(out: &mut String, bytes: &[u8]) {
+    for (n, byte) in bytes.iter().enumerate() {
+        let comma = if n > 0 { ", " } else { "" };
+        append(out, format_args!("{comma}'{byte:x}'"));
+    }
+}
+
+/// `"data": [254, 9, 0]`
+fn write_json_bytes(out: &mut String, bytes: &[u8]) {
+    out.push_str("\"data\": [");
+    for (n, byte) in bytes.iter().enumerate() {
+        let comma = if n > 0 { ", " } else { "" };
+        append(out, format_args!("{comma}{byte}"));
+    }
+    out.push(']');
+}
+
+/// Appends formatted text; a `String` takes all of it.
+fn append(out: &mut String, arguments: std::fmt::Arguments<'_>) {
+    let taken = out.write_fmt(arguments);
+    debug_assert!(taken.is_ok());
+}

@@ -1,0 +1,117 @@
+//! `mavwire._native`: the core as Python classes.
+//!
+//! The only crate that knows PyO3. It translates: bytes and errors in, objects and exceptions out; what MAVLink is stands
+//! in `mavwire-core` and `mavwire-schema`. Public Python classes derive from the ones here, see
+//! `python/mavwire/dialects/_classes.py`.
+
+use pyo3::prelude::*;
+
+mod classes;
+mod components;
+mod create;
+mod describe;
+mod descriptors;
+mod dialect;
+mod dict;
+mod dump;
+mod dump_line;
+mod encode;
+mod extra;
+mod filter;
+mod frame_bytes;
+mod index_build;
+mod info;
+mod instances;
+mod link;
+mod live;
+mod live_batch;
+mod live_source;
+mod lock;
+mod log;
+mod log_ahead;
+mod log_index;
+mod log_reader;
+mod log_receive;
+mod mavlink;
+mod message;
+mod meta;
+mod number;
+mod odd;
+mod open_log;
+mod pack;
+mod parse;
+mod parser;
+mod peers;
+mod raw;
+mod receive;
+mod send;
+mod send_lock;
+mod sequences;
+mod shared;
+mod signing;
+mod slot;
+mod system;
+mod text;
+mod tracking;
+mod values;
+mod x25;
+
+#[pymodule(gil_used = false)]
+mod _native {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::classes::message_class;
+    #[pymodule_export]
+    use crate::describe::describe;
+    #[pymodule_export]
+    use crate::descriptors::MetaAttr;
+    #[pymodule_export]
+    use crate::dialect::{DefinitionError, Dialect};
+    #[pymodule_export]
+    use crate::dict::{message_dict, restore};
+    #[pymodule_export]
+    use crate::dump::dump_log;
+    #[pymodule_export]
+    use crate::info::MessageInfo;
+    #[pymodule_export]
+    use crate::instances::add_message;
+    #[pymodule_export]
+    use crate::link::{Link, instance_dict};
+    #[pymodule_export]
+    use crate::live::LiveLink;
+    #[pymodule_export]
+    use crate::live_batch::receive_batch;
+    #[pymodule_export]
+    use crate::log::LogLink;
+    #[pymodule_export]
+    use crate::mavlink::MAVLink;
+    #[pymodule_export]
+    use crate::message::Message;
+    #[pymodule_export]
+    use crate::odd::OddField;
+    #[pymodule_export]
+    use crate::open_log::LogScan;
+    #[pymodule_export]
+    use crate::signing::Signing;
+    #[pymodule_export]
+    use crate::system::{SystemState, forget_states};
+    #[pymodule_export]
+    use crate::x25::x25_accumulate;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("FieldGetter", crate::descriptors::field_getter_type(module.py())?)?;
+        let doc = c"build(message, /, *values)\n--\n\n\
+            Stores the values of a new message's fields, in XML order.";
+        crate::raw::add(module, c"build", doc, crate::pack::build)?;
+        let doc = c"send_values(mav, info, force_mavlink1, /, *values)\n--\n\n\
+            Sends a message made of the values, without making an object of it where nobody sees one.";
+        crate::raw::add(module, c"send_values", doc, crate::send::send_values)
+    }
+
+    /// The package's version.
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

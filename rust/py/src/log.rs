@@ -1,0 +1,395 @@
+//! `LogLink`: a telemetry log as a link. `mavutil.mavlogfile` and `mavmmaplog` derive from it.
+//!
+//! `recv_msg` and `recv_match` read, decode and keep state without calling Python, as long as nobody replaced one of the
+//! methods they stand for or the parser's, and nothing is being recorded; otherwise they hand over to mavfile's own.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+use mavwire_core::log::tlog::Stamp;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
+
+use crate::filter::Filter;
+use crate::index_build;
+use crate::link::{Link, overrides};
+use crate::lock::Lock;
+use crate::log_index::LogIndex;
+use crate::log_reader::{LogReader, seconds};
+use crate::mavlink::MAVLink;
+use crate::message::Message;
+use crate::slot::Slot;
+use crate::tracking;
+
+/// Methods whose replacement in a subclass turns the quick paths off.
+const QUICK_METHODS: [&str; 9] = [
+    "recv",
+    "pre_message",
+    "post_message",
+    "recv_msg",
+    "recv_match",
+    "auto_mavlink_version",
+    "skip_to_type",
+    "_update",
+    "_delivered",
+];
+
+/// Read along with whatever is asked for, because they keep the mode and the parameters current.
+const ALWAYS_READ: [&str; 2] = ["HEARTBEAT", "PARAM_VALUE"];
+
+/// How often a long run looks whether the user wants to stop it.
+pub(crate) const SIGNAL_INTERVAL: u64 = 16 * 1024;
+
+/// Records of the wanted types, and how many of them were visited.
+struct Wanted {
+    ids: Vec<u32>,
+    offsets: Vec<u64>,
+    visited: usize,
+}
+
+/// A telemetry log as a link.
+#[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
+pub(crate) struct LogLink {
+    index: Lock<Option<LogIndex>>,
+    wanted: Lock<Option<Wanted>>,
+    /// No subclass replaces what the quick paths stand for.
+    quick: AtomicBool,
+    /// The last message, unless `LinkState::last_fresh` tells which it was.
+    pub(crate) last: Slot<Message>,
+}
+
+impl LogLink {
+    /// The quick paths may be taken.
+    pub(crate) fn is_quick(slf: &Bound<'_, Self>) -> bool {
+        slf.get().quick.load(Relaxed) && {
+            let state = slf.as_super().get().state();
+            state.reader.is_some() && !state.is_recording() && !state.has_own_parser
+        }
+    }
+
+    /// Does something with the reader; `None` while the log is not open for reading.
+    pub(crate) fn reader<T>(
+        slf: &Bound<'_, Self>,
+        act: impl FnOnce(&mut LogReader) -> std::io::Result<T>,
+    ) -> PyResult<Option<T>> {
+        match slf.as_super().get().state().reader.as_mut() {
+            Some(reader) => Ok(Some(act(reader)?)),
+            None => Ok(None),
+        }
+    }
+
+    pub(crate) fn mav<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, MAVLink>> {
+        let state = slf.as_super().get().state();
+        let mav = state.native_mav.as_ref().map(|mav| mav.bind(slf.py()).clone());
+        mav.ok_or_else(|| PyRuntimeError::new_err("the link has no MAVLink object"))
+    }
+
+    fn is_indexed(slf: &Bound<'_, Self>) -> bool {
+        slf.get().index.lock(slf.py()).is_some()
+    }
+
+    /// Seeks to the next record of the wanted types; behind the last one reading goes on record by record.
+    pub(crate) fn advance(slf: &Bound<'_, Self>, types: &Bound<'_, PyAny>) -> PyResult<()> {
+        let py = slf.py();
+        let this = slf.get();
+        if this.wanted.lock(py).is_none() {
+            let wanted = Self::wanted_records(slf, types)?;
+            let old = this.wanted.lock(py).replace(wanted);
+            drop(old);
+        }
+        let mut wanted = this.wanted.lock(py);
+        let Some(wanted) = wanted.as_mut() else { return Ok(()) };
+        let Some(rest @ [_, ..]) = wanted.offsets.get(wanted.visited..) else { return Ok(()) };
+        wanted.visited += 1;
+        Self::visit(slf, rest)
+    }
+
+    /// Goes on at the first of the records that begin at `offsets`, whatever was read before.
+    fn visit(slf: &Bound<'_, Self>, offsets: &[u64]) -> PyResult<()> {
+        let mut state = slf.as_super().get().state();
+        let state = &mut *state;
+        let (Some(reader), Some(mav)) = (state.reader.as_mut(), state.native_mav.as_ref()) else {
+            return Ok(());
+        };
+        let native = mav.get();
+        let mut parser = native.parser();
+        reader.visit(offsets, &parser, &native.dialect.get().registry)?;
+        if !parser.unread().is_empty() {
+            let dropped = parser.clear() as u64;
+            // The user may have set it back in the meantime.
+            let received = &native.counters.bytes_received;
+            received.store(received.load(Relaxed).saturating_sub(dropped), Relaxed);
+        }
+        Ok(())
+    }
+
+    fn wanted_records(slf: &Bound<'_, Self>, types: &Bound<'_, PyAny>) -> PyResult<Wanted> {
+        let mut names: Vec<String> = match types.cast::<PyString>() {
+            Ok(name) => vec![name.to_string()],
+            Err(_) => {
+                let names = types.try_iter()?.map(|name| Ok(name?.str()?.to_string()));
+                names.collect::<PyResult<_>>()?
+            }
+        };
+        names.extend(ALWAYS_READ.map(str::to_owned));
+        let index = slf.get().index.lock(slf.py());
+        let (ids, offsets) = index.as_ref().map(|index| index.select(&names)).unwrap_or_default();
+        Ok(Wanted { ids, offsets, visited: 0 })
+    }
+
+    pub(crate) fn seek_to(slf: &Bound<'_, Self>, offset: u64) -> PyResult<()> {
+        Self::mav(slf)?;
+        Self::visit(slf, &[offset])
+    }
+
+    fn call_slowly<'py>(
+        slf: &Bound<'py, Self>,
+        method: &str,
+        arguments: impl pyo3::call::PyCallArgs<'py>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let result = slf.call_method1(method, arguments)?;
+        Ok((!result.is_none()).then_some(result))
+    }
+}
+
+#[pymethods]
+impl LogLink {
+    #[new]
+    #[classmethod]
+    #[pyo3(signature = (*_args, **_kwargs))]
+    fn new(
+        cls: &Bound<'_, PyType>,
+        _args: &Bound<'_, PyTuple>,
+        _kwargs: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let log = Self {
+            index: Lock::new(None),
+            wanted: Lock::new(None),
+            quick: AtomicBool::new(!overrides(cls, &QUICK_METHODS)?),
+            last: Slot::new(),
+        };
+        Ok(PyClassInitializer::from(Link::empty()).add_subclass(log))
+    }
+
+    /// How much of the log is read, 0 to 100.
+    #[getter(percent)]
+    fn get_percent(slf: &Bound<'_, Self>) -> f64 {
+        slf.as_super().get().state().percent
+    }
+    #[setter(percent)]
+    fn set_percent(slf: &Bound<'_, Self>, value: f64) {
+        slf.as_super().get().state().percent = value;
+    }
+
+    /// Opens the file for reading; `stamped` says that its records have time stamps, `now` is the clock.
+    fn _open_reader(slf: &Bound<'_, Self>, path: PathBuf, stamped: bool, now: f64) -> PyResult<()> {
+        let reader = LogReader::open(&path, stamped, now)?;
+        let mut state = slf.as_super().get().state();
+        state.record_time = Some(reader.time);
+        state.reader = Some(Box::new(reader));
+        Ok(())
+    }
+
+    /// Closes the file; from then on the log is at its end.
+    fn _close_reader(slf: &Bound<'_, Self>) {
+        slf.as_super().get().state().reader = None;
+    }
+
+    /// Position in the file.
+    fn _tell(slf: &Bound<'_, Self>) -> PyResult<u64> {
+        Ok(Self::reader(slf, |reader| Ok(reader.offset))?.unwrap_or(0))
+    }
+
+    /// Continues at the record that begins at `offset`, whatever was read before.
+    fn _seek(slf: &Bound<'_, Self>, offset: u64) -> PyResult<()> {
+        Self::seek_to(slf, offset)
+    }
+
+    /// Reads from the start again, of any types.
+    fn _restart(slf: &Bound<'_, Self>) -> PyResult<()> {
+        *slf.get().wanted.lock(slf.py()) = None;
+        Self::seek_to(slf, 0)
+    }
+
+    /// Reads the time stamp of the next record.
+    fn pre_message(slf: &Bound<'_, Self>) -> PyResult<()> {
+        let mut guard = slf.as_super().get().state();
+        let state = &mut *guard;
+        if let Some(reader) = state.reader.as_mut() {
+            state.percent = reader.percent();
+            reader.begin_record()?;
+            state.record_time = Some(reader.time);
+        }
+        Ok(())
+    }
+
+    /// The time stamp `tbuf`, or the first one behind it that is within three days of the last good message. Moves the
+    /// position over what it skips.
+    fn scan_timestamp(slf: &Bound<'_, Self>, tbuf: &[u8]) -> PyResult<f64> {
+        let (Some(stamp), 8) = (Stamp::parse(tbuf), tbuf.len()) else {
+            return Err(PyValueError::new_err(format!(
+                "a time stamp has 8 bytes, not {}",
+                tbuf.len()
+            )));
+        };
+        let time = Self::reader(slf, |reader| reader.believable(stamp))?;
+        Ok(time.unwrap_or_else(|| seconds(stamp)))
+    }
+
+    /// The last message that was read, None before the first. Of a type with instances this is an equal copy.
+    #[getter]
+    fn _last_message<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let py = slf.py();
+        let fresh = slf.as_super().get().state().last_fresh;
+        let Some((sysid, index)) = fresh else {
+            return Ok(slf.get().last.get(py).map(Bound::into_any));
+        };
+        let mav = Self::mav(slf)?;
+        let name = &mav.get().dialect.get().registry.message(index).name;
+        tracking::sender(slf.as_super(), sysid)?.messages.get_item(name)
+    }
+
+    /// Time of the last message that was not BAD_DATA, None before the first.
+    #[getter]
+    fn _last_timestamp(slf: &Bound<'_, Self>) -> Option<f64> {
+        slf.as_super().get().state().reader.as_ref().and_then(|reader| reader.last_good)
+    }
+
+    /// Number of the link that the current record came from.
+    #[getter]
+    fn _link(slf: &Bound<'_, Self>) -> u8 {
+        slf.as_super().get().state().reader.as_ref().map_or(0, |reader| reader.link)
+    }
+
+    /// Up to `n` bytes of the log; empty at its end.
+    #[pyo3(signature = (n = None))]
+    fn recv<'py>(slf: &Bound<'py, Self>, n: Option<usize>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = Self::reader(slf, |reader| {
+            if !reader.begin_record()? {
+                return Ok(Vec::new());
+            }
+            Ok(reader.take(n.unwrap_or(usize::from(u16::MAX)))?.to_vec())
+        })?;
+        Ok(PyBytes::new(slf.py(), &bytes.unwrap_or_default()))
+    }
+
+    /// Takes a message into the state, stamped with its record's time and link number.
+    fn post_message(slf: &Bound<'_, Self>, msg: &Bound<'_, Message>) -> PyResult<()> {
+        Self::settle(slf, msg)
+    }
+
+    /// The next message, BAD_DATA and UNKNOWN included; None at the end of the log.
+    fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        if Self::is_quick(slf) {
+            return Ok(Self::next_message(slf)?.map(Bound::into_any));
+        }
+        Self::call_slowly(slf, "_recv_msg_slowly", ())
+    }
+
+    /// The next message of a `type` (name, list or set) for which `condition` holds; None at the end of the log.
+    ///
+    /// An indexed log is read only where messages of the wanted types, heartbeats and parameters stand.
+    #[pyo3(signature = (condition = None, r#type = None, blocking = false, timeout = None))]
+    fn recv_match<'py>(
+        slf: &Bound<'py, Self>,
+        condition: Option<&Bound<'py, PyAny>>,
+        r#type: Option<&Bound<'py, PyAny>>,
+        blocking: bool,
+        timeout: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        if !Self::is_quick(slf) {
+            let arguments = (condition, r#type, blocking, timeout);
+            return Self::call_slowly(slf, "_recv_match_slowly", arguments);
+        }
+        let py = slf.py();
+        let filter = Filter::new(r#type, Self::is_indexed(slf))?;
+        let skip = r#type.filter(|_| Self::is_indexed(slf));
+        let mut seen: u64 = 0;
+        loop {
+            if let Some(types) = skip {
+                Self::advance(slf, types)?;
+            }
+            let Some(message) = Self::next_message(slf)? else { break };
+            if filter.wants(&message)?
+                && condition.map_or(Ok(true), |condition| {
+                    let holds = intern!(py, "_condition_holds");
+                    slf.call_method1(holds, (condition, &message))?.is_truthy()
+                })?
+            {
+                return Ok(Some(message.into_any()));
+            }
+            seen += 1;
+            if seen.is_multiple_of(SIGNAL_INTERVAL) {
+                py.check_signals()?;
+            }
+        }
+        if blocking {
+            let arguments = (condition, r#type, blocking, timeout);
+            return Self::call_slowly(slf, "_recv_match_slowly", arguments);
+        }
+        Ok(None)
+    }
+
+    /// Seeks to the next record of the types in `type`, heartbeats or parameters.
+    ///
+    /// The types of the first call stay in force until `rewind`. Behind the last such record reading goes on record by
+    /// record.
+    fn skip_to_type(slf: &Bound<'_, Self>, r#type: &Bound<'_, PyAny>) -> PyResult<()> {
+        Self::advance(slf, r#type)
+    }
+
+    /// Indexes the log; `progress_callback` gets each new whole percent. The first record of each type is read for real.
+    #[pyo3(signature = (progress_callback = None))]
+    fn _build_index(
+        slf: &Bound<'_, Self>,
+        progress_callback: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let index = index_build::build(slf, progress_callback)?;
+        *slf.get().index.lock(slf.py()) = Some(index);
+        Ok(())
+    }
+
+    /// `[(message id, name, count), ...]` in the order in which the types first appear.
+    fn _index_counts(&self, py: Python<'_>) -> Vec<(u32, String, usize)> {
+        self.index.lock(py).as_ref().map(LogIndex::counts).unwrap_or_default()
+    }
+
+    /// Message ids that a filtered read visits; None before the first one.
+    fn _wanted_ids(&self, py: Python<'_>) -> Option<Vec<u32>> {
+        self.wanted.lock(py).as_ref().map(|wanted| wanted.ids.clone())
+    }
+
+    /// Where the record begins that a filtered read visited last, 0 before the first one.
+    fn _visited_offset(&self, py: Python<'_>) -> u64 {
+        let wanted = self.wanted.lock(py);
+        let Some(wanted) = wanted.as_ref() else { return 0 };
+        wanted
+            .visited
+            .checked_sub(1)
+            .and_then(|last| wanted.offsets.get(last))
+            .copied()
+            .unwrap_or(0)
+    }
+
+    /// Records in the index.
+    fn _index_total(&self, py: Python<'_>) -> usize {
+        self.index.lock(py).as_ref().map_or(0, LogIndex::count)
+    }
+
+    /// Offsets of the records of one message id.
+    fn _index_offsets(&self, py: Python<'_>, msgid: u32) -> Vec<u64> {
+        let index = self.index.lock(py);
+        index.as_ref().map_or_else(Vec::new, |index| index.offsets_of(msgid).to_vec())
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.last.traverse(visit)
+    }
+
+    fn __clear__(&self) {
+        self.last.set(None);
+    }
+}

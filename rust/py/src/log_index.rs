@@ -1,0 +1,346 @@
+//! Where the messages of each type stand in a log: pymavlink's index, which hops from record to record by their lengths
+//! and checks no checksums. Under `Rescan` it holds the good records, and all of them.
+
+use std::collections::HashSet;
+use std::io;
+use std::sync::Arc;
+
+use mavwire_core::codec::read;
+use mavwire_core::frame::{
+    CHECKSUM_LEN, HEADER_LEN_V1, HEADER_LEN_V2, Header, IFLAG_SIGNED, SIGNATURE_LEN, STX_V1, STX_V2,
+};
+use mavwire_core::log::tlog::STAMP_LEN;
+use mavwire_core::registry::Registry;
+use mavwire_link::records::{AtOffset, RecordFinder};
+use mavwire_link::window::FileWindow;
+use mavwire_schema::Message as Definition;
+
+/// Longest time stamp and header.
+const LOOK: usize = STAMP_LEN + HEADER_LEN_V2;
+
+/// A record that the index found.
+pub(crate) struct Indexed {
+    pub(crate) offset: u64,
+    /// Where the next record is looked for.
+    pub(crate) next: u64,
+    pub(crate) header: Header,
+    /// Where the payload begins.
+    pub(crate) payload: u64,
+}
+
+/// The record at or behind `offset`, or `None` at the end of the log.
+pub(crate) fn find_record(
+    window: &mut FileWindow,
+    mut offset: u64,
+    size: u64,
+) -> io::Result<Option<Indexed>> {
+    while offset + ((STAMP_LEN + HEADER_LEN_V1) as u64) < size {
+        let bytes = window.at(offset, LOOK)?;
+        let Some(rest) = bytes.get(STAMP_LEN..) else { return Ok(None) };
+        match rest.first() {
+            Some(&STX_V1 | &STX_V2) => {}
+            Some(_) => {
+                offset += skip_to_marker(rest);
+                continue;
+            }
+            None => return Ok(None),
+        }
+        let Some(header) = Header::parse(rest) else { return Ok(None) };
+        let start = offset + STAMP_LEN as u64;
+        return Ok(Some(Indexed {
+            offset,
+            next: start + header.frame_len() as u64,
+            header,
+            payload: start + header.len() as u64,
+        }));
+    }
+    Ok(None)
+}
+
+/// The first good record at or behind `offset`, or `None` at the end of the log.
+fn find_good(
+    finder: &mut RecordFinder,
+    window: &mut FileWindow,
+    mut offset: u64,
+    registry: &Registry,
+) -> io::Result<Option<Indexed>> {
+    loop {
+        match finder.look(window, offset, registry)? {
+            AtOffset::Junk { len } => offset += len as u64,
+            AtOffset::End => return Ok(None),
+            AtOffset::Record { len, header, .. } => {
+                let payload = offset + (STAMP_LEN + header.len()) as u64;
+                return Ok(Some(Indexed { offset, next: offset + len as u64, header, payload }));
+            }
+        }
+    }
+}
+
+/// Bytes to the next STX, or to the end of what is there; at least 1.
+fn skip_to_marker(rest: &[u8]) -> u64 {
+    memchr::memchr2(STX_V1, STX_V2, rest).unwrap_or(rest.len()).max(1) as u64
+}
+
+/// Where a payload says which instance it is about.
+#[derive(Clone, Copy)]
+struct InstancePlace {
+    offset: u8,
+    /// Bytes of a text; 0 for a number, of which the index reads the lowest byte.
+    text_len: u8,
+}
+
+impl InstancePlace {
+    fn of(definition: &Definition) -> Option<Self> {
+        let field = &definition.fields[usize::from(definition.instance_field?)];
+        Some(Self { offset: field.offset, text_len: field.array_length })
+    }
+
+    /// The instance as pymavlink's index reads it from the raw bytes: text up to the first NUL, of anything else the
+    /// lowest byte, signed.
+    fn read(self, payload: &[u8]) -> Instance {
+        let offset = usize::from(self.offset);
+        if self.text_len == 0 {
+            return Instance::Byte(read::<1>(payload, offset)[0]);
+        }
+        let end = (offset + usize::from(self.text_len)).min(payload.len());
+        let raw = payload.get(offset..end).unwrap_or_default();
+        let raw = &raw[..memchr::memchr(0, raw).unwrap_or(raw.len())];
+        Instance::Text(raw.into())
+    }
+}
+
+/// Which instance a record is about.
+#[derive(Clone, PartialEq, Eq, Hash)]
+enum Instance {
+    Byte(u8),
+    Text(Box<[u8]>),
+}
+
+impl Instance {
+    /// As it stands between brackets in `messages["TYPE[instance]"]`.
+    fn text(&self) -> String {
+        match self {
+            Self::Byte(byte) => byte.cast_signed().to_string(),
+            Self::Text(raw) => {
+                raw.iter().map(|&b| if b.is_ascii() { b as char } else { '\u{FFFD}' }).collect()
+            }
+        }
+    }
+}
+
+/// Why [`LogIndex::extend`] stopped.
+pub(crate) enum Stop {
+    /// The log is at its end; the last record ends here.
+    End { next: u64 },
+    /// So far nothing to note; go on here.
+    Limit { next: u64 },
+    /// The first record of a type, which is not added yet.
+    FirstOfType { index: u16, record: Indexed },
+    /// A record of an instance that was not seen before.
+    NewInstance { index: u16, instance: String, next: u64 },
+}
+
+/// Offsets of the records by message index, in the order of the log. It keeps the registry that it was built with,
+/// because the dialect of a link can change while the index stays.
+pub(crate) struct LogIndex {
+    pub(crate) registry: Arc<Registry>,
+    offsets: Vec<Vec<u64>>,
+    instances: Vec<Option<InstancePlace>>,
+    /// Instances already shown to Python, until the table they were put into may be another one.
+    seen: HashSet<(u16, Instance)>,
+    /// The same for numbers, by message index.
+    seen_bytes: Vec<Option<Box<[bool; 256]>>>,
+    /// Message indices in the order in which they first appear.
+    order: Vec<u16>,
+    count: usize,
+}
+
+impl LogIndex {
+    pub(crate) fn new(registry: Arc<Registry>) -> Self {
+        let messages = &registry.dialect().messages;
+        Self {
+            offsets: vec![Vec::new(); messages.len()],
+            instances: messages.iter().map(InstancePlace::of).collect(),
+            seen: HashSet::new(),
+            seen_bytes: vec![None; messages.len()],
+            order: Vec::new(),
+            count: 0,
+            registry,
+        }
+    }
+
+    /// Records in the index.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// `(message id, name, records)` of each type, in the order in which they first appear.
+    pub(crate) fn counts(&self) -> Vec<(u32, String, usize)> {
+        let row = |&index: &u16| {
+            let message = self.registry.message(index);
+            (message.id, message.name.clone(), self.offsets[usize::from(index)].len())
+        };
+        self.order.iter().map(row).collect()
+    }
+
+    /// Offsets of the records of one message id.
+    pub(crate) fn offsets_of(&self, msgid: u32) -> &[u64] {
+        match self.registry.lookup(msgid) {
+            Some(entry) => &self.offsets[usize::from(entry.index)],
+            None => &[],
+        }
+    }
+
+    /// Message ids of the names that are in the index, each once, and the offsets of all their records, ascending.
+    pub(crate) fn select(&self, names: &[String]) -> (Vec<u32>, Vec<u64>) {
+        let mut chosen: Vec<u16> = Vec::new();
+        for name in names {
+            let matches = |&&index: &&u16| self.registry.message(index).name == *name;
+            if let Some(&index) = self.order.iter().find(matches)
+                && !chosen.contains(&index)
+            {
+                chosen.push(index);
+            }
+        }
+        let ids = chosen.iter().map(|&index| self.registry.message(index).id).collect();
+        let mut offsets: Vec<u64> =
+            chosen.iter().flat_map(|&i| self.offsets[usize::from(i)].iter().copied()).collect();
+        #[allow(clippy::stable_sort_primitive)]
+        // this one makes use of the runs that are sorted already
+        offsets.sort();
+        (ids, offsets)
+    }
+
+    pub(crate) fn knows(&self, index: u16) -> bool {
+        !self.offsets[usize::from(index)].is_empty()
+    }
+
+    pub(crate) fn add(&mut self, index: u16, offset: u64) {
+        if !self.knows(index) {
+            self.order.push(index);
+        }
+        self.offsets[usize::from(index)].push(offset);
+        self.count += 1;
+    }
+
+    pub(crate) fn forget_instances(&mut self) {
+        self.seen.clear();
+        self.seen_bytes.fill(None);
+    }
+
+    /// The instance of a record, if it has one and is the first of it.
+    pub(crate) fn new_instance(
+        &mut self,
+        window: &mut FileWindow,
+        index: u16,
+        record: &Indexed,
+    ) -> io::Result<Option<String>> {
+        let Some(place) = self.instances[usize::from(index)] else { return Ok(None) };
+        let len = usize::from(record.header.payload_len);
+        let bytes = window.at(record.payload, len)?;
+        let key = (index, place.read(&bytes[..len.min(bytes.len())]));
+        if self.seen.contains(&key) {
+            return Ok(None);
+        }
+        if let Instance::Byte(byte) = key.1 {
+            let seen = &mut self.seen_bytes[usize::from(index)];
+            seen.get_or_insert_with(|| Box::new([false; 256]))[usize::from(byte)] = true;
+        }
+        let text = key.1.text();
+        self.seen.insert(key);
+        Ok(Some(text))
+    }
+
+    /// Adds the records at the front of `bytes`, which stand at `offset` in the log, as long as there is nothing special
+    /// about them; returns the bytes dealt with.
+    fn hop(&mut self, bytes: &[u8], offset: u64, registry: &Registry) -> usize {
+        let mut at = 0;
+        while let Some(look) = bytes.get(at..at + LOOK) {
+            let frame = &look[STAMP_LEN..];
+            let payload_len = usize::from(frame[1]);
+            let (msgid, len, header_len) = match frame[0] {
+                STX_V2 => {
+                    let msgid = u32::from_le_bytes([frame[7], frame[8], frame[9], 0]);
+                    let signature = if frame[2] & IFLAG_SIGNED != 0 { SIGNATURE_LEN } else { 0 };
+                    (msgid, HEADER_LEN_V2 + payload_len + CHECKSUM_LEN + signature, HEADER_LEN_V2)
+                }
+                STX_V1 => {
+                    (u32::from(frame[5]), HEADER_LEN_V1 + payload_len + CHECKSUM_LEN, HEADER_LEN_V1)
+                }
+                _ => return at,
+            };
+            if let Some(entry) = registry.lookup(msgid) {
+                let index = usize::from(entry.index);
+                if self.offsets[index].is_empty() {
+                    return at;
+                }
+                if let Some(place) = self.instances[index] {
+                    let payload = at + STAMP_LEN + header_len;
+                    let seen = bytes
+                        .get(payload..payload + payload_len)
+                        .is_some_and(|payload| self.has_seen(index, place, payload));
+                    if !seen {
+                        return at;
+                    }
+                }
+                self.offsets[index].push(offset + at as u64);
+                self.count += 1;
+            }
+            at += STAMP_LEN + len;
+        }
+        at
+    }
+
+    /// A number's instance that was seen before.
+    fn has_seen(&self, index: usize, place: InstancePlace, payload: &[u8]) -> bool {
+        let seen = self.seen_bytes[index].as_ref();
+        place.text_len == 0
+            && seen.is_some_and(|seen| {
+                seen[usize::from(read::<1>(payload, usize::from(place.offset))[0])]
+            })
+    }
+
+    /// Adds records from `offset` on, up to one that needs a closer look or begins behind `limit`; with a `finder` only
+    /// the good ones.
+    pub(crate) fn extend(
+        &mut self,
+        window: &mut FileWindow,
+        mut offset: u64,
+        limit: u64,
+        size: u64,
+        mut finder: Option<&mut RecordFinder>,
+    ) -> io::Result<Stop> {
+        let registry = &*Arc::clone(&self.registry);
+        while offset <= limit {
+            let found = if let Some(finder) = &mut finder {
+                find_good(finder, window, offset, registry)?
+            } else {
+                let bytes = window.at(offset, LOOK)?;
+                let bytes = &bytes[..bytes.len().min((limit - offset) as usize + LOOK)];
+                let hopped = self.hop(bytes, offset, registry) as u64;
+                offset += hopped;
+                if hopped > 0 && offset > limit {
+                    break;
+                }
+                find_record(window, offset, size)?
+            };
+            let Some(record) = found else { return Ok(Stop::End { next: offset }) };
+            offset = record.next;
+            let Some(entry) = registry.lookup(record.header.msgid) else { continue };
+            let index = entry.index;
+            if !self.knows(index) {
+                return Ok(Stop::FirstOfType { index, record });
+            }
+            if self.instances[usize::from(index)].is_none() {
+                self.add(index, record.offset);
+            } else if record.payload + u64::from(record.header.payload_len) <= size {
+                // Of a type with instances a payload that the file cuts off is not indexed.
+                self.add(index, record.offset);
+                if let Some(instance) = self.new_instance(window, index, &record)? {
+                    return Ok(Stop::NewInstance { index, instance, next: offset });
+                }
+            }
+        }
+        Ok(Stop::Limit { next: offset })
+    }
+}

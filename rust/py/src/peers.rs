@@ -1,0 +1,128 @@
+//! Who sends to a datagram link, and the half frames that each sender left behind.
+//!
+//! Frames may be cut anywhere, so every peer's bytes are joined with its own only. A peer costs a few bytes, but anyone can
+//! send from any number of addresses: the table is capped, and peers that never sent a good frame make room first.
+
+use mavwire_link::address::Address;
+use pyo3::prelude::*;
+use pyo3::types::{PyString, PyTuple};
+
+use crate::parser::Parser;
+
+/// Peers remembered.
+const MAX_PEERS: usize = 256;
+/// How often Python is told that a peer is alive.
+const TELL_INTERVAL: f64 = 0.01;
+
+struct Peer {
+    address: Address,
+    /// The address as Python shows it.
+    shown: Option<Py<PyTuple>>,
+    /// The start of a frame whose rest is still to come.
+    partial: Vec<u8>,
+    /// When it sent last, counted in datagrams.
+    heard: u64,
+    /// When Python was told that it sent a good message; `None` before the first.
+    told: Option<f64>,
+}
+
+/// The peers of a link.
+#[derive(Default)]
+pub(crate) struct Peers {
+    known: Vec<Peer>,
+    /// Whose bytes the parser holds.
+    current: usize,
+    datagrams: u64,
+    /// The current peer is another than the one announced last.
+    changed: bool,
+    /// Peers that had to make room.
+    pub(crate) forgotten: u64,
+}
+
+impl Peers {
+    /// Makes `from` the peer whose bytes the parser gets next.
+    #[inline]
+    pub(crate) fn switch(&mut self, parser: &mut Parser, from: Address) {
+        self.datagrams += 1;
+        if self.known.get(self.current).is_none_or(|peer| peer.address != from) {
+            self.change(parser, from);
+        }
+        self.known[self.current].heard = self.datagrams;
+    }
+
+    #[cold]
+    fn change(&mut self, parser: &mut Parser, from: Address) {
+        if let Some(peer) = self.known.get_mut(self.current) {
+            peer.partial.clear();
+            peer.partial.extend_from_slice(parser.unread());
+            if !peer.partial.is_empty() {
+                parser.clear();
+            }
+        }
+        let found = self.known.iter().position(|peer| peer.address == from);
+        self.current = found.unwrap_or_else(|| self.add(from));
+        self.changed = true;
+        let peer = &mut self.known[self.current];
+        if !peer.partial.is_empty() {
+            parser.replace(&peer.partial);
+            peer.partial.clear();
+        }
+    }
+
+    fn add(&mut self, address: Address) -> usize {
+        if self.known.len() >= MAX_PEERS {
+            let silent = (0..self.known.len())
+                .min_by_key(|&n| (self.known[n].told.is_some(), self.known[n].heard));
+            self.known.swap_remove(silent.unwrap_or(0));
+            self.forgotten += 1;
+        }
+        self.known.push(Peer { address, shown: None, partial: Vec::new(), heard: 0, told: None });
+        self.known.len() - 1
+    }
+
+    /// The current peer.
+    pub(crate) fn current(&self) -> Option<Address> {
+        self.known.get(self.current).map(|peer| peer.address)
+    }
+
+    /// The current peer as Python shows it, if that was needed before.
+    pub(crate) fn shown<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyTuple>> {
+        self.known.get(self.current)?.shown.as_ref().map(|shown| shown.bind(py).clone())
+    }
+
+    /// Keeps what Python shows for a peer.
+    pub(crate) fn show(&mut self, address: Address, shown: &Bound<'_, PyTuple>) {
+        if let Some(peer) = self.known.iter_mut().find(|peer| peer.address == address) {
+            peer.shown = Some(shown.clone().unbind());
+        }
+    }
+
+    /// True if the current peer, who just sent something that was good or not, is to be announced.
+    #[inline]
+    pub(crate) fn is_news(&mut self, good: bool, now: f64) -> bool {
+        let Some(peer) = self.known.get_mut(self.current) else { return false };
+        let is_due = good && peer.told.is_none_or(|told| (now - told).abs() >= TELL_INTERVAL);
+        if is_due {
+            peer.told = Some(now);
+        }
+        std::mem::take(&mut self.changed) || is_due
+    }
+}
+
+/// An address as Python's sockets show it.
+pub(crate) fn to_python(py: Python<'_>, address: Address) -> PyResult<Bound<'_, PyTuple>> {
+    let host = PyString::new(py, &address.host());
+    match address.flow_and_scope() {
+        None => (host, address.port()).into_pyobject(py),
+        Some((flow, scope)) => (host, address.port(), flow, scope).into_pyobject(py),
+    }
+}
+
+/// The same backwards; `None` for what is no numeric address.
+pub(crate) fn from_python(address: &Bound<'_, PyAny>) -> Option<Address> {
+    let parts = address.cast::<PyTuple>().ok()?;
+    let number = |n: usize| parts.get_item(n).ok()?.extract::<u32>().ok();
+    let host = parts.get_item(0).ok()?.extract::<String>().ok()?;
+    let port = parts.get_item(1).ok()?.extract().ok()?;
+    Address::new(&host, port, number(2).unwrap_or(0), number(3).unwrap_or(0))
+}

@@ -1,0 +1,204 @@
+//! The quick way of a live link from what was received to a message, with everything it changes.
+
+use std::sync::atomic::Ordering::Relaxed;
+
+use mavwire_link::clock::unix_seconds;
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::create;
+use crate::frame_bytes::FrameBytes;
+use crate::live::LiveLink;
+use crate::live_source::Arrived;
+use crate::mavlink::MAVLink;
+use crate::message::{Message, Origin, payload_of};
+use crate::parse::{self, Session, Step};
+use crate::shared;
+use crate::system::SystemState;
+use crate::tracking;
+
+/// Reads per call without a message coming out of them: a peer that sends garbage faster than it is read must not keep a
+/// caller from looking at its timeout.
+const READS_PER_CALL: usize = 64;
+
+/// What came of looking for a message.
+pub(crate) enum Received<'py> {
+    Message(Bound<'py, Message>),
+    Nothing,
+    /// Python has to have a look.
+    Trouble,
+}
+
+impl<'py> Received<'py> {
+    /// The message or that there is none; `None` if Python has to have a look.
+    #[allow(clippy::option_option)] // two questions, two answers
+    pub(crate) fn message(self) -> Option<Option<Bound<'py, Message>>> {
+        match self {
+            Self::Message(message) => Some(Some(message)),
+            Self::Nothing => Some(None),
+            Self::Trouble => None,
+        }
+    }
+}
+
+/// A plain message of a known type from a known system, ready to be made.
+struct Fresh<'py> {
+    index: u16,
+    bytes: FrameBytes,
+    time: f64,
+    /// The newest messages of its sender.
+    messages: Bound<'py, PyDict>,
+    /// The sender, if Python has something to do about it: update the state, or call hooks.
+    changes: Option<Bound<'py, SystemState>>,
+    /// The sender, if its components have to be told apart.
+    apart: Option<Bound<'py, SystemState>>,
+    compid: u8,
+    /// It is to be recorded.
+    is_recorded: bool,
+    /// Its peer is to be announced.
+    is_news: bool,
+}
+
+enum Scanned<'py> {
+    Nothing,
+    Fresh(Fresh<'py>),
+    Other(Step),
+}
+
+/// The next message; reads what is there if nothing waits.
+pub(crate) fn next_message<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Received<'py>> {
+    let Some(mav) = native_mav(slf) else { return Ok(Received::Trouble) };
+    for _ in 0..READS_PER_CALL {
+        match scan(slf, &mav) {
+            Scanned::Fresh(fresh) => return deliver(slf, &mav, fresh).map(Received::Message),
+            Scanned::Other(step) => {
+                if let Some(message) = deliver_other(slf, &mav, step)? {
+                    return Ok(Received::Message(message));
+                }
+            }
+            Scanned::Nothing => match fill(slf, &mav)? {
+                Arrived::Data(_) => {}
+                Arrived::Nothing => return Ok(Received::Nothing),
+                Arrived::Trouble => return Ok(Received::Trouble),
+            },
+        }
+    }
+    Ok(Received::Nothing)
+}
+
+fn native_mav<'py>(slf: &Bound<'py, LiveLink>) -> Option<Bound<'py, MAVLink>> {
+    slf.as_super().get().state().native_mav.as_ref().map(|mav| mav.bind(slf.py()).clone())
+}
+
+fn fill(slf: &Bound<'_, LiveLink>, mav: &Bound<'_, MAVLink>) -> PyResult<Arrived> {
+    parse::obey_ignore_checksum(mav)?;
+    // Last, so that no Python code runs before the read: another thread could close the descriptor, and a third open one
+    // of the same number.
+    let Some(fd) = LiveLink::descriptor(slf) else { return Ok(Arrived::Trouble) };
+    let arrived = slf.get().source().fill(fd, &mut mav.get().parser());
+    if let Arrived::Data(bytes) = arrived {
+        shared::add(&mav.get().counters.bytes_received, bytes as u64);
+    }
+    Ok(arrived)
+}
+
+/// Looks at what was received, with one lock of the link, its source and the parser.
+fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>) -> Scanned<'py> {
+    let py = slf.py();
+    let native = mav.get();
+    let mut guard = slf.as_super().get().state();
+    let state = &mut *guard;
+    let mut source = slf.get().source();
+    let (step, checked) = {
+        let mut parser = native.parser();
+        let robust = native.robust_parsing.load(Relaxed);
+        let (step, used) = source.next(&mut parser, native.dialect.get(), robust);
+        shared::add(&native.counters.bytes_received, used as u64);
+        (step, parser.checks_signatures())
+    };
+    let Step::Frame { bytes, header, entry: Some(entry) } = step else {
+        return if matches!(step, Step::Nothing) { Scanned::Nothing } else { Scanned::Other(step) };
+    };
+    let class = native.dialect.get().known_class(entry.index);
+    let is_plain = (header.sysid, header.compid) != tracking::RADIO
+        && !checked
+        && !header.is_signed()
+        && !native.shows_messages();
+    let has_hooks = state.has_hooks(py);
+    let (true, Some(class), Some(sender)) = (is_plain, class, state.senders.find(header.sysid))
+    else {
+        return Scanned::Other(Step::Frame { bytes, header, entry: Some(entry) });
+    };
+    let payload = payload_of(&bytes);
+    let updates = class.info.changes_state && !sender.is_settled(&header, payload);
+    let changes = (updates || has_hooks).then(|| sender.state(py));
+    let messages = sender.messages(py);
+    let (apart, compid) = (sender.apart(py, header.compid), header.compid);
+    shared::add(&native.counters.packets_received, 1);
+    if let Some(uptime) = class.info.uptime(payload) {
+        state.uptime = uptime;
+    }
+    state.count(header.sysid, header.compid, header.seq);
+    let now = unix_seconds();
+    let time = state.message_time().unwrap_or(now);
+    state.timestamp = Some(time);
+    let is_recorded = state.records_messages();
+    let is_news = source.is_news(true, now);
+    let index = entry.index;
+    Scanned::Fresh(Fresh {
+        index,
+        bytes,
+        time,
+        messages,
+        changes,
+        apart,
+        compid,
+        is_recorded,
+        is_news,
+    })
+}
+
+fn deliver<'py>(
+    slf: &Bound<'py, LiveLink>,
+    mav: &Bound<'py, MAVLink>,
+    fresh: Fresh<'py>,
+) -> PyResult<Bound<'py, Message>> {
+    if fresh.is_news {
+        LiveLink::announce(slf, true)?;
+    }
+    let class = mav.get().dialect.get().class(slf.py(), fresh.index)?;
+    let message =
+        Message::received(Some(class.info), fresh.bytes, Origin::Decoded).seen_at(fresh.time);
+    let message = create::pooled(class.class.bind(slf.py()), message)?;
+    if fresh.is_recorded {
+        slf.call_method1(intern!(slf.py(), "_record"), (&message,))?;
+    }
+    let name = class.info.name.bind(slf.py());
+    if let Some(system) = fresh.apart {
+        system.get().components.keep(&fresh.messages, fresh.compid, name, &message)?;
+    }
+    tracking::post_plain(&fresh.messages, class.info, &message)?;
+    if let Some(system) = fresh.changes {
+        tracking::call_python(slf.as_super(), &message, name, &system)?;
+    }
+    Ok(message)
+}
+
+/// Delivers whatever is not a plain message of a known system.
+fn deliver_other<'py>(
+    slf: &Bound<'py, LiveLink>,
+    mav: &Bound<'py, MAVLink>,
+    step: Step,
+) -> PyResult<Option<Bound<'py, Message>>> {
+    let Some(message) = Session::new(mav).take_step(step)? else { return Ok(None) };
+    let is_good = !matches!(message.get().origin, Origin::Bad | Origin::Unknown);
+    if slf.get().source().is_news(is_good, unix_seconds()) {
+        LiveLink::announce(slf, is_good)?;
+    }
+    if slf.as_super().get().state().records_messages() {
+        slf.call_method1(intern!(slf.py(), "_record"), (&message,))?;
+    }
+    tracking::post(slf.as_super(), &message)?;
+    Ok(Some(message))
+}

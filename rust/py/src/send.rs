@@ -1,0 +1,138 @@
+//! Sending: one frame after the other, whatever the number of threads.
+
+use std::sync::atomic::Ordering::Relaxed;
+
+use mavwire_core::frame::FrameBuffer;
+use mavwire_schema::WireVersion;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyString, PyTuple};
+use pyo3::{ffi, intern};
+
+use crate::encode::Payload;
+use crate::info::{Info, MessageInfo};
+use crate::mavlink::{MAVLink, overridden};
+use crate::pack::no_arguments;
+use crate::raw::{self, Arguments};
+use crate::shared;
+
+/// `mav.send(message, force_mavlink1)`
+pub(crate) fn send(
+    mav: &Bound<'_, MAVLink>,
+    message: &Bound<'_, PyAny>,
+    force_mavlink1: bool,
+) -> PyResult<()> {
+    let py = mav.py();
+    let guard = mav.get().send_lock.lock(py)?;
+    let kwargs = pyo3::types::PyDict::new(py);
+    kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
+    let frame = message.call_method(intern!(py, "pack"), (mav,), Some(&kwargs))?;
+    let len = frame.len()?;
+    write(mav, &frame, len)?;
+    drop(guard);
+    mav.get().send_callback.call(message)
+}
+
+/// Writes a frame of `len` bytes, then advances sequence number and counters.
+fn write(mav: &Bound<'_, MAVLink>, frame: &Bound<'_, PyAny>, len: usize) -> PyResult<()> {
+    let py = mav.py();
+    let this = mav.get();
+    let file = this.file.get(py).unwrap_or_else(|| py.None().into_bound(py));
+    call_method(&file, intern!(py, "write"), frame)?;
+    this.seq.store(this.seq.load(Relaxed).wrapping_add(1).rem_euclid(256), Relaxed);
+    shared::add(&this.counters.packets_sent, 1);
+    shared::add(&this.counters.bytes_sent, len as u64);
+    Ok(())
+}
+
+/// `object.name(argument)` without a bound method and an argument tuple in between.
+fn call_method(
+    object: &Bound<'_, PyAny>,
+    name: &Bound<'_, PyString>,
+    argument: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    // SAFETY: live objects, the argument list ends with null; the result is a new reference or null with an exception.
+    let result = unsafe {
+        let result = ffi::PyObject_CallMethodObjArgs(
+            object.as_ptr(),
+            name.as_ptr(),
+            argument.as_ptr(),
+            std::ptr::null_mut::<ffi::PyObject>(),
+        );
+        Bound::from_owned_ptr_or_err(object.py(), result)
+    };
+    result.map(drop)
+}
+
+/// `send_values(mav, info, force_mavlink1, *values)` for `mav.<message>_send(...)`: straight from the arguments to the
+/// frame, without a message object, unless somebody is there to see one.
+pub(crate) unsafe extern "C" fn send_values(
+    _module: *mut ffi::PyObject,
+    arguments: *mut *mut ffi::PyObject,
+    count: ffi::Py_ssize_t,
+) -> *mut ffi::PyObject {
+    // SAFETY: the arguments are this function's own.
+    unsafe {
+        raw::call(arguments, count, |_, arguments| {
+            let (Some(mav), Some(info), Some(force_mavlink1)) =
+                (arguments.get(0), arguments.get(1), arguments.get(2))
+            else {
+                return Err(no_arguments());
+            };
+            let info = info.cast::<MessageInfo>()?.get().info;
+            send_arguments(&mav, info, &force_mavlink1, &arguments.from(3))
+        })
+    }
+}
+
+fn send_arguments(
+    mav: &Bound<'_, PyAny>,
+    info: &Info,
+    force_mavlink1: &Bound<'_, PyAny>,
+    values: &Arguments<'_, '_>,
+) -> PyResult<()> {
+    let py = mav.py();
+    if let Ok(native) = mav.cast::<MAVLink>()
+        && !native.get().is_overridden(overridden::SEND | overridden::ENCODE)
+        && !native.get().send_callback.is_set()
+        && send_directly(native, info, force_mavlink1.is_truthy()?, values)?
+    {
+        return Ok(());
+    }
+    let encode = format!("{}_encode", info.definition.name.to_lowercase());
+    let values = PyTuple::new(py, values.iter().collect::<Vec<_>>())?;
+    let message = mav.call_method1(encode, values)?;
+    let kwargs = pyo3::types::PyDict::new(py);
+    kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
+    mav.call_method(intern!(py, "send"), (message,), Some(&kwargs))?;
+    Ok(())
+}
+
+/// False, with nothing done, if the values need a closer look.
+fn send_directly(
+    mav: &Bound<'_, MAVLink>,
+    info: &Info,
+    force_mavlink1: bool,
+    values: &Arguments<'_, '_>,
+) -> PyResult<bool> {
+    let py = mav.py();
+    let this = mav.get();
+    let definition = &info.definition;
+    let mut payload = Payload::zeroed(definition);
+    for (i, &place) in info.places.iter().enumerate() {
+        if values.get(i).and_then(|value| payload.put(place, value)).is_none() {
+            return Ok(false);
+        }
+    }
+    let v2 = !force_mavlink1 && this.dialect.get().is_v2(py)?;
+    let (version, payload) = if v2 {
+        (WireVersion::V2, payload.as_slice())
+    } else {
+        (WireVersion::V1, &payload.as_slice()[..usize::from(definition.min_len)])
+    };
+    let _guard = this.send_lock.lock(py)?;
+    let mut frame = FrameBuffer::default();
+    let sender = this.sender(py)?;
+    sender.frame(&mut frame, definition.id, payload, definition.crc_extra, version)?;
+    write(mav, PyBytes::new(py, &frame).as_any(), frame.len())?;
+    Ok(true)
+}

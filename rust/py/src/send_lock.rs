@@ -1,0 +1,110 @@
+//! The lock that is held from taking a sequence number until the frame is written, so that frames leave in sequence and
+//! no signing timestamp is used twice.
+//!
+//! Writing may run Python code: the thread that holds the lock may be interrupted and may take it again, because a write
+//! callback may send. Nearly always the lock is free, which under the interpreter's lock takes a look and a store; a
+//! standard mutex is another five nanoseconds for every message sent.
+
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::SeqCst};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Duration;
+
+use pyo3::prelude::*;
+
+/// Waiting threads look again after this time even if nobody told them to.
+const PATIENCE: Duration = Duration::from_millis(10);
+
+thread_local! {
+    static THREAD: u64 = {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        NEXT.fetch_add(1, SeqCst)
+    };
+}
+
+/// See the module.
+pub(crate) struct SendLock {
+    /// Number of the thread that holds it; 0 while nobody does.
+    owner: AtomicU64,
+    waiting: AtomicU32,
+    gate: Mutex<()>,
+    freed: Condvar,
+}
+
+impl SendLock {
+    pub(crate) const fn new() -> Self {
+        Self {
+            owner: AtomicU64::new(0),
+            waiting: AtomicU32::new(0),
+            gate: Mutex::new(()),
+            freed: Condvar::new(),
+        }
+    }
+
+    /// Waits for its turn; an error if the user's signal handler raises meanwhile.
+    pub(crate) fn lock<'a>(&'a self, py: Python<'_>) -> PyResult<SendGuard<'a>> {
+        let thread = THREAD.with(|thread| *thread);
+        if self.owner.load(SeqCst) == thread {
+            return Ok(SendGuard { lock: self, outermost: false });
+        }
+        if !self.acquire(thread) {
+            self.wait(py, thread)?;
+        }
+        Ok(SendGuard { lock: self, outermost: true })
+    }
+
+    #[cfg(not(Py_GIL_DISABLED))]
+    #[inline]
+    fn acquire(&self, thread: u64) -> bool {
+        use std::sync::atomic::Ordering::Relaxed;
+        // Whoever is attached is alone.
+        let free = self.owner.load(Relaxed) == 0;
+        if free {
+            self.owner.store(thread, Relaxed);
+        }
+        free
+    }
+
+    #[cfg(Py_GIL_DISABLED)]
+    fn acquire(&self, thread: u64) -> bool {
+        self.owner.compare_exchange(0, thread, SeqCst, SeqCst).is_ok()
+    }
+
+    #[cold]
+    fn wait(&self, py: Python<'_>, thread: u64) -> PyResult<()> {
+        self.waiting.fetch_add(1, SeqCst);
+        let mut signals = Ok(());
+        while signals.is_ok() && !self.acquire(thread) {
+            py.detach(|| {
+                let gate = self.gate.lock().unwrap_or_else(PoisonError::into_inner);
+                drop(self.freed.wait_timeout(gate, PATIENCE));
+            });
+            signals = py.check_signals();
+        }
+        self.waiting.fetch_sub(1, SeqCst);
+        signals
+    }
+}
+
+/// While it lives, nobody else sends.
+pub(crate) struct SendGuard<'a> {
+    lock: &'a SendLock,
+    /// Not a nested call of the same thread.
+    outermost: bool,
+}
+
+impl Drop for SendGuard<'_> {
+    #[inline]
+    fn drop(&mut self) {
+        if !self.outermost {
+            return;
+        }
+        #[cfg(not(Py_GIL_DISABLED))]
+        self.lock.owner.store(0, std::sync::atomic::Ordering::Relaxed);
+        #[cfg(Py_GIL_DISABLED)]
+        self.lock.owner.store(0, SeqCst);
+        if self.lock.waiting.load(SeqCst) > 0 {
+            let _gate = self.lock.gate.lock().unwrap_or_else(PoisonError::into_inner);
+            self.lock.freed.notify_one();
+        }
+    }
+}

@@ -1,0 +1,450 @@
+//! Signing state as Python sees it, and the decision whether a received frame may pass.
+
+use std::mem::swap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering::Relaxed};
+
+use mavwire_core::frame::{FrameBuffer, FrameRef};
+use mavwire_core::pyfloat::write_repr;
+use mavwire_core::signing::{
+    SecretKey, SigningError, SigningState, Stream, StreamId, StreamTable, Verdict,
+    timestamp_from_unix_micros,
+};
+use pyo3::exceptions::{PyAssertionError, PyOverflowError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::lock::{Guard, Lock};
+use crate::mavlink::MAVLink;
+use crate::shared;
+use crate::slot::Slot;
+
+/// Signing timestamps per year, for the log line that pymavlink writes.
+const UNITS_PER_YEAR: f64 = 100.0 * 1000.0 * 60.0 * 60.0 * 24.0 * 365.0;
+
+/// What is to become of a received frame.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Acceptance {
+    /// No key is set, or the application lets it pass.
+    Unchecked,
+    /// The signature is good.
+    Verified,
+    Rejected,
+}
+
+/// Signing state of one link.
+#[pyclass(frozen, subclass, module = "mavwire._native")]
+pub(crate) struct Signing {
+    /// Key and timestamp. Its stream table is empty, but for the time of a check.
+    state: Lock<SigningState>,
+    /// One for all links with the same key, so that what was heard on one link cannot be replayed on another.
+    streams: Lock<Arc<Lock<StreamTable>>>,
+    /// Outgoing timestamps follow the clock.
+    follows_clock: AtomicBool,
+    /// Timestamps below this one may be used; reaching it calls `keep`.
+    mark: AtomicU64,
+    /// `keep(timestamp) -> mark` stores the timestamp for the time after a restart.
+    keep: Slot,
+    has_key: AtomicBool,
+    link_id: AtomicU8,
+    sign_outgoing: AtomicBool,
+    allow_unsigned: Slot,
+    seen: AtomicU64,
+    good: AtomicU64,
+    bad: AtomicU64,
+    passed: AtomicU64,
+    rejected: AtomicU64,
+}
+
+fn signing_error(error: SigningError) -> PyErr {
+    match error {
+        SigningError::KeyLength(_) => PyValueError::new_err(error.to_string()),
+        SigningError::NoKey => PyAssertionError::new_err(()),
+        SigningError::TimestampExhausted => PyOverflowError::new_err(error.to_string()),
+    }
+}
+
+impl Signing {
+    fn state(&self) -> Guard<'_, SigningState> {
+        // SAFETY: signing states are Python objects, whose methods run attached.
+        self.state.lock(unsafe { Python::assume_attached() })
+    }
+
+    /// Does something with the stream table that the links with this key share.
+    fn with_streams<T>(&self, act: impl FnOnce(&mut StreamTable) -> T) -> T {
+        // SAFETY: as above.
+        let py = unsafe { Python::assume_attached() };
+        let shared = self.streams.lock(py);
+        let mut streams = shared.lock(py);
+        act(&mut streams)
+    }
+
+    fn judge(&self, frame: &FrameRef<'_>) -> Verdict {
+        self.with_streams(|streams| {
+            let mut state = self.state();
+            swap(&mut state.streams, streams);
+            let verdict = state.check(frame, None);
+            swap(&mut state.streams, streams);
+            verdict
+        })
+    }
+
+    /// The clock for outgoing timestamps, if they follow it.
+    fn clock(&self) -> Option<u64> {
+        self.follows_clock.load(Relaxed).then(|| {
+            timestamp_from_unix_micros((mavwire_link::clock::unix_seconds() * 1.0e6) as u64)
+        })
+    }
+
+    fn use_streams(&self, py: Python<'_>, streams: Arc<Lock<StreamTable>>) {
+        let old = std::mem::replace(&mut *self.streams.lock(py), streams);
+        drop(old);
+    }
+
+    /// Has the timestamp stored before it is used, if it reached the mark.
+    fn store_timestamp(&self) -> PyResult<()> {
+        let timestamp = self.state().timestamp;
+        if timestamp < self.mark.load(Relaxed) {
+            return Ok(());
+        }
+        // SAFETY: as above.
+        let py = unsafe { Python::assume_attached() };
+        if let Some(keep) = self.keep.get(py) {
+            self.mark.store(keep.call1((timestamp,))?.extract()?, Relaxed);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn has_key(&self) -> bool {
+        self.has_key.load(Relaxed)
+    }
+
+    pub(crate) fn signs_outgoing(&self) -> bool {
+        self.sign_outgoing.load(Relaxed)
+    }
+
+    /// Signs a frame that was made for it.
+    pub(crate) fn sign_frame(&self, frame: &mut FrameBuffer) -> PyResult<()> {
+        let (link_id, now) = (self.link_id.load(Relaxed), self.clock());
+        self.state().sign_frame(frame, link_id, now).map_err(signing_error)?;
+        self.store_timestamp()
+    }
+
+    /// Appends a signature to a frame.
+    pub(crate) fn sign(&self, frame: &mut Vec<u8>) -> PyResult<()> {
+        let (link_id, now) = (self.link_id.load(Relaxed), self.clock());
+        self.state().sign(frame, 0, link_id, now).map_err(signing_error)?;
+        self.store_timestamp()
+    }
+
+    /// Counts frames that carry a signature which nobody checks.
+    pub(crate) fn note_signed(&self, frames: u64) {
+        shared::add(&self.seen, frames);
+    }
+
+    /// Decides about a frame whose checksum is right or, with an unknown id, cannot be checked.
+    pub(crate) fn accept(
+        &self,
+        mav: &Bound<'_, MAVLink>,
+        bytes: &[u8],
+        known: bool,
+    ) -> PyResult<Acceptance> {
+        let has_key = self.has_key.load(Relaxed);
+        let Ok(frame) = FrameRef::parse(bytes) else {
+            return Ok(if has_key { Acceptance::Rejected } else { Acceptance::Unchecked });
+        };
+        let header = frame.header();
+        if header.is_signed() && (known || has_key) {
+            shared::add(&self.seen, 1);
+        }
+        if !has_key {
+            return Ok(Acceptance::Unchecked);
+        }
+        let verdict = self.judge(&frame);
+        log_verdict(mav, verdict)?;
+        match verdict {
+            Verdict::NoKey => Ok(Acceptance::Unchecked),
+            Verdict::Good { .. } => {
+                shared::add(&self.good, 1);
+                self.store_timestamp()?;
+                Ok(Acceptance::Verified)
+            }
+            Verdict::Unsigned => self.ask(mav, header.msgid),
+            _ => {
+                shared::add(&self.bad, 1);
+                self.ask(mav, header.msgid)
+            }
+        }
+    }
+
+    /// Asks the application about a frame that is not signed, or not well.
+    fn ask(&self, mav: &Bound<'_, MAVLink>, msgid: u32) -> PyResult<Acceptance> {
+        let Some(callback) = self.allow_unsigned.get(mav.py()) else {
+            return Ok(Acceptance::Rejected);
+        };
+        if callback.call1((mav, msgid))?.is_truthy()? {
+            shared::add(&self.passed, 1);
+            return Ok(Acceptance::Unchecked);
+        }
+        shared::add(&self.rejected, 1);
+        Ok(Acceptance::Rejected)
+    }
+
+    /// The application may be asked about a frame: its answer can be an exception.
+    pub(crate) fn asks(&self, py: Python<'_>) -> bool {
+        self.has_key() && self.allow_unsigned.get(py).is_some()
+    }
+
+    /// `mav.check_signature(...)`
+    pub(crate) fn check(&self, mav: &Bound<'_, MAVLink>, bytes: &[u8]) -> PyResult<bool> {
+        if !self.has_key.load(Relaxed) {
+            return Err(PyAssertionError::new_err(()));
+        }
+        let Ok(frame) = FrameRef::parse(bytes) else { return Ok(false) };
+        let verdict = self.judge(&frame);
+        log_verdict(mav, verdict)?;
+        Ok(verdict.is_verified())
+    }
+}
+
+/// Writes to the dialect module's logger what pymavlink writes there.
+fn log_verdict(mav: &Bound<'_, MAVLink>, verdict: Verdict) -> PyResult<()> {
+    let lines: &[&str] = match verdict {
+        Verdict::NoKey | Verdict::Unsigned | Verdict::Good { stream: Stream::Known } => {
+            return Ok(());
+        }
+        Verdict::Good { stream: Stream::New } => &["new stream"],
+        Verdict::OldTimestamp { .. } => &["old timestamp"],
+        Verdict::NewStreamTooOld { timestamp, local } => {
+            let mut line = String::from("bad new stream");
+            for units in [timestamp, local] {
+                line.push(' ');
+                write_repr(&mut line, units as f64 / UNITS_PER_YEAR);
+            }
+            return log(mav, &line);
+        }
+        Verdict::TooFarAhead { .. } => &["timestamp too far ahead"],
+        Verdict::Mismatch { stream: Stream::New } => &["new stream", "sig mismatch"],
+        Verdict::Mismatch { stream: Stream::Known } => &["sig mismatch"],
+        Verdict::TableFull => &["too many streams"],
+    };
+    lines.iter().try_for_each(|line| log(mav, line))
+}
+
+fn log(mav: &Bound<'_, MAVLink>, line: &str) -> PyResult<()> {
+    let py = mav.py();
+    let name = mav.get().dialect.get().global(py, "__name__")?;
+    let logging = py.import(intern!(py, "logging"))?;
+    let logger = logging.call_method1(intern!(py, "getLogger"), (name,))?;
+    logger.call_method1(intern!(py, "info"), (line,))?;
+    Ok(())
+}
+
+#[pymethods]
+impl Signing {
+    #[new]
+    fn new() -> Self {
+        Self {
+            state: Lock::new(SigningState::new()),
+            streams: Lock::new(Arc::new(Lock::new(StreamTable::default()))),
+            mark: AtomicU64::new(u64::MAX),
+            keep: Slot::new(),
+            follows_clock: AtomicBool::new(false),
+            has_key: AtomicBool::new(false),
+            link_id: AtomicU8::new(0),
+            sign_outgoing: AtomicBool::new(false),
+            allow_unsigned: Slot::new(),
+            seen: AtomicU64::new(0),
+            good: AtomicU64::new(0),
+            bad: AtomicU64::new(0),
+            passed: AtomicU64::new(0),
+            rejected: AtomicU64::new(0),
+        }
+    }
+
+    /// The secret key: 32 bytes, or None. Any other length is a `ValueError`.
+    #[getter]
+    fn secret_key<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
+        let key = self.state().key().map(|key| *key.expose());
+        key.map(|key| PyBytes::new(py, &key))
+    }
+    #[setter]
+    fn set_secret_key(&self, py: Python<'_>, key: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let key = match key {
+            Some(key) => {
+                let bytes = crate::mavlink::bytes_like(key)?;
+                Some(SecretKey::new(bytes.cast::<PyBytes>()?.as_bytes()).map_err(signing_error)?)
+            }
+            None => None,
+        };
+        self.has_key.store(key.is_some(), Relaxed);
+        self.state().set_key(key);
+        // What was shared was with links of the key before.
+        let streams = self.with_streams(|streams| streams.clone());
+        self.use_streams(py, Arc::new(Lock::new(streams)));
+        Ok(())
+    }
+
+    /// Timestamp of the next signed frame, in 10 us since 2015-01-01.
+    #[getter]
+    fn timestamp(&self) -> u64 {
+        self.state().timestamp
+    }
+    #[setter]
+    fn set_timestamp(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let number = match value.extract::<u64>() {
+            Ok(number) => number,
+            Err(_) => value.call_method0(intern!(value.py(), "__int__"))?.extract()?,
+        };
+        self.state().timestamp = number;
+        Ok(())
+    }
+
+    /// Outgoing timestamps follow the clock instead of counting up.
+    #[getter(_follows_clock)]
+    fn get_follows_clock(&self) -> bool {
+        self.follows_clock.load(Relaxed)
+    }
+    #[setter(_follows_clock)]
+    fn set_follows_clock(&self, value: bool) {
+        self.follows_clock.store(value, Relaxed);
+    }
+
+    /// Shares the stream table of `other` if that has the same key; whether it has.
+    fn _share(slf: &Bound<'_, Self>, other: &Bound<'_, Self>) -> bool {
+        if slf.is(other) {
+            return false;
+        }
+        let (this, that) = (slf.get(), other.get());
+        // One lock at a time: another thread may compare the other way round.
+        let others = that.state().key().and_then(|key| SecretKey::new(key.expose()).ok());
+        let state = this.state();
+        let same = state.key().zip(others.as_ref()).is_some_and(|(own, key)| own.equals(key));
+        drop(state);
+        if same {
+            let streams = Arc::clone(&that.streams.lock(slf.py()));
+            this.use_streams(slf.py(), streams);
+        }
+        same
+    }
+
+    /// From now on `keep(timestamp) -> mark` is called before timestamps from the mark on are used; None ends that.
+    fn _keep_timestamps(&self, keep: Option<Py<PyAny>>) -> PyResult<()> {
+        self.mark.store(if keep.is_some() { 0 } else { u64::MAX }, Relaxed);
+        self.keep.set(keep);
+        self.store_timestamp()
+    }
+
+    /// Link id that outgoing signatures carry, 0 to 255.
+    #[getter]
+    fn link_id(&self) -> u8 {
+        self.link_id.load(Relaxed)
+    }
+    #[setter]
+    fn set_link_id(&self, value: u8) {
+        self.link_id.store(value, Relaxed);
+    }
+
+    /// Sign what is sent.
+    #[getter]
+    fn sign_outgoing(&self) -> bool {
+        self.signs_outgoing()
+    }
+    #[setter]
+    fn set_sign_outgoing(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.sign_outgoing.store(value.is_truthy()?, Relaxed);
+        Ok(())
+    }
+
+    /// `callback(mav, msgId) -> bool` decides about frames that are not signed, or not well.
+    #[getter]
+    fn allow_unsigned_callback<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.allow_unsigned.get(py)
+    }
+    #[setter]
+    fn set_allow_unsigned_callback(&self, value: Option<Py<PyAny>>) {
+        self.allow_unsigned.set(value);
+    }
+
+    /// Last timestamp of each verified stream: `{(link_id, sysid, compid): timestamp}`, a copy.
+    #[getter]
+    fn stream_timestamps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let rows: Vec<_> = self.with_streams(|streams| streams.iter().collect());
+        let dict = PyDict::new(py);
+        for (id, timestamp) in rows {
+            dict.set_item((id.link_id, id.sysid, id.compid), timestamp)?;
+        }
+        Ok(dict)
+    }
+    #[setter]
+    fn set_stream_timestamps(&self, value: &Bound<'_, PyDict>) -> PyResult<()> {
+        let mut rows = Vec::new();
+        for (key, timestamp) in value {
+            let (link_id, sysid, compid) = key.extract()?;
+            rows.push((StreamId { link_id, sysid, compid }, timestamp.extract()?));
+        }
+        let fits = self.with_streams(|streams| {
+            streams.clear();
+            rows.into_iter().all(|(id, timestamp)| streams.set(id, timestamp))
+        });
+        if fits { Ok(()) } else { Err(PyValueError::new_err("more streams than the table holds")) }
+    }
+
+    /// Signed frames received.
+    #[getter]
+    fn sig_count(&self) -> u64 {
+        self.seen.load(Relaxed)
+    }
+    #[setter]
+    fn set_sig_count(&self, value: u64) {
+        self.seen.store(value, Relaxed);
+    }
+    /// Good signatures.
+    #[getter]
+    fn goodsig_count(&self) -> u64 {
+        self.good.load(Relaxed)
+    }
+    #[setter]
+    fn set_goodsig_count(&self, value: u64) {
+        self.good.store(value, Relaxed);
+    }
+    /// Bad signatures.
+    #[getter]
+    fn badsig_count(&self) -> u64 {
+        self.bad.load(Relaxed)
+    }
+    #[setter]
+    fn set_badsig_count(&self, value: u64) {
+        self.bad.store(value, Relaxed);
+    }
+    /// Frames that the callback let pass.
+    #[getter]
+    fn unsigned_count(&self) -> u64 {
+        self.passed.load(Relaxed)
+    }
+    #[setter]
+    fn set_unsigned_count(&self, value: u64) {
+        self.passed.store(value, Relaxed);
+    }
+    /// Frames that the callback rejected.
+    #[getter]
+    fn reject_count(&self) -> u64 {
+        self.rejected.load(Relaxed)
+    }
+    #[setter]
+    fn set_reject_count(&self, value: u64) {
+        self.rejected.store(value, Relaxed);
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.keep.traverse(visit)?;
+        self.allow_unsigned.traverse(visit)
+    }
+
+    fn __clear__(&self) {
+        self.keep.set(None);
+        self.allow_unsigned.set(None);
+    }
+}

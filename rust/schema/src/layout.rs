@@ -1,0 +1,144 @@
+//! Where each field of a message travels, and the checksum seed that makes two ends with different definitions refuse
+//! each other's frames.
+//!
+//! Base fields are ordered by element size, largest first, with equal sizes as written; extension fields follow as
+//! written and take no part in `crc_extra`. (MAVLink guide, "Serialization": field reordering, `CRC_EXTRA` calculation.)
+
+use crate::definitions::{FieldDef, MessageDef};
+use crate::dialect::{Field, Message};
+use crate::error::Reason;
+use crate::limits::{MAX_FIELDS, MAX_PAYLOAD_LEN};
+
+/// Whether the fields of a message fit a frame.
+pub(crate) fn check_fields(message: &MessageDef) -> Result<(), Reason> {
+    let payload_len: usize = message.fields.iter().map(FieldDef::wire_len).sum();
+    if message.fields.is_empty() {
+        Err(Reason::NoFields)
+    } else if message.fields.len() > MAX_FIELDS {
+        Err(Reason::TooMany { what: "fields", limit: MAX_FIELDS })
+    } else if payload_len > MAX_PAYLOAD_LEN {
+        Err(Reason::PayloadTooLong(payload_len))
+    } else {
+        Ok(())
+    }
+}
+
+/// Lays out a message. `version` is what its file says; `is_bitmask` tells by name which enums are bit masks.
+pub(crate) fn lay_out(
+    definition: MessageDef,
+    version: u8,
+    is_bitmask: &dyn Fn(&str) -> bool,
+) -> Result<Message, Reason> {
+    check_fields(&definition)?;
+    let order = wire_order(&definition.fields);
+    let crc_extra = crc_extra(&definition, &order);
+    let instance_field = instance_field(&definition.fields, &order);
+    let fields = place(definition.fields, &order, version, is_bitmask);
+    let base_fields = fields.iter().filter(|field| !field.is_extension);
+    Ok(Message {
+        id: definition.id,
+        name: definition.name.to_ascii_uppercase(),
+        crc_extra,
+        min_len: base_fields.map(Field::wire_len).sum::<usize>() as u8,
+        max_len: fields.iter().map(Field::wire_len).sum::<usize>() as u8,
+        instance_field,
+        // MANUAL_CONTROL calls the system it is meant for `target`.
+        target_system_offset: byte_offset(&fields, "target_system")
+            .or_else(|| byte_offset(&fields, "target")),
+        target_component_offset: byte_offset(&fields, "target_component"),
+        wire_order: order.iter().map(|&index| index as u8).collect(),
+        fields,
+        wip: definition.status.wip,
+        deprecated: definition.status.deprecated,
+        description: definition.description,
+    })
+}
+
+/// Payload offset of the one-byte field `name`.
+fn byte_offset(fields: &[Field], name: &str) -> Option<u8> {
+    fields
+        .iter()
+        .find(|field| field.name == name && field.wire_len() == 1)
+        .map(|field| field.offset)
+}
+
+/// Indices of the fields in wire order.
+fn wire_order(fields: &[FieldDef]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..fields.len()).collect();
+    // Stable, so that equal sizes and all extension fields stay as written.
+    order.sort_by_key(|&index| match &fields[index] {
+        field if field.is_extension => usize::MAX,
+        field => usize::MAX - field.field_type.size(),
+    });
+    order
+}
+
+/// Index of the field marked as the instance; the last one in wire order where several are.
+fn instance_field(fields: &[FieldDef], order: &[usize]) -> Option<u8> {
+    order.iter().rev().find(|&&index| fields[index].is_instance).map(|&index| index as u8)
+}
+
+/// The fields, in the order given, with their places on the wire.
+fn place(
+    definitions: Vec<FieldDef>,
+    order: &[usize],
+    version: u8,
+    is_bitmask: &dyn Fn(&str) -> bool,
+) -> Vec<Field> {
+    let mut places = vec![(0, 0); definitions.len()];
+    let mut offset = 0;
+    for (wire_index, &index) in order.iter().enumerate() {
+        places[index] = (offset as u8, wire_index as u8);
+        offset += definitions[index].wire_len();
+    }
+    let described = definitions.into_iter().map(|field| describe(field, version, is_bitmask));
+    described
+        .zip(places)
+        .map(|(field, (offset, wire_index))| Field { offset, wire_index, ..field })
+        .collect()
+}
+
+/// A field as defined, not yet placed.
+fn describe(definition: FieldDef, version: u8, is_bitmask: &dyn Fn(&str) -> bool) -> Field {
+    let implied = definition.enum_name.as_deref().filter(|name| is_bitmask(name));
+    Field {
+        display: definition.display.or_else(|| implied.map(|_| "bitmask".to_owned())),
+        name: definition.name,
+        field_type: definition.field_type,
+        array_length: definition.array_length,
+        is_extension: definition.is_extension,
+        mavlink_version: definition.is_mavlink_version.then_some(version),
+        units: definition.units,
+        enum_name: definition.enum_name,
+        print_format: definition.print_format,
+        invalid: definition.invalid,
+        multiplier: definition.multiplier,
+        description: definition.description,
+        ..Field::default()
+    }
+}
+
+/// The seed: CRC-16/MCRF4XX over the name and each base field's type, name and array length, folded to one byte.
+fn crc_extra(message: &MessageDef, order: &[usize]) -> u8 {
+    let mut crc = word(0xFFFF, &message.name);
+    let in_wire_order = order.iter().map(|&index| &message.fields[index]);
+    for field in in_wire_order.filter(|field| !field.is_extension) {
+        crc = word(word(crc, field.field_type.name()), &field.name);
+        if field.array_length > 0 {
+            crc = accumulate(crc, field.array_length);
+        }
+    }
+    (crc ^ (crc >> 8)) as u8
+}
+
+/// A word and the space after it.
+fn word(crc: u16, text: &str) -> u16 {
+    accumulate(text.bytes().fold(crc, accumulate), b' ')
+}
+
+/// One byte of the checksum. Seeds are short and made once, so no table is worth its memory here.
+fn accumulate(crc: u16, byte: u8) -> u16 {
+    let mixed = byte ^ crc as u8;
+    let mixed = u16::from(mixed ^ (mixed << 4));
+    (crc >> 8) ^ (mixed << 8) ^ (mixed << 3) ^ (mixed >> 4)
+}

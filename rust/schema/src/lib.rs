@@ -1,0 +1,36 @@
+//! MAVLink definitions: from XML text to wire layouts.
+//!
+//! The same functions serve the built-in dialects (through the build script of `mavwire-core`) and a user's XML at run
+//! time, so that there is one code path and nothing to drift apart. Two stages:
+//!
+//! 1. [`Definitions`] is what one XML file says, includes unresolved ([`parse_definitions`]).
+//! 2. [`Dialect`] is a set of files put together for one wire version, with offsets, lengths and `crc_extra`
+//!    ([`resolve`]).
+//!
+//! A [`Library`] holds the encoded built-in files and resolves a user's XML on top of them. Every complaint is a
+//! [`SchemaError`] with file, line, column and a typed [`Reason`]. There is no I/O: closures answer for files.
+
+#![forbid(unsafe_code)]
+
+mod definitions;
+mod dialect;
+mod error;
+mod guard;
+mod includes;
+mod layout;
+mod library;
+pub mod limits;
+mod merge;
+mod number;
+mod parse;
+mod resolve;
+
+pub use definitions::{
+    CommandParam, Definitions, Deprecation, EnumDef, EnumEntryDef, FieldDef, FieldType, MessageDef,
+    Status,
+};
+pub use dialect::{Dialect, Enum, EnumEntry, Field, Message, WireVersion};
+pub use error::{Reason, SchemaError};
+pub use library::{Library, decode_blob, encode_blob};
+pub use parse::{ParseOptions, dialect_name, parse_definitions};
+pub use resolve::resolve;

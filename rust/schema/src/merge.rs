@@ -1,0 +1,149 @@
+//! Enums of a dialect. Several files may add entries to an enum of the same name; what the first of them (main file
+//! first) says of the enum itself holds.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::rc::Rc;
+
+use crate::definitions::{EnumDef, EnumEntryDef};
+use crate::dialect::{Enum, EnumEntry};
+use crate::error::{Reason, SchemaError};
+use crate::includes::File;
+use crate::limits::MAX_ENUM_ENTRIES;
+use crate::number::MAX_VALUE;
+
+/// File and line of something, for errors.
+#[derive(Debug, Clone)]
+pub(crate) struct Place {
+    pub(crate) file: Rc<str>,
+    pub(crate) line: u32,
+}
+
+impl Place {
+    pub(crate) fn error(&self, reason: Reason) -> SchemaError {
+        SchemaError::at(&self.file, self.line, 0, reason)
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.file, self.line)
+    }
+}
+
+/// The merged enums, in the order of their first definitions.
+#[derive(Default)]
+pub(crate) struct EnumMerger {
+    enums: Vec<Enum>,
+    by_name: HashMap<String, usize>,
+}
+
+/// The definitions of one enum with the file of each.
+type Parts = Vec<(Rc<str>, EnumDef)>;
+
+impl EnumMerger {
+    /// Takes the enums out of `files` and merges them.
+    pub(crate) fn merge(files: &mut [File]) -> Result<Self, SchemaError> {
+        let mut merger = Self::default();
+        let mut groups: Vec<Parts> = Vec::new();
+        let mut entries = 0;
+        for file in files {
+            let path: Rc<str> = file.path.as_str().into();
+            for definition in std::mem::take(&mut file.definitions.enums) {
+                entries += definition.entries.len();
+                let index = *merger.by_name.entry(definition.name.clone()).or_insert(groups.len());
+                if index == groups.len() {
+                    groups.push(Vec::new());
+                }
+                groups[index].push((Rc::clone(&path), definition));
+            }
+            if entries > MAX_ENUM_ENTRIES {
+                let reason = Reason::TooMany { what: "enum entries", limit: MAX_ENUM_ENTRIES };
+                return Err(SchemaError::new(&file.path, reason));
+            }
+        }
+        merger.enums = groups.into_iter().map(merge_parts).collect::<Result<_, _>>()?;
+        Ok(merger)
+    }
+
+    pub(crate) fn is_defined(&self, name: &str) -> bool {
+        self.by_name.contains_key(name)
+    }
+
+    pub(crate) fn is_bitmask(&self, name: &str) -> bool {
+        self.by_name.get(name).is_some_and(|&index| self.enums[index].bitmask)
+    }
+
+    pub(crate) fn into_enums(self) -> Vec<Enum> {
+        self.enums
+    }
+}
+
+fn merge_parts(mut parts: Parts) -> Result<Enum, SchemaError> {
+    let (file, first) = &mut parts[0];
+    let mut merged = Enum {
+        name: std::mem::take(&mut first.name),
+        bitmask: first.bitmask,
+        description: std::mem::take(&mut first.description),
+        entries: Vec::new(),
+    };
+    let place = Place { file: Rc::clone(file), line: first.line };
+    let within = |error: SchemaError| error.within(format!("enum {}", merged.name));
+    let mut entries = number_entries(parts).map_err(within)?;
+    if entries.is_empty() {
+        return Err(within(place.error(Reason::NoEntries)));
+    }
+    refuse_duplicates(&mut entries).map_err(within)?;
+    merged.entries = entries.into_iter().map(|(_, entry)| entry).collect();
+    Ok(merged)
+}
+
+/// All entries, those of included files first. An entry without a value gets the highest value before it plus one, so an
+/// including file continues where the included one ends.
+fn number_entries(parts: Parts) -> Result<Vec<(Place, EnumEntry)>, SchemaError> {
+    let mut highest = 0;
+    let mut entries = Vec::new();
+    for (file, definition) in parts.into_iter().rev() {
+        for entry in definition.entries {
+            let place = Place { file: Rc::clone(&file), line: entry.line };
+            let value = entry.value.unwrap_or(highest + 1);
+            if value > MAX_VALUE {
+                return Err(place.error(Reason::NoValueLeft(highest)));
+            }
+            highest = highest.max(value);
+            entries.push((place, numbered(entry, value)));
+        }
+    }
+    Ok(entries)
+}
+
+fn numbered(entry: EnumEntryDef, value: i128) -> EnumEntry {
+    EnumEntry {
+        name: entry.name,
+        value,
+        has_location: entry.has_location,
+        description: entry.description,
+        params: entry.params,
+    }
+}
+
+/// Sorts by value and refuses a name or a value that two entries have.
+fn refuse_duplicates(entries: &mut [(Place, EnumEntry)]) -> Result<(), SchemaError> {
+    let mut names: HashMap<&str, &Place> = HashMap::new();
+    for (place, entry) in entries.iter() {
+        if let Some(other) = names.insert(&entry.name, place) {
+            let reason = Reason::DuplicateEntryName { other: other.to_string() };
+            return Err(place.error(reason).within(format!("entry {}", entry.name)));
+        }
+    }
+    entries.sort_by_key(|(_, entry)| entry.value);
+    for pair in entries.windows(2) {
+        let [(first, one), (second, two)] = pair else { continue };
+        if one.value == two.value {
+            let other = format!("{} ({first})", one.name);
+            let reason = Reason::DuplicateEntryValue { value: two.value, other };
+            return Err(second.error(reason).within(format!("entry {}", two.name)));
+        }
+    }
+    Ok(())
+}
