@@ -1,0 +1,41 @@
+"""mavwire: MAVLink for Python at wire speed, compatible with pymavlink 2.4.50.
+
+Importing the package is nearly free; each name below is fetched when it is first used.
+"""
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from mavwire._alias import install_as_pymavlink, uninstall_as_pymavlink
+    from mavwire.logs import LogFormatError, open_log
+
+__all__ = ["LogFormatError", "install_as_pymavlink", "open_log", "uninstall_as_pymavlink"]
+
+_LAZY = {
+    "LogFormatError": "mavwire.logs",
+    "open_log": "mavwire.logs",
+    "install_as_pymavlink": "mavwire._alias",
+    "uninstall_as_pymavlink": "mavwire._alias",
+}
+"""Public name -> the module that has it."""
+
+
+def __getattr__(name: str) -> object:
+    if name == "__version__":
+        value: object = _version()
+    elif name in _LAZY:
+        value = getattr(__import__(_LAZY[name], fromlist=[name]), name)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_LAZY, "__version__"})
+
+
+def _version() -> str:
+    """The workspace's version: compiled into the native module, which has it from Cargo.toml."""
+    from mavwire._native import __version__
+
+    return __version__

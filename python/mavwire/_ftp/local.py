@@ -1,0 +1,68 @@
+"""Where a download goes: a file that appears when it is complete, memory, or standard output."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+import tempfile
+from typing import IO
+
+
+def local_name(remote: str) -> str:
+    """The name of a remote file in the current directory; ValueError when it has none.
+
+    Only what comes after the last slash: a path that the vehicle named leads to no other directory.
+    """
+    name = remote.replace("\\", "/").rpartition("/")[2]
+    if name in ("", ".", "..") or "\0" in name:
+        raise ValueError(f"no file name in {remote!r}")
+    return name
+
+
+class LocalFile:
+    """A file that is written beside its place and moved there when it is complete."""
+
+    def __init__(self, path: str, remote: str) -> None:
+        self.path = os.path.join(path, local_name(remote)) if os.path.isdir(path) else path
+        folder = os.path.dirname(os.path.abspath(self.path))
+        self.file: IO[bytes] = tempfile.NamedTemporaryFile(
+            dir=folder, prefix=".mavftp_", delete=False
+        )
+
+    def finish(self) -> None:
+        """Move it to its place."""
+        self.file.close()
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(self.file.name, 0o666 & ~mask)
+        os.replace(self.file.name, self.path)
+
+    def discard(self) -> None:
+        """Remove what there is of it."""
+        self.file.close()
+        os.unlink(self.file.name)
+
+
+class Memory:
+    """A file in memory, which may be copied to standard output."""
+
+    def __init__(self, print_it: bool = False) -> None:
+        self.path = "-"
+        self.file: IO[bytes] = io.BytesIO()
+        self._print_it = print_it
+
+    def finish(self) -> None:
+        """Rewind it, and print it if that is wanted."""
+        self.file.seek(0)
+        if self._print_it:
+            sys.stdout.flush()
+            sys.stdout.buffer.write(self.file.read())
+            sys.stdout.buffer.flush()
+            self.file.seek(0)
+
+    def discard(self) -> None:
+        """Nothing stays of it."""
+
+
+Destination = LocalFile | Memory

@@ -1,0 +1,47 @@
+"""Calls that block, such as opening a connection, while the loop goes on."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+async def in_background(function: Callable[[], T], discard: Callable[[T], Any] | None = None) -> T:
+    """What `function` returns or raises. If the wait is cancelled, `discard` gets what it returns.
+
+    The thread ends with the call. It is none of the loop's executor, whose threads stay, and it
+    holds up nobody's exit: a connection attempt may take long, and nobody may want it any more.
+    """
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[T] = loop.create_future()
+
+    def deliver(result: Any, error: BaseException | None) -> None:
+        if not future.done():
+            if error is None:
+                future.set_result(result)
+            else:
+                future.set_exception(error)
+        elif error is None and discard is not None:
+            discard(result)
+
+    def call() -> None:
+        result: Any = None
+        error: BaseException | None = None
+        try:
+            result = function()
+        except BaseException as raised:
+            error = raised
+        try:
+            loop.call_soon_threadsafe(deliver, result, error)
+        except RuntimeError:  # the loop was closed in the meantime
+            if error is None and discard is not None:
+                with suppress(OSError):
+                    discard(result)
+
+    threading.Thread(target=call, name="mavwire.aio", daemon=True).start()
+    return await future

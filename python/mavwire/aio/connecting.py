@@ -1,0 +1,119 @@
+"""`connect`: opening a link without blocking the loop."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Generator
+from typing import TYPE_CHECKING, Any, TypedDict
+
+from .background import in_background
+from .link import BACKLOG, Link
+
+if TYPE_CHECKING:
+    from typing import Unpack
+
+# Connections whose other end may not be up yet, which `retries` is for.
+_CLIENTS = ("tcp:", "uds:", "unix:")
+DEFAULT_RETRIES = 3
+
+
+class Options(TypedDict, total=False):
+    """The keyword arguments of `mavutil.mavlink_connection`."""
+
+    baud: int
+    source_system: int
+    source_component: int
+    planner_format: bool | None
+    write: bool
+    append: bool
+    robust_parsing: bool
+    notimestamps: bool
+    input: bool
+    dialect: str | None
+    autoreconnect: bool
+    zero_time_base: bool
+    retries: int
+    reconnect_delay: float
+    use_native: bool
+    force_connected: bool
+    progress_callback: Callable[[int], Any] | None
+    udp_timeout: float
+    resync: str | None
+
+
+def connect(device: str, *, backlog: int = BACKLOG, **options: Unpack[Options]) -> Connecting:
+    """Open a link or a log: `async with connect(...) as link`, or `link = await connect(...)`.
+
+    `device` and `options` are those of `mavutil.mavlink_connection`. `backlog` is how many messages
+    are kept for readers that are busy.
+    """
+    return Connecting(device, backlog, dict(options))
+
+
+class Connecting:
+    """A link that is about to be opened: awaited it is the `Link`, and a context closes it too."""
+
+    def __init__(self, device: str, backlog: int, options: dict[str, Any]) -> None:
+        self._device = device
+        self._backlog = backlog
+        self._options = options
+        self._link: Link | None = None
+
+    def __await__(self) -> Generator[Any, None, Link]:
+        return self._open().__await__()
+
+    async def __aenter__(self) -> Link:
+        self._link = await self._open()
+        return self._link
+
+    async def __aexit__(self, *exc_info: object) -> None:
+        if self._link is not None:
+            await self._link.close()
+
+    async def _open(self) -> Link:
+        options = dict(self._options)
+        delay: float = options.get("reconnect_delay", 1.0)
+        attempts = 1
+        if self._device.startswith(_CLIENTS):
+            attempts = max(options.get("retries", DEFAULT_RETRIES), 1)
+            options["retries"] = 1  # the pauses between the attempts are the loop's
+        progress = options.get("progress_callback")
+        if progress is not None:
+            loop = asyncio.get_running_loop()
+            options["progress_callback"] = lambda percent: loop.call_soon_threadsafe(
+                progress, percent
+            )
+        sync = await self._attempt(attempts, delay, options)
+        try:
+            return Link(sync, backlog=self._backlog, reconnect_delay=delay)
+        except BaseException:
+            _close(sync)
+            raise
+
+    async def _attempt(self, attempts: int, delay: float, options: dict[str, Any]) -> Any:
+        for left in reversed(range(attempts)):
+            try:
+                return await in_background(lambda: _open(self._device, options), _close)
+            except OSError:
+                if not left:
+                    raise
+                await asyncio.sleep(delay)
+        raise AssertionError("there is at least one attempt")
+
+
+def _open(device: str, options: dict[str, Any]) -> Any:
+    """What may block: connecting, looking up a name, opening a port, reading a log's index."""
+    from mavwire import mavutil
+
+    sync = mavutil.mavlink_connection(device, **options)
+    if getattr(sync, "destination_addr", None) and hasattr(sync, "_resolve"):
+        sync.resolved_destination_addr = sync._resolve()
+        if sync.resolved_destination_addr is None:
+            sync.close()
+            raise OSError(f"the address of {device} cannot be found")
+    return sync
+
+
+def _close(sync: Any) -> None:
+    if hasattr(sync, "close"):
+        sync.close()

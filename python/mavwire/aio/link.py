@@ -1,0 +1,332 @@
+"""`Link`: one link of mavutil in an asyncio loop."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+import weakref
+from collections.abc import Coroutine, Iterable
+from contextlib import suppress
+from typing import Any
+
+from mavwire.links.mavfile import mavfile
+from mavwire.links.tlog import mavlogfile
+
+from .background import in_background
+from .errors import EndOfLogError, LinkClosedError
+from .feed import Feed, Position
+from .filters import message_filter
+from .log_feed import LogFeed
+from .outgoing import Outgoing
+from .parameters import Parameters
+from .pump import Pump
+from .reconnect import Reconnecting
+from .stream import Newest, Stream, newer
+from .transports import transport_of
+
+BACKLOG = 4096
+# How long closing waits for a peer to take what was sent to it.
+CLOSE_TIMEOUT = 1.0
+
+logger = logging.getLogger("mavwire.aio")
+
+
+class Link(Parameters):
+    """A link or a log, opened by `connect`, or around a link of mavutil that nobody else reads.
+
+    Every task that receives has its own place in what arrives, which begins with the first call:
+    tasks do not take messages from each other. `backlog` messages are kept for those that are busy;
+    what they come too late for is counted in `dropped`. Not for use from other threads.
+    """
+
+    def __init__(self, sync: Any, *, backlog: int = BACKLOG, reconnect_delay: float = 1.0) -> None:
+        self.sync = sync
+        self._loop = asyncio.get_running_loop()
+        self._positions: weakref.WeakKeyDictionary[Any, Position] = weakref.WeakKeyDictionary()
+        self._nobody = Position(0)
+        self._closing: asyncio.Task[None] | None = None
+        self._live: _Live | None = None
+        self._feed: Feed | LogFeed
+        if not isinstance(sync, mavfile) or isinstance(sync, mavlogfile):
+            self._feed = LogFeed(self._loop, sync)
+        else:
+            self._feed = Feed(self._loop, backlog)
+            self._live = _Live(self._loop, sync, self._feed, reconnect_delay)
+        super().__init__()
+
+    def __repr__(self) -> str:
+        address = getattr(self.sync, "address", None) or type(self.sync).__name__
+        return f"<{type(self).__name__} {address}>"
+
+    # -- receiving
+
+    def __aiter__(self) -> Stream:
+        """Every message that arrives, from where this task stopped receiving."""
+        return Stream(self._feed.reader(None, self._position()))
+
+    async def recv_msg(self) -> Any:
+        """The next message of any kind; None at the end of a log."""
+        return await self.recv_match()
+
+    def recv_match(
+        self,
+        condition: str | None = None,
+        type: str | Iterable[str] | None = None,
+        timeout: float | None = None,
+        *,
+        sysid: int | None = None,
+        compid: int | None = None,
+    ) -> Coroutine[Any, Any, Any]:
+        """Await the next message of `type` (a name or several) for which `condition` holds.
+
+        Messages before it are passed over, for this task. None after `timeout` seconds and at the
+        end of a log; LinkClosedError when the link was closed or lost for good. With a timeout of 0 only
+        what is there counts. Cancelling the wait passes over nothing.
+        """
+        # Not a coroutine function: the task that calls counts, even if it is another that awaits.
+        wants = message_filter(self.sync, type, condition, sysid, compid)
+        reader = self._feed.reader(wants, self._position(), condition is not None)
+        return self._next(reader, timeout)
+
+    async def _next(self, reader: Any, timeout: float | None) -> Any:
+        deadline = None if timeout is None else self._loop.time() + timeout
+        try:
+            return await reader.next(deadline)
+        except EndOfLogError:
+            return None
+
+    def stream(
+        self,
+        type: str | Iterable[str] | None = None,
+        condition: str | None = None,
+        *,
+        sysid: int | None = None,
+        compid: int | None = None,
+    ) -> Stream:
+        """The wanted messages from now on, to be iterated over with `async for`."""
+        wants = message_filter(self.sync, type, condition, sysid, compid)
+        return Stream(self._feed.reader(wants, None, condition is not None))
+
+    def _position(self) -> Position:
+        """Where the calling task stopped receiving; the end of the feed if it has not begun."""
+        try:
+            task: Any = asyncio.current_task()
+        except RuntimeError:
+            task = None
+        if task is None or isinstance(self._feed, LogFeed):
+            return self._nobody
+        position = self._positions.get(task)
+        if position is None:
+            position = self._positions[task] = Position(self._feed.count)
+        return position
+
+    # -- the newest
+
+    def latest(
+        self, type: str, sysid: int | None = None, compid: int | None = None,
+        max_age: float | None = None,
+    ) -> Any:  # fmt: skip
+        """The newest message of `type` from a system (the target) or one of its components; None if
+        there is none, or none that is at most `max_age` seconds old."""
+        if isinstance(self.sync, mavfile):
+            return self.sync.latest(type, sysid, compid, max_age)
+        return self.sync.messages.get(type)  # of a dataflash log, which is of one vehicle
+
+    def age(self, type: str, sysid: int | None = None, compid: int | None = None) -> float:
+        """Seconds since the newest message of `type`; infinite while there is none."""
+        if isinstance(self.sync, mavfile):
+            return self.sync.age(type, sysid, compid)
+        msg = self.sync.messages.get(type)
+        return math.inf if msg is None else float(self.sync.timestamp - msg._timestamp)
+
+    def newest(self, type: str, sysid: int | None = None, compid: int | None = None) -> Newest:
+        """The newest message of `type` whenever it is newer than the last one, for `async for`: a
+        slow consumer gets the present instead of a backlog."""
+        reader = self._newest_reader(type, sysid, compid)
+        return Newest(reader, lambda: self.latest(type, sysid, compid))
+
+    async def wait_newer(
+        self, type: str, than: Any = None, sysid: int | None = None, compid: int | None = None,
+        timeout: float | None = None,
+    ) -> Any:  # fmt: skip
+        """The newest message of `type` as soon as it is another than `than`, which is the one that is
+        there now if none is given. TimeoutError after `timeout` seconds."""
+        deadline = None if timeout is None else self._loop.time() + timeout
+        reader = self._newest_reader(type, sysid, compid)
+        than = self.latest(type, sysid, compid) if than is None else than
+        msg = await newer(reader, lambda: self.latest(type, sysid, compid), than, deadline)
+        if msg is None:
+            raise TimeoutError(f"no newer {type} within {timeout} s")
+        return msg
+
+    def _newest_reader(self, type: str, sysid: int | None, compid: int | None) -> Any:
+        name = type.partition("[")[0]  # of an instance, as in BATTERY_STATUS[1]
+        return self._feed.reader(message_filter(self.sync, name, None, sysid, compid))
+
+    # -- sending
+
+    @property
+    def mav(self) -> Any:
+        """The `MAVLink` object: `link.mav.heartbeat_send(...)` sends at once or queues, and never
+        blocks."""
+        return self.sync.mav
+
+    async def drain(self) -> None:
+        """Wait until the system has taken what was sent: for a stream whose peer reads slowly."""
+        if self._live is not None:
+            await self._live.outgoing.drain()
+
+    # -- state
+
+    @property
+    def messages(self) -> dict[str, Any]:
+        """Message type -> newest message of the target system."""
+        messages: dict[str, Any] = self.sync.messages
+        return messages
+
+    @property
+    def target_system(self) -> int:
+        """The system that is addressed: the first vehicle that was heard, unless it is set."""
+        target: int = self.sync.target_system
+        return target
+
+    @target_system.setter
+    def target_system(self, value: int) -> None:
+        self.sync.target_system = value
+
+    @property
+    def target_component(self) -> int:
+        """The component that is addressed; 0 is all of them."""
+        target: int = self.sync.target_component
+        return target
+
+    @target_component.setter
+    def target_component(self, value: int) -> None:
+        self.sync.target_component = value
+
+    @property
+    def flightmode(self) -> str:
+        """The target's flight mode by name."""
+        mode: str = self.sync.flightmode
+        return mode
+
+    @property
+    def connected(self) -> bool:
+        """Whether the link has its other end, as far as it can know: datagrams and logs always do."""
+        return self._closing is None and (self._live is None or self._live.connected)
+
+    @property
+    def dropped(self) -> int:
+        """Messages that readers came too late for, added up over all of them."""
+        return self._feed.dropped
+
+    @property
+    def frames_dropped(self) -> int:
+        """Frames that were not sent because nobody was there or had stopped reading."""
+        return 0 if self._live is None else self._live.outgoing.dropped
+
+    # -- closing
+
+    async def close(self) -> None:
+        """Send what is queued, if that is quick, and close. Whoever waits gets `LinkClosedError`."""
+        if self._closing is None:
+            self._closing = self._loop.create_task(self._close())
+        await asyncio.shield(self._closing)
+
+    async def _close(self) -> None:
+        if self._live is not None:
+            with suppress(TimeoutError):
+                async with asyncio.timeout(CLOSE_TIMEOUT):
+                    await self._live.outgoing.drain()
+            await self._live.stop()
+        self._feed.end(LinkClosedError(f"{self!r} is closed"))
+        if hasattr(self.sync, "close"):
+            await in_background(self.sync.close)
+
+    async def __aenter__(self) -> Link:
+        return self
+
+    async def __aexit__(self, *exc_info: object) -> None:
+        await self.close()
+
+
+class _Live:
+    """What a link that is no log has running: reading, sending, connecting again."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, sync: Any, feed: Feed, reconnect_delay: float
+    ) -> None:
+        self._loop = loop
+        self._sync = sync
+        self._feed = feed
+        self._transport = transport_of(sync)
+        self.pump = Pump(loop, sync, feed, self._turned)
+        self.outgoing = Outgoing(
+            loop, self._transport.sender(), lambda: self.connected, self._failed, self._written
+        )
+        self._reconnecting = Reconnecting(loop, self._transport.reopen, reconnect_delay)
+        sync.mav.file = self.outgoing
+        self.connected = False
+        self._received = 0
+        if self._transport.is_there():
+            self._begin()
+        else:
+            self._lost(None)
+
+    async def stop(self) -> None:
+        """Leave the link to whoever closes it."""
+        self.connected = False
+        self.pump.stop()
+        self.outgoing.stop()
+        await self._reconnecting.stop()
+
+    def _begin(self) -> None:
+        self.connected = True
+        self._received = self._feed.count
+        self.pump.start()
+
+    def _turned(self, error: Exception | None) -> None:
+        """Reading is over for now; the link may have another descriptor, or none."""
+        self.outgoing.follow()
+        if error is not None:
+            self._failed(error)
+        elif not self._transport.is_there():
+            self._lost(None)
+
+    def _written(self) -> None:
+        """Something was sent, by which the link may have learnt that its peer is gone."""
+        if not self._transport.is_there():
+            self._lost(None)
+        else:
+            self.outgoing.follow()
+            self.pump.check()
+
+    def _failed(self, error: Exception) -> None:
+        if not self._transport.is_there() or self._transport.broke(error):
+            self._lost(error)
+        elif not self._feed.fail(error):
+            context = {"message": "receiving failed and nobody waits", "exception": error}
+            self._loop.call_exception_handler(context)
+
+    def _lost(self, error: Exception | None) -> None:
+        self.connected = False
+        self.pump.stop()
+        self.outgoing.stop()
+        self._transport.let_go()
+        address = self._sync.address
+        if self._transport.reconnects:
+            logger.info("%s: connection lost, connecting again", address)
+            at_once = self._feed.count > self._received
+            self._reconnecting.start(at_once, self._reconnected, self._gave_up)
+            return
+        self._gave_up(error, f"{address}: the other end is gone")
+
+    def _reconnected(self) -> None:
+        logger.info("%s: connected", self._sync.address)
+        self._begin()
+
+    def _gave_up(self, cause: BaseException | None, reason: str = "connecting failed") -> None:
+        end = LinkClosedError(reason)
+        end.__cause__ = cause
+        self._feed.end(end)

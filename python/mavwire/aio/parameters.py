@@ -1,0 +1,145 @@
+"""Parameters of a vehicle: read one, set one, read them all.
+
+PX4 copies the bytes of an integer into the float that travels; ArduPilot converts the number.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from typing import Any
+
+from .errors import ParameterError
+from .vehicle import RETRIES, TIMEOUT, Vehicle
+
+MAV_AUTOPILOT_PX4 = 12
+# MAV_PARAM_TYPE of the integers -> how struct calls them, padded to the four bytes of a float.
+_INTEGERS = {1: "<Bxxx", 2: "<bxxx", 3: "<Hxx", 4: "<hxx", 5: "<I", 6: "<i"}
+# Parameters that are asked for again at a time, when some of the list did not arrive.
+REQUESTS_AT_ONCE = 20
+
+
+def decoded(msg: Any, bytewise: bool) -> float:
+    """The value of a PARAM_VALUE."""
+    layout = _INTEGERS.get(msg.param_type)
+    if layout is None:
+        return float(msg.param_value)
+    if bytewise:
+        value: int = struct.unpack(layout, struct.pack("<f", msg.param_value))[0]
+        return value
+    return int(msg.param_value)
+
+
+def encoded(value: float, param_type: int, bytewise: bool) -> float:
+    """What travels for a value. ValueError for one that the type cannot hold."""
+    layout = _INTEGERS.get(param_type)
+    if layout is None:
+        return float(value)
+    try:
+        packed = struct.pack(layout, int(value))
+    except (struct.error, OverflowError) as error:
+        raise ValueError(f"{value} does not fit a parameter of type {param_type}") from error
+    return float(struct.unpack("<f", packed)[0]) if bytewise else float(int(value))
+
+
+class Parameters(Vehicle):
+    """The part of a link that reads and sets parameters."""
+
+    async def param_get(
+        self, name: str, *, sysid: int | None = None, compid: int | None = None,
+        retries: int = RETRIES, timeout: float = TIMEOUT,
+    ) -> float:  # fmt: skip
+        """The value of a parameter, an `int` for an integer. TimeoutError if there is no answer, which
+        is what vehicles say about parameters that they do not have."""
+        target = self._target(sysid, compid)
+        return decoded(await self._read(name, target, retries, timeout), self._bytewise(target[0]))
+
+    async def param_set(
+        self, name: str, value: float, *, sysid: int | None = None, compid: int | None = None,
+        retries: int = RETRIES, timeout: float = TIMEOUT,
+    ) -> float:  # fmt: skip
+        """Set a parameter and return what the vehicle has then.
+
+        Its type is asked for first. ParameterError if the vehicle keeps another value, ValueError
+        for a value that the type cannot hold, TimeoutError if there is no answer.
+        """
+        target = self._target(sysid, compid)
+        bytewise = self._bytewise(target[0])
+        kind = (await self._read(name, target, retries, timeout)).param_type
+        sent = encoded(value, kind, bytewise)
+        reader = self._feed.reader(_is_value(name, target))
+        for _ in range(1 + retries):
+            self.sync.mav.param_set_send(*target, name.encode(), sent, kind)
+            msg = await reader.next(self._loop.time() + timeout)
+            if msg is not None:
+                kept = decoded(msg, bytewise)
+                if not math.isclose(kept, value, rel_tol=1e-6, abs_tol=1e-9):
+                    raise ParameterError(name, value, kept)
+                return kept
+        raise TimeoutError(f"no answer to setting {name} after {1 + retries} attempts")
+
+    async def param_fetch_all(
+        self, *, sysid: int | None = None, compid: int | None = None,
+        retries: int = RETRIES, timeout: float = TIMEOUT,
+    ) -> dict[str, float]:  # fmt: skip
+        """All parameters by name. What does not arrive is asked for again, one by one; TimeoutError if
+        nothing comes `retries` times in a row."""
+        target = self._target(sysid, compid)
+        bytewise = self._bytewise(target[0])
+        reader = self._feed.reader(_is_value(None, target))
+        found: dict[int, Any] = {}
+        count: int | None = None
+        silences = 0
+        self.sync.mav.param_request_list_send(*target)
+        while count is None or len(found) < count:
+            msg = await reader.next(self._loop.time() + timeout)
+            if msg is not None:
+                count = msg.param_count
+                if msg.param_index < count:  # an answer to somebody who asked by name may have none
+                    silences = 0 if msg.param_index not in found else silences
+                    found[msg.param_index] = msg
+                continue
+            silences += 1
+            if silences > retries:
+                raise TimeoutError(f"{len(found)} of {count or 'unknown'} parameters received")
+            self._ask_again(target, count, found)
+        return {str(msg.param_id): decoded(msg, bytewise) for _, msg in sorted(found.items())}
+
+    def _ask_again(self, target: tuple[int, int], count: int | None, found: dict[int, Any]) -> None:
+        if count is None:
+            self.sync.mav.param_request_list_send(*target)
+            return
+        missing = [index for index in range(count) if index not in found]
+        for index in missing[:REQUESTS_AT_ONCE]:
+            self.sync.mav.param_request_read_send(*target, b"", index)
+
+    async def _read(self, name: str, target: tuple[int, int], retries: int, timeout: float) -> Any:
+        """The PARAM_VALUE of a parameter."""
+        reader = self._feed.reader(_is_value(name, target))
+        for _ in range(1 + retries):
+            self.sync.mav.param_request_read_send(*target, name.encode(), -1)
+            msg = await reader.next(self._loop.time() + timeout)
+            if msg is not None:
+                return msg
+        raise TimeoutError(
+            f"no parameter {name} from system {target[0]} after {1 + retries} attempts"
+        )
+
+    def _bytewise(self, sysid: int) -> bool:
+        system = self.sync.sysid_state.get(sysid)
+        return system is not None and system.mav_autopilot == MAV_AUTOPILOT_PX4
+
+
+def _is_value(name: str | None, target: tuple[int, int]) -> Any:
+    """Whether a message is the target's PARAM_VALUE, of one parameter if it is named."""
+    sysid, compid = target
+
+    def wants(msg: Any) -> bool:
+        return (
+            msg.get_type() == "PARAM_VALUE"
+            and msg.get_srcSystem() == sysid
+            and compid in (0, msg.get_srcComponent())
+            and (name is None or msg.param_id == name)
+        )
+
+    return wants

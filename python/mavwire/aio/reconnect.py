@@ -1,0 +1,65 @@
+"""Getting a lost connection back: again and again, with growing pauses."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+
+# The pause doubles up to this many times the first one.
+MAX_BACKOFF = 16
+
+
+class Reconnecting:
+    """Calls `reopen` until it succeeds. Any error but OSError is a defect, and ends it."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        reopen: Callable[[], Awaitable[None]],
+        delay: float,
+    ) -> None:
+        self._loop = loop
+        self._reopen = reopen
+        self._delay = delay
+        self._backoff = 1
+        self._task: asyncio.Task[None] | None = None
+
+    def start(
+        self,
+        at_once: bool,
+        done: Callable[[], None],
+        failed: Callable[[BaseException], None],
+    ) -> None:
+        """Begin, without a pause if `at_once`: a peer that only ever hangs up gets pauses too."""
+        if at_once:
+            self._backoff = 1
+        self._task = self._loop.create_task(self._run(at_once, done, failed))
+
+    async def stop(self) -> None:
+        """Give up."""
+        if self._task is not None and not self._task.done():
+            self._task.cancel()
+            with suppress(asyncio.CancelledError):
+                await self._task
+
+    async def _run(
+        self,
+        at_once: bool,
+        done: Callable[[], None],
+        failed: Callable[[BaseException], None],
+    ) -> None:
+        while True:
+            if not at_once:
+                await asyncio.sleep(self._delay * self._backoff)
+                self._backoff = min(self._backoff * 2, MAX_BACKOFF)
+            at_once = False
+            try:
+                await self._reopen()
+            except OSError:
+                continue
+            except Exception as error:
+                failed(error)
+                return
+            done()
+            return

@@ -1,0 +1,139 @@
+"""What a link needs beyond mavutil's to live in a loop: how it loses its other end and gets it back.
+
+mavutil's links connect again while somebody calls `recv`, and block for as long as that takes. Here
+they are told not to, and reopened in the background.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+from .background import in_background
+from .outgoing import DescriptorSender, Sender, SocketSender
+from .watching import descriptor_of
+
+
+class Transport:
+    """A link that is there as long as it is open: datagrams, and servers, which wait for a peer."""
+
+    # The other end can be gone and come back.
+    reconnects = False
+
+    def __init__(self, sync: Any) -> None:
+        self.sync = sync
+
+    def sender(self) -> Sender:
+        """How frames are sent without blocking."""
+        return SocketSender(self.sync)
+
+    def is_there(self) -> bool:
+        """Whether there is something to read from."""
+        port = getattr(self.sync, "port", None)
+        return port is None or port.fileno() >= 0
+
+    def broke(self, error: Exception) -> bool:
+        """Whether an error of reading or writing means that the other end is gone."""
+        return not self.is_there()
+
+    def let_go(self) -> None:
+        """Release what is left of a connection that is gone."""
+
+    async def reopen(self) -> None:
+        """One attempt to get the other end back; OSError if it is not there yet."""
+        raise ConnectionError("this link has no other end")
+
+
+class StreamClient(Transport):
+    """TCP and Unix domain sockets."""
+
+    def __init__(self, sync: Any) -> None:
+        super().__init__(sync)
+        self.reconnects = sync.autoreconnect
+        sync.autoreconnect = False
+        # Which would print: programs of asyncio look at `link.connected` or at the log.
+        sync.handle_eof = sync.handle_disconnect = sync._lost
+
+    def is_there(self) -> bool:
+        return self.sync.port is not None
+
+    async def reopen(self) -> None:
+        self.sync._use(await in_background(self.sync._connect, _close))
+
+
+class WebSocketClient(Transport):
+    """WebSocket clients always reconnect, as in mavutil."""
+
+    reconnects = True
+
+    def is_there(self) -> bool:
+        return self.sync.port is not None
+
+    async def reopen(self) -> None:
+        connected = await in_background(self.sync.connect, lambda _: self.sync.close_port())
+        if not connected:
+            raise ConnectionRefusedError(f"{self.sync.address} is not up")
+
+
+class SerialPort(Transport):
+    """Serial ports, which may be unplugged."""
+
+    def __init__(self, sync: Any) -> None:
+        super().__init__(sync)
+        self.reconnects = sync.autoreconnect
+        sync.autoreconnect = False
+
+    def sender(self) -> Sender:
+        if os.name != "posix":
+            return SocketSender(self.sync)  # pyserial's own writing, which may block
+        return DescriptorSender(lambda: descriptor_of(self.sync))
+
+    def is_there(self) -> bool:
+        return bool(getattr(self.sync.port, "is_open", False))
+
+    def broke(self, error: Exception) -> bool:
+        return isinstance(error, OSError)
+
+    def let_go(self) -> None:
+        if self.is_there():
+            self.sync._lost()
+
+    async def reopen(self) -> None:
+        if not await in_background(self.sync.reset, lambda _: self.sync.port.close()):
+            raise ConnectionError(f"{self.sync.device} cannot be opened")
+
+
+class Child(Transport):
+    """Child processes: gone when they end."""
+
+    def sender(self) -> Sender:
+        pipe = self.sync.child.stdin
+        os.set_blocking(pipe.fileno(), False)
+        return DescriptorSender(lambda: None if pipe.closed else (pipe.fileno(), pipe))
+
+    def is_there(self) -> bool:
+        return self.sync.fd is not None
+
+    def broke(self, error: Exception) -> bool:
+        return isinstance(error, OSError)
+
+
+_KINDS: dict[str, Callable[[Any], Transport]] = {
+    "mavtcp": StreamClient,
+    "mavwebsocket_client": WebSocketClient,
+    "mavserial": SerialPort,
+    "mavchildexec": Child,
+}
+
+
+def transport_of(sync: Any) -> Transport:
+    """The transport of a link of mavutil, or of a class derived from one."""
+    for base in type(sync).__mro__:
+        if base.__name__ in _KINDS and base.__module__.startswith("mavwire.links"):
+            return _KINDS[base.__name__](sync)
+    return Transport(sync)
+
+
+def _close(port: Any) -> None:
+    port.close()

@@ -1,0 +1,133 @@
+"""The ``mavwire`` command: one table of subcommands, each imported only when it is chosen.
+
+A subcommand is a module with ``add_arguments(parser)`` and ``main(args) -> int``. One that hands
+its arguments on to another program has ``PASS_THROUGH = True``: its parser then only makes the help
+text, and ``main`` gets the list of arguments as they were written.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from mavwire.cli._errors import CommandError, describe_os_error
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+COMMANDS = {
+    "info": ("mavwire.cli.info", "what is in a log: types, rates, systems, losses"),
+    "dump": ("mavwire.cli.dump", "print the messages of a log as text, JSON or CSV"),
+    "sim": ("mavwire.cli.sim", "fly simulated vehicles for a ground station or a test"),
+    "gen": ("mavwire.cli.gen", "generate a Python dialect module from XML definitions"),
+    "definitions": ("mavwire.cli.definitions", "store upstream XML for its descriptions"),
+    "run": ("mavwire.cli.run", "run a program that imports pymavlink on mavwire"),
+    "alias": ("mavwire.cli.alias", "let mavwire answer 'import pymavlink' in this environment"),
+}
+"""Name -> the module and one line of help."""
+
+EXIT_USAGE = 2
+EXIT_INTERRUPTED = 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command line; the exit code of the process."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    name = arguments.pop(0) if arguments else ""
+    if name == "help":
+        name = arguments.pop(0) if arguments else "--help"
+        arguments = ["--help"] if name in COMMANDS else []
+    command: Any = import_module(COMMANDS[name][0]) if name in COMMANDS else None
+    if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
+        return int(command.main(arguments))
+    _replace_closed_streams()
+    prefix = f"mavwire {name}" if command else "mavwire"
+    try:
+        code = _run(name, command, arguments)
+        sys.stdout.flush()  # so that a full disk is told of here
+        return code
+    except CommandError as error:
+        print(f"{prefix}: error: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:  # the reader (head, less) has gone
+        _discard_output()
+        return 0
+    except OSError as error:
+        print(f"{prefix}: error: {describe_os_error(error)}", file=sys.stderr)
+        _discard_output()
+        return 1
+
+
+def _run(name: str, command: Any, arguments: list[str]) -> int:
+    if command is not None:
+        return int(command.main(_parser(name, command).parse_args(arguments)))
+    if name in ("-h", "--help", ""):
+        print(_overview())
+        return 0 if name else EXIT_USAGE
+    if name in ("-V", "--version"):
+        print(_version())
+        return 0
+    print(_unknown(name), file=sys.stderr)
+    return EXIT_USAGE
+
+
+def _replace_closed_streams() -> None:
+    """Python has None for a stream that was closed before it started (`>&-`)."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
+
+
+def _discard_output() -> None:
+    """What is still buffered must not fail again when the interpreter ends."""
+    try:
+        descriptor = sys.stdout.fileno()
+    except (OSError, ValueError):  # a buffer in memory in its place
+        return
+    os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+
+
+def _parser(name: str, command: Any) -> ArgumentParser:
+    parser = ArgumentParser(
+        prog=f"mavwire {name}",
+        description=command.__doc__,
+        formatter_class=RawDescriptionHelpFormatter,
+    )
+    command.add_arguments(parser)
+    return parser
+
+
+def _overview() -> str:
+    width = max(map(len, COMMANDS))
+    lines = [f"  {name:<{width}}  {text}" for name, (_, text) in COMMANDS.items()]
+    return "\n".join(
+        [
+            "usage: mavwire COMMAND ...",
+            "",
+            "MAVLink for Python at wire speed.",
+            "",
+            *lines,
+            "",
+            "mavwire help COMMAND says more about one; mavwire --version prints the version.",
+        ]
+    )
+
+
+def _unknown(name: str) -> str:
+    from difflib import get_close_matches
+
+    close = get_close_matches(name, COMMANDS, n=1)
+    hint = f"did you mean '{close[0]}'?" if close else "see: mavwire help"
+    return f"mavwire: unknown command '{name}'; {hint}"
+
+
+def _version() -> str:
+    import mavwire
+    from mavwire._alias import COMPATIBLE_VERSION
+
+    return f"mavwire {mavwire.__version__} (compatible with pymavlink {COMPATIBLE_VERSION})"

@@ -1,0 +1,121 @@
+"""The common cases of `mavwire dump` in one native loop, without an object for each message."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+
+from mavwire.cli._dump_format import Csv, local_time
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import Namespace
+    from collections.abc import Callable
+    from typing import Any
+
+    from mavwire.cli._dump_select import Selection
+
+# Options whose meaning depends on more than the message itself.
+SLOW_OPTIONS = (
+    "follow", "no_timestamps", "planner", "verbose", "show_types", "show_loss", "reduce",
+)  # fmt: skip
+NO_SOURCE = -1
+
+
+@dataclass
+class Options:
+    """What the native loop reads; see `rust/py/src/dump.rs`."""
+
+    format: str
+    write: Callable[[bytes], Any]
+    record: Callable[[bytes], Any] | None
+    wanted: Callable[[str], bool]
+    types: list[str] | None
+    progress: Callable[[float], Any]
+    source_system: int | None
+    source_component: int | None
+    link: int | None
+    show_source: bool
+    show_seq: bool
+    separator: str = ","
+    columns: list[str] = field(default_factory=list)
+    local_time: Callable[[float], str] = local_time
+
+
+def options_fit(args: Namespace) -> bool:
+    """Whether the native loop knows everything that is asked for."""
+    return (
+        not any(getattr(args, name) for name in SLOW_OPTIONS)
+        and args.condition is None
+        and args.reduce_rate <= 0
+        and not (args.parms and args.output)
+    )
+
+
+def fits(args: Namespace, log: Any) -> bool:
+    """Whether the native loop can dump this log with these options."""
+    from mavwire import _native, mavutil
+
+    return (
+        type(log) in (mavutil.mavmmaplog, mavutil.mavlogfile)
+        # The shadow has its own parser, which is to see everything.
+        and type(log.mav).parse_char is _native.MAVLink.parse_char
+        and not log.first_byte
+        and options_fit(args)
+    )
+
+
+def open_without_index(args: Namespace) -> Any:
+    """A telemetry log that is to be read from end to end, which takes no index: it costs time, and
+    memory that grows with the log. None where something else may come out than with one.
+    """
+    from mavwire import mavutil
+    from mavwire.links.recognise import log_kind
+
+    if args.types is not None or ":" in args.log or not options_fit(args):
+        return None
+    if not os.path.isfile(args.log) or log_kind(args.log, readonly=True) != "tlog":
+        return None
+    log = mavutil.mavlogfile(args.log)
+    # From the first good record on, the reader's state is the same whatever was read before.
+    first = log.recv_msg()
+    if first is None or first.get_msgId() < 0 or not fits(args, log):
+        log.close()
+        return None
+    log.f.seek(0)
+    return log
+
+
+def dump(
+    args: Namespace,
+    log: Any,
+    selection: Selection,
+    shape: Any,
+    write: Callable[[bytes], Any],
+    record: Callable[[bytes], Any] | None,
+    progress: Callable[[float], Any],
+) -> None:
+    """Dump a log that fits, from where it stands to its end."""
+    from mavwire._native import dump_log
+
+    options = Options(
+        format="none" if args.quiet else args.format,
+        write=write,
+        record=record,
+        wanted=selection.wants,
+        types=selection.visited,
+        progress=progress,
+        source_system=_byte(args.source_system),
+        source_component=_byte(args.source_component),
+        link=_byte(args.link),
+        show_source=args.show_source,
+        show_seq=args.show_seq,
+    )
+    if isinstance(shape, Csv):
+        options.separator, options.columns = shape.separator, shape.types
+    dump_log(log, options)
+
+
+def _byte(number: int | None) -> int | None:
+    """A number that may be any, as one that stands for no source or link if it can be none."""
+    return number if number is None or 0 <= number <= 255 else NO_SOURCE

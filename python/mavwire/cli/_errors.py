@@ -1,0 +1,24 @@
+"""What a subcommand says of something the user can mend, and the exception that carries it."""
+
+from __future__ import annotations
+
+
+class CommandError(Exception):
+    """Printed as ``mavwire COMMAND: error: ...`` without a traceback; ``exit_code`` ends the
+    process.
+    """
+
+    def __init__(self, message: str, exit_code: int = 1) -> None:
+        super().__init__(message)
+        self.exit_code = exit_code
+
+
+def describe_os_error(error: OSError) -> str:
+    """What failed and on which file. Writing standard output fails without a name."""
+    reason = error.strerror or str(error)
+    return f"{error.filename}: {reason}" if error.filename else f"standard output: {reason}"
+
+
+def no_such_dialect(dialect: str) -> str:
+    """What to say of a dialect that nothing defines."""
+    return f"no dialect {dialect!r}; name a built-in one, one in $MDEF/v1.0, or a path to XML"

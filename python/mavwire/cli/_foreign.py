@@ -1,0 +1,34 @@
+"""A word on standard error about a file that is something else than a telemetry log.
+
+Whatever looks like a frame in it has been read all the same; the reader of the output should know
+what it was read from.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+
+TELEMETRY = "tlog"
+
+
+def warn_if_foreign(command: str, path: str) -> bool:
+    """Whether `path` is a file and no log of any kind, after saying what it is. That a log is empty
+    is said too.
+    """
+    from mavwire.links.recognise import log_kind
+    from mavwire.logs import LogFormatError, open_log
+
+    if not os.path.isfile(path) or log_kind(path, readonly=True) != TELEMETRY:
+        return False
+    if not os.path.getsize(path):
+        print(f"mavwire {command}: the log is empty: {path!r}", file=sys.stderr)
+        return False
+    try:
+        open_log(path).close()
+    except LogFormatError as error:
+        print(f"mavwire {command}: {error}", file=sys.stderr)
+        return True
+    except OSError:  # gone since it was read
+        pass
+    return False

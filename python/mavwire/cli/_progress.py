@@ -1,0 +1,67 @@
+"""A progress bar on stderr, only for a person who has been waiting.
+
+Drawn by rich where it is installed, else as one plain line. Standard output is never touched.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+PROGRESS_AFTER = 1.0
+# Redrawing more often than this costs more than it tells.
+PROGRESS_INTERVAL = 0.1
+
+
+class Progress:
+    """Shows how much of a file is read. `enabled=False` keeps it silent."""
+
+    def __init__(self, name: str, enabled: bool = True) -> None:
+        self.name = name
+        self.began = time.monotonic()
+        self.enabled = enabled and sys.stderr.isatty()
+        self.shown = False
+        self._drawn_at = 0.0
+        self._bar: Any = None
+        self._task: Any = None
+
+    def update(self, percent: float) -> None:
+        """Draw the bar, once reading has taken a while. `percent` is from 0 to 100."""
+        if not self.enabled:
+            return
+        now = time.monotonic()
+        if now - self.began < PROGRESS_AFTER or now - self._drawn_at < PROGRESS_INTERVAL:
+            return
+        self._drawn_at = now
+        if not self.shown:
+            self.shown = True
+            self._start()
+        if self._bar is not None:
+            self._bar.update(self._task, completed=percent)
+            return
+        filled = int(percent / 4)
+        sys.stderr.write(f"\r{self.name} [{'#' * filled:<25}] {percent:3.0f}%")
+        sys.stderr.flush()
+
+    def finish(self) -> None:
+        """Wipe the bar."""
+        if self._bar is not None:
+            self._bar.stop()
+        elif self.shown:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()
+        self.enabled = False
+
+    def _start(self) -> None:
+        try:
+            from rich.console import Console
+            from rich.progress import Progress as Bar
+        except ImportError:
+            return
+        self._bar = Bar(console=Console(file=sys.stderr), transient=True)
+        self._task = self._bar.add_task(self.name, total=100)
+        self._bar.start()

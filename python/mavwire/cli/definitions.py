@@ -1,0 +1,90 @@
+"""Store a set of MAVLink XML definitions, whose descriptions then appear in docstrings, `enums` and help.
+
+The definitions that come with mavwire carry facts alone. `sync` copies a folder of upstream XML to
+the user's data folder, `status` shows what is stored there, `clear` removes it.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mavwire.cli._errors import CommandError
+from mavwire.dialects import _sources
+from mavwire.dialects._descriptions import stored_folder
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """`sync DIR`, `status` or `clear`."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    sync = actions.add_parser("sync", help="store the *.xml files of a folder")
+    sync.add_argument("folder", type=Path, help="folder with *.xml, or one above v1.0/")
+    actions.add_parser("status", help="show what is stored")
+    actions.add_parser("clear", help="remove what is stored")
+
+
+def main(args: Namespace) -> int:
+    """0; CommandError says what is wrong with the folder or a file."""
+    if args.action == "sync":
+        count = sync(args.folder)
+        print(f"{count} definition files stored in {stored_folder()}")
+    elif args.action == "clear":
+        shutil.rmtree(stored_folder(), ignore_errors=True)
+        print(f"{stored_folder()} removed")
+    else:
+        print(_status())
+    return 0
+
+
+def sync(folder: Path) -> int:
+    """Checks every definition file of `folder` and stores them all, or none if one is wrong."""
+    files = _definition_files(folder)
+    for file in files:
+        _check(file)
+    target = stored_folder()
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        staging = Path(tempfile.mkdtemp(dir=target.parent, prefix="definitions-"))
+        for file in files:
+            shutil.copyfile(file, staging / file.name)
+        shutil.rmtree(target, ignore_errors=True)
+        os.replace(staging, target)
+    except OSError as error:
+        raise CommandError(f"cannot write {target}: {error.strerror}") from None
+    return len(files)
+
+
+def _definition_files(folder: Path) -> list[Path]:
+    if (folder / "v1.0").is_dir():
+        folder /= "v1.0"
+    if not folder.is_dir():
+        raise CommandError(f"{folder} is not a folder; name the one that holds the *.xml files")
+    files = sorted(folder.glob("*.xml"))
+    if not files:
+        raise CommandError(f"{folder} holds no *.xml files")
+    return files
+
+
+def _check(file: Path) -> None:
+    """Refuses a file that is no MAVLink definition, before anything is stored."""
+    from mavwire._native import DefinitionError, describe
+
+    try:
+        main_name, sources = _sources.collect(file, None)
+        describe(main_name, sources)
+    except (DefinitionError, ValueError, OSError) as error:
+        raise CommandError(f"nothing stored: {error}") from None
+
+
+def _status() -> str:
+    files = sorted(stored_folder().glob("*.xml"))
+    if not files:
+        return f"nothing stored in {stored_folder()}; see `mavwire definitions sync --help`"
+    names = ", ".join(file.stem for file in files)
+    return f"{len(files)} definition files in {stored_folder()}: {names}"

@@ -1,0 +1,322 @@
+"""`mavwire dump LOG`: print the messages of a log, with the options and the output of mavlogdump.
+
+LOG is a telemetry or dataflash log, or any link that mavutil opens (`udpin:0.0.0.0:14550`), which
+`--follow` keeps reading. Most dumps of telemetry logs run in a native loop; whatever needs a
+message object goes through `recv_match`. Both write the same bytes.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import ExitStack, contextmanager
+
+from mavwire.cli import _dump_format, _dump_native
+from mavwire.cli._dump_select import Selection
+from mavwire.cli._errors import CommandError, no_such_dialect
+from mavwire.cli._foreign import warn_if_foreign
+from mavwire.cli._progress import Progress
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Callable, Iterator
+    from typing import Any
+
+DEFAULT_DIALECT = "ardupilotmega"
+PROGRESS_EVERY = 20_000
+# The last time that a telemetry log's record can have, in microseconds.
+MAX_STAMP = 2**64 - 1
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Options of the subcommand: mavlogdump's."""
+    add = parser.add_argument
+    add("log", metavar="LOG", help="telemetry or dataflash log, or a link")
+    _add_input(parser.add_argument_group("reading"))
+    _add_filters(parser.add_argument_group("choosing messages"))
+    _add_output(parser.add_argument_group("writing"))
+
+
+def _add_input(group: Any) -> None:
+    add = group.add_argument
+    add("--dialect", default=DEFAULT_DIALECT, help="message definitions (default: %(default)s)")
+    add("--mav10", action="store_true", help="start with MAVLink 1 definitions")
+    add("--no-timestamps", action="store_true", help="a raw stream without record timestamps")
+    add("--planner", action="store_true", help="the planner's old log format (not supported)")
+    add("--robust", action="store_true", help="accepted; damage is always skipped")
+    add("-f", "--follow", action="store_true", help="wait for more at the end of a telemetry log")
+    add("--zero-time-base", action="store_true", help="dataflash: times since start, not 1970")
+    add("--profile", action="store_true", help="print a profile of the run on stderr")
+
+
+def _add_filters(group: Any) -> None:
+    add = group.add_argument
+    add("--types", help="only these types, comma separated, with wildcards")
+    add("--nottypes", help="not these types, comma separated, with wildcards")
+    add("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'")
+    add("--meta", action="store_true", help="dataflash: definitions and the like in any condition")
+    add("--source-system", type=int, help="only from this system id")
+    add("--source-component", type=int, help="only from this component id")
+    add("--link", type=int, help="only from this link of the ground station")
+    add("--no-bad-data", action="store_true", help="leave out BAD_DATA")
+    add("--reduce", type=int, default=0, metavar="N", help="every Nth of the streamed sensor types")
+    add("--reduce-rate", type=float, default=0, metavar="HZ", help="at most HZ of each type")
+
+
+def _add_output(group: Any) -> None:
+    add = group.add_argument
+    formats = ("standard", "json", "csv", "mat")
+    add("--format", choices=formats, default="standard", help="form of a message (default: text)")
+    add("--csv_sep", default=",", help="CSV: what separates the columns; 'tab' for a tab")
+    add("--show-source", action="store_true", help="show system and component ids")
+    add("--show-seq", action="store_true", help="show sequence numbers")
+    add("--show-types", action="store_true", help="show only which types there are")
+    add("--show-loss", action="store_true", help="show where messages were lost")
+    add("--verbose", action="store_true", help="a line per field, with units and enum names")
+    add("-q", "--quiet", action="store_true", help="print no messages")
+    add("-o", "--output", metavar="FILE", help="write the matching messages to a log of their own")
+    add("-p", "--parms", action="store_true", help="keep all parameters in the output of -o")
+    add("--mat_file", metavar="FILE", help="not supported")
+    add("-c", "--compress", action="store_true", help="not supported")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    if args.format == "mat":
+        raise CommandError(
+            "MATLAB files are not written; use --format csv --types TYPE, which MATLAB's readtable"
+            " reads, or --format json",
+            exit_code=2,
+        )
+    progress = Progress(os.path.basename(args.log), enabled=args.quiet or not sys.stdout.isatty())
+    with ExitStack() as stack:
+        stack.callback(progress.finish)
+        stack.enter_context(_definitions(args))
+        if args.profile:
+            stack.enter_context(_profiled())
+        log = _open(args, progress)
+        stack.callback(log.close)
+        _check_possible(args, log)
+        record = _recorder(args, stack)
+        _dump(args, log, Writer(), record, progress)
+    if not args.no_timestamps:
+        warn_if_foreign("dump", args.log)
+    return 0
+
+
+@contextmanager
+def _definitions(args: Namespace) -> Iterator[None]:
+    """The dialect and wire protocol of this run, in place of the process's own."""
+    from mavwire import mavutil
+    from mavwire.links import state
+
+    before = state.wire_protocol, state.mavlink, state.current_dialect
+    state.set_wire_protocol("1.0" if args.mav10 else "2.0")
+    try:
+        mavutil.set_dialect(args.dialect)
+    except FileNotFoundError as error:
+        raise CommandError(no_such_dialect(args.dialect)) from error
+    except (OSError, ValueError) as error:
+        raise CommandError(f"--dialect {args.dialect}: {error}") from error
+    try:
+        yield
+    finally:
+        state.wire_protocol, state.mavlink, state.current_dialect = before
+
+
+def _open(args: Namespace, progress: Progress) -> Any:
+    from mavwire import mavutil
+
+    try:
+        return _dump_native.open_without_index(args) or mavutil.mavlink_connection(
+            args.log,
+            planner_format=args.planner,
+            notimestamps=args.no_timestamps,
+            robust_parsing=args.robust,
+            zero_time_base=args.zero_time_base,
+            progress_callback=progress.update,
+        )
+    except FileNotFoundError as error:
+        raise CommandError(f"no such log: {args.log}") from error
+    except (OSError, ValueError, ImportError) as error:
+        raise CommandError(
+            f"cannot open {args.log}: {error}; LOG is a .tlog, .BIN or .log file, or a link such as"
+            " udpin:0.0.0.0:14550"
+        ) from error
+
+
+def _check_possible(args: Namespace, log: Any) -> None:
+    """Say what a dataflash log does not have, instead of showing nothing."""
+    if hasattr(log, "mav"):
+        return
+    asked = {
+        "--source-system": args.source_system is not None,
+        "--source-component": args.source_component is not None,
+        "--link": args.link is not None,
+        "--show-source": args.show_source,
+        "--show-seq": args.show_seq,
+        "--show-loss": args.show_loss,
+        "--follow": args.follow,
+    }
+    for option in (name for name, wanted in asked.items() if wanted):
+        raise CommandError(f"{option}: {args.log} is a dataflash log; this is for telemetry only")
+
+
+def _recorder(args: Namespace, stack: ExitStack) -> Callable[[bytes], Any] | None:
+    if not args.output:
+        return None
+    if _same_file(args.log, args.output):
+        raise CommandError(f"--output {args.output} is the log itself")
+
+    @contextmanager
+    def naming_the_file() -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise CommandError(f"--output {args.output}: {error.strerror}") from error
+
+    def write(record: bytes) -> None:
+        with naming_the_file():
+            file.write(record)
+
+    def close() -> None:
+        with naming_the_file():
+            file.close()
+
+    with naming_the_file():
+        file = open(args.output, "wb")
+    stack.callback(close)
+    return write
+
+
+def _same_file(one: str, other: str) -> bool:
+    """Whether two names, links among them, lead to one file."""
+    return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
+
+
+@contextmanager
+def _profiled() -> Iterator[None]:
+    import cProfile
+    import pstats
+
+    with cProfile.Profile() as profile:
+        yield
+    pstats.Stats(profile, stream=sys.stderr).sort_stats("cumulative").print_stats(40)
+
+
+class Writer:
+    """Standard output for UTF-8 lines, whatever it is: a file, a terminal, or a test's buffer."""
+
+    def __init__(self) -> None:
+        self._file = sys.stdout
+        self._binary = getattr(sys.stdout, "buffer", None)
+        encoding = (getattr(sys.stdout, "encoding", None) or "utf-8").lower()
+        self._encoding = "" if encoding.replace("-", "") == "utf8" else encoding
+
+    def write(self, lines: bytes) -> None:
+        """Write all of it, as far as the reader takes it."""
+        if self._binary is None:
+            self._file.write(lines.decode())
+            return
+        if self._encoding:
+            lines = lines.decode().encode(self._encoding, "backslashreplace")
+        left = memoryview(lines)
+        while left:  # an unbuffered file may take a part
+            left = left[self._binary.write(left) or 0 :]
+
+    def line(self, text: str) -> None:
+        """Write one line."""
+        self.write(text.encode("utf-8", "backslashreplace") + b"\n")
+
+    def flush(self) -> None:
+        """Let the reader see what was written."""
+        self._file.flush()
+
+
+def _dump(
+    args: Namespace,
+    log: Any,
+    writer: Writer,
+    record: Callable[[bytes], Any] | None,
+    progress: Progress,
+) -> None:
+    shape = _dump_format.formatter(args, log)
+    selection = Selection(args, log)
+    if isinstance(shape, _dump_format.Csv):
+        writer.line(shape.header())
+    if _dump_native.fits(args, log):
+        _dump_native.dump(args, log, selection, shape, writer.write, record, progress.update)
+    else:
+        _dump_messages(args, log, selection, Sink(args, log, shape, writer, record), progress)
+    writer.flush()
+
+
+def _dump_messages(
+    args: Namespace, log: Any, selection: Selection, sink: Sink, progress: Progress
+) -> None:
+    """The ordinary loop: one message after the other through all filters."""
+    seen: dict[str, None] = {}
+    number = 0
+    while (msg := log.recv_match(type=selection.visited, blocking=args.follow)) is not None:
+        number += 1
+        if number % PROGRESS_EVERY == 0:
+            progress.update(getattr(log, "percent", 0.0))
+        kind = msg.get_type()
+        seen[kind] = None
+        if selection.thins_out(msg, kind):
+            continue
+        if selection.preserves(kind):
+            sink.record(msg)
+        elif selection.passes(msg, kind):
+            sink.record(msg)
+            sink.show(msg)
+    if args.show_types:
+        for kind in sorted(seen):
+            sink.writer.line(kind)
+
+
+class Sink:
+    """Where messages go: lines to standard output, records to a log of their own."""
+
+    def __init__(
+        self,
+        args: Namespace,
+        log: Any,
+        shape: Any,
+        writer: Writer,
+        record: Callable[[bytes], Any] | None,
+    ) -> None:
+        self.writer = writer
+        self._log = log
+        self._shape = shape
+        self._record = record
+        self._stamped = hasattr(log, "mav")
+        self._silent = args.quiet
+        # Text is left out where only the types are asked for.
+        self._shows = not (args.show_types and args.format == "standard")
+        self._loss: int | None = 0 if args.show_loss else None
+        self._prompt = args.follow or sys.stdout.isatty()
+
+    def record(self, msg: Any) -> None:
+        """Append the message to the output file, if there is one."""
+        if self._record is None:
+            return
+        frame = msg.get_msgbuf()
+        if frame and self._stamped:
+            micros = min(int(msg._timestamp * 1.0e6), MAX_STAMP)  # a float may round beyond
+            self._record(micros.to_bytes(8, "big") + frame)
+        elif frame:
+            self._record(frame)
+
+    def show(self, msg: Any) -> None:
+        """Print the message, and how many were lost since the one before."""
+        if self._silent:
+            return
+        if self._shows:
+            self.writer.line(self._shape.line(msg))
+        if self._loss is not None and self._loss != self._log.mav_loss:
+            self.writer.line(f"lost {self._log.mav_loss - self._loss} messages")
+            self._loss = self._log.mav_loss
+        if self._prompt:
+            self.writer.flush()

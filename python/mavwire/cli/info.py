@@ -1,0 +1,224 @@
+"""`mavwire info LOG...`: what is in a log, at one glance.
+
+Types with counts and rates, who sent them, the time they span, what was lost on the way and what
+could not be read, with the speed of reading. Everything comes from one pass through mavutil, so the
+figures are those of any user's own loop.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+from mavwire.cli._errors import CommandError, no_such_dialect
+from mavwire.cli._foreign import warn_if_foreign
+from mavwire.cli._progress import Progress
+
+if TYPE_CHECKING:
+    import argparse
+
+PROGRESS_EVERY = 20_000
+
+
+@dataclass
+class System:
+    """One sender: system and component id."""
+
+    messages: int = 0
+    lost: int = 0
+    last_seq: int = -1
+
+
+@dataclass
+class Summary:
+    """What one pass over a log found."""
+
+    path: str
+    size: int = 0
+    messages: int = 0
+    types: Counter[str] = field(default_factory=Counter)
+    systems: dict[tuple[int, int], System] = field(default_factory=dict)
+    first: float | None = None
+    last: float | None = None
+    bad_messages: int = 0
+    bad_bytes: int = 0
+    seconds: float = 0.0
+
+    @property
+    def span(self) -> float:
+        """Seconds between the first and the last message."""
+        return (self.last or 0.0) - (self.first or 0.0)
+
+    @property
+    def lost(self) -> int:
+        """Gaps in the sequence numbers of all senders."""
+        return sum(system.lost for system in self.systems.values())
+
+    def rate(self, count: int) -> float:
+        """A number of messages per second of the log."""
+        return count / self.span if self.span > 0 else 0.0
+
+    def add(self, msg: Any, kind: str) -> None:
+        """Count a good telemetry message."""
+        key = (msg.get_srcSystem(), msg.get_srcComponent())
+        system = self.systems.get(key)
+        if system is None:
+            system = self.systems[key] = System()
+        seq = msg.get_seq()
+        if system.last_seq >= 0:
+            system.lost += (seq - system.last_seq - 1) & 255
+        system.last_seq = seq
+        system.messages += 1
+        self.types[kind] += 1
+
+    def as_dict(self) -> dict[str, Any]:
+        """For `--json`: plain values, systems keyed `sysid/compid`."""
+        return {
+            "path": self.path,
+            "bytes": self.size,
+            "messages": self.messages,
+            "types": dict(self.types.most_common()),
+            "systems": {
+                f"{sysid}/{compid}": {"messages": one.messages, "lost": one.lost}
+                for (sysid, compid), one in sorted(self.systems.items())
+            },
+            "first": self.first,
+            "last": self.last,
+            "lost": self.lost,
+            "bad_messages": self.bad_messages,
+            "bad_bytes": self.bad_bytes,
+            "read_seconds": self.seconds,
+        }
+
+
+def summarise(log: Any, path: str, progress: Progress | None = None) -> Summary:
+    """Read an open log, as `mavlink_connection` gives it, to its end."""
+    summary = Summary(path, size=os.path.getsize(path))
+    telemetry = hasattr(log, "mav")
+    began = time.perf_counter()
+    for number, msg in enumerate(iter(log.recv_msg, None), 1):
+        kind = msg.get_type()
+        if kind == "BAD_DATA":
+            summary.bad_messages += 1
+            summary.bad_bytes += len(msg.data)
+            continue
+        summary.messages += 1
+        summary.last = msg._timestamp
+        if summary.first is None:
+            summary.first = summary.last
+        if telemetry and not kind.startswith("UNKNOWN_"):
+            summary.add(msg, kind)
+        else:
+            summary.types[kind] += 1
+        if progress is not None and number % PROGRESS_EVERY == 0:
+            progress.update(getattr(log, "percent", 0.0))
+    summary.seconds = time.perf_counter() - began
+    return summary
+
+
+def _time(summary: Summary) -> str:
+    if summary.first is None or summary.last is None:
+        return "none, there is no message"
+    return f"{_clock(summary.first)} to {_clock(summary.last)} UTC, {summary.span:,.1f} s"
+
+
+def _clock(seconds: float) -> str:
+    try:
+        return datetime.fromtimestamp(seconds, UTC).strftime("%Y-%m-%d %H:%M:%S")
+    except (OverflowError, OSError, ValueError):
+        return f"{seconds:.6f}"
+
+
+def table(summary: Summary) -> str:
+    """The text that `mavwire info` prints."""
+    speed = summary.messages / summary.seconds if summary.seconds > 0 else 0.0
+    lines = [
+        f"{summary.path}: {summary.size:,} bytes, {summary.messages:,} messages of"
+        f" {len(summary.types)} types",
+        f"  time     {_time(summary)}",
+        f"  lost     {summary.lost:,} messages by sequence number",
+        f"  bad      {summary.bad_bytes:,} bytes in {summary.bad_messages:,} pieces",
+        f"  read in  {summary.seconds:.3f} s, {speed:,.0f} messages/s",
+        "",
+    ]
+    if summary.systems:
+        lines.append(f"  {'SYSTEM':<10}{'COUNT':>12}{'LOST':>10}")
+        lines += [
+            f"  {f'{sysid}/{compid}':<10}{one.messages:>12,}{one.lost:>10,}"
+            for (sysid, compid), one in sorted(summary.systems.items())
+        ]
+        lines.append("")
+    lines.append(f"  {'TYPE':<32}{'COUNT':>12}{'PER SECOND':>14}")
+    for kind, count in sorted(summary.types.items(), key=lambda item: (-item[1], item[0])):
+        lines.append(f"  {kind:<32}{count:>12,}{summary.rate(count):>14,.2f}")
+    return "\n".join(lines)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the subcommand."""
+    parser.description = "Types, rates, senders, time range, losses and bad bytes of logs."
+    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry or dataflash log")
+    parser.add_argument("--dialect", help="dialect to read telemetry with (default: all)")
+    parser.add_argument("--json", action="store_true", help="print one JSON object for each log")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the subcommand; 1 where a log could not be read."""
+    _check_dialect(args.dialect)
+    failed = 0
+    for number, path in enumerate(args.logs):
+        try:
+            summary = _read(path, args.dialect)
+        except (OSError, ValueError, ImportError) as error:
+            print(f"mavwire info: {path}: {_reason(error)}", file=sys.stderr)
+            failed += 1
+            continue
+        if args.json:
+            print(json.dumps(summary.as_dict()))
+        else:
+            print(("\n" if number else "") + table(summary))
+        failed += warn_if_foreign("info", path)
+    return 1 if failed else 0
+
+
+def _check_dialect(dialect: str | None) -> None:
+    """Say once, before any log, that there is no such dialect."""
+    from mavwire import mavutil
+
+    if dialect is None:
+        return
+    try:
+        mavutil.set_dialect(dialect)
+    except FileNotFoundError as error:
+        raise CommandError(no_such_dialect(dialect)) from error
+    except (OSError, ValueError) as error:
+        raise CommandError(f"--dialect {dialect}: {error}") from error
+
+
+def _read(path: str, dialect: str | None) -> Summary:
+    from mavwire import mavutil
+    from mavwire.links.recognise import check_usable
+
+    check_usable(path, creating=False)
+    if not os.path.isfile(path):
+        raise ValueError("not a log file" if os.path.exists(path) else "no such log file")
+    progress = Progress(path)
+    try:
+        log = mavutil.mavlink_connection(path, dialect=dialect)
+        try:
+            return summarise(log, path, progress)
+        finally:
+            log.close()
+    finally:
+        progress.finish()
+
+
+def _reason(error: Exception) -> str:
+    """The text of an error without the file name, which the line has already."""
+    return (isinstance(error, OSError) and error.strerror) or str(error)

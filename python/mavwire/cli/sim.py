@@ -1,0 +1,276 @@
+"""Fly simulated vehicles and send their telemetry to a ground station.
+
+They answer like an ArduCopter or a PX4 multicopter: parameters, missions, commands, modes, files.
+Connect QGroundControl, Mission Planner, MAVProxy, MAVSDK or a script of your own, and fly.
+
+examples:
+  mavwire sim                                    one ArduCopter to 127.0.0.1:14550
+  mavwire sim --autopilot px4 --count 3          three PX4 vehicles, ids 1 to 3
+  mavwire sim --out tcpin:0.0.0.0:5760           wait for a ground station on TCP
+  mavwire sim --loss 5% --delay 200ms            over a bad radio
+  mavwire sim --fly                              take off and fly circuits by itself
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import time
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mavwire.cli._errors import CommandError
+
+if TYPE_CHECKING:
+    from mavwire.sim import Runner, Vehicle
+
+DEFAULT_OUT = "udpout:127.0.0.1:14550"
+KEY_LEN = 32
+MAX_COUNT = 200
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """The options."""
+    _add_vehicle_arguments(parser)
+    link = parser.add_argument_group("the link")
+    link.add_argument(
+        "--out",
+        metavar="DEVICE",
+        action="append",
+        help="connection string as for mavlink_connection: udpout:HOST:PORT, udpin:HOST:PORT, "
+        f"tcpin:HOST:PORT, tcp:HOST:PORT, a serial port...; may be repeated [default: {DEFAULT_OUT}]",
+    )
+    link.add_argument(
+        "--loss", type=fraction, default=0.0, metavar="P", help="lose frames: 5%% or 0.05"
+    )
+    link.add_argument(
+        "--corrupt", type=fraction, default=0.0, metavar="P", help="flip a bit in frames"
+    )
+    link.add_argument(
+        "--duplicate", type=fraction, default=0.0, metavar="P", help="send frames twice"
+    )
+    link.add_argument(
+        "--delay", type=duration, default=0.0, metavar="T", help="delay frames: 200ms or 0.2s"
+    )
+    link.add_argument(
+        "--jitter", type=duration, default=0.0, metavar="T", help="delay them by up to this more"
+    )
+    link.add_argument(
+        "--signing-key",
+        type=key_file,
+        metavar="FILE",
+        help="sign, and accept only what is signed; the file holds 32 bytes or 64 hexadecimal digits",
+    )
+    link.add_argument("--mavlink1", action="store_true", help="send MAVLink 1")
+    run = parser.add_argument_group("running")
+    run.add_argument(
+        "--speed", type=float, default=1.0, metavar="X", help="times real time [default: 1]"
+    )
+    run.add_argument(
+        "--duration", type=duration, metavar="T", help="end after this time: 90s or 5m"
+    )
+    run.add_argument("--quiet", action="store_true", help="no status line")
+
+
+def _add_vehicle_arguments(parser: ArgumentParser) -> None:
+    group = parser.add_argument_group("the vehicles")
+    group.add_argument(
+        "--autopilot",
+        choices=["ardupilot", "px4"],
+        default="ardupilot",
+        help="whose ways they have [default: %(default)s]",
+    )
+    group.add_argument("--count", type=int, default=1, metavar="N", help="how many [default: 1]")
+    group.add_argument(
+        "--sysid", type=int, default=1, metavar="ID", help="id of the first [default: 1]"
+    )
+    group.add_argument("--home", type=place, metavar="LAT,LON[,ALT]", help="where they start")
+    group.add_argument("--heading", type=float, default=0.0, metavar="DEG", help="where they look")
+    group.add_argument(
+        "--wind", type=wind, default=(0.0, 0.0), metavar="DEG,SPEED", help="wind from there, m/s"
+    )
+    group.add_argument(
+        "--param",
+        type=setting,
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="set a parameter; may be repeated",
+    )
+    group.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="of noise and losses [default: 0]"
+    )
+    group.add_argument("--fly", action="store_true", help="take off and fly circuits")
+
+
+def main(args: Namespace) -> int:
+    """Run until interrupted, or for `--duration`."""
+    from mavwire import mavutil
+    from mavwire.sim import Runner
+
+    vehicles = _vehicles(args)
+    links = _links(args.out or [DEFAULT_OUT], mavutil)
+    try:
+        runner = Runner(vehicles, links, args.speed)
+    except ValueError as error:
+        raise CommandError(str(error)) from None
+    if args.fly:
+        from mavwire.sim.circuit import start_circuit
+
+        for vehicle in vehicles:
+            start_circuit(vehicle)
+    print(_announcement(vehicles, args), file=sys.stderr)
+    try:
+        _run(runner, args)
+    finally:
+        runner.close()
+    return 0
+
+
+def _run(runner: Runner, args: Namespace) -> None:
+    from mavwire.cli._sim_status import StatusLine
+
+    line = StatusLine(runner, enabled=not args.quiet)
+    end = None if args.duration is None else time.monotonic() + args.duration
+    try:
+        while end is None or time.monotonic() < end:
+            left = line.interval if end is None else min(line.interval, end - time.monotonic())
+            runner.run(max(left, 0.0))
+            line.draw()
+    except KeyboardInterrupt:
+        pass  # the usual way to end it
+    finally:
+        line.finish()
+
+
+def _vehicles(args: Namespace) -> list[Vehicle]:
+    from mavwire.sim import Impairment, Vehicle
+    from mavwire.sim.geo import Place
+    from mavwire.sim.personality import PERSONALITIES
+    from mavwire.sim.vehicle import spread
+
+    if not 1 <= args.count <= MAX_COUNT or not 1 <= args.sysid <= 255 - args.count:
+        raise CommandError(
+            f"--count and --sysid must give ids between 1 and 254, {MAX_COUNT} at most"
+        )
+    usual = PERSONALITIES[args.autopilot].home
+    home = Place(*(args.home if args.home is not None else usual))
+    try:
+        impairment = Impairment(args.loss, args.corrupt, args.duplicate, args.delay, args.jitter)
+        return [
+            Vehicle(
+                args.autopilot, args.sysid + index, seed=args.seed, home=spread(home, index),
+                heading=args.heading, wind=args.wind, params=dict(args.param),
+                impairment=impairment, signing_key=args.signing_key,
+                version=1 if args.mavlink1 else 2,
+            )
+            for index in range(args.count)
+        ]  # fmt: skip
+    except (ValueError, KeyError) as error:
+        raise CommandError(str(error.args[0])) from None
+
+
+def _links(devices: list[str], mavutil: Any) -> list[Any]:
+    """Open the links; the process speaks MAVLink 2 from the start."""
+    mavutil.set_wire_protocol("2.0")
+    mavutil.set_dialect("all")
+    links: list[Any] = []
+    for device in devices:
+        try:
+            links.append(mavutil.mavlink_connection(device, autoreconnect=True, retries=1))
+        except (OSError, ValueError) as error:
+            for link in links:
+                link.close()
+            raise CommandError(f"{device}: {error}") from None
+        if links[-1].fd is None and not hasattr(links[-1], "port"):
+            raise CommandError(f"{device} is a log, not a link")
+    return links
+
+
+def _announcement(vehicles: list[Vehicle], args: Namespace) -> str:
+    first, last = vehicles[0].sysid, vehicles[-1].sysid
+    who = f"vehicle {first}" if first == last else f"vehicles {first} to {last}"
+    name = vehicles[0].personality.version_text
+    return f"{name}: {who} on {', '.join(args.out or [DEFAULT_OUT])}; Ctrl-C ends it"
+
+
+# -- values of options
+
+
+def fraction(text: str) -> float:
+    """5% or 0.05."""
+    number, percent = (text[:-1], 100.0) if text.endswith("%") else (text, 1.0)
+    try:
+        value = float(number) / percent
+    except ValueError:
+        raise ArgumentTypeError(f"not a fraction: {text!r}; say 5% or 0.05") from None
+    if not 0 <= value <= 1:
+        raise ArgumentTypeError(f"must be between 0 and 100%: {text!r}")
+    return value
+
+
+_UNITS = {"ms": 1e-3, "s": 1.0, "m": 60.0, "h": 3600.0, "": 1.0}
+
+
+def duration(text: str) -> float:
+    """200ms, 0.2s, 5m, 1h; seconds without a unit."""
+    match = re.fullmatch(r"(\d+(?:\.\d*)?|\.\d+)\s*(ms|s|m|h|)", text)
+    if match is None:
+        raise ArgumentTypeError(f"not a time: {text!r}; say 200ms, 1.5s or 5m")
+    return float(match[1]) * _UNITS[match[2]]
+
+
+def _numbers(text: str, counts: tuple[int, ...], form: str) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) not in counts:
+        raise ArgumentTypeError(f"not {form}: {text!r}")
+    return values
+
+
+def place(text: str) -> tuple[float, float, float]:
+    """LAT,LON or LAT,LON,ALT."""
+    lat, lon, *alt = _numbers(text, (2, 3), "LAT,LON[,ALT]")
+    if not (abs(lat) < 89 and abs(lon) <= 180):
+        raise ArgumentTypeError(f"not a place where a copter could fly: {text!r}")
+    return lat, lon, alt[0] if alt else 0.0
+
+
+def wind(text: str) -> tuple[float, float]:
+    """DEG,SPEED, where it comes from, as north and east components of where it goes."""
+    import math
+
+    direction, speed = _numbers(text, (2,), "DEG,SPEED")
+    if not 0 <= speed <= 15:
+        raise ArgumentTypeError(f"wind must be between 0 and 15 m/s: {text!r}")
+    angle = math.radians(direction + 180)
+    return speed * math.cos(angle), speed * math.sin(angle)
+
+
+def setting(text: str) -> tuple[str, float]:
+    """NAME=VALUE."""
+    name, _, value = text.partition("=")
+    try:
+        return name.strip().upper(), float(value)
+    except ValueError:
+        raise ArgumentTypeError(f"not NAME=VALUE: {text!r}") from None
+
+
+def key_file(path: str) -> bytes:
+    """A signing key out of a file. Never on the command line, where everyone can read it."""
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise ArgumentTypeError(f"{path}: {error.strerror}") from None
+    text = data.strip()
+    if len(text) == 2 * KEY_LEN:
+        try:
+            return bytes.fromhex(text.decode("ascii"))
+        except ValueError:
+            pass
+    if len(data) != KEY_LEN:
+        raise ArgumentTypeError(f"{path} holds neither 32 bytes nor 64 hexadecimal digits")
+    return data

@@ -1,0 +1,76 @@
+"""MAVLink dialects as Python modules.
+
+``mavwire.dialects.v20.ardupilotmega`` and its siblings offer what pymavlink's generated modules offer. None of them holds
+generated code: a module is a namespace filled from a dialect of the native core, and message classes come into being when
+they are first used. :func:`load` makes such a module from XML at run time, :func:`populate` fills a namespace that is
+there already (the files that ``mavgen`` writes call it).
+"""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import os
+    from types import ModuleType
+    from typing import Any
+
+__all__ = ["load", "names", "populate", "populate_builtin"]
+
+
+def names() -> list[str]:
+    """Names of the built-in dialects."""
+    from mavwire._native import Dialect
+
+    return sorted(Dialect.names())
+
+
+def populate_builtin(namespace: dict[str, Any]) -> None:
+    """Fills the globals of ``mavwire.dialects.v10.<name>`` or ``v20.<name>``."""
+    from mavwire._native import Dialect
+    from mavwire.dialects import _module
+
+    package, _, name = namespace["__name__"].rpartition(".")
+    wire_protocol = "1.0" if package.endswith(".v10") else "2.0"
+    _module.fill(namespace, Dialect.builtin(name, wire_protocol), name)
+
+
+def populate(
+    namespace: dict[str, Any],
+    *,
+    name: str,
+    wire_protocol: str,
+    sources: dict[str, str],
+    main: str,
+) -> None:
+    """Fills ``namespace`` with the dialect ``main`` of ``sources`` (base name -> XML text).
+
+    ``name`` is what ``DIALECT`` shall say. Includes are looked up in ``sources`` and then among the built-in dialects.
+    Raises ``DefinitionError`` (a ``ValueError``) naming file, line and reason where a definition is wrong.
+    """
+    from mavwire._native import Dialect
+    from mavwire.dialects import _module
+
+    _module.fill(namespace, Dialect.from_sources(main, sources, wire_protocol), name)
+
+
+def load(
+    path: str | os.PathLike[str], wire_protocol: str = "2.0", name: str | None = None
+) -> ModuleType:
+    """A dialect module from an XML file, with nothing written to disk.
+
+    ``path`` names the file; its includes are looked for beside it and among the built-in dialects. A text that starts
+    with ``<`` is taken as XML itself. The module is entered in ``sys.modules`` under ``mavwire.dialects.loaded.<name>``
+    so that its messages can be pickled within the process; loading the same name again replaces it there.
+    """
+    import sys
+    from types import ModuleType
+
+    from mavwire.dialects import _sources
+
+    main, sources = _sources.collect(path, name)
+    module = ModuleType(
+        f"mavwire.dialects.loaded.{main}", f"MAVLink dialect {main}, loaded at run time."
+    )
+    populate(module.__dict__, name=main, wire_protocol=wire_protocol, sources=sources, main=main)
+    sys.modules[module.__name__] = module
+    return module

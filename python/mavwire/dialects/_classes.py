@@ -1,0 +1,369 @@
+"""The classes of a dialect module.
+
+pymavlink's modules are self-contained: each has its own ``MAVLink_message``, ``MAVError``, ``MAVLink`` and so on, so that
+messages of two modules never compare equal and catching one module's ``MAVError`` does not catch another's. So the
+classes are made here once per module, around the native ones.
+"""
+
+from __future__ import annotations
+
+import struct
+import time
+
+from mavwire import _native
+from mavwire.dialects import _docs, _methods
+from mavwire.dialects._descriptions import Texts
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any, ClassVar
+
+HEX = [f"{byte:x}" for byte in range(256)]
+
+
+def _header_class(namespace: dict[str, Any], marker: int) -> type:
+    class MAVLink_header:
+        """Header of a frame."""
+
+        def __init__(
+            self,
+            msgId: int,
+            incompat_flags: int = 0,
+            compat_flags: int = 0,
+            mlen: int = 0,
+            seq: int = 0,
+            srcSystem: int = 0,
+            srcComponent: int = 0,
+        ) -> None:
+            self.mlen = mlen
+            self.seq = seq
+            self.srcSystem = srcSystem
+            self.srcComponent = srcComponent
+            self.msgId = msgId
+            self.incompat_flags = incompat_flags
+            self.compat_flags = compat_flags
+
+        def pack(self, force_mavlink1: bool = False) -> bytes:
+            """The header's bytes for the module's ``WIRE_PROTOCOL_VERSION``, or version 1 if forced."""
+            if float(namespace["WIRE_PROTOCOL_VERSION"]) == 2.0 and not force_mavlink1:
+                return struct.pack(
+                    "<BBBBBBBHB",
+                    marker,
+                    self.mlen,
+                    self.incompat_flags,
+                    self.compat_flags,
+                    self.seq,
+                    self.srcSystem,
+                    self.srcComponent,
+                    self.msgId & 0xFFFF,
+                    self.msgId >> 16,
+                )
+            return struct.pack(
+                "<BBBBBB", 254, self.mlen, self.seq, self.srcSystem, self.srcComponent, self.msgId
+            )
+
+    return MAVLink_header
+
+
+class SchemaAttr:
+    """A class attribute of message classes that is worked out when first read, then kept on the class."""
+
+    def __init__(self, name: str, default: Any, read: Callable[[_native.MessageInfo], Any]) -> None:
+        self._name = name
+        self._default = default
+        self._read = read
+
+    def __get__(self, obj: Any, cls: type) -> Any:
+        owner = defining_class(cls)
+        if owner is None:
+            return self._default
+        value = self._read(owner.__dict__["_info"])
+        setattr(owner, self._name, value)
+        return value
+
+
+def defining_class(cls: type) -> type | None:
+    """The message class that ``cls`` is or derives from."""
+    for base in cls.__mro__:
+        if base.__dict__.get("_info") is not None:
+            return base
+    return None
+
+
+def _own(name: str) -> Callable[[_native.MessageInfo], Any]:
+    return lambda info: getattr(info, name)
+
+
+SCHEMA_ATTRS: dict[str, tuple[Any, Callable[[_native.MessageInfo], Any]]] = {
+    "fieldnames": ([], _own("fieldnames")),
+    "ordered_fieldnames": ([], _own("ordered_fieldnames")),
+    "fieldtypes": ([], _own("fieldtypes")),
+    "fielddisplays_by_name": ({}, _own("fielddisplays_by_name")),
+    "fieldenums_by_name": ({}, _own("fieldenums_by_name")),
+    "fieldunits_by_name": ({}, _own("fieldunits_by_name")),
+    "native_format": (bytearray(), lambda info: bytearray(info.native_format.encode())),
+    "orders": ([], _own("orders")),
+    "lengths": ([], _own("lengths")),
+    "array_lengths": ([], _own("array_lengths")),
+    "unpacker": (struct.Struct(""), lambda info: struct.Struct(info.unpacker_format)),
+    "instance_field": (None, lambda info: info.instance[0]),
+    "instance_offset": (-1, lambda info: info.instance[1]),
+}
+
+META_ATTRS = (
+    "_header _payload _msgbuf _crc _fieldnames _type _signed _link_id "
+    "_instances _instance_field _instance_offset _posted _link"
+).split()
+
+
+class LazySignature:
+    """``__signature__`` of message classes: the constructor's, before the constructor was ever used."""
+
+    def __get__(self, obj: Any, cls: type) -> Any:
+        import inspect
+
+        owner = defining_class(cls)
+        if owner is None or cls.__init__ is not owner.__init__:  # type: ignore[misc]
+            raise AttributeError("__signature__")
+        if owner.__init__ is _lazy_init:  # type: ignore[misc]
+            _specialise(owner)
+        signature = inspect.signature(owner.__init__)  # type: ignore[misc]
+        return signature.replace(parameters=list(signature.parameters.values())[1:])
+
+
+def _message_base(native: _native.Dialect, header: type) -> type:
+    class MAVLink_message(_native.Message):
+        """Base class of all messages of this dialect."""
+
+        id: ClassVar[int] = 0
+        msgname: ClassVar[str] = ""
+        crc_extra: ClassVar[int] = 0
+        _info: ClassVar[_native.MessageInfo | None] = None
+        _dialect: ClassVar[_native.Dialect] = native
+        _header_class: ClassVar[type] = header
+        _message_base: ClassVar[type]
+        __dict__ = property(_native.message_dict)
+        __signature__ = LazySignature()
+
+        def __init__(self, msgId: int, name: str) -> None:
+            self._header = header(msgId)
+            self._type = name
+
+    MAVLink_message._message_base = MAVLink_message
+    for name, (default, read) in SCHEMA_ATTRS.items():
+        setattr(MAVLink_message, name, SchemaAttr(name, default, read))
+    for name in META_ATTRS:
+        setattr(MAVLink_message, name, _native.MetaAttr(name))
+    return MAVLink_message
+
+
+def _odd_message_classes(base: Any) -> tuple[type, type]:
+    class MAVLink_bad_data(base):
+        """Bytes that are no valid frame, with the reason."""
+
+        fieldnames: ClassVar[list[str]] = ["data", "reason"]
+        data = _native.OddField("data")
+        reason = _native.OddField("reason")
+
+        def __init__(self, data: bytes, reason: str) -> None:
+            base.__init__(self, -1, "BAD_DATA")
+            self.data = data
+            self.reason = reason
+            self._msgbuf = bytearray(data)
+
+        def __str__(self) -> str:
+            return f"{self._type} {{{self.reason}, data:{[HEX[byte] for byte in self.data]}}}"
+
+    class MAVLink_unknown(base):
+        """A frame whose message id the dialect does not define; ``data`` is the whole frame."""
+
+        fieldnames: ClassVar[list[str]] = ["data"]
+        data = _native.OddField("data")
+
+        def __init__(self, msgid: int, data: bytes) -> None:
+            base.__init__(self, -2, f"UNKNOWN_{msgid}")
+            self.data = data
+            self._msgbuf = bytearray(data)
+
+        def __str__(self) -> str:
+            return f"{self._type} {{data:{[HEX[byte] for byte in self.data]}}}"
+
+    return MAVLink_bad_data, MAVLink_unknown
+
+
+def _lazy_init(self: Any, *args: Any, **kwargs: Any) -> None:
+    """Makes the real constructor of the message class on its first use."""
+    owner = defining_class(type(self))
+    assert owner is not None
+    _specialise(owner)
+    owner.__init__(self, *args, **kwargs)  # type: ignore[misc]
+
+
+def _specialise(owner: type) -> None:
+    info = owner.__dict__["_info"]
+    owner.__init__ = _methods.make_init(info, owner.__module__, owner.__qualname__)  # type: ignore[misc]
+
+
+def _deprecated_name_property(namespace: dict[str, Any]) -> type:
+    class mavlink_msg_deprecated_name_property:
+        """``name`` of message classes that have no field of that name: use ``msgname`` or ``get_type()``."""
+
+        def __get__(self, instance: Any, owner: Any) -> Any:
+            import logging
+
+            logger = logging.getLogger(namespace["__name__"])
+            if instance is not None:
+                logger.error(
+                    "Using .name on a MAVLink_message is not supported, use .get_type() instead."
+                )
+                raise AttributeError(f"Class {type(instance).__name__} has no attribute 'name'")
+            logger.warning(
+                "Using .name on a MAVLink_message class is deprecated, consider using .msgname instead.\n"
+                "Note that if compatibility with pymavlink 2.4.30 and earlier is desired, use something like this:\n"
+                "\n"
+                'msg_name =  msg.msgname if hasattr(msg, "msgname") else msg.name'
+            )
+            return owner.msgname
+
+    return mavlink_msg_deprecated_name_property
+
+
+def _message_class_maker(
+    native: _native.Dialect, base: type, module: str, name_property: Any, texts: Texts
+) -> Callable[[_native.MessageInfo], type]:
+    def make(info: _native.MessageInfo) -> type:
+        name = f"MAVLink_{info.name.lower()}_message"
+        body: dict[str, Any] = {
+            "__doc__": _docs.ClassDoc(native, info, texts),
+            "__init__": _lazy_init,
+            "_info": info,
+            "id": info.id,
+            "msgname": info.name,
+            "crc_extra": info.crc_extra,
+            "name": name_property,
+        }
+        for field in info.fieldnames:
+            body[field] = _native.FieldGetter(info, field, class_value=body.get(field))
+        for field in info.char_fields:
+            body[f"_{field}_raw"] = _native.FieldGetter(info, field, raw=True)
+        return _native.message_class(module, name, base, body)
+
+    return make
+
+
+class LazyMethod:
+    """``MAVLink.<name>_encode`` or ``_send`` before its first use; replaces itself by the real function."""
+
+    def __init__(self, owner: type, name: str, make: Callable[[], Callable[..., Any]]) -> None:
+        self._owner = owner
+        self._name = name
+        self._make = make
+
+    def __get__(self, obj: Any, cls: type) -> Any:
+        function = self._make()
+        setattr(self._owner, self._name, function)
+        return function.__get__(obj, cls)
+
+
+def _mavlink_class(native: _native.Dialect, marker: int, signing_class: type) -> type:
+    class MAVLink(_native.MAVLink):
+        """One link: encodes and sends messages to ``file``, decodes received bytes."""
+
+        _dialect: ClassVar[_native.Dialect] = native
+        _mavlink_base: ClassVar[type]
+        protocol_marker = marker
+        little_endian = True
+        crc_extra = True
+        sort_fields = True
+        mav20_unpacker = struct.Struct("<cBBBBBBHB")
+        mav10_unpacker = struct.Struct("<cBBBBB")
+        mav20_h3_unpacker = struct.Struct("BBB")
+        mav_csum_unpacker = struct.Struct("<H")
+        mav_sign_unpacker = struct.Struct("<IH")
+
+        def __init__(
+            self, file: Any, srcSystem: int = 0, srcComponent: int = 0, use_native: bool = False
+        ) -> None:
+            self.file = file
+            self.srcSystem = srcSystem
+            self.srcComponent = srcComponent
+            self.startup_time = time.time()
+            self.signing = signing_class()
+
+    MAVLink._mavlink_base = MAVLink
+    return MAVLink
+
+
+def _add_methods(mavlink: type, native: _native.Dialect, module: str, texts: Texts) -> None:
+    def maker(message: str, make: Callable[..., Any]) -> Callable[[], Callable[..., Any]]:
+        def made() -> Callable[..., Any]:
+            cls = native.message_class(message)
+            info = cls._info
+            return make(info, cls, module, lambda: _docs.method_doc(native, info, texts))
+
+        return made
+
+    for message, _ in native.messages():
+        lower = message.lower()
+        for suffix, make in (("encode", _methods.make_encode), ("send", _methods.make_send)):
+            name = f"{lower}_{suffix}"
+            setattr(mavlink, name, LazyMethod(mavlink, name, maker(message, make)))
+
+
+def _error_class() -> type:
+    class MAVError(Exception):
+        """Bytes that are no valid frame; ``message`` says why."""
+
+        def __init__(self, msg: str) -> None:
+            Exception.__init__(self, msg)
+            self.message = msg
+
+    return MAVError
+
+
+def _signing_class() -> type:
+    class MAVLinkSigning(_native.Signing):
+        """Signing state of one link."""
+
+        @property
+        def __dict__(self) -> dict[str, Any]:  # type: ignore[override]
+            return {name: getattr(self, name) for name in SIGNING_ATTRS}
+
+    return MAVLinkSigning
+
+
+SIGNING_ATTRS = (
+    "secret_key timestamp link_id sign_outgoing allow_unsigned_callback stream_timestamps "
+    "sig_count badsig_count goodsig_count unsigned_count reject_count"
+).split()
+
+
+def make_classes(
+    namespace: dict[str, Any], native: _native.Dialect, texts: Texts
+) -> dict[str, Any]:
+    """All classes of the module ``namespace`` by name, and the maker of message classes under ``"_make"``."""
+    module = namespace["__name__"]
+    marker = 254 if native.wire_protocol == "1.0" else 253
+    header = _header_class(namespace, marker)
+    base = _message_base(native, header)
+    bad_data, unknown = _odd_message_classes(base)
+    signing = _signing_class()
+    mavlink = _mavlink_class(native, marker, signing)
+    name_property = _deprecated_name_property(namespace)
+    classes: dict[str, Any] = {
+        "MAVLink_header": header,
+        "MAVLink_message": base,
+        "MAVLink_bad_data": bad_data,
+        "MAVLink_unknown": unknown,
+        "MAVLinkSigning": signing,
+        "MAVLink": mavlink,
+        "MAVError": _error_class(),
+        "mavlink_msg_deprecated_name_property": name_property,
+    }
+    for name, cls in classes.items():
+        cls.__module__ = module
+        cls.__qualname__ = name
+    _add_methods(mavlink, native, module, texts)
+    classes["_make"] = _message_class_maker(native, base, module, name_property(), texts)
+    return classes

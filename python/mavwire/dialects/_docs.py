@@ -1,0 +1,57 @@
+"""Docstrings of message classes and methods, put together when they are first read."""
+
+from __future__ import annotations
+
+from mavwire._native import Dialect, MessageInfo
+from mavwire.dialects import _descriptions
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+WIDTH = 70
+
+
+def _texts(
+    dialect: Dialect, info: MessageInfo, texts: _descriptions.Texts
+) -> tuple[str, dict[str, str]]:
+    """The definition's own descriptions, or those found elsewhere."""
+    message, fields = dialect.descriptions(info.name)
+    if message or any(fields.values()):
+        return message, fields
+    return texts.message(info.name)
+
+
+def _wrapped(text: str, indent: str) -> str:
+    import textwrap
+
+    return "\n".join(textwrap.wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent))
+
+
+def class_doc(dialect: Dialect, info: MessageInfo, texts: _descriptions.Texts) -> str:
+    """``MAVLink_x_message.__doc__``: the message's description."""
+    message, _ = _texts(dialect, info, texts)
+    return f"\n{_wrapped(message or info.name, '    ')}\n    "
+
+
+def method_doc(dialect: Dialect, info: MessageInfo, texts: _descriptions.Texts) -> str:
+    """Docstring of ``x_encode`` and ``x_send``: the description and one line per field."""
+    message, fields = _texts(dialect, info, texts)
+    lines = [f"\n{_wrapped(message or info.name, ' ' * 8)}\n"]
+    units = info.fieldunits_by_name
+    enums = info.fieldenums_by_name
+    for name, field_type, *_ in info.parameters:
+        notes = f"type:{field_type}" + (f", values:{enums[name]}" if name in enums else "")
+        parts = [fields.get(name, ""), f"[{units[name]}]" if name in units else "", f"({notes})"]
+        lines.append(f"        {name:<18}        : {' '.join(part for part in parts if part)}")
+    return "\n".join(lines) + "\n\n        "
+
+
+class ClassDoc:
+    """``__doc__`` of a message class."""
+
+    def __init__(self, dialect: Dialect, info: MessageInfo, texts: _descriptions.Texts) -> None:
+        self._parts = (dialect, info, texts)
+
+    def __get__(self, obj: Any, cls: type) -> str:
+        return class_doc(*self._parts)

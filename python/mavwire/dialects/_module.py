@@ -1,0 +1,149 @@
+"""Fills a module's namespace with a dialect.
+
+Constants are there from the start (2,500 of them take microseconds); message classes, ``enums``, ``mavlink_map`` and the
+standard modules that pymavlink's generated code leaks come on first access through the module's ``__getattr__``.
+"""
+
+from __future__ import annotations
+
+import os
+
+from mavwire import _native
+from mavwire.dialects import _classes, _x25
+from mavwire.dialects._descriptions import Texts
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+FIXED = {
+    "PROTOCOL_MARKER_V1": 0xFE,
+    "PROTOCOL_MARKER_V2": 0xFD,
+    "HEADER_LEN_V1": 6,
+    "HEADER_LEN_V2": 10,
+    "MAVLINK_SIGNATURE_BLOCK_LEN": 13,
+    "MAVLINK_IFLAG_SIGNED": 1,
+    "MAVLINK_TYPE_CHAR": 0,
+    "MAVLINK_TYPE_UINT8_T": 1,
+    "MAVLINK_TYPE_INT8_T": 2,
+    "MAVLINK_TYPE_UINT16_T": 3,
+    "MAVLINK_TYPE_INT16_T": 4,
+    "MAVLINK_TYPE_UINT32_T": 5,
+    "MAVLINK_TYPE_INT32_T": 6,
+    "MAVLINK_TYPE_UINT64_T": 7,
+    "MAVLINK_TYPE_INT64_T": 8,
+    "MAVLINK_TYPE_FLOAT": 9,
+    "MAVLINK_TYPE_DOUBLE": 10,
+    "MAVLINK_MSG_ID_BAD_DATA": -1,
+    "MAVLINK_MSG_ID_UNKNOWN": -2,
+    "_x25crc_fast": _x25._x25crc_fast,
+    "_x25crc_slow": _x25._x25crc_slow,
+    "x25crc": _x25.x25crc,
+    "mcrf4xx": _x25.mcrf4xx,
+}
+
+LEAKED_MODULES = ("hashlib", "json", "logging", "os", "struct", "sys", "time")
+LEAKED_TYPING = (
+    "Any",
+    "Callable",
+    "Dict",
+    "Iterable",
+    "List",
+    "Mapping",
+    "Optional",
+    "Sequence",
+    "Tuple",
+    "Type",
+    "Union",
+)
+ALIASES = ("BytesLike", "MAVLinkV1Header", "MAVLinkV2Header")
+
+
+def fill(namespace: dict[str, Any], native: _native.Dialect, name: str) -> None:
+    """Makes ``namespace`` (a module's globals) the dialect ``native``; ``name`` is its ``DIALECT``."""
+    texts = Texts(native.name)
+    namespace.update(FIXED)
+    namespace["WIRE_PROTOCOL_VERSION"] = native.wire_protocol
+    namespace["DIALECT"] = name
+    namespace["MAVLINK_IGNORE_CRC"] = os.environ.get("MAV_IGNORE_CRC", 0)
+    native.add_constants(namespace)
+    classes = _classes.make_classes(namespace, native, texts)
+    make_class = classes.pop("_make")
+    namespace.update(classes)
+    if os.environ.get("MAVWIRE_SHADOW"):
+        from mavwire import shadow
+
+        shadow.attach(namespace)
+    native.bind(namespace, make_class)
+    message_names = {
+        f"MAVLink_{message.lower()}_message": message for message, _ in native.messages()
+    }
+    late = _late_attributes(namespace, native, texts)
+
+    def __getattr__(attribute: str) -> Any:
+        if attribute in message_names:
+            value: Any = native.message_class(message_names[attribute])
+        elif attribute in late:
+            value = late[attribute]()
+        else:
+            raise AttributeError(f"module {namespace['__name__']!r} has no attribute {attribute!r}")
+        namespace[attribute] = value
+        return value
+
+    def __dir__() -> list[str]:
+        return sorted({*namespace, *message_names, *late})
+
+    namespace["__getattr__"] = __getattr__
+    namespace["__dir__"] = __dir__
+    late["__all__"] = lambda: [n for n in __dir__() if not n.startswith("_")]
+
+
+def _late_attributes(
+    namespace: dict[str, Any], native: _native.Dialect, texts: Texts
+) -> dict[str, Callable[[], Any]]:
+    def module(name: str) -> Callable[[], Any]:
+        def load() -> Any:
+            import importlib
+
+            return importlib.import_module(name)
+
+        return load
+
+    def typing_name(name: str) -> Callable[[], Any]:
+        return lambda: getattr(module("typing")(), name)
+
+    def enum_class(name: str) -> Callable[[], Any]:
+        return lambda: getattr(module("mavwire.dialects._enums")(), name)
+
+    def enums() -> Any:
+        from mavwire.dialects._enums import make_enums
+
+        return make_enums(native.enums(), texts)
+
+    def mavlink_map() -> Any:
+        return {msgid: native.message_class(name) for name, msgid in native.messages()}
+
+    def logger() -> Any:
+        import logging
+
+        return logging.getLogger(namespace["__name__"])
+
+    late: dict[str, Callable[[], Any]] = {name: module(name) for name in LEAKED_MODULES}
+    late |= {name: typing_name(name) for name in LEAKED_TYPING}
+    late |= {name: enum_class(name) for name in ("Enum", "EnumEntry")}
+    late |= {"enums": enums, "mavlink_map": mavlink_map, "logger": logger}
+    late |= {alias: _type_alias(alias) for alias in ALIASES}
+    return late
+
+
+def _type_alias(name: str) -> Callable[[], Any]:
+    def load() -> Any:
+        from typing import Union
+
+        if name == "BytesLike":
+            return Union[list[int], tuple[int, ...], bytes, bytearray, str]  # noqa: UP007
+        count = 6 if name == "MAVLinkV1Header" else 9
+        return tuple[(bytes, *[int] * (count - 1))]  # type: ignore[misc]
+
+    return load

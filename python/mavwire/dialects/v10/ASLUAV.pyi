@@ -1,0 +1,15 @@
+"""Dialect ASLUAV for wire protocol 1.0. Written by tools/generate_stubs.py."""
+
+from mavwire.dialects import _dialect
+from mavwire.dialects._dialect import *
+from mavwire.dialects.v10 import common as _common
+from mavwire.dialects.v10._own import ASLUAV as _own_ASLUAV
+from mavwire.dialects.v10._own.ASLUAV import *
+from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.standard import *
+
+class MAVLink(
+    _own_ASLUAV._Methods,
+    _common.MAVLink,
+): ...

@@ -1,0 +1,1 @@
+"""What each dialect itself defines. Written by tools/generate_stubs.py."""

@@ -1,0 +1,5 @@
+"""What dialect all itself defines. Written by tools/generate_stubs.py."""
+
+
+class _Methods:
+    pass

@@ -1,0 +1,5 @@
+"""What dialect cubepilot itself defines. Written by tools/generate_stubs.py."""
+
+
+class _Methods:
+    pass

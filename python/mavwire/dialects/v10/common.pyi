@@ -1,0 +1,14 @@
+"""Dialect common for wire protocol 1.0. Written by tools/generate_stubs.py."""
+
+from mavwire.dialects import _dialect
+from mavwire.dialects._dialect import *
+from mavwire.dialects.v10 import standard as _standard
+from mavwire.dialects.v10._own import common as _own_common
+from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.standard import *
+
+class MAVLink(
+    _own_common._Methods,
+    _standard.MAVLink,
+): ...

@@ -1,0 +1,15 @@
+"""Dialect marsh for wire protocol 1.0. Written by tools/generate_stubs.py."""
+
+from mavwire.dialects import _dialect
+from mavwire.dialects._dialect import *
+from mavwire.dialects.v10 import common as _common
+from mavwire.dialects.v10._own import marsh as _own_marsh
+from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.marsh import *
+from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.standard import *
+
+class MAVLink(
+    _own_marsh._Methods,
+    _common.MAVLink,
+): ...

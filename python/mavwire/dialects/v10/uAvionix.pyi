@@ -1,0 +1,15 @@
+"""Dialect uAvionix for wire protocol 1.0. Written by tools/generate_stubs.py."""
+
+from mavwire.dialects import _dialect
+from mavwire.dialects._dialect import *
+from mavwire.dialects.v10 import common as _common
+from mavwire.dialects.v10._own import uAvionix as _own_uAvionix
+from mavwire.dialects.v10._own.common import *
+from mavwire.dialects.v10._own.minimal import *
+from mavwire.dialects.v10._own.standard import *
+from mavwire.dialects.v10._own.uAvionix import *
+
+class MAVLink(
+    _own_uAvionix._Methods,
+    _common.MAVLink,
+): ...

@@ -1,0 +1,15 @@
+"""Dialect AVSSUAS for wire protocol 2.0. Written by tools/generate_stubs.py."""
+
+from mavwire.dialects import _dialect
+from mavwire.dialects._dialect import *
+from mavwire.dialects.v20 import common as _common
+from mavwire.dialects.v20._own import AVSSUAS as _own_AVSSUAS
+from mavwire.dialects.v20._own.AVSSUAS import *
+from mavwire.dialects.v20._own.common import *
+from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.standard import *
+
+class MAVLink(
+    _own_AVSSUAS._Methods,
+    _common.MAVLink,
+): ...

@@ -1,0 +1,1 @@
+"""Dialects laid out for MAVLink 2."""

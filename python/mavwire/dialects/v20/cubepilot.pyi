@@ -1,0 +1,15 @@
+"""Dialect cubepilot for wire protocol 2.0. Written by tools/generate_stubs.py."""
+
+from mavwire.dialects import _dialect
+from mavwire.dialects._dialect import *
+from mavwire.dialects.v20 import common as _common
+from mavwire.dialects.v20._own import cubepilot as _own_cubepilot
+from mavwire.dialects.v20._own.common import *
+from mavwire.dialects.v20._own.cubepilot import *
+from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.standard import *
+
+class MAVLink(
+    _own_cubepilot._Methods,
+    _common.MAVLink,
+): ...

@@ -1,0 +1,15 @@
+"""Dialect paparazzi for wire protocol 2.0. Written by tools/generate_stubs.py."""
+
+from mavwire.dialects import _dialect
+from mavwire.dialects._dialect import *
+from mavwire.dialects.v20 import common as _common
+from mavwire.dialects.v20._own import paparazzi as _own_paparazzi
+from mavwire.dialects.v20._own.common import *
+from mavwire.dialects.v20._own.minimal import *
+from mavwire.dialects.v20._own.paparazzi import *
+from mavwire.dialects.v20._own.standard import *
+
+class MAVLink(
+    _own_paparazzi._Methods,
+    _common.MAVLink,
+): ...

@@ -1,0 +1,391 @@
+"""From the text of an expression to a closure over the messages.
+
+Each kind of syntax node that is allowed has one function here that returns a closure for it; a
+kind without one is refused. A closure takes the mapping of messages and returns the value, so an
+evaluation is a few Python calls. The shapes that conditions are made of, ``NAME.field`` and a
+comparison with a constant, are single closures.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from mavwire.expression.attributes import METHOD_OWNERS, check_name
+from mavwire.expression.comprehension import Clause, Closure, Scope, collect
+from mavwire.expression.limits import (
+    BINARY_OPERATORS,
+    MAX_DEPTH,
+    MAX_LENGTH,
+    MAX_NODES,
+    ExpressionError,
+    check_flat,
+)
+from mavwire.expression.names import known_names, lookup
+
+
+def compile_text(text: str) -> Closure:
+    """The closure of an expression without a condition in braces.
+
+    Raises SyntaxError for what is no Python expression and ExpressionError for what is refused.
+    """
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(f"{len(text)} characters, more than {MAX_LENGTH}")
+    try:
+        tree = ast.parse(text.lstrip(" \t"), "<string>", "eval")
+    except (MemoryError, RecursionError):
+        raise ExpressionError("nested too deeply to be parsed") from None
+    except ValueError as error:  # a NUL character, before Python 3.12
+        raise SyntaxError(str(error)) from None
+    loops = _check_size(tree.body)
+    value = build(tree.body)
+    return (lambda variables: value(Scope(variables))) if loops else value
+
+
+def _check_size(root: ast.AST) -> bool:
+    """Refuse a tree too deep or too large; returns whether it holds comprehensions."""
+    pending, nodes, loops = [(root, 1)], 0, False
+    while pending:
+        node, depth = pending.pop()
+        nodes += 1
+        if depth > MAX_DEPTH or nodes > MAX_NODES:
+            raise ExpressionError(f"deeper than {MAX_DEPTH} or larger than {MAX_NODES} constructs")
+        loops = loops or isinstance(node, ast.comprehension)
+        pending.extend((child, depth + 1) for child in ast.iter_child_nodes(node))
+    return loops
+
+
+def build(node: ast.AST) -> Closure:
+    """The closure of one node."""
+    builder = _BUILDERS.get(type(node))
+    if builder is None:
+        raise _refused(node, f"{type(node).__name__} is not allowed")
+    return builder(node)
+
+
+def _refused(node: ast.AST, reason: str) -> ExpressionError:
+    return ExpressionError(reason, getattr(node, "col_offset", None))
+
+
+def _constant(node: ast.Constant) -> Closure:
+    value = node.value
+    return lambda variables: value
+
+
+def _name(node: ast.Name) -> Closure:
+    name, column = node.id, node.col_offset
+    check_name(name, column)
+
+    def load(variables: Any) -> Any:
+        try:
+            return variables[name]
+        except KeyError:
+            return lookup(name, column)
+
+    def load_known(variables: Any) -> Any:  # a failed lookup costs more than the question
+        return variables[name] if name in variables else lookup(name, column)
+
+    return load_known if name in known_names() else load
+
+
+def _attribute(node: ast.Attribute) -> Closure:
+    attribute = node.attr
+    check_name(attribute, node.col_offset)
+    if isinstance(node.value, ast.Name):
+        return _message_field(node.value, attribute)
+    value = build(node.value)
+    return lambda variables: getattr(value(variables), attribute)
+
+
+def _message_field(node: ast.Name, attribute: str) -> Closure:
+    """``NAME.field``, the most frequent shape, in one closure."""
+    name, column = node.id, node.col_offset
+    check_name(name, column)
+
+    def load(variables: Any) -> Any:
+        try:
+            message = variables[name]
+        except KeyError:
+            message = lookup(name, column)
+        return getattr(message, attribute)
+
+    return load
+
+
+def _subscript(node: ast.Subscript) -> Closure:
+    value, index = build(node.value), build(node.slice)
+    return lambda variables: value(variables)[index(variables)]
+
+
+def _slice(node: ast.Slice) -> Closure:
+    parts = [build(part or ast.Constant(None)) for part in (node.lower, node.upper, node.step)]
+    lower, upper, step = parts
+    return lambda variables: slice(lower(variables), upper(variables), step(variables))
+
+
+_UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+    ast.Invert: operator.invert,
+    ast.Not: operator.not_,
+}
+
+
+def _unary(node: ast.UnaryOp) -> Closure:
+    folded = _signed_number(node)
+    if isinstance(folded, ast.Constant):
+        return _constant(folded)
+    apply, operand = _UNARY[type(node.op)], build(node.operand)
+    return lambda variables: apply(operand(variables))
+
+
+def _signed_number(node: ast.expr) -> ast.expr:
+    """``-1`` as the constant that it is, so that ``x > -1`` is as fast as ``x > 1``."""
+    if not isinstance(node, ast.UnaryOp) or not isinstance(node.op, ast.USub | ast.UAdd):
+        return node
+    number = node.operand
+    if not isinstance(number, ast.Constant) or not isinstance(number.value, int | float):
+        return node
+    return ast.Constant(_UNARY[type(node.op)](number.value))
+
+
+def _binary(node: ast.BinOp) -> Closure:
+    return _applied(BINARY_OPERATORS[type(node.op).__name__], node.left, node.right)
+
+
+def _applied(apply: Callable[[Any, Any], Any], first: ast.expr, second: ast.expr) -> Closure:
+    """An operation on two operands, of which the second often is a constant."""
+    left, second = build(first), _signed_number(second)
+    if isinstance(second, ast.Constant):
+        constant = second.value
+        return lambda variables: apply(left(variables), constant)
+    right = build(second)
+    return lambda variables: apply(left(variables), right(variables))
+
+
+def _boolean(node: ast.BoolOp) -> Closure:
+    operands = [build(value) for value in node.values]
+    *first, last = operands
+    stop_at = isinstance(node.op, ast.Or)
+
+    def run(variables: Any) -> Any:
+        for operand in first:
+            value = operand(variables)
+            if bool(value) is stop_at:
+                return value
+        return last(variables)
+
+    return run
+
+
+def _conditional(node: ast.IfExp) -> Closure:
+    test, body, otherwise = build(node.test), build(node.body), build(node.orelse)
+    return lambda variables: body(variables) if test(variables) else otherwise(variables)
+
+
+_COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+    ast.In: lambda item, items: item in items,
+    ast.NotIn: lambda item, items: item not in items,
+}
+
+
+def _compare(node: ast.Compare) -> Closure:
+    if len(node.ops) > 1:
+        return _chained(node)
+    return _applied(_COMPARISONS[type(node.ops[0])], node.left, node.comparators[0])
+
+
+def _chained(node: ast.Compare) -> Closure:
+    """``a < b < c``: each operand is evaluated once, and none after a comparison that fails."""
+    left = build(node.left)
+    links = [
+        (_COMPARISONS[type(op)], build(c)) for op, c in zip(node.ops, node.comparators, strict=True)
+    ]
+
+    def run(variables: Any) -> Any:
+        value, result = left(variables), True
+        for holds, operand in links:
+            following = operand(variables)
+            result = holds(value, following)
+            if not result:
+                break
+            value = following
+        return result
+
+    return run
+
+
+def _elements(nodes: list[ast.expr]) -> Closure:
+    """A closure for the list of the values of ``nodes``, with ``*items`` spread out."""
+    if not any(isinstance(node, ast.Starred) for node in nodes):
+        values = [build(node) for node in nodes]
+        return lambda variables: [value(variables) for value in values]
+    spread = [
+        (
+            isinstance(node, ast.Starred),
+            build(node.value if isinstance(node, ast.Starred) else node),
+        )
+        for node in nodes
+    ]
+
+    def run(variables: Any) -> list[Any]:
+        result: list[Any] = []
+        for starred, value in spread:
+            item = value(variables)
+            result.extend(item) if starred else result.append(item)
+        return result
+
+    return run
+
+
+def _list(node: ast.List) -> Closure:
+    return _elements(node.elts)
+
+
+def _tuple(node: ast.Tuple) -> Closure:
+    elements = _elements(node.elts)
+    return lambda variables: tuple(elements(variables))
+
+
+def _set(node: ast.Set) -> Closure:
+    elements = _elements(node.elts)
+    return lambda variables: set(elements(variables))
+
+
+def _dict(node: ast.Dict) -> Closure:
+    if None in node.keys:
+        raise _refused(node, "** is not allowed")
+    keys, values = _elements([key for key in node.keys if key]), _elements(node.values)
+    return lambda variables: dict(zip(keys(variables), values(variables), strict=True))
+
+
+def _call(node: ast.Call) -> Closure:
+    function = _function(node.func)
+    keywords = {}
+    for keyword in node.keywords:
+        if keyword.arg is None or keyword.arg == "key":
+            raise _refused(node, f"the argument {keyword.arg or '**'!r} is not allowed")
+        keywords[keyword.arg] = build(keyword.value)
+    if len(node.args) == 1 and not keywords and not isinstance(node.args[0], ast.Starred):
+        argument = build(node.args[0])
+        return lambda variables: function(variables)(argument(variables))
+    arguments = _elements(node.args)
+    if not keywords:
+        return lambda variables: function(variables)(*arguments(variables))
+    return lambda variables: function(variables)(
+        *arguments(variables), **{name: value(variables) for name, value in keywords.items()}
+    )
+
+
+def _function(node: ast.expr) -> Closure:
+    """A closure for what is called: a known function, or a method that only reads."""
+    if isinstance(node, ast.Name):
+        return _known_function(node)
+    if isinstance(node, ast.Attribute):
+        return _method(node)
+    raise _refused(node, "only functions and methods can be called by name")
+
+
+def _known_function(node: ast.Name) -> Closure:
+    name, column = node.id, node.col_offset
+    check_name(name, column)
+
+    def load(variables: Any) -> Any:
+        if name not in variables:
+            return lookup(name, column)
+        if callable(variables[name]):
+            raise ExpressionError(f"{name!r} is no function registered for expressions", column)
+        return variables[name]
+
+    return load
+
+
+def _method(node: ast.Attribute) -> Closure:
+    name, column, value = node.attr, node.col_offset, build(node.value)
+    if name not in METHOD_OWNERS:
+        raise _refused(node, f"the method {name!r} is not available")
+    owners = METHOD_OWNERS[name]
+
+    def load(variables: Any) -> Any:
+        owner = value(variables)
+        if not isinstance(owner, owners):
+            raise ExpressionError(f"the method {name!r} of {type(owner).__name__}", column)
+        return getattr(owner, name)
+
+    return load
+
+
+def _comprehension(
+    node: ast.ListComp | ast.SetComp | ast.GeneratorExp, make: Callable[[Any], Any]
+) -> Closure:
+    return collect(_clauses(node, node.elt), build(node.elt), make)
+
+
+def _dict_comprehension(node: ast.DictComp) -> Closure:
+    pair = ast.Tuple([node.key, node.value], ast.Load())
+    return collect(_clauses(node, pair), build(pair), dict)
+
+
+def _clauses(node: ast.AST, element: ast.AST) -> list[Clause]:
+    cost = sum(1 for _ in ast.walk(element))
+    clauses = []
+    for generator in node.generators:  # type: ignore[attr-defined]
+        conditions = [build(condition) for condition in generator.ifs]
+        bind = _target(generator.target)
+        clauses.append(Clause(bind, build(generator.iter), conditions, cost + len(conditions)))
+    return clauses
+
+
+def _bind(bound: dict[str, Any], name: str, item: Any) -> None:
+    check_flat(item)
+    bound[name] = item
+
+
+def _target(node: ast.AST) -> Callable[[dict[str, Any], Any], None]:
+    """A function that binds an item to a name or, like ``a, b``, to several."""
+    if isinstance(node, ast.Name):
+        name = node.id
+        check_name(name, node.col_offset)
+        return lambda bound, item: _bind(bound, name, item)
+    if not isinstance(node, ast.Tuple | ast.List):
+        raise _refused(node, f"{type(node).__name__} is not allowed as a variable")
+    targets = [_target(part) for part in node.elts]
+
+    def bind(bound: dict[str, Any], item: Any) -> None:
+        for target, part in zip(targets, item, strict=True):
+            target(bound, part)
+
+    return bind
+
+
+_BUILDERS: dict[type[ast.AST], Callable[[Any], Closure]] = {
+    ast.Constant: _constant,
+    ast.Name: _name,
+    ast.Attribute: _attribute,
+    ast.Subscript: _subscript,
+    ast.Slice: _slice,
+    ast.UnaryOp: _unary,
+    ast.BinOp: _binary,
+    ast.BoolOp: _boolean,
+    ast.IfExp: _conditional,
+    ast.Compare: _compare,
+    ast.List: _list,
+    ast.Tuple: _tuple,
+    ast.Set: _set,
+    ast.Dict: _dict,
+    ast.Call: _call,
+    ast.ListComp: lambda node: _comprehension(node, list),
+    ast.GeneratorExp: lambda node: _comprehension(node, list),
+    ast.SetComp: lambda node: _comprehension(node, set),
+    ast.DictComp: _dict_comprehension,
+}

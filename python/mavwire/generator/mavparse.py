@@ -1,0 +1,245 @@
+"""Definition files as Python objects: ``MAVXML`` reads one file, the functions below work on a list
+of them.
+
+This is the interface that generators and inspection tools use. It follows the published definitions
+of the wire layout: base fields are sorted by element size, extension fields keep their order,
+``crc_extra`` covers base fields.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+
+from mavwire.generator._build import read_enums, read_messages
+from mavwire.generator._errors import MAVParseError, MAVSyntaxError
+from mavwire.generator._layout import (
+    FLAG_HAVE_TARGET_COMPONENT,
+    FLAG_HAVE_TARGET_SYSTEM,
+    lay_out,
+    message_checksum,
+)
+from mavwire.generator._model import (
+    MAVDeprecated,
+    MAVEnum,
+    MAVEnumEntry,
+    MAVEnumParam,
+    MAVField,
+    MAVType,
+)
+from mavwire.generator._xml_reader import Element, base_name, read_xml
+
+__all__ = [
+    "FLAG_HAVE_TARGET_COMPONENT",
+    "FLAG_HAVE_TARGET_SYSTEM",
+    "MAVXML",
+    "PROTOCOL_1_0",
+    "PROTOCOL_2_0",
+    "MAVDeprecated",
+    "MAVEnum",
+    "MAVEnumEntry",
+    "MAVEnumParam",
+    "MAVField",
+    "MAVParseError",
+    "MAVSyntaxError",
+    "MAVType",
+    "check_duplicates",
+    "check_missing_enum",
+    "merge_enums",
+    "message_checksum",
+    "mkdir_p",
+    "total_msgs",
+]
+
+PROTOCOL_1_0 = "1.0"
+PROTOCOL_2_0 = "2.0"
+
+_PROTOCOL_MARKERS = {PROTOCOL_1_0: 0xFE, PROTOCOL_2_0: 0xFD}
+_DEFAULT_VERSION = 2
+
+
+class MAVXML:
+    """One definition file, includes unresolved, laid out for one wire protocol.
+
+    Version 1.0 leaves out messages with an id above 255 and all extension fields. Dictionaries are
+    keyed by message id; lengths and offsets are bytes of the payload. Raises OSError, or
+    :class:`MAVParseError` with file and line.
+    """
+
+    def __init__(self, filename: str, wire_protocol_version: str = PROTOCOL_1_0) -> None:
+        if wire_protocol_version not in _PROTOCOL_MARKERS:
+            known = " ".join(_PROTOCOL_MARKERS)
+            print(f"Unknown wire protocol version\nAvailable versions are: {known}")
+            raise MAVParseError(f"Unknown MAVLink wire protocol version {wire_protocol_version}")
+        self.filename = filename
+        self.basename = base_name(filename)
+        self.basename_upper = self.basename.upper()
+        self.parse_time = time.strftime("%a %b %d %Y")
+        self.wire_protocol_version = wire_protocol_version
+        self.protocol_marker = _PROTOCOL_MARKERS[wire_protocol_version]
+        self.little_endian = self.sort_fields = self.crc_extra = True
+        self.crc_struct = self.command_24bit = self.allow_extensions = (
+            wire_protocol_version == PROTOCOL_2_0
+        )
+        self._read(read_xml(filename))
+        self._index_messages()
+
+    def __str__(self) -> str:
+        return (
+            f"MAVXML for {self.basename} from {self.filename} "
+            f"({len(self.message)} message, {len(self.enum)} enums)"
+        )
+
+    def _read(self, root: Element) -> None:
+        if root.tag != "mavlink":
+            raise MAVParseError(
+                f"expected the root element <mavlink>, found <{root.tag}> "
+                f"at {self.filename}:{root.line}"
+            )
+        self.root = root
+        self.version = self._read_version(root)
+        self.include = [element.text for element in root.all("include")]
+        self.enum: list[MAVEnum] = read_enums(root, self.filename)
+        self.message: list[MAVType] = read_messages(root, self)
+
+    def _read_version(self, root: Element) -> int:
+        version = root.first("version")
+        if version is None:
+            return _DEFAULT_VERSION
+        text = version.text.strip()
+        if not (text.isascii() and text.isdigit() and int(text[:4]) <= 0xFF):
+            raise MAVParseError(
+                f"<version> must be a number from 0 to 255, found '{text[:40]}' "
+                f"at {self.filename}:{version.line}"
+            )
+        return int(text)
+
+    def _index_messages(self) -> None:
+        for message in self.message:
+            lay_out(message)
+        self.message_lengths = {m.id: m.wire_length for m in self.message}
+        self.message_min_lengths = {m.id: m.wire_min_length for m in self.message}
+        self.message_flags = {m.id: m.message_flags for m in self.message}
+        self.message_target_system_ofs = {m.id: m.target_system_ofs for m in self.message}
+        self.message_target_component_ofs = {m.id: m.target_component_ofs for m in self.message}
+        self.message_crcs = {m.id: m.crc_extra for m in self.message}
+        self.message_names = {m.id: m.name for m in self.message}
+        self.largest_payload = max((m.wire_length for m in self.message), default=0)
+
+
+def merge_enums(xml: list[MAVXML]) -> None:
+    """Put the entries of equally named enums into the first one, sort by value and add
+    ``<NAME>_ENUM_END``.
+    """
+    merged: dict[str, MAVEnum] = {}
+    for file in xml:
+        kept: list[MAVEnum] = []
+        for enum in file.enum:
+            if enum.name in merged:
+                merged[enum.name].entry.extend(enum.entry)
+                merged[enum.name].description = merged[enum.name].description or enum.description
+                print(f"Merged enum {enum.name}")
+            else:
+                merged[enum.name] = enum
+                kept.append(enum)
+        file.enum = kept
+    for enum in merged.values():
+        enum.entry.sort(key=lambda entry: entry.value)
+        end = enum.entry[-1].value + 1 if enum.entry else 0
+        enum.entry.append(MAVEnumEntry(enum.name + "_ENUM_END", end, end_marker=True))
+
+
+def check_duplicates(xml: list[MAVXML]) -> bool:
+    """Whether an id, a message name, a field name or an enum entry occurs twice; says so on stdout.
+
+    Merges the enums first, because an entry may also be repeated in another file.
+    """
+    merge_enums(xml)
+    messages = _SeenMessages()
+    return any(
+        any(messages.repeats(file, message) for message in file.message)
+        or any(_repeats_entry(enum) for enum in file.enum)
+        for file in xml
+    )
+
+
+class _SeenMessages:
+    def __init__(self) -> None:
+        self._ids: dict[int, tuple[str, str]] = {}
+        self._names: dict[str, int] = {}
+
+    def repeats(self, file: MAVXML, m: MAVType) -> bool:
+        """Whether the message repeats one seen before, or a field of its own."""
+        where = f"{file.filename}:{m.linenumber}"
+        problem = self._problem(m, where)
+        if problem:
+            print(f"ERROR: Duplicate {problem}")
+            return True
+        self._ids[m.id] = (m.name, where)
+        self._names[m.name] = m.id
+        return False
+
+    def _problem(self, m: MAVType, where: str) -> str | None:
+        if m.id in self._ids:
+            name, used = self._ids[m.id]
+            return f"message id {m.id} for {m.name} ({where}) also used by {name} ({used})"
+        if len(set(m.fieldnames)) < len(m.fieldnames):
+            name = next(n for i, n in enumerate(m.fieldnames) if n in m.fieldnames[:i])
+            return f"field {name} in message {m.name} ({where})"
+        if m.name in self._names:
+            other = self._names[m.name]
+            used = self._ids[other][1]
+            return f"message name {m.name} for id:{m.id} ({where}) also used by {other} ({used})"
+        return None
+
+
+def _repeats_entry(enum: MAVEnum) -> bool:
+    """Whether a name or value occurs twice; also notes each value the file does not give."""
+    names: dict[str, MAVEnumEntry] = {}
+    values: dict[int, MAVEnumEntry] = {}
+    for entry in enum.entry:
+        if entry.autovalue:
+            print(f"Note: An enum value was auto-generated: {entry.name} = {entry.value}")
+        same_name = names.setdefault(entry.name, entry)
+        same_value = values.setdefault(entry.value, entry)
+        if same_name is not entry:
+            return _print_repeated("names", enum, entry, same_name)
+        if same_value is not entry:
+            return _print_repeated("values", enum, entry, same_value)
+    return False
+
+
+def _print_repeated(what: str, enum: MAVEnum, *entries: MAVEnumEntry) -> bool:
+    print(f"ERROR: Duplicate enum {what}:")
+    for entry in entries:
+        origin = f"{entry.origin_file}:{entry.origin_line}"
+        print(f"\t{enum.name}.{entry.name} = {entry.value} @ {origin}")
+    return True
+
+
+def check_missing_enum(xml: list[MAVXML]) -> bool:
+    """Whether a field names an enum that no file has; says so on stdout."""
+    return missing_enum(xml, set())
+
+
+def missing_enum(xml: list[MAVXML], known: set[str]) -> bool:
+    """Whether a field names an enum that neither a file nor ``known`` has; says so on stdout."""
+    known = known | {enum.name for file in xml for enum in file.enum}
+    for file in xml:
+        for message in file.message:
+            for field in message.fields:
+                if field.enum and field.enum not in known:
+                    print(f"Enum {field.enum} in {message.name}.{field.name} does not exist")
+                    return True
+    return False
+
+
+def total_msgs(xml: list[MAVXML]) -> int:
+    """Number of messages in all files."""
+    return sum(len(file.message) for file in xml)
+
+
+def mkdir_p(dir: str) -> None:
+    """Make a folder and those above it; one that exists is fine."""
+    if dir:
+        os.makedirs(dir, exist_ok=True)

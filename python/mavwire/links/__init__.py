@@ -1,0 +1,5 @@
+"""One transport endpoint per link: sockets, serial ports, telemetry logs, child processes.
+
+`mavwire.mavutil` is the public face of this package; user code imports from there. The modules
+here are cut by concern so that a program which opens one UDP port never pays for websockets.
+"""

@@ -1,0 +1,76 @@
+"""Links to a child process that speaks MAVLink over its standard input and output."""
+
+from __future__ import annotations
+
+import os
+
+from .chunked import READ_SIZE, ChunkedLink
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+
+class mavchildexec(ChunkedLink):
+    """Runs `filename`, which is why `mavlink_connection` wants the `exec:` prefix for it."""
+
+    def __init__(
+        self,
+        filename: str,
+        source_system: int = 255,
+        source_component: int = 0,
+        use_native: bool = False,
+    ) -> None:
+        import subprocess
+
+        self.filename = filename
+        self.child = subprocess.Popen(
+            [filename], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
+        )
+        output = self.child.stdout.fileno()  # type: ignore[union-attr]
+        os.set_blocking(output, False)
+        super().__init__(
+            output, filename, source_system=source_system, source_component=source_component
+        )
+        self._read_stream()
+
+    @property
+    def port(self) -> Any:
+        """What is read: the child's standard output."""
+        return self.child.stdout
+
+    def close(self) -> None:
+        """Ask the child to end, and make it after five seconds."""
+        import subprocess
+
+        self.fd = None
+        self._closed = True
+        self.child.terminate()
+        try:
+            self.child.wait(timeout=5)
+        except subprocess.TimeoutExpired:
+            self.child.kill()
+            self.child.wait()
+        for pipe in (self.child.stdin, self.child.stdout):
+            if pipe is not None:
+                pipe.close()
+
+    def recv(self, n: int | None = None) -> bytes:
+        """Up to `n` bytes of the child's output; empty when there are none, or no child."""
+        fd = self.fd
+        if fd is None:
+            self._check_open()
+            return b""
+        try:
+            data = os.read(fd, READ_SIZE if n is None else n)
+        except BlockingIOError:
+            return b""
+        if not data:
+            # End of output: nothing to wait on any more.
+            self.fd = None
+            self.portdead = True
+        return data
+
+    def write(self, buf: bytes) -> None:
+        """Send one frame to the child's input; BrokenPipeError when it has ended."""
+        self.child.stdin.write(buf)  # type: ignore[union-attr]

@@ -1,0 +1,80 @@
+"""Receiving from live transports: take what has arrived, hand out one message at a time.
+
+Messages that one read brought along are handed out before the next read. So the parser holds one
+read at most, and the backlog of a slow consumer stays in the socket, where the system bounds it.
+
+The native `LiveLink` does that for links that say so with `_read_stream` or `_read_datagrams`, while
+nobody replaces what it stands for. The methods here are what it hands over to.
+"""
+
+from __future__ import annotations
+
+import time
+
+from mavwire._native import LiveLink
+
+from .mavfile import mavfile
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+# Reads per call without a message coming out of them: a peer that sends garbage faster than it
+# is read must not keep a caller from looking at its timeout.
+READS_PER_CALL = 64
+READ_SIZE = 65536
+
+
+class ChunkedLink(LiveLink, mavfile):
+    """A link whose `recv(None)` returns everything that one read can bring."""
+
+    # The class whose methods the native ones stand for; a subclass that replaces one of them is
+    # read through the methods here.
+    _quick_class: type
+    # Descriptor and bytes of the native reader are those of this object.
+    port: Any
+    # Closed by the program, for good.
+    _closed = False
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if cls.__module__.startswith(__package__):
+            cls._quick_class = cls
+
+    _recv_match_slowly = mavfile.recv_match
+
+    def _recv_msg_slowly(self) -> Any:
+        """What `recv_msg` does where it cannot be done natively."""
+        self.pre_message()
+        msg = self.mav.parse_char(b"") if self.mav.buf_len() else None
+        reads = 0
+        while msg is None and reads < READS_PER_CALL:
+            # Until the first marker was seen, reads end with the frame, so that the next
+            # begins with a marker even on a serial link joined in the middle of a frame.
+            data = self.recv(self.mav.bytes_needed() if self.first_byte else None)
+            if not data:
+                return None
+            data = self._arrived(data)  # which may replace the parser
+            msg = self.mav.parse_char(data)
+            reads += 1
+        if msg is not None:
+            self._delivered(msg)
+        return msg
+
+    def _check_open(self) -> None:
+        """OSError once the link is closed, so that a thread that receives from it ends."""
+        if self._closed:
+            import errno
+            import os
+
+            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+
+    def _condition_holds(self, condition: str, msg: Any) -> Any:
+        return self._matches(msg, None, condition)
+
+    def _idle_for(self, timeout: float | None, remaining: float | None) -> None:
+        """Run the idle hooks and wait, `remaining` seconds at most."""
+        self._idle(timeout, None if remaining is None else time.monotonic() + remaining)
+
+
+ChunkedLink._quick_class = ChunkedLink

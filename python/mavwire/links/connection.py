@@ -1,0 +1,215 @@
+"""From a device string to a link: the dispatch behind `mavlink_connection`.
+
+The classes are looked up in the public module (`mavutil`), so that a program or a test which
+puts its own class there is heard. The first form that fits wins; prefixes are lower case.
+"""
+
+from __future__ import annotations
+
+import os
+
+from . import state
+from .recognise import check_usable, is_log_name, is_serial_name, log_kind
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+
+class Options:
+    """The keyword arguments of `mavlink_connection`, with its meanings and defaults.
+
+    `opts` is what only the CSV reader knows.
+    """
+
+    baud: int
+    source_system: int
+    source_component: int
+    planner_format: bool | None
+    write: bool
+    append: bool
+    robust_parsing: bool
+    notimestamps: bool
+    input: bool
+    autoreconnect: bool
+    zero_time_base: bool
+    retries: int
+    reconnect_delay: float
+    use_native: bool
+    force_connected: bool
+    progress_callback: Callable[[int], Any] | None
+    udp_timeout: float
+    resync: str | None
+
+    def __init__(self, opts: dict[str, Any], **arguments: Any) -> None:
+        self.opts = opts
+        vars(self).update(arguments)
+
+    @property
+    def source(self) -> dict[str, int]:
+        """Who is sending on this link."""
+        return {"source_system": self.source_system, "source_component": self.source_component}
+
+    @property
+    def common(self) -> dict[str, Any]:
+        """What every live link takes."""
+        return {**self.source, "use_native": self.use_native}
+
+    @property
+    def reader(self) -> dict[str, Any]:
+        """What the readers of dataflash and CSV logs take."""
+        return {
+            "zero_time_base": self.zero_time_base,
+            "progress_callback": self.progress_callback,
+        }
+
+
+def _tcp(address: str, o: Options) -> Any:
+    return state.public.mavtcp(
+        address, autoreconnect=o.autoreconnect, retries=o.retries,
+        reconnect_delay=o.reconnect_delay, **o.common,
+    )  # fmt: skip
+
+
+def _tcpin(address: str, o: Options) -> Any:
+    return state.public.mavtcpin(address, retries=o.retries, **o.common)
+
+
+def _uds(address: str, o: Options) -> Any:
+    return state.public.mavuds(
+        address, autoreconnect=o.autoreconnect, retries=o.retries, **o.common
+    )
+
+
+def _udpin(address: str, o: Options) -> Any:
+    return state.public.mavudp(address, input=True, timeout=o.udp_timeout, **o.common)
+
+
+def _udpout(address: str, o: Options) -> Any:
+    return state.public.mavudp(address, input=False, **o.common)
+
+
+def _udpbcast(address: str, o: Options) -> Any:
+    return state.public.mavudp(address, input=False, broadcast=True, **o.common)
+
+
+def _udp(address: str, o: Options) -> Any:
+    return state.public.mavudp(address, input=o.input, **o.common)
+
+
+def _wsserver(address: str, o: Options) -> Any:
+    return state.public.mavwebsocket(address, **o.common)
+
+
+def _mcast(address: str, o: Options) -> Any:
+    return state.public.mavmcast(address, **o.common)
+
+
+def _exec(address: str, o: Options) -> Any:
+    return state.public.mavchildexec(address, **o.common)
+
+
+def _csv(address: str, o: Options) -> Any:
+    filename, options = csv_options(address)
+    return _opened(_reader("CSVReader").CSVReader(filename, **{**o.reader, **o.opts, **options}))
+
+
+PREFIXES: dict[str, Callable[[str, Options], Any]] = {
+    "tcp:": _tcp,
+    "tcpin:": _tcpin,
+    "uds:": _uds,
+    "unix:": _uds,
+    "udpin:": _udpin,
+    "udpout:": _udpout,
+    "udpbcast:": _udpbcast,
+    "udpcast:": _udpbcast,
+    "wsserver:": _wsserver,
+    "udp:": _udp,
+    "mcast:": _mcast,
+    "exec:": _exec,
+}
+
+
+def csv_options(address: str) -> tuple[str, dict[str, str]]:
+    """FILE[:name=value]... as a pair; a value may be a colon only for `separator`."""
+    filename, *parts = address.split(":")
+    while parts and "=" not in parts[0]:  # a drive letter, or a colon in the name
+        filename = f"{filename}:{parts.pop(0)}"
+    options: dict[str, str] = {}
+    while parts:
+        name, _, value = parts.pop(0).partition("=")
+        if name == "separator" and not value and parts and not parts[0]:
+            parts.pop(0)
+            value = ":"
+        options[name] = value
+    return filename, options
+
+
+def _reader(name: str) -> Any:
+    """A module of log readers; they load when the first such log is opened."""
+    from importlib import import_module
+
+    return import_module(f"mavwire.{name}")
+
+
+def _opened(reader: Any) -> Any:
+    """Make a log reader that is no `mavfile` the current one."""
+    state.mavfile_global = reader
+    return reader
+
+
+def _telemetry_log(device: str, o: Options) -> Any:
+    if not (o.write or o.append or o.notimestamps):
+        # The index depends on the policy, so that it has to be known before it is made.
+        resync = {} if o.resync is None else {"resync": o.resync}
+        return state.public.mavmmaplog(device, progress_callback=o.progress_callback, **resync)
+    return state.public.mavlogfile(
+        device, planner_format=o.planner_format, write=o.write, append=o.append,
+        robust_parsing=o.robust_parsing, notimestamps=o.notimestamps, **o.common,
+    )  # fmt: skip
+
+
+def _log(device: str, kind: str, o: Options) -> Any:
+    if kind == "tlog":
+        return _telemetry_log(device, o)
+    module = _reader("DFReader")
+    reader = module.DFReader_text if kind == "text" else module.DFReader_binary
+    return _opened(reader(device, **o.reader))
+
+
+def _serial(device: str, o: Options) -> Any:
+    try:
+        return state.public.mavserial(
+            device, baud=o.baud, autoreconnect=o.autoreconnect,
+            force_connected=o.force_connected, **o.common,
+        )  # fmt: skip
+    except ModuleNotFoundError as error:
+        if error.name != "serial":
+            raise
+        reason = f"the serial port {device} needs pyserial: pip install pyserial"
+        raise ModuleNotFoundError(reason, name=error.name) from error
+
+
+def connect(device: str, options: Options) -> Any:
+    """The link that `device` names. Errors name the device and what it lacks."""
+    for prefix, open_link in PREFIXES.items():
+        if device.startswith(prefix):
+            return open_link(device[len(prefix) :], options)
+    if device.startswith(("ws:", "wss:")):
+        return state.public.mavwebsocket_client(device, **options.common)
+    if device.lower().startswith("csv:"):
+        return _csv(device[4:], options)
+    return _connect_unprefixed(device, options)
+
+
+def _connect_unprefixed(device: str, o: Options) -> Any:
+    readonly = not (o.write or o.append or o.notimestamps)
+    kind = log_kind(device, readonly)
+    if kind is None and ":" in device and not is_log_name(device):
+        return _udp(device, o)
+    if kind != "dataflash":
+        check_usable(device, creating=o.write)
+    if kind is None and o.write and not os.path.exists(device) and not is_serial_name(device):
+        kind = "tlog"
+    return _serial(device, o) if kind is None else _log(device, kind, o)

@@ -1,0 +1,296 @@
+"""`mavfile`, the base of every link: bytes in, messages out, and the state they leave behind.
+
+A transport provides `recv`, `write` and `close`; everything else is here or in the mixins. Two
+methods run for every message, `recv_msg` and `post_message`; they stay thin on purpose.
+"""
+
+from __future__ import annotations
+
+import time
+
+from mavwire._native import Link, instance_dict
+
+from . import state
+from .commands import Commands
+from .conditions import evaluate_condition
+from .recording import record
+from .signing import Signing
+from .target import Target
+from .tracking import Tracking
+from .vehicle_state import SystemStates, mavfile_state, param_state
+from .waiting import wait_readable
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from typing import Any
+
+MARKERS = (0xFE, 0xFD)
+MARKER_V2 = 0xFD
+# How long a blocking receive without timeout waits between two calls of the idle hooks.
+IDLE_INTERVAL = 0.05
+# A crash of the whole process loses at most this many seconds of a recorded log.
+FLUSH_INTERVAL = 1.0
+
+# What a link's MAVLink object keeps when the dialect module under it changes.
+_KEPT_BY_MAV = (
+    "seq", "file", "callback", "callback_args", "callback_kwargs",
+    "send_callback", "send_callback_args", "send_callback_kwargs",
+    "robust_parsing", "signing", "startup_time",
+    "total_packets_sent", "total_bytes_sent",
+    "total_packets_received", "total_bytes_received", "total_receive_errors",
+)  # fmt: skip
+
+
+# What `vars(link)` shows, in pymavlink's order; some of it is kept by the native base class.
+_ATTRIBUTES = (
+    "fd", "sysid", "param_sysid", "address", "timestamp", "last_seq", "mav_loss", "mav_count",
+    "param_fetch_start", "sysid_state", "param_state", "source_system", "source_component",
+    "first_byte", "robust_parsing", "mav", "logfile", "logfile_raw", "start_time",
+    "message_hooks", "idle_hooks", "uptime", "notimestamps", "_timestamp",
+    "WIRE_PROTOCOL_VERSION", "stop_on_EOF", "portdead",
+)  # fmt: skip
+
+
+class mavfile(Target, Tracking, Commands, Signing, Link):
+    """One link. `fd` is a descriptor to wait on, or None; `address` names the other end."""
+
+    @property
+    def __dict__(self) -> dict[str, Any]:  # type: ignore[override]
+        own = instance_dict(self)
+        hidden = (*_ATTRIBUTES, "_sysid")
+        first = {name: value for name, value in own.items() if name not in hidden}
+        return first | {name: getattr(self, name) for name in _ATTRIBUTES}
+
+    # Recording failures are counted, not raised. Class attributes, so that `vars()` of a link
+    # shows pymavlink's attributes alone until something fails.
+    logfile_errors = 0
+    _flushed_at = 0.0
+
+    def __init__(
+        self,
+        fd: int | None,
+        address: str | None,
+        source_system: int = 255,
+        source_component: int = 0,
+        notimestamps: bool = False,
+        input: bool = True,
+        use_native: bool = False,
+    ) -> None:
+        self.fd = fd
+        self.sysid = 0
+        self.param_sysid = (0, 0)
+        self.address = address
+        self.timestamp: float = 0
+        self.param_fetch_start: float = 0
+        self.sysid_state = SystemStates({0: mavfile_state()})
+        self.param_state = {(0, 0): param_state()}
+        self.source_system = source_system
+        self.source_component = source_component
+        self.robust_parsing = True
+        self.mav: Any = self._new_mav()
+        self.mav.robust_parsing = self.robust_parsing
+        self.logfile: Any = None
+        self.logfile_raw: Any = None
+        self.start_time = time.time()
+        self.message_hooks: list[Callable[[mavfile, Any], None]] = []
+        self.idle_hooks: list[Callable[[mavfile], None]] = []
+        self.uptime = 0.0
+        self.notimestamps = notimestamps
+        self._timestamp: float | None = None
+        self.WIRE_PROTOCOL_VERSION: str = state.mavlink.WIRE_PROTOCOL_VERSION
+        self.stop_on_EOF = False
+        self.portdead = False
+        if input:
+            state.mavfile_global = self
+
+    # -- the parser object
+
+    def _new_mav(self) -> Any:
+        return state.mavlink.MAVLink(
+            self, srcSystem=self.source_system, srcComponent=self.source_component
+        )
+
+    def _replace_mav(self) -> bytes:
+        """A parser of the current dialect in place of the old one, which hands over its state.
+
+        Returns the bytes that the old parser had not consumed.
+        """
+        old, self.mav = self.mav, self._new_mav()
+        self.mav.srcSystem, self.mav.srcComponent = old.srcSystem, old.srcComponent
+        for name in _KEPT_BY_MAV:
+            setattr(self.mav, name, getattr(old, name))
+        if hasattr(old, "resync"):
+            self.mav.resync = old.resync
+        unread = bytes(old.buf[old.buf_index :]) if old.buf_len() else b""
+        # The user may have set the counter back in the meantime.
+        self.mav.total_bytes_received = max(self.mav.total_bytes_received - len(unread), 0)
+        return unread
+
+    def _drop_partial(self) -> None:
+        """Forget a frame whose rest will not come: the peer is gone, or the log was rewound."""
+        if self.mav.buf_len():
+            self._replace_mav()
+
+    def auto_mavlink_version(self, buf: bytes) -> bytes:
+        """Look at the first byte of a link: a v2 marker on a v1 link switches it to MAVLink 2.
+
+        Anything but a marker is ignored, and the next chunk is looked at instead. Returns the
+        bytes of earlier chunks that still have to be parsed, nearly always none.
+        """
+        if not buf or buf[0] not in MARKERS:
+            return b""
+        self.first_byte = False
+        if self.WIRE_PROTOCOL_VERSION != "1.0" or buf[0] != MARKER_V2:
+            return b""
+        state.set_wire_protocol("2.0")
+        state.set_dialect(state.current_dialect)
+        self.WIRE_PROTOCOL_VERSION = state.mavlink.WIRE_PROTOCOL_VERSION
+        return self._replace_mav()
+
+    def mavlink10(self) -> bool:
+        """Always True: every dialect reads MAVLink 1."""
+        return True
+
+    def mavlink20(self) -> bool:
+        """Whether this link sends MAVLink 2."""
+        return float(self.WIRE_PROTOCOL_VERSION) >= 2
+
+    # -- receiving
+
+    def recv(self, n: int | None = None) -> bytes:
+        """Up to `n` bytes; empty when nothing is there. Each transport has its own."""
+        raise RuntimeError("no recv() method supplied")
+
+    def write(self, buf: bytes) -> Any:
+        """Send one packed message. Each transport has its own."""
+        raise RuntimeError("no write() method supplied")
+
+    def close(self) -> None:
+        """Release the transport. Each has its own."""
+        raise RuntimeError("no close() method supplied")
+
+    def __enter__(self) -> mavfile:
+        return self
+
+    def __exit__(self, exc_type: Any, exc_value: Any, traceback: Any) -> None:
+        self.close()
+
+    def pre_message(self) -> None:
+        """Called before each message is read; log readers take the timestamp here."""
+
+    def recv_msg(self) -> Any:
+        """The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived."""
+        self.pre_message()
+        while True:
+            data = self.recv(self.mav.bytes_needed())
+            if data:
+                data = self._arrived(data)
+            msg = self.mav.parse_char(data)
+            if msg is not None:
+                self._delivered(msg)
+                return msg
+            if not data:
+                return None
+
+    def _arrived(self, data: bytes) -> bytes:
+        """Record received bytes and look at the protocol version; returns what to parse."""
+        if self.logfile_raw:
+            self._log(self.logfile_raw, lambda file: file.write(data))
+        if self.first_byte:
+            unread = self.auto_mavlink_version(data)
+            if unread:
+                return unread + data
+        return data
+
+    def _delivered(self, msg: Any) -> None:
+        """Record a received message and take it into the state."""
+        self._record(msg)
+        self.post_message(msg)
+
+    def _record(self, msg: Any) -> None:
+        """Record a received message, if messages are recorded."""
+        if self.logfile and msg.get_type() != "BAD_DATA":
+            self._log(self.logfile, lambda file: record(file, time.time(), msg.get_msgbuf()))
+
+    def _log(self, file: Any, write: Callable[[Any], Any]) -> None:
+        """Write to a log and flush it now and then; a failing log never stops reception."""
+        try:
+            write(file)
+            now = time.monotonic()
+            if now - self._flushed_at > FLUSH_INTERVAL:
+                self._flushed_at = now
+                file.flush()
+        except (OSError, ValueError) as error:
+            self.logfile_errors += 1
+            if self.logfile_errors == 1:
+                import logging
+
+                logging.getLogger("mavwire.mavutil").warning("recording failed: %s", error)
+
+    def setup_logfile(self, logfile: str, mode: str = "wb") -> None:
+        """Record received messages to a telemetry log, without signatures and secret keys."""
+        self.logfile = open(logfile, mode=mode)
+
+    def setup_logfile_raw(self, logfile: str, mode: str = "wb") -> None:
+        """Record received bytes exactly as they arrived, secrets included."""
+        self.logfile_raw = open(logfile, mode=mode)
+
+    def recv_match(
+        self,
+        condition: str | None = None,
+        type: str | Iterable[str] | None = None,
+        blocking: bool = False,
+        timeout: float | None = None,
+    ) -> Any:
+        """The next message of a `type` (name, list or set) for which `condition` holds.
+
+        Messages that do not match are consumed, but have updated the state. Returns None when
+        nothing is there, or when blocking, after `timeout` seconds.
+        """
+        types: Any = type
+        if type is not None and not isinstance(type, (list, set)):
+            types = [type]
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while True:
+            msg = self._recv_candidate(types)
+            if msg is not None and self._matches(msg, types, condition):
+                return msg
+            if msg is None and not blocking:
+                return None
+            if deadline is not None and time.monotonic() >= deadline:
+                return None
+            if msg is None:
+                self._idle(timeout, deadline)
+
+    def _recv_candidate(self, types: Any) -> Any:
+        """The next message that may match; log readers skip records of other types here."""
+        return self.recv_msg()
+
+    def _matches(self, msg: Any, types: Any, condition: str | None) -> Any:
+        """Whether `msg` is wanted; the condition sees the messages of its sender."""
+        if types is not None and msg.get_type() not in types:
+            return False
+        if condition is None:
+            return True
+        sender = self.sysid_state[msg.get_srcSystem()]
+        return evaluate_condition(condition, sender.messages)
+
+    def _idle(self, timeout: float | None, deadline: float | None) -> None:
+        """Run the idle hooks, then wait for data, never beyond `deadline`."""
+        for hook in self.idle_hooks:
+            hook(self)
+        if timeout is None or deadline is None:
+            self.select(IDLE_INTERVAL)
+        else:
+            self.select(max(min(timeout / 2, deadline - time.monotonic()), 0.0))
+
+    def select(self, timeout: float) -> bool:
+        """Wait until data may be there; without a descriptor, sleep half a second at most."""
+        if self.fd is None:
+            time.sleep(min(timeout, 0.5))
+            return True
+        return wait_readable(self.fd, timeout)
+
+    def set_rtscts(self, enable: Any) -> None:
+        """Hardware flow control; only serial ports have it."""

@@ -1,0 +1,125 @@
+"""Multicast links: every program on the group hears every other, and not itself."""
+
+from __future__ import annotations
+
+from .chunked import ChunkedLink
+from .udp import NOTHING_RECEIVED, UDP_MAX_PACKET_LEN
+from .waiting import (
+    address_family,
+    ask_for_room,
+    datagrams_dropped,
+    set_close_on_exec,
+    split_host_port,
+)
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+DEFAULT_GROUP = "239.255.145.50"
+DEFAULT_PORT = 14550
+
+
+def group_and_port(device: str) -> tuple[str, int]:
+    """`""`, `PORT` or `GROUP:PORT` with the defaults filled in; ValueError otherwise."""
+    if not device:
+        return DEFAULT_GROUP, DEFAULT_PORT
+    if ":" not in device:
+        device = f"{DEFAULT_GROUP}:{device}"
+    group, port = split_host_port(device, "mcast")
+    return group or DEFAULT_GROUP, port
+
+
+class mavmcast(ChunkedLink):
+    """`device` is `""`, PORT, GROUP:PORT or [GROUP]:PORT with an IPv6 group."""
+
+    write_errors = 0
+
+    @property
+    def datagrams_dropped(self) -> int:
+        """Datagrams lost because this link was not read quickly enough, where the system counts."""
+        return datagrams_dropped(self.port)
+
+    def __init__(
+        self,
+        device: str,
+        source_system: int = 255,
+        source_component: int = 0,
+        use_native: bool = False,
+    ) -> None:
+        import socket
+
+        group, number = group_and_port(device)
+        self.port = self._receiver(socket, group, number)
+        self.port_out = socket.socket(address_family(group), socket.SOCK_DGRAM)
+        try:
+            self.port_out.setblocking(False)
+            self.port_out.connect((group, number))
+        except OSError:
+            self.port.close()
+            self.port_out.close()
+            raise
+        for endpoint in (self.port, self.port_out):
+            set_close_on_exec(endpoint.fileno())
+        self.own_address = self.port_out.getsockname()
+        self.myport = self.own_address[1]
+        super().__init__(
+            self.port.fileno(), device, source_system=source_system,
+            source_component=source_component, input=False, use_native=use_native,
+        )  # fmt: skip
+        self._read_datagrams(self.own_address)
+
+    @staticmethod
+    def _receiver(socket: Any, group: str, number: int) -> Any:
+        """A socket that has joined the group."""
+        family = address_family(group)
+        port = socket.socket(family, socket.SOCK_DGRAM, socket.IPPROTO_UDP)
+        try:
+            port.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            if hasattr(socket, "SO_REUSEPORT"):
+                port.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+            try:
+                port.bind((group, number))
+            except OSError:  # Windows binds no group address
+                port.bind(("", number))
+            # On the interface that the system chooses.
+            if family == socket.AF_INET6:
+                membership = socket.inet_pton(family, group.partition("%")[0]) + bytes(4)
+                port.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_JOIN_GROUP, membership)
+            else:
+                membership = socket.inet_aton(group) + socket.inet_aton("0.0.0.0")
+                port.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+            port.setblocking(False)
+            ask_for_room(port)
+        except OSError:
+            port.close()
+            raise
+        return port
+
+    def close(self) -> None:
+        """Leave the group."""
+        self.fd = None  # its number may be somebody else's next
+        self.port.close()
+        self.port_out.close()
+
+    def recv(self, n: int | None = None) -> bytes:
+        """One datagram of someone else; empty when none is waiting."""
+        data: bytes
+        while True:
+            try:
+                received: Any = self._take_datagram() or self.port.recvfrom(UDP_MAX_PACKET_LEN)
+            except OSError as error:
+                if error.errno in NOTHING_RECEIVED:
+                    return b""
+                raise
+            data, sender = received
+            if sender != self.own_address:
+                self._switch_peer(sender)
+                return data
+
+    def write(self, buf: bytes) -> None:
+        """Send to the group; errors are counted, not raised."""
+        try:
+            self.port_out.send(buf)
+        except OSError:
+            self.write_errors += 1

@@ -1,0 +1,124 @@
+"""What a device string means when it has no prefix: which kind of log, or which kind of port.
+
+A log is recognised by what it holds before its name is looked at, because ground stations name
+telemetry logs as they please, and a wrong reader finds nothing in a good file.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+
+LOG_SUFFIXES = ("mavlink", "log", "raw", "tlog")
+DATAFLASH_SUFFIXES = (".bin", ".px4log")
+# The head of the FMT record that describes FMT itself, which dataflash logs begin with.
+DATAFLASH_HEAD = b"\xa3\x95\x80"
+TEXT_LOG_PROBE = 8000
+# Records of a telemetry log that have to follow each other for the file to be one.
+TLOG_RECORDS = 3
+TLOG_PROBE = TLOG_RECORDS * (8 + 280) + 9
+
+
+def read_head(path: str, size: int) -> bytes:
+    """The first bytes of a regular file; empty if it cannot be read."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(size)
+    except OSError:
+        return b""
+
+
+def looks_like_tlog(head: bytes) -> bool:
+    """Whether `head` begins with whole records: a timestamp and a frame, several times over."""
+    ofs = 0
+    for _ in range(TLOG_RECORDS):
+        if len(head) < ofs + 8 + 8:
+            break
+        marker, payload_len, incompat_flags = head[ofs + 8 : ofs + 11]
+        if marker == 0xFD and incompat_flags in (0, 1):
+            ofs += 8 + 10 + payload_len + 2 + 13 * incompat_flags
+        elif marker == 0xFE:
+            ofs += 8 + 6 + payload_len + 2
+        else:
+            return False
+    return 0 < ofs <= len(head)
+
+
+def log_kind(device: str, readonly: bool) -> str | None:
+    """The kind of a log, "dataflash", "text" or "tlog"; None for what is not a log file.
+
+    Files that are to be written, or read as raw streams, are not recognised by content.
+    """
+    lower = device.lower()
+    exists = os.path.isfile(device)
+    head = read_head(device, TEXT_LOG_PROBE) if exists else b""
+    if looks_like_tlog(head):
+        return "tlog"
+    if lower.endswith(DATAFLASH_SUFFIXES):
+        return "dataflash"
+    if lower.endswith(".log") and b"FMT," in head:
+        return "text"
+    if exists and readonly and head.startswith(DATAFLASH_HEAD):
+        return "dataflash"
+    return "tlog" if exists else None
+
+
+def is_log_name(device: str) -> bool:
+    """Whether a name ends like a telemetry log's."""
+    return device.lower().rsplit(".", 1)[-1] in LOG_SUFFIXES
+
+
+def is_serial_name(device: str) -> bool:
+    """Whether a name looks like a serial port's, optionally with `,baud`."""
+    name, _, baud = device.partition(",")
+    base = os.path.basename(name).lower()
+    return (
+        baud.isdigit()
+        or name.startswith(("/dev/", "\\\\.\\", "//./"))
+        or base.startswith(("tty", "cu.", "rfcomm"))
+        or (base.startswith("com") and base[3:].isdigit())
+    )
+
+
+def missing_log(device: str) -> bool:
+    """Whether `device` can only mean a log file, and that file does not exist."""
+    if os.path.exists(device) or is_serial_name(device):
+        return False
+    is_path = "/" in device or "\\" in device
+    return is_path or is_log_name(device)
+
+
+def is_program(device: str) -> bool:
+    """Whether a file is a program by name and mode and no log by content."""
+    named = device.endswith(".elf") or ("/bin/" in device and os.access(device, os.X_OK))
+    return named and not looks_like_tlog(read_head(device, TLOG_PROBE))
+
+
+def is_pipe_or_socket(device: str) -> bool:
+    """Whether a name leads to a named pipe or a socket, which opening would wait on for ever."""
+    try:
+        mode = os.stat(device).st_mode
+    except (OSError, ValueError):
+        return False
+    return stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)
+
+
+def check_usable(device: str, creating: bool) -> None:
+    """Raise the error that tells why no link can be made of a file that is meant as a log.
+
+    FileNotFoundError for a missing one unless `creating`, IsADirectoryError for a directory,
+    PermissionError for a program, which is never run because of its name; ValueError for no name,
+    and for what is neither a log nor a port.
+    """
+    if not device:
+        raise ValueError("no device: the name is empty")
+    if missing_log(device) and not creating:
+        raise FileNotFoundError(errno.ENOENT, "no such log file", device)
+    if os.path.isdir(device):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), device)
+    if is_pipe_or_socket(device):
+        raise ValueError(f"a pipe or a socket is neither a log nor a port: {device!r}")
+    if os.path.isfile(device) and is_program(device):
+        reason = f"is a program, not a log; use 'exec:{device}' to run it and talk to it"
+        raise PermissionError(errno.EACCES, reason, device)

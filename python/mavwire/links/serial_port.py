@@ -1,0 +1,169 @@
+"""Serial links. pyserial does the work, and `port` is its object: users reach into it."""
+
+from __future__ import annotations
+
+import os
+import time
+
+from .chunked import ChunkedLink
+from .helpers import FakeSerial
+from .waiting import set_close_on_exec
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+# Opening at this rate first makes a change of rate take effect on adapters that ignore
+# setting the rate they believe they already have.
+OPENING_BAUD = 1200
+RESET_INTERVAL = 1.0
+READ_SIZE = 4096
+
+
+class mavserial(ChunkedLink):
+    """`device` is a port name, or `name,baud` where no such file exists."""
+
+    def __init__(
+        self,
+        device: str,
+        baud: int = 115200,
+        autoreconnect: bool = False,
+        source_system: int = 255,
+        source_component: int = 0,
+        use_native: bool = False,
+        force_connected: bool = False,
+    ) -> None:
+        if "," in device and not os.path.exists(device):
+            device, baud = device.rsplit(",", 1)  # type: ignore[assignment]
+        self.baud = baud
+        self.device = device
+        self.autoreconnect = autoreconnect
+        self.force_connected = force_connected
+        self.rtscts = False
+        self._next_reset = 0.0
+        self.port: Any = self._open()
+        super().__init__(
+            self._descriptor(), device, source_system=source_system,
+            source_component=source_component, use_native=use_native,
+        )  # fmt: skip
+        self.set_baudrate(self.baud)
+        self._read_stream()
+
+    def _open(self) -> Any:
+        import serial
+
+        try:
+            return serial.Serial(
+                self.device, OPENING_BAUD, timeout=0, dsrdtr=False, rtscts=False, xonxoff=False
+            )
+        except serial.SerialException:
+            if self.force_connected:
+                return FakeSerial()
+            raise
+
+    def _descriptor(self) -> int | None:
+        """The port's descriptor to wait on; None where there is none (Windows, FakeSerial)."""
+        try:
+            fd: int = self.port.fileno()
+        except (AttributeError, OSError, ValueError):
+            return None
+        set_close_on_exec(fd)
+        return fd
+
+    def set_rtscts(self, enable: Any) -> None:
+        """Switch hardware flow control."""
+        self.rtscts = enable
+        self.port.rtscts = enable
+
+    def set_baudrate(self, baudrate: int) -> None:
+        """Change the rate; a port that refuses it says so in pyserial's words."""
+        self.port.baudrate = baudrate if isinstance(self.port, FakeSerial) else int(baudrate)
+
+    def close(self) -> None:
+        """Close the port for good."""
+        self.autoreconnect = False
+        self._closed = True
+        self.fd = None  # its number may be somebody else's next
+        self.port.close()
+
+    def recv(self, n: int | None = None) -> bytes:
+        """Up to `n` bytes of what has arrived.
+
+        With `autoreconnect` a port that was unplugged is opened again once it is back; without,
+        pyserial's errors propagate.
+        """
+        self._check_open()
+        if isinstance(self.port, FakeSerial) or (self.autoreconnect and not self.port.is_open):
+            self._maybe_reset()
+            return b""
+        try:
+            data = self._read(READ_SIZE if n is None else n)
+        except OSError:  # SerialException is one
+            if not self.autoreconnect:
+                raise
+            self._lost()
+            return b""
+        if data:
+            self.portdead = False
+        return data
+
+    def _read(self, n: int) -> bytes:
+        if self.fd is None:
+            # Without a descriptor nothing can wait, and reading more than there is would.
+            n = min(n, self.port.in_waiting)
+        data: bytes = self.port.read(n)
+        return data
+
+    def _lost(self) -> None:
+        """The port was unplugged: nothing to read, wait for or finish any more."""
+        from contextlib import suppress
+
+        self._say_dead()
+        self.fd = None
+        with suppress(OSError):  # closing asks the driver, which is gone
+            self.port.close()
+        self._drop_partial()
+        self._maybe_reset()
+
+    def _say_dead(self) -> None:
+        if not self.portdead:
+            print(f"Device {self.device} is dead")
+        self.portdead = True
+
+    def write(self, buf: bytes) -> Any:
+        """Send one frame; -1 when the port is dead, which is printed once."""
+        try:
+            return self.port.write(bytes(buf))
+        except Exception:  # whatever the driver raises, the port is unusable
+            self._say_dead()
+            self._maybe_reset()
+            return -1
+
+    def _maybe_reset(self) -> None:
+        """Reopen a dead port if asked to, once a second at most."""
+        now = time.monotonic()
+        if self.autoreconnect and now >= self._next_reset:
+            self._next_reset = now + RESET_INTERVAL
+            self.reset()
+
+    def reset(self) -> bool:
+        """Reopen the port; whether that worked."""
+        from contextlib import suppress
+
+        import serial
+
+        try:
+            port = serial.Serial(
+                self.device, int(self.baud), timeout=0, dsrdtr=False, rtscts=False, xonxoff=False
+            )
+        except (OSError, ValueError):  # SerialException is an OSError
+            return False
+        with suppress(OSError):  # the old port is gone, which is why it is replaced
+            self.port.close()
+        self.port = port
+        self.portdead = False
+        self.fd = self._descriptor()
+        if self.rtscts:
+            self.set_rtscts(self.rtscts)
+        print(f"Device {self.device} reopened OK")
+        return True

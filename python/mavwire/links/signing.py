@@ -1,0 +1,138 @@
+"""Signing set-up of a link: keys, link ids and the signature clock's start.
+
+Links with the same key share one table of streams, so that what was heard on one link cannot be
+replayed on another.
+"""
+
+from __future__ import annotations
+
+import time
+
+from . import state
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+KEY_LEN = 32
+# Signature timestamps count 10 us units since 2015-01-01 00:00 UTC.
+EPOCH = 1420070400
+UNITS_PER_SECOND = 100 * 1000
+MAX_LINK_ID = 255
+# RADIO_STATUS and RADIO, which a telemetry radio injects without knowing any key.
+RADIO_MESSAGES = frozenset((109, 166))
+
+# The signing states that have a key, weakly held.
+_with_key: Any = None
+
+
+def signing_timestamp(unix_seconds: float) -> int:
+    """The signature timestamp of a wall clock time; a clock before the epoch gives 0."""
+    return int((max(unix_seconds, EPOCH) - EPOCH) * UNITS_PER_SECOND)
+
+
+def check_key(secret_key: bytes) -> None:
+    """ValueError unless the key has 32 bytes."""
+    if len(secret_key) != KEY_LEN:
+        raise ValueError(f"a signing key has {KEY_LEN} bytes, not {len(secret_key)}")
+
+
+def allow_radio_status(mav: Any, msgid: int) -> bool:
+    """An `allow_unsigned_callback` that lets the telemetry radio's own reports pass, and nothing else."""
+    return msgid in RADIO_MESSAGES
+
+
+def _share(signing: Any) -> None:
+    """Let `signing` share the streams of a link that has the same key."""
+    from weakref import WeakSet
+
+    global _with_key
+    if _with_key is None:
+        _with_key = WeakSet()
+    any(signing._share(other) for other in list(_with_key))
+    _with_key.add(signing)
+
+
+def _opened(store: Any) -> tuple[Callable[[int], int] | None, int]:
+    """What keeps timestamps in `store`, a path or an object, and the one that is in there."""
+    if store is None:
+        return None, 0
+    from .timestamp_store import TimestampStore, keeper
+
+    if not hasattr(store, "load"):
+        store = TimestampStore(store)
+    return keeper(store), store.load()
+
+
+class Signing:
+    """The signing methods of `mavfile`."""
+
+    mav: Any
+    target_system: Any
+    target_component: Any
+
+    def setup_signing(
+        self,
+        secret_key: bytes,
+        sign_outgoing: bool = True,
+        allow_unsigned_callback: Callable[[Any, int], bool] | None = None,
+        initial_timestamp: int | None = None,
+        link_id: int | None = None,
+        timestamp_store: Any = None,
+    ) -> None:
+        """Sign what is sent and check what is received with the 32-byte `secret_key`.
+
+        `allow_unsigned_callback(mav, msgid)` decides about frames without a good signature;
+        without one they are rejected. `initial_timestamp` is in 10 us units since 2015-01-01
+        and defaults to now, and then follows the clock. Links without a `link_id` are numbered in
+        order, process-wide. `timestamp_store`, the path of a file or an object with `load` and
+        `save`, keeps timestamps rising over restarts whatever the clock does. ValueError for a key
+        of another length.
+        """
+        check_key(secret_key)
+        # First of all, since it may fail: half a set-up would send with timestamps used before.
+        store, stored = _opened(timestamp_store)
+        signing = self.mav.signing
+        signing.secret_key = secret_key
+        _share(signing)
+        signing.sign_outgoing = sign_outgoing
+        signing.allow_unsigned_callback = allow_unsigned_callback
+        if link_id is None:
+            link_id = state.global_link_id
+            state.global_link_id = min(state.global_link_id + 1, MAX_LINK_ID)
+        signing.link_id = link_id
+        signing._follows_clock = initial_timestamp is None
+        if initial_timestamp is None:
+            initial_timestamp = signing_timestamp(time.time())
+        signing.timestamp = max(initial_timestamp, stored)
+        signing._keep_timestamps(store)
+
+    def send_signing_key(self, secret_key: bytes, initial_timestamp: int | None = None) -> None:
+        """Send the target a SETUP_SIGNING with `secret_key`, which it will sign with from then on.
+
+        The key travels in clear: send it over a cable, never over the air. `initial_timestamp`
+        defaults to now. There is no answer; a target that took the key signs what it sends.
+        ValueError without a target, since the key is not for everyone, or for a key of another
+        length than 32 bytes.
+        """
+        check_key(secret_key)
+        if not self.target_system:
+            raise ValueError("a signing key is sent to one system: set target_system first")
+        if initial_timestamp is None:
+            initial_timestamp = signing_timestamp(time.time())
+        self.mav.setup_signing_send(
+            self.target_system, self.target_component, list(secret_key), initial_timestamp
+        )
+
+    def disable_signing(self) -> None:
+        """Forget the key and send unsigned; counters and known streams stay."""
+        signing = self.mav.signing
+        signing.secret_key = None  # of this link alone
+        if _with_key is not None:
+            _with_key.discard(signing)
+        signing.sign_outgoing = False
+        signing.allow_unsigned_callback = None
+        signing.link_id = 0
+        signing.timestamp = 0
+        signing._keep_timestamps(None)

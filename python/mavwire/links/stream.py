@@ -1,0 +1,100 @@
+"""Writing whole frames to a stream socket that may take only part of one.
+
+A frame that was begun is always finished, because half a frame makes the peer drop what follows.
+What the peer does not take is queued up to a bound; beyond it, whole frames are dropped and
+counted.
+"""
+
+from __future__ import annotations
+
+from .chunked import ChunkedLink
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+MAX_UNSENT = 1 << 20
+# What one call of the system is offered.
+SEND_SIZE = 1 << 16
+
+
+class StreamWriter:
+    """Outgoing bytes of a non-blocking stream socket, from any number of threads.
+
+    One thread sends at a time and takes along what others put into the queue meanwhile. Nobody
+    waits for it, so that a signal handler that writes in the middle of a write is no deadlock.
+    """
+
+    def __init__(self) -> None:
+        from _thread import allocate_lock
+
+        self.unsent = bytearray()
+        self.dropped_frames = 0
+        self._sending = allocate_lock()
+
+    def write(self, port: Any, frame: bytes) -> None:
+        """Send `frame` after what is queued; OSError when the connection is gone."""
+        if len(self.unsent) + len(frame) > MAX_UNSENT:
+            self.flush(port)
+        if len(self.unsent) + len(frame) > MAX_UNSENT:
+            self.dropped_frames += 1
+            return
+        self.unsent.extend(frame)
+        self.flush(port)
+
+    def flush(self, port: Any) -> None:
+        """Send as much of the queue as the peer takes now."""
+        # Looked at again after the lock was released: what came in between is nobody else's.
+        while self.unsent and self._sending.acquire(blocking=False):
+            try:
+                if not self._send_some(port):
+                    return
+            finally:
+                self._sending.release()
+
+    def _send_some(self, port: Any) -> bool:
+        """Send from the head of the queue; whether the peer took any."""
+        queue = self.unsent
+        try:
+            # A copy, because others append to the queue meanwhile.
+            sent = port.send(bytes(queue[:SEND_SIZE]))
+        except (BlockingIOError, InterruptedError):
+            return False
+        del queue[:sent]
+        return True
+
+    def clear(self) -> None:
+        """Forget the queue: the connection it was meant for is gone."""
+        # Replaced, not emptied: a thread that is sending still uses up the old one.
+        self.unsent = bytearray()
+
+
+class StreamLink(ChunkedLink):
+    """A link over a stream socket: frames leave it whole or not at all."""
+
+    _writer: StreamWriter
+
+    @property
+    def frames_dropped(self) -> int:
+        """Frames that were not sent because the peer was gone or had stopped reading."""
+        return self._writer.dropped_frames
+
+    def _send_frame(self, port: Any, frame: bytes) -> None:
+        """Send or queue a frame; OSError when the connection `port` is gone."""
+        try:
+            self._writer.write(port, frame)
+        finally:
+            self._has_unsent = bool(self._writer.unsent)
+
+    def _send_rest(self, port: Any) -> None:
+        """Send what was queued, as far as the peer takes it now."""
+        if self._writer.unsent:
+            try:
+                self._writer.flush(port)
+            finally:
+                self._has_unsent = bool(self._writer.unsent)
+
+    def _forget_unsent(self) -> None:
+        """Forget the queue: the connection it was meant for is gone."""
+        self._writer.clear()
+        self._has_unsent = False

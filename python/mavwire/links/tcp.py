@@ -1,0 +1,161 @@
+"""TCP client links: connect with retries, notice the end once, reconnect if asked to."""
+
+from __future__ import annotations
+
+import time
+
+from .chunked import READ_SIZE
+from .stream import StreamLink, StreamWriter
+from .waiting import prepare_tcp, set_close_on_exec, split_host_port
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+# The pause between reconnection attempts doubles up to this many times `reconnect_delay`.
+MAX_BACKOFF = 16
+# How long one attempt may block the caller of `recv` or `write`.
+CONNECT_TIMEOUT = 5.0
+
+
+class mavtcp(StreamLink):
+    """`device` is host:port. `retries` connection attempts, `reconnect_delay` seconds apart."""
+
+    def __init__(
+        self,
+        device: str,
+        autoreconnect: bool = False,
+        source_system: int = 255,
+        source_component: int = 0,
+        retries: int = 6,
+        reconnect_delay: float = 1,
+        use_native: bool = False,
+    ) -> None:
+        self.destination_addr: Any = split_host_port(device, "TCP")
+        self._open(f"tcp:{device}", autoreconnect, retries, reconnect_delay,
+                   source_system, source_component)  # fmt: skip
+
+    def _open(
+        self, address: str, autoreconnect: bool, retries: int, reconnect_delay: float,
+        source_system: int, source_component: int,
+    ) -> None:  # fmt: skip
+        self.autoreconnect = autoreconnect
+        self.retries = retries
+        self.reconnect_delay = reconnect_delay
+        self.port: Any = None
+        self.fd: int | None = None
+        self._writer = StreamWriter()
+        self._backoff = 1
+        self._next_attempt = 0.0
+        self.do_connect()
+        super().__init__(self.fd, address, source_system=source_system,
+                         source_component=source_component)  # fmt: skip
+        self._read_stream()
+
+    def _connect(self) -> Any:
+        """One connection attempt: a connected, still blocking socket."""
+        import socket
+
+        port = socket.create_connection(self.destination_addr, timeout=CONNECT_TIMEOUT)
+        prepare_tcp(port)
+        return port
+
+    def do_connect(self) -> None:
+        """Connect, trying `retries` times but at least once; raises the last error."""
+        attempts = max(self.retries, 1)
+        for attempt in range(1, attempts + 1):
+            try:
+                self._use(self._connect())
+                return
+            except OSError as error:
+                if attempt == attempts:
+                    raise
+                print(f"{error} sleeping")
+                time.sleep(self.reconnect_delay)
+
+    def _use(self, port: Any) -> None:
+        port.setblocking(False)
+        set_close_on_exec(port.fileno())
+        self.port = port
+        self.fd = port.fileno()
+        self.portdead = False
+
+    def close(self) -> None:
+        """Close the connection for good."""
+        self.autoreconnect = False
+        self._closed = True
+        self._disconnect()
+
+    def _disconnect(self) -> None:
+        """Let go of the socket; `fd` is None until there is another."""
+        port, self.port, self.fd = self.port, None, None
+        if port is not None:
+            port.close()
+        self._forget_unsent()
+
+    def handle_disconnect(self) -> None:
+        """The peer broke the connection."""
+        print("Connection reset or closed by peer on TCP socket")
+        self._lost()
+
+    def handle_eof(self) -> None:
+        """The peer closed the connection."""
+        print("EOF on TCP socket")
+        self._lost()
+
+    def _lost(self) -> None:
+        self._disconnect()
+        self._drop_partial()
+        self.portdead = True
+        self.reconnect()
+
+    def reconnect(self) -> None:
+        """Try to connect again, if asked to and if the last attempt is long enough ago."""
+        now = time.monotonic()
+        if not self.autoreconnect or self.port is not None or now < self._next_attempt:
+            return
+        print("Attempting reconnect")
+        try:
+            self._use(self._connect())
+        except OSError:
+            self._next_attempt = time.monotonic() + self.reconnect_delay * self._backoff
+            self._backoff = min(self._backoff * 2, MAX_BACKOFF)
+        else:
+            self._backoff = 1
+            self._next_attempt = 0.0
+
+    def recv(self, n: int | None = None) -> bytes:
+        """Up to `n` bytes; empty when nothing is there or the connection is gone."""
+        self.reconnect()
+        port = self.port
+        if port is None:
+            self._check_open()
+            return b""
+        try:
+            self._send_rest(port)
+            data: bytes = port.recv(READ_SIZE if n is None else n)
+        except (BlockingIOError, InterruptedError):
+            return b""
+        except OSError:  # no ConnectionError if the peer stopped answering
+            if port is not self.port:  # another thread was quicker
+                return b""
+            self.handle_disconnect()
+            if not self.autoreconnect:
+                raise
+            return b""
+        if not data and port is self.port:
+            self.handle_eof()
+        return data
+
+    def write(self, buf: bytes) -> None:
+        """Send one frame whole, or drop it whole when the peer has stopped reading."""
+        self.reconnect()
+        port = self.port
+        if port is None:
+            self._writer.dropped_frames += 1
+            return
+        try:
+            self._send_frame(port, buf)
+        except OSError:
+            if port is self.port:  # or another thread has done it
+                self.handle_disconnect()

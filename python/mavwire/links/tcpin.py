@@ -1,0 +1,107 @@
+"""TCP server links: one client at a time, and the next one when it has gone."""
+
+from __future__ import annotations
+
+from .chunked import READ_SIZE
+from .stream import StreamLink, StreamWriter
+from .waiting import address_family, prepare_tcp, set_close_on_exec, split_host_port
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+
+def listen_on(address: tuple[str, int]) -> Any:
+    """A non-blocking socket that listens for one client on `address`."""
+    import socket
+
+    listener = socket.socket(address_family(address[0]), socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+        listener.listen(1)
+    except (OSError, OverflowError):
+        listener.close()
+        raise
+    listener.setblocking(False)
+    set_close_on_exec(listener.fileno())
+    return listener
+
+
+class mavtcpin(StreamLink):
+    """`device` is the host:port to listen on; `retries` is accepted and unused."""
+
+    def __init__(
+        self,
+        device: str,
+        source_system: int = 255,
+        source_component: int = 0,
+        retries: int = 3,
+        use_native: bool = False,
+    ) -> None:
+        self.listen_addr = split_host_port(device, "TCP")
+        self.listen = listen_on(self.listen_addr)
+        self.port: Any = None
+        self._writer = StreamWriter()
+        super().__init__(
+            self.listen.fileno(), f"tcpin:{device}",
+            source_system=source_system, source_component=source_component,
+        )  # fmt: skip
+        self._read_stream()
+
+    def close(self) -> None:
+        """Close the client's connection and stop listening."""
+        self.listen.close()
+        self._drop_client()
+
+    def _accept(self) -> bool:
+        """Take a waiting client; whether there is one."""
+        try:
+            port, _ = self.listen.accept()
+        except (BlockingIOError, InterruptedError, ConnectionError):
+            return False
+        port.setblocking(False)
+        prepare_tcp(port)
+        set_close_on_exec(port.fileno())
+        self.port, self.fd = port, port.fileno()
+        return True
+
+    def _drop_client(self) -> None:
+        """Back to listening."""
+        listening = self.listen.fileno()
+        port, self.port = self.port, None
+        self.fd = listening if listening >= 0 else None  # None when the link is closed
+        if port is not None:
+            port.close()
+        self._forget_unsent()
+        self._drop_partial()
+
+    def recv(self, n: int | None = None) -> bytes:
+        """Up to `n` bytes of the client; empty when there are none, or no client."""
+        if self.port is None and not self._accept():
+            return b""
+        port = self.port
+        if port is None:  # another thread closed it just now
+            return b""
+        try:
+            self._send_rest(port)
+            data: bytes = port.recv(READ_SIZE if n is None else n)
+        except (BlockingIOError, InterruptedError):
+            return b""
+        except OSError:  # no ConnectionError if the client stopped answering
+            data = b""
+        if not data and port is self.port:
+            self._drop_client()
+        return data
+
+    def write(self, buf: bytes) -> None:
+        """Send one frame whole to the client; without one, or when it is stuck, drop it."""
+        port = self.port
+        if port is None:
+            self._writer.dropped_frames += 1
+            return
+        try:
+            self._send_frame(port, buf)
+        except OSError:
+            if port is self.port:  # or another thread has done it
+                self._drop_client()

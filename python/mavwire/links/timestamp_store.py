@@ -1,0 +1,109 @@
+"""Signing timestamps that survive a restart, whatever the clock says then.
+
+A file holds two slots; the one with the smaller timestamp is overwritten and the larger one read, so
+that a write which was cut short loses nothing. What is stored lies ahead of what is in use, so that
+writing now and then is enough (MAVLink guide, Message Signing: at least once a minute).
+"""
+
+from __future__ import annotations
+
+import os
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+# How far ahead is stored: ten seconds. Restarting more often than that runs ahead of the clock.
+RESERVE = 10 * 100 * 1000
+# A timestamp and its checksum, which tells a whole slot from half of one.
+SLOT = 8 + 4
+# Where each slot begins: far enough apart for no write to touch both.
+SLOT_OFFSETS = (0, 4096)
+_BINARY = getattr(os, "O_BINARY", 0)
+
+
+class TimestampStore:
+    """A file that remembers a signing timestamp, for any number of links and processes."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = path
+
+    def load(self) -> int:
+        """The timestamp to go on from; 0 where nothing was stored. OSError if it cannot be read."""
+        try:
+            fd = os.open(self.path, os.O_RDONLY | _BINARY)
+        except FileNotFoundError:
+            return 0
+        try:
+            return max(_slots(fd))
+        finally:
+            os.close(fd)
+
+    def save(self, timestamp: int) -> None:
+        """Store `timestamp` for good, unless a later one is; OSError if that fails."""
+        fd = os.open(self.path, os.O_RDWR | os.O_CREAT | _BINARY, 0o600)
+        try:
+            _lock(fd)
+            slots = _slots(fd)
+            if timestamp > max(slots):
+                os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
+                os.write(fd, _packed(timestamp))
+                os.fsync(fd)
+        finally:
+            os.close(fd)
+
+
+def _lock(fd: int) -> None:
+    """Keep others out until `fd` is closed, where the platform can: two that overwrite the same
+    slot would leave the smaller timestamp.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        return
+    fcntl.flock(fd, fcntl.LOCK_EX)
+
+
+def _slots(fd: int) -> list[int]:
+    """What the slots hold; 0 for one that was never written, or not to its end."""
+    os.lseek(fd, 0, os.SEEK_SET)
+    content = os.read(fd, SLOT_OFFSETS[-1] + SLOT)
+    return [_unpacked(content[start : start + SLOT]) for start in SLOT_OFFSETS]
+
+
+def _packed(timestamp: int) -> bytes:
+    from binascii import crc32
+
+    number = timestamp.to_bytes(8, "little")
+    return number + crc32(number).to_bytes(4, "little")
+
+
+def _unpacked(slot: bytes) -> int:
+    timestamp = int.from_bytes(slot[:8], "little")
+    return timestamp if slot == _packed(timestamp) else 0
+
+
+def keeper(store: Any) -> Callable[[int], int]:
+    """A function that stores a timestamp ahead of the one given and returns it.
+
+    A store that fails does not stop the link; it is reported once.
+    """
+    failed = False
+
+    def keep(timestamp: int) -> int:
+        nonlocal failed
+        mark = timestamp + RESERVE
+        try:
+            store.save(mark)
+        except Exception as error:  # a store of the user's own fails in ways of its own
+            if not failed:
+                import logging
+
+                logging.getLogger("mavwire.mavutil").warning(
+                    "signing timestamps are not stored: %s", error
+                )
+            failed = True
+        return mark
+
+    return keep

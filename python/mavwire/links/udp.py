@@ -1,0 +1,175 @@
+"""UDP links: a server that answers whoever speaks MAVLink to it, a client, a broadcaster.
+
+Anyone can send a datagram, so a sender becomes a reply target only once a message of its own was
+accepted, and with a signing key that means a good signature.
+"""
+
+from __future__ import annotations
+
+import errno
+import time
+
+from .chunked import ChunkedLink
+from .waiting import (
+    address_family,
+    ask_for_room,
+    datagrams_dropped,
+    set_close_on_exec,
+    split_host_port,
+)
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+UDP_MAX_PACKET_LEN = 65535
+# Each reply target costs a send per message. A full table replaces a peer silent this long.
+MAX_CLIENTS = 128
+CLIENT_SILENCE = 60.0
+
+# "Nothing there", and what the network reports about datagrams sent earlier.
+NOTHING_RECEIVED = frozenset((
+    errno.EAGAIN, errno.EWOULDBLOCK, errno.ECONNREFUSED, errno.ECONNRESET,
+    errno.EHOSTUNREACH, errno.ENETUNREACH,
+))  # fmt: skip
+
+
+class mavudp(ChunkedLink):
+    """`device` is host:port: where to listen if `input`, where to send otherwise."""
+
+    # Counted instead of raised: a datagram link has no one to tell.
+    write_errors = 0
+    clients_refused = 0
+
+    def __init__(
+        self,
+        device: str,
+        input: bool = True,
+        broadcast: bool = False,
+        source_system: int = 255,
+        source_component: int = 0,
+        use_native: bool = False,
+        timeout: float = 0,
+    ) -> None:
+        import socket
+
+        host, number = split_host_port(device, "UDP")
+        self.port = socket.socket(address_family(host), socket.SOCK_DGRAM)
+        self.udp_server = input
+        self.broadcast = False
+        try:
+            if input:
+                self.port.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                self.port.bind((host, number))
+            else:
+                self.destination_addr = (host, number)
+                if broadcast:
+                    self.port.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+                    self.broadcast = True
+        except (OSError, OverflowError):
+            self.port.close()
+            raise
+        set_close_on_exec(self.port.fileno())
+        self.port.setblocking(False)
+        ask_for_room(self.port)
+        self.last_address: Any = None
+        self.timeout = timeout
+        self.clients: set[Any] = set()
+        self.clients_last_alive: dict[Any, float] = {}
+        self.resolved_destination_addr: Any = None
+        super().__init__(
+            self.port.fileno(), device, source_system=source_system,
+            source_component=source_component, input=input, use_native=use_native,
+        )  # fmt: skip
+        self._read_datagrams()
+
+    def close(self) -> None:
+        """Close the socket."""
+        self.fd = None  # its number may be somebody else's next
+        self.port.close()
+
+    @property
+    def datagrams_dropped(self) -> int:
+        """Datagrams lost because this link was not read quickly enough, where the system counts."""
+        return datagrams_dropped(self.port)
+
+    def recv(self, n: int | None = None) -> bytes:
+        """One datagram, whatever `n`; empty when none is waiting."""
+        received: tuple[bytes, Any] | None = self._take_datagram()
+        try:
+            data, self.last_address = received or self.port.recvfrom(UDP_MAX_PACKET_LEN)
+        except OSError as error:
+            if error.errno in NOTHING_RECEIVED:
+                return b""
+            raise
+        self._switch_peer(self.last_address)
+        return data
+
+    def _delivered(self, msg: Any) -> None:
+        if self.last_address is not None and msg.get_msgId() >= 0:
+            self._heard(self.last_address)
+        super()._delivered(msg)
+
+    def _heard(self, address: Any) -> None:
+        """A valid message came from `address`: answer it from now on."""
+        if self.udp_server:
+            now = time.time()
+            if address in self.clients or self._room_for_client(now):
+                self.clients.add(address)
+                self.clients_last_alive[address] = now
+        elif self.broadcast:
+            self.broadcast = False
+            self.destination_addr = address
+            self.resolved_destination_addr = address
+
+    def _room_for_client(self, now: float) -> bool:
+        if len(self.clients) < MAX_CLIENTS:
+            return True
+        silent = min(self.clients, key=self.clients_last_alive.__getitem__)
+        if now - self.clients_last_alive[silent] < CLIENT_SILENCE:
+            self.clients_refused += 1
+            return False
+        self._forget_client(silent)
+        return True
+
+    def _forget_client(self, address: Any) -> None:
+        self.clients.discard(address)
+        self.clients_last_alive.pop(address, None)
+
+    def _forget_silent_clients(self) -> None:
+        """Drop clients silent for `timeout` seconds, but keep the one heard last."""
+        if self.timeout <= 0 or len(self.clients) < 2:
+            return
+        newest = max(self.clients, key=self.clients_last_alive.__getitem__)
+        oldest = time.time() - self.timeout
+        for address in [a for a in self.clients if self.clients_last_alive[a] < oldest]:
+            if address != newest:
+                self._forget_client(address)
+
+    def write(self, buf: bytes) -> None:
+        """Send to every client heard, or to the destination; errors are counted, not raised."""
+        if self.udp_server:
+            self._forget_silent_clients()
+            for address in tuple(self.clients):
+                self._send(buf, address)
+        else:
+            if self.resolved_destination_addr is None:
+                self.resolved_destination_addr = self._resolve()
+            self._send(buf, self.resolved_destination_addr or self.destination_addr)
+
+    def _send(self, buf: bytes, address: Any) -> None:
+        try:
+            self.port.sendto(buf, address)
+        except (OSError, OverflowError):
+            self.write_errors += 1
+
+    def _resolve(self) -> Any:
+        """The destination as a numeric address, so that a name is looked up once."""
+        import socket
+
+        host, number = self.destination_addr
+        try:
+            found = socket.getaddrinfo(host, number, self.port.family, socket.SOCK_DGRAM)
+        except (OSError, UnicodeError, OverflowError):
+            return None
+        return found[0][4]

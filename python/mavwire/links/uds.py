@@ -1,0 +1,49 @@
+"""Unix domain socket client links."""
+
+from __future__ import annotations
+
+from .tcp import CONNECT_TIMEOUT, mavtcp
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+
+class mavuds(mavtcp):
+    """`device` is the path of a listening stream socket."""
+
+    def __init__(
+        self,
+        device: str,
+        autoreconnect: bool = False,
+        source_system: int = 255,
+        source_component: int = 0,
+        retries: int = 6,
+        use_native: bool = False,
+    ) -> None:
+        if not device:
+            raise ValueError("Unix domain socket path must be specified")
+        self.destination_addr = device
+        self._open(f"uds:{device}", autoreconnect, retries, 1, source_system, source_component)
+
+    def _connect(self) -> Any:
+        import socket
+
+        port = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            port.settimeout(CONNECT_TIMEOUT)
+            port.connect(self.destination_addr)
+        except OSError:
+            port.close()
+            raise
+        return port
+
+    def handle_disconnect(self) -> None:
+        """The peer broke the connection."""
+        print("Connection reset or closed by peer on Unix domain socket")
+        self._lost()
+
+    def handle_eof(self) -> None:
+        """The peer closed the connection."""
+        print("EOF on Unix domain socket")
+        self._lost()

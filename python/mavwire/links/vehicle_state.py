@@ -1,0 +1,94 @@
+"""What a link remembers of each system it hears: newest messages, flight mode, parameters.
+
+Every key in these tables is chosen by whoever sends, so each table is capped: beyond the cap the
+known keys keep being updated and new ones are left out.
+"""
+
+from __future__ import annotations
+
+from mavwire._native import SystemState, add_message, forget_states
+
+from . import state
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+MAV_TYPE_FIXED_WING = 1
+MAV_AUTOPILOT_GENERIC = 0
+
+MAX_PARAMS = 16384
+
+__all__ = ["MAX_PARAMS", "SystemStates", "add_message", "mavfile_state", "param_state"]
+
+
+class mavfile_state(SystemState):
+    """The state of one system id; `messages` maps a message type to the newest message."""
+
+    def __init__(self) -> None:
+        self.messages: dict[str, Any] = {"MAV": self}
+        self.flightmode = "UNKNOWN"
+        self.vehicle_type = "UNKNOWN"
+        self.mav_type = MAV_TYPE_FIXED_WING
+        self.mav_autopilot = MAV_AUTOPILOT_GENERIC
+        self.base_mode = 0
+        # False until heard, then the armed bit itself: 0 or 128.
+        self.armed: int = False
+        mavlink = state.mavlink
+        if hasattr(mavlink, "MAVLink_gps_raw_int_message"):
+            self.messages["HOME"] = mavlink.MAVLink_gps_raw_int_message(*[0] * 10)
+        _name_waypoint_class(mavlink)
+
+
+class SystemStates(dict[int, mavfile_state]):
+    """`sysid_state` of a link: system id -> state. Links keep the states they found at hand, and
+    are told when that may no longer be right."""
+
+    def __setitem__(self, sysid: int, state: mavfile_state) -> None:
+        super().__setitem__(sysid, state)
+        forget_states()
+
+    def __delitem__(self, sysid: int) -> None:
+        super().__delitem__(sysid)
+        forget_states()
+
+    def pop(self, *args: Any) -> Any:
+        """As dict.pop."""
+        state = super().pop(*args)
+        forget_states()
+        return state
+
+    def popitem(self) -> Any:
+        """As dict.popitem."""
+        item = super().popitem()
+        forget_states()
+        return item
+
+    def clear(self) -> None:
+        """As dict.clear."""
+        super().clear()
+        forget_states()
+
+    def update(self, *args: Any, **kwargs: Any) -> None:
+        """As dict.update."""
+        super().update(*args, **kwargs)
+        forget_states()
+
+    def __ior__(self, other: Any) -> SystemStates:  # type: ignore[override,misc]
+        self.update(other)
+        return self
+
+
+class param_state:
+    """The parameters of one (system, component): `params` maps the name to the raw value."""
+
+    def __init__(self) -> None:
+        self.params: dict[str, float] = {}
+
+
+def _name_waypoint_class(mavlink: Any) -> None:
+    """Keep the pre-2010 name of MISSION_ITEM's class alive in the dialect module."""
+    if "MAVLink_waypoint_message" not in vars(mavlink):
+        mission_item = getattr(mavlink, "MAVLink_mission_item_message", None)
+        if mission_item is not None:
+            mavlink.MAVLink_waypoint_message = mission_item

@@ -1,0 +1,111 @@
+"""Waiting for a descriptor, and finding an endpoint's address: what every socket link needs."""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+MAX_PORT = 65535
+
+
+def wait_readable(fd: Any, timeout: float) -> bool:
+    """Whether `fd` becomes readable within `timeout` seconds; False when it cannot be watched."""
+    import select
+
+    try:
+        if hasattr(select, "poll"):
+            # Unlike select(), poll() takes descriptors beyond 1023: a bridge may hold many links.
+            poller = select.poll()
+            poller.register(fd, select.POLLIN)
+            return bool(poller.poll(max(timeout, 0.0) * 1000.0))
+        readable, _, _ = select.select([fd], [], [], max(timeout, 0.0))
+        return bool(readable)
+    except (OSError, ValueError, TypeError):
+        return False
+
+
+def set_close_on_exec(fd: int) -> None:
+    """Keep `fd` out of child processes where the platform can; never fails."""
+    try:
+        import fcntl
+
+        flags = fcntl.fcntl(fd, fcntl.F_GETFD)
+        fcntl.fcntl(fd, fcntl.F_SETFD, flags | fcntl.FD_CLOEXEC)
+    except (ImportError, OSError, ValueError):
+        pass
+
+
+# A peer that vanished (power, radio, cable) ends no connection. It is asked after 10 s of silence and
+# given up 20 s later, and with data on the way after a minute. Systems wait for two hours, and for
+# a quarter of one, by themselves.
+_KEEPALIVE = (("TCP_KEEPIDLE", 10), ("TCP_KEEPINTVL", 5), ("TCP_KEEPCNT", 4),
+              ("TCP_USER_TIMEOUT", 60_000))  # fmt: skip
+
+
+def prepare_tcp(port: Any) -> None:
+    """Send frames at once, and notice a peer that is gone without a word."""
+    import socket
+    from contextlib import suppress
+
+    port.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    port.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for name, value in _KEEPALIVE:
+        if hasattr(socket, name):
+            with suppress(OSError):  # named by the headers, not known to the system
+                port.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
+
+
+# What a receive buffer should hold: a tenth of a second of 100,000 datagrams a second, which count
+# 768 bytes each. Systems allow less by default and then give what they allow.
+RECEIVE_BUFFER = 8 << 20
+
+
+def ask_for_room(port: Any) -> None:
+    """Let a datagram socket hold more than the usual few hundred datagrams for a busy reader."""
+    import socket
+    from contextlib import suppress
+
+    with suppress(OSError):  # some systems refuse instead of giving less
+        port.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+
+
+# Linux: memory and drop counters of a socket, nine 32-bit numbers of which the last counts drops.
+_SO_MEMINFO = 55
+_MEMINFO_LEN = 9 * 4
+
+
+def datagrams_dropped(port: Any) -> int:
+    """Datagrams that the system dropped because nobody read `port`; 0 where it does not say."""
+    import socket
+    import sys
+
+    if not sys.platform.startswith("linux"):
+        return 0
+    try:
+        memory = port.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO_LEN)
+    except OSError:  # closed, or a system that does not count
+        return 0
+    return int.from_bytes(memory[-4:], sys.byteorder)
+
+
+def split_host_port(device: str, kind: str) -> tuple[str, int]:
+    """`host:port` or `[v6 address]:port` as a pair; ValueError names `kind` of link otherwise."""
+    host, separator, port = device.rpartition(":")
+    bracketed = host.startswith("[") and host.endswith("]")
+    if not separator or (":" in host and not bracketed):
+        raise ValueError(f"{kind} ports must be specified as host:port")
+    try:
+        number = int(port)
+    except ValueError:
+        raise ValueError(f"{kind} port number {port!r} in {device!r} is not a number") from None
+    if not 0 <= number <= MAX_PORT:
+        raise ValueError(f"{kind} port number {number} in {device!r} is not from 0 to {MAX_PORT}")
+    return host[1:-1] if bracketed else host, number
+
+
+def address_family(host: str) -> int:
+    """AF_INET6 for a numeric IPv6 host, AF_INET for names and IPv4 addresses."""
+    import socket
+
+    return socket.AF_INET6 if ":" in host else socket.AF_INET

@@ -1,0 +1,311 @@
+"""WebSocket links: MAVLink frames in binary messages, as a server for one client or as a client.
+
+The protocol itself is wsproto's, which is loaded when the first such link is opened.
+"""
+
+from __future__ import annotations
+
+import errno
+
+from .chunked import READ_SIZE
+from .stream import StreamLink, StreamWriter
+from .tcpin import listen_on
+from .waiting import prepare_tcp, set_close_on_exec, split_host_port, wait_readable
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+# How long a server's answer to the opening handshake may take.
+HANDSHAKE_TIMEOUT = 5.0
+# A peer that is not up yet is tried again on the next receive or send.
+PEER_NOT_UP = frozenset((errno.ECONNREFUSED, errno.EHOSTUNREACH))
+
+
+class _TlsPort:
+    """A TLS connection as a non-blocking socket: waiting for the peer is no error of its own kind,
+    and several threads may use it, which OpenSSL does not allow.
+    """
+
+    def __init__(self, port: Any) -> None:
+        from _thread import RLock
+
+        self._port = port
+        # A signal handler may write in the middle of a read.
+        self._lock = RLock()
+        self.fileno, self.close, self.setblocking = port.fileno, port.close, port.setblocking
+
+    def recv(self, n: int) -> bytes:
+        data: bytes = self._do(self._port.recv, n)
+        return data
+
+    def send(self, data: bytes) -> int:
+        sent: int = self._do(self._port.send, data)
+        return sent
+
+    def _do(self, act: Any, argument: Any) -> Any:
+        from ssl import SSLWantReadError, SSLWantWriteError
+
+        with self._lock:
+            try:
+                return act(argument)
+            except (SSLWantReadError, SSLWantWriteError) as error:
+                raise BlockingIOError(errno.EAGAIN, "TLS waits for the peer") from error
+
+
+class _WebSocketLink(StreamLink):
+    """What both ends share: a socket under a wsproto connection."""
+
+    ws: Any
+
+    def __init__(
+        self, fd: int | None, address: str, source_system: int, source_component: int
+    ) -> None:
+        self.port = self.ws = None
+        self._writer = StreamWriter()
+        super().__init__(
+            fd, address, source_system=source_system, source_component=source_component
+        )
+
+    def _start(self, port: Any, ws: Any) -> None:
+        port.setblocking(False)
+        set_close_on_exec(port.fileno())
+        self.port, self.ws = port, ws
+        self.fd = port.fileno()
+
+    def _idle_fd(self) -> int | None:
+        """What to wait on without a connection."""
+        return None
+
+    def close_port(self) -> None:
+        """Drop the connection; the link itself stays usable."""
+        port, self.port, self.ws = self.port, None, None
+        self.fd = self._idle_fd()
+        if port is not None:
+            port.close()
+        self._forget_unsent()
+        self._drop_partial()
+
+    def _send_event(self, event: Any) -> None:
+        port, ws = self.port, self.ws
+        if port is not None and ws is not None:  # or another thread dropped the connection
+            self._send_frame(port, ws.send(event))
+
+    def _receive(self) -> bytes:
+        """The payload of the binary messages that one read completes."""
+        port, ws = self.port, self.ws
+        if port is None or ws is None:  # another thread dropped the connection
+            return b""
+        try:
+            self._send_rest(port)
+            data = port.recv(READ_SIZE)
+        except (BlockingIOError, InterruptedError):
+            return b""
+        except OSError:
+            if port is self.port:
+                self.close_port()
+            return b""
+        return self._handle(ws, data)
+
+    def _handle(self, ws: Any, data: bytes) -> bytes:
+        from wsproto.utilities import LocalProtocolError, RemoteProtocolError
+
+        received = b""
+        try:
+            ws.receive_data(data or None)
+            for event in ws.events():
+                received += self._on_event(event)
+                if self.ws is None:
+                    break
+        except (RemoteProtocolError, LocalProtocolError, OSError):
+            self.close_port()
+        if not data:
+            self.close_port()
+        return received
+
+    def _on_event(self, event: Any) -> bytes:
+        """Act on one protocol event; the payload if it is a piece of a binary message."""
+        from wsproto import events
+
+        if isinstance(event, events.BytesMessage):
+            return bytes(event.data)
+        if isinstance(event, events.Request):
+            self._send_event(events.AcceptConnection())
+        elif isinstance(event, events.Ping):
+            self._send_event(event.response())
+        elif isinstance(event, events.CloseConnection):
+            self._send_event(event.response())
+            self.close_port()
+        elif isinstance(event, events.RejectConnection):
+            self.close_port()
+        return b""
+
+    def _established(self) -> bool:
+        from wsproto.connection import ConnectionState
+
+        ws = self.ws
+        return ws is not None and ws.state is ConnectionState.OPEN
+
+    def _write_message(self, buf: bytes) -> None:
+        """Send one frame as one binary message; drop the connection if that fails."""
+        from wsproto.events import BytesMessage
+
+        try:
+            self._send_event(BytesMessage(data=bytes(buf)))
+        except OSError:
+            self.close_port()
+
+
+class mavwebsocket(_WebSocketLink):
+    """A server for one client at a time; `device` is the host:port to listen on."""
+
+    def __init__(
+        self,
+        device: str,
+        source_system: int = 255,
+        source_component: int = 0,
+        use_native: bool = False,
+    ) -> None:
+        import wsproto  # noqa: F401  (fail now, not in the middle of a session)
+
+        self.listen_addr = split_host_port(device, "WebSocket server")
+        self.listen = listen_on(self.listen_addr)
+        super().__init__(
+            self.listen.fileno(), f"wsserver:{device}",
+            source_system=source_system, source_component=source_component,
+        )  # fmt: skip
+
+    def _idle_fd(self) -> int | None:
+        fd: int = self.listen.fileno()
+        return fd if fd >= 0 else None
+
+    def close(self) -> None:
+        """Drop the client and stop listening."""
+        self.listen.close()
+        self.close_port()
+
+    def _accept(self) -> bool:
+        from wsproto import ConnectionType, WSConnection
+
+        try:
+            port, _ = self.listen.accept()
+        except (BlockingIOError, InterruptedError, ConnectionError):
+            return False
+        prepare_tcp(port)
+        self._start(port, WSConnection(ConnectionType.SERVER))
+        return True
+
+    def recv(self, n: int | None = None) -> bytes:
+        """What one read brings, whatever `n`; empty without data or client."""
+        if self.port is None and not self._accept():
+            return b""
+        return self._receive()
+
+    def write(self, buf: bytes) -> None:
+        """Send one frame to the client, if there is one."""
+        if self._established():
+            self._write_message(buf)
+
+
+def split_device(device: str) -> tuple[str, str, str]:
+    """`PROTOCOL:HOST:PORT[:RESOURCE]` as protocol, `HOST:PORT` and resource. ValueError otherwise."""
+    protocol, _, rest = device.partition(":")
+    host, bracket, rest = rest.rpartition("]") if rest.startswith("[") else ("", "", rest)
+    parts = rest.split(":", 2)
+    if len(parts) < 2:
+        raise ValueError("WebSocket ports must be specified as protocol:host:port")
+    resource = parts[2] if len(parts) > 2 else ""
+    return protocol, f"{host}{bracket}{parts[0]}:{parts[1]}", resource
+
+
+class mavwebsocket_client(_WebSocketLink):
+    """`device` is `ws:host:port[:resource]` or `wss:...`. A server not up yet is retried."""
+
+    def __init__(
+        self,
+        device: str,
+        source_system: int = 255,
+        source_component: int = 0,
+        use_native: bool = False,
+    ) -> None:
+        protocol, address, resource = split_device(device)
+        import wsproto  # noqa: F401  (fail now, not in the middle of a session)
+
+        self.secure = protocol == "wss"
+        self.destination_addr = split_host_port(address, "WebSocket")
+        self.resource = resource
+        super().__init__(
+            None, device, source_system=source_system, source_component=source_component
+        )
+        self.connect()
+
+    def connect(self) -> bool:
+        """Connect and shake hands, blocking; whether the server was there to be connected to."""
+        import socket
+
+        port: Any
+        try:
+            port = socket.create_connection(self.destination_addr, timeout=HANDSHAKE_TIMEOUT)
+        except OSError as error:
+            if error.errno in PEER_NOT_UP:
+                return False
+            raise
+        try:
+            prepare_tcp(port)
+            if self.secure:
+                import ssl
+
+                context = ssl.create_default_context()
+                name = self.destination_addr[0]
+                port = _TlsPort(context.wrap_socket(port, server_hostname=name))
+        except OSError:
+            port.close()
+            raise
+        self._handshake(port)
+        return self._established()
+
+    def _handshake(self, port: Any) -> None:
+        from time import monotonic
+
+        from wsproto import ConnectionType, WSConnection
+        from wsproto.events import Request
+
+        self._start(port, WSConnection(ConnectionType.CLIENT))
+        host, number = self.destination_addr
+        if ":" in host:
+            host = f"[{host}]"
+        self._send_event(Request(host=f"{host}:{number}", target=f"/{self.resource.lstrip('/')}"))
+        self._early = b""
+        deadline = monotonic() + HANDSHAKE_TIMEOUT
+        while self.port is not None and not self._established():
+            remaining = deadline - monotonic()
+            if remaining <= 0:
+                self.close_port()
+                raise TimeoutError(f"no WebSocket handshake from {self.address}")
+            wait_readable(self.fd, remaining)
+            self._early += self._receive()
+
+    def close(self) -> None:
+        """Close the connection, telling the server."""
+        if self._established():
+            from contextlib import suppress
+
+            from wsproto.events import CloseConnection
+
+            with suppress(OSError):  # it is being closed anyway
+                self._send_event(CloseConnection(code=1000))
+        self._closed = True
+        self.close_port()
+
+    def recv(self, n: int | None = None) -> bytes:
+        """What one read brings, whatever `n`; empty without data or server."""
+        self._check_open()
+        if self.port is None and not self.connect():
+            return b""
+        early, self._early = self._early, b""
+        return early or self._receive()
+
+    def write(self, data: bytes) -> None:
+        """Send one frame, if the server is there."""
+        if self._established() or (self.port is None and not self._closed and self.connect()):
+            self._write_message(data)

@@ -1,0 +1,83 @@
+"""Which messages of a log are wanted: what users write, turned into ids and seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from datetime import datetime
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Self
+
+MAX_SYSTEM = 255
+UNKNOWN = "UNKNOWN"
+
+
+class Selection:
+    """Known message ids, unknown ones, system ids and a span of time; None stands for all."""
+
+    def __init__(self) -> None:
+        self.types: list[int] | None = None
+        self.unknown: list[int] | None = None
+        self.systems: list[int] | None = None
+        self.start: float | None = None
+        self.end: float | None = None
+
+    @classmethod
+    def of(cls, dialect: Any, types: Any, systems: Any, start: Any, end: Any) -> Self:
+        """From the arguments of `TelemetryLog.messages`."""
+        made = cls()
+        if types is not None:
+            made._choose_types(dialect, [types] if isinstance(types, str | type) else types)
+        if systems is not None:
+            wanted = [systems] if isinstance(systems, int) else list(systems)
+            made.systems = [_system(one) for one in wanted]
+        made.start = _seconds(start)
+        made.end = _seconds(end)
+        return made
+
+    def _choose_types(self, dialect: Any, types: Iterable[Any]) -> None:
+        known: set[int] = set()
+        unknown: set[int] | None = set()
+        for one in types:
+            if isinstance(one, type):
+                known.add(_class_id(one))
+            elif one == UNKNOWN:
+                unknown = None
+            elif one.startswith(f"{UNKNOWN}_") and one.removeprefix(f"{UNKNOWN}_").isdecimal():
+                if unknown is not None:
+                    unknown.add(int(one.removeprefix(f"{UNKNOWN}_")))
+            else:
+                known.add(_named_id(dialect, one))
+        self.types = sorted(known)
+        self.unknown = None if unknown is None else sorted(unknown)
+
+
+def _named_id(dialect: Any, name: str) -> int:
+    msgid = getattr(dialect, f"MAVLINK_MSG_ID_{name}", None)
+    if isinstance(msgid, int) and msgid >= 0:
+        return msgid
+    from difflib import get_close_matches
+
+    prefix = "MAVLINK_MSG_ID_"
+    names = [key.removeprefix(prefix) for key in vars(dialect) if key.startswith(prefix)]
+    close = get_close_matches(name.upper(), names, n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    raise ValueError(f"the dialect {dialect.DIALECT} has no message {name!r}{hint}")
+
+
+def _class_id(cls: type) -> int:
+    msgid = getattr(cls, "id", None)
+    if isinstance(msgid, int):
+        return msgid
+    raise ValueError(f"{cls.__name__} is not a message class")
+
+
+def _system(number: int) -> int:
+    if not 0 <= number <= MAX_SYSTEM:
+        raise ValueError(f"a system id is 0 to {MAX_SYSTEM}, not {number}")
+    return number
+
+
+def _seconds(time: float | datetime | None) -> float | None:
+    return time.timestamp() if isinstance(time, datetime) else time

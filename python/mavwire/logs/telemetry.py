@@ -1,0 +1,170 @@
+"""`open_log` and `TelemetryLog`: a telemetry log as a sequence of messages.
+
+Every pass over the log opens the file anew, so passes do not disturb each other, and a log that is
+still being written shows each new pass what is there by then. Records are found and filtered in
+Rust without holding the interpreter; an object is made only of what was asked for.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+from datetime import datetime
+from types import ModuleType
+
+from mavwire._native import LogScan
+
+from .selection import Selection
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from typing import Any, Self
+
+# A file without a single record is called foreign if it is no longer than this.
+FOREIGN_PROBE = 16 * 1024 * 1024
+
+
+class LogFormatError(ValueError):
+    """A file that is no telemetry log; the text names the file and what it is instead."""
+
+
+def open_log(
+    path: str | os.PathLike[str],
+    *,
+    dialect: str | ModuleType = "all",
+    resync: str = "rescan",
+) -> TelemetryLog:
+    """Open a telemetry log (.tlog) to iterate over its messages.
+
+    `dialect` is the name of a built-in dialect, the path of an XML file, or a dialect module; the
+    messages are objects of its classes. `resync="rescan"` finds every good record of a damaged log;
+    `"skip"` gives the messages that pymavlink gives.
+
+    Raises FileNotFoundError, IsADirectoryError or PermissionError, LogFormatError (a ValueError)
+    for a file that holds something else, ValueError for an argument. A log that is empty or cut
+    off is no error.
+    """
+    return TelemetryLog(path, dialect=dialect, resync=resync)
+
+
+class TelemetryLog:
+    """A telemetry log. Iterating gives its messages in the order of the file.
+
+    A message has its time in `_timestamp` (seconds since 1970) and the number of the link it came
+    from in `_link`. Ids that the dialect does not know come out as UNKNOWN objects; bytes that
+    belong to no record are passed over.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        dialect: str | ModuleType = "all",
+        resync: str = "rescan",
+    ) -> None:
+        if resync not in ("skip", "rescan"):
+            raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
+        self.path = os.fspath(path)
+        self.resync = resync
+        self.dialect = _dialect_module(dialect)
+        self.closed = False
+        self._counted: tuple[int, int] | None = None
+        self._check()
+
+    def __repr__(self) -> str:
+        return f"<TelemetryLog {self.path!r}{' (closed)' if self.closed else ''}>"
+
+    # -- messages
+
+    def __iter__(self) -> Iterator[Any]:
+        return self.messages()
+
+    def messages(
+        self,
+        types: str | type | Iterable[str | type] | None = None,
+        systems: int | Iterable[int] | None = None,
+        start: float | datetime | None = None,
+        end: float | datetime | None = None,
+    ) -> Iterator[Any]:
+        """The messages of some types and systems with `start <= time < end`.
+
+        `types`: names or message classes, one or several; "UNKNOWN" is every unknown id and
+        "UNKNOWN_<id>" one of them. `systems`: system ids. Times are seconds since 1970 or
+        datetimes. None stands for all. ValueError names a type that the dialect does not have.
+        """
+        selection = Selection.of(self.dialect, types, systems, start, end)
+        return self._scan(selection)
+
+    def __len__(self) -> int:
+        """How many messages the log has; counted when first asked for, and when it has grown."""
+        size = os.path.getsize(self.path)
+        if self._counted is None or self._counted[0] != size:
+            self._counted = (size, self._scan(Selection()).count())
+        return self._counted[1]
+
+    def __bool__(self) -> bool:
+        return True
+
+    def _scan(self, selection: Selection) -> Any:
+        if self.closed:
+            raise ValueError(f"the log is closed: {self.path!r}")
+        native = self.dialect.MAVLink(None)._dialect
+        return LogScan(self.path, native, self.resync == "rescan", selection)
+
+    # -- opening and closing
+
+    def _check(self) -> None:
+        """Raise what tells why the file is no telemetry log."""
+        if os.path.isdir(self.path):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), self.path)
+        with open(self.path, "rb") as file:
+            head = file.read(8192)
+            size = os.fstat(file.fileno()).st_size
+        if not head:
+            return
+        other = _other_format(head)
+        if other is not None:
+            raise LogFormatError(f"a {other}, not a telemetry log: {self.path!r}")
+        may_begin = len(head) < 9 or head[8] in b"\xfd\xfe"
+        if not may_begin and size <= FOREIGN_PROBE and next(iter(self), None) is None:
+            raise LogFormatError(f"no telemetry log, there is no record in it: {self.path!r}")
+
+    def close(self) -> None:
+        """No more passes can begin; those under way go on to their end."""
+        self.closed = True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+def _other_format(head: bytes) -> str | None:
+    """What kind of file begins like this, if it is a known one."""
+    if head.startswith(b"\xa3\x95\x80"):
+        return "dataflash log"
+    if b"FMT," in head[:1000] and head[:100].isascii():
+        return "dataflash text log"
+    for magic, name in ((b"PK\x03\x04", "ZIP archive"), (b"\x1f\x8b", "gzip file"),
+                        (b"\x7fELF", "program"), (b"ULog\x01\x12\x35", "ULog")):  # fmt: skip
+        if head.startswith(magic):
+            return name
+    return None
+
+
+def _dialect_module(dialect: str | ModuleType) -> Any:
+    if not isinstance(dialect, str):
+        return dialect
+    from importlib import import_module
+
+    if dialect.endswith(".xml") or os.sep in dialect:
+        from mavwire.dialects import load
+
+        return load(dialect)
+    from mavwire.dialects import names
+
+    if dialect not in names():
+        raise ValueError(f"no such dialect: {dialect!r}")
+    return import_module(f"mavwire.dialects.v20.{dialect}")

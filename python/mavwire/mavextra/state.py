@@ -1,0 +1,54 @@
+"""What the functions of mavextra remember between calls.
+
+A filter keeps its history under the ``key`` that an expression gives it; others keep the first
+fix, the origin or an estimator. ``reset_state_data`` forgets all of it, before another log is read.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+average_data: dict[Any, list[float]] = {}
+derivative_data: dict[Any, tuple[float, list[float]]] = {}
+lowpass_data: dict[Any, float] = {}
+lowpass_hz_data: dict[Any, float] = {}
+last_diff: dict[Any, float] = {}
+last_delta: dict[Any, tuple[float, float, float]] = {}
+last_sum: dict[Any, float] = {}
+last_integral: dict[Any, tuple[float, float]] = {}
+
+_HISTORIES: tuple[dict[Any, Any], ...] = (
+    *(average_data, derivative_data, lowpass_data, lowpass_hz_data),
+    *(last_diff, last_delta, last_sum, last_integral),
+)
+
+SCALARS: dict[str, Any] = {
+    "first_fix": None,  # the first GPS message with a fix
+    "dcm_state": None,
+    "px4_state": None,
+    "ORGN": None,  # the origin in use
+    "ekf_origin": None,
+    "earth_declination": None,  # degrees, of the last expected field
+    "EleModel": None,  # MAVProxy's elevation model
+    "_downsample_N": 0,
+}
+"""The single values, by the name under which ``mavwire.mavextra`` shows them."""
+
+_KEPT = frozenset({"EleModel"})  # a cache that does not depend on the log
+
+
+def reset_state_data() -> None:
+    """Forget everything that was remembered from earlier messages."""
+    for history in _HISTORIES:
+        history.clear()
+    SCALARS.update({name: None for name in SCALARS if name not in _KEPT})
+    SCALARS["_downsample_N"] = 0
+
+
+def current_link() -> Any:
+    """The link or log opened last; AttributeError if there is none."""
+    from mavwire import mavutil
+
+    if mavutil.mavfile_global is None:
+        raise AttributeError("no link or log is open, so there is no time and no parameter")
+    return mavutil.mavfile_global

@@ -1,0 +1,262 @@
+"""Parameters of a vehicle as a dictionary, and the files they are kept in: pymavlink's `mavparm`.
+
+A parameter file has a name and a value a line, separated by spaces, tabs or commas; `#` starts a
+comment. A file is read as a whole before the first value is used, so that a mistake at its end does
+not leave a vehicle with half of it.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+import struct
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from mavwire import mavutil
+
+TRY_SECONDS = 1.0
+
+# How integers travel in a parameter's float: right-aligned in four bytes, the highest byte first.
+_PACKING = {
+    mavutil.mavlink.MAV_PARAM_TYPE_UINT8: ">xxxB",
+    mavutil.mavlink.MAV_PARAM_TYPE_INT8: ">xxxb",
+    mavutil.mavlink.MAV_PARAM_TYPE_UINT16: ">xxH",
+    mavutil.mavlink.MAV_PARAM_TYPE_INT16: ">xxh",
+    mavutil.mavlink.MAV_PARAM_TYPE_UINT32: ">I",
+    mavutil.mavlink.MAV_PARAM_TYPE_INT32: ">i",
+}
+_EXCLUDED = """ARSPD_OFFSET CMD_INDEX CMD_TOTAL FENCE_TOTAL FORMAT_VERSION GND_ABS_PRESS GND_TEMP
+LOG_LASTFILE MIS_TOTAL SYSID_SW_MREV SYS_NUM_RESETS"""
+
+ValueInfo = Callable[[str, Any], Any]
+
+
+class MAVParmFileError(ValueError):
+    """A value in a parameter file that is no number; the text names the file and the line."""
+
+
+class MAVParmDict(dict[str, Any]):
+    """Parameters by name.
+
+    `exclude_load` names those that belong to one vehicle and not into another; `mindelta` is the
+    largest difference that does not count as one.
+    """
+
+    def __init__(self, *args: tuple[str, Any] | Mapping[str, Any]) -> None:
+        super().__init__()
+        for one in args:
+            self.update(one if isinstance(one, Mapping) else (one,))
+        self.exclude_load = _EXCLUDED.split()
+        self.mindelta = 0.000001
+
+    # -- the vehicle
+
+    def mavset(
+        self, mav: Any, name: str, value: Any, retries: int = 3, parm_type: int | None = None
+    ) -> bool:
+        """Set a parameter over the link `mav` and wait for the vehicle's answer, a second a try.
+
+        Returns whether an answer came. A `value` may be text, hexadecimal with a leading 0x; with
+        an integer `parm_type` the float carries its bits.
+        """
+        try:
+            sent = _as_float(value, parm_type)
+        except struct.error as error:
+            raise ValueError(f"{name}: {value} does not fit type {parm_type}: {error}") from error
+        if sent is None:
+            print(f"can't send {name} of type {parm_type}")
+            return False
+        for _ in range(retries):
+            mav.param_set_send(name.upper(), sent, parm_type=parm_type)
+            if _answered(mav, name.upper()):
+                self[name] = sent
+                return True
+        print(f"timeout setting {name} to {sent:f}")
+        return False
+
+    # -- files
+
+    def save(self, filename: str, wildcard: str = "*", verbose: bool = False) -> None:
+        """Write the parameters whose names match `wildcard`, sorted; `verbose` says how many."""
+        count = 0
+        with open(filename, "w", encoding="utf-8") as file:
+            for name in sorted(self):
+                if name and _matches(name, wildcard):
+                    value = self[name]
+                    text = f"{value:f}" if isinstance(value, float) else str(value)
+                    file.write(f"{name:<16.16} {text}\n")
+                    count += 1
+        if verbose:
+            print(f"Saved {count} parameters to {filename}")
+
+    def load(
+        self,
+        filename: str,
+        wildcard: str = "*",
+        mav: Any = None,
+        check: bool = True,
+        use_excludes: bool = True,
+    ) -> bool:
+        """Read a parameter file; False, and a text on standard output, when it cannot be opened.
+
+        With a link `mav` the values that differ are set on the vehicle, and `check` leaves out
+        those that it does not have. Raises MAVParmFileError for a value that is no number.
+        """
+        excluded = self.exclude_load if use_excludes else ()
+        try:
+            with open(filename, encoding="utf-8-sig", errors="replace") as file:
+                entries = list(_entries(file, filename, wildcard, excluded))
+        except OSError as error:
+            print(f"Failed to open file '{filename}': {error}")
+            return False
+        if mav is None:
+            self.update(entries)
+            print(f"Loaded {len(entries)} parameters from {filename}")
+            return True
+        known = [self._upload(mav, name, value, check) for name, value in entries]
+        changed = sum(state == "changed" for state in known)
+        count = len(known) - known.count("unknown")
+        print(f"Loaded {count} parameters from {filename} (changed {changed})")
+        return True
+
+    def _upload(self, mav: Any, name: str, value: float, check: bool) -> str:
+        """Bring one value of a file to the vehicle; what became of it."""
+        if check:
+            if name not in self:
+                print(f"Unknown parameter {name}")
+                return "unknown"
+            old = self[name]
+            if abs(old - value) <= self.mindelta:
+                return "same"
+            if self._set_as_written(mav, name, value):
+                print(f"changed {name} from {old:f} to {value:f}")
+        else:
+            print(f"set {name} to {value:f}")
+            self._set_as_written(mav, name, value)
+        return "changed"
+
+    def _set_as_written(self, mav: Any, name: str, value: float) -> bool:
+        """Set a value of a file; an integer of the file stays one here."""
+        done = self.mavset(mav, name, value)
+        if done:
+            self[name] = value
+        return done
+
+    # -- showing
+
+    def show_param_value(self, name: str, value: Any) -> None:
+        """Print a name and a value."""
+        print(f"{name:<16.16} {value}")
+
+    def show(self, wildcard: str = "*") -> None:
+        """Print the parameters whose names match `wildcard`, sorted."""
+        for name in sorted(self):
+            if _matches(name, wildcard):
+                value = self[name]
+                self.show_param_value(name, value if isinstance(value, str) else f"{value:f}")
+
+    def diff(
+        self,
+        filename: str,
+        wildcard: str = "*",
+        use_excludes: bool = True,
+        use_tabs: bool = False,
+        show_only1: bool = True,
+        show_only2: bool = True,
+        header: bool = False,
+        value_info: ValueInfo | None = None,
+    ) -> None:
+        """Print where the file, in the first column, differs from these parameters, in the second.
+
+        `show_only1` and `show_only2` include what only the file or only the dictionary has;
+        `value_info(name, value)` explains a value in a comment.
+        """
+        other = MAVParmDict()
+        if not other.load(filename, use_excludes=use_excludes):
+            return
+        if header:
+            print(_row("PARAMETER", "FILE1", "FILE2", use_tabs))
+        for name in sorted(self.keys() | other.keys()):
+            if not _matches(name, wildcard):
+                continue
+            first, second = other.get(name), self.get(name)
+            if first is None:
+                line = _row(name, "", f"{second:.4f}") if show_only2 else None
+            elif second is None:
+                line = _row(name, f"{first:.4f}").rstrip() if show_only1 else None
+            elif abs(first - second) > self.mindelta:
+                line = _row(name, f"{first:.4f}", f"{second:.4f}", use_tabs)
+            else:
+                line = None
+            if line is not None:
+                print(line + _comment(name, first, second, value_info))
+
+
+def _matches(name: str, wildcard: str) -> bool:
+    return fnmatch.fnmatch(name.upper(), wildcard.upper())
+
+
+def _row(name: str, first: str, second: str = "", tabs: bool = False) -> str:
+    return f"{name}\t{first}\t{second}" if tabs else f"{name:<16.16} {first:>12} {second:>12}"
+
+
+def _comment(name: str, first: Any, second: Any, value_info: ValueInfo | None) -> str:
+    """What a value means on either side."""
+    if value_info is None:
+        return ""
+    sides = (("FILE1", first), ("FILE2", second))
+    told = [f"{side}={value_info(name, value)}" for side, value in sides if value is not None]
+    return " # " + " ".join(told)
+
+
+def _number(text: str) -> float:
+    """A number as parameter files and users write it; hexadecimal gives an int."""
+    return int(text[2:], 16) if text[:2].lower() == "0x" else float(text)
+
+
+def _as_float(value: Any, parm_type: int | None) -> float | None:
+    """What PARAM_SET carries; None for a type that it cannot carry."""
+    if parm_type is None or parm_type == mavutil.mavlink.MAV_PARAM_TYPE_REAL32:
+        return _number(value) if isinstance(value, str) else float(value)
+    packing = _PACKING.get(parm_type)
+    if packing is None:
+        return None
+    whole = int(_number(value) if isinstance(value, str) else value)
+    result: float = struct.unpack(">f", struct.pack(packing, whole))[0]
+    return result
+
+
+def _answered(mav: Any, name: str) -> bool:
+    """Whether the value of `name` arrives within a second."""
+    deadline = time.monotonic() + TRY_SECONDS
+    while (left := deadline - time.monotonic()) > 0:
+        answer = mav.recv_match(type="PARAM_VALUE", blocking=True, timeout=left)
+        if answer is not None and str(answer.param_id).upper() == name:
+            return True
+    return False
+
+
+def _entries(
+    lines: Any, filename: str, wildcard: str, excluded: Any
+) -> Iterator[tuple[str, float]]:
+    """Names and values of a parameter file; a line that has not two words is printed."""
+    for number, line in enumerate(lines, start=1):
+        text = line.replace(",", " ").strip("\r\n")
+        words = text.split("#", 1)[0].split()
+        if not words:
+            continue
+        if len(words) != 2:
+            print(f"Invalid line: {text}")
+            continue
+        name, number_text = words
+        if name in excluded or not _matches(name, wildcard):
+            continue
+        try:
+            value = _number(number_text)
+        except ValueError as error:
+            where = f"{filename}:{number}"
+            raise MAVParmFileError(
+                f"{where}: the value of {name} is no number: {number_text}"
+            ) from error
+        yield name, value

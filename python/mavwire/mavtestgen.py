@@ -1,0 +1,84 @@
+"""Writes a Python module that sends every message of a dialect, with values that tell the fields
+apart: pymavlink's `mavtestgen`.
+
+`python -m mavwire.mavtestgen my.xml -o mavtest.py` makes a module with one function,
+`generate_outputs(mav)`. Whoever receives what it sends can check a parser of its own, field by field.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import Any
+
+from .generator import mavparse
+
+_RANGES = {
+    f"{sign}int{bits}_t": (0 if sign else -(1 << bits - 1), 1 << bits)
+    for sign in ("", "u")
+    for bits in (8, 16, 32, 64)
+}
+_HEAD = '''"""Sends every message once."""
+
+
+def generate_outputs(mav):
+    """Send every message through `mav`, a MAVLink of the dialect."""
+'''
+
+
+def generate(definitions: Sequence[str], output: str, wire_protocol: str = "2.0") -> int:
+    """Write the module `output` for the messages of XML files; how many there are.
+
+    Messages of files that these include are not among them. Raises MAVParseError for a file that is
+    none.
+    """
+    lines = [
+        f"    mav.{message.name_lower}_send({_arguments(message)})\n"
+        for name in definitions
+        for message in mavparse.MAVXML(name, wire_protocol).message
+    ]
+    with open(output, "w", encoding="utf-8") as file:
+        file.write(_HEAD)
+        file.writelines(lines or ["    pass\n"])
+    return len(lines)
+
+
+def _arguments(message: Any) -> str:
+    """Keyword arguments for all fields but those that a message sets itself."""
+    fields = (field for field in message.fields if not field.omit_arg)
+    return ", ".join(f"{field.name}={_value(field)!r}" for field in fields)
+
+
+def _value(field: Any) -> Any:
+    """The test value of a field as the field can hold it."""
+    value = field.test_value
+    if field.type == "char":
+        return str(value).encode()
+    if isinstance(value, list):
+        return [_fitting(field.type, one) for one in value]
+    return _fitting(field.type, value)
+
+
+def _fitting(kind: str, value: Any) -> Any:
+    if kind not in _RANGES:
+        return value
+    lowest, size = _RANGES[kind]
+    return (int(value) - lowest) % size + lowest
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """The command: XML files and `-o`."""
+    parser = argparse.ArgumentParser(description="Write a module that sends every message.")
+    parser.add_argument("definitions", nargs="+", metavar="XML", help="message definitions")
+    parser.add_argument("-o", "--output", default="mavtest.py", help="default %(default)s")
+    parser.add_argument("--wire-protocol", choices=("1.0", "2.0"), default="2.0")
+    options = parser.parse_args(arguments)
+    try:
+        count = generate(options.definitions, options.output, options.wire_protocol)
+    except (OSError, mavparse.MAVParseError) as error:
+        raise SystemExit(f"mavtestgen: {error}") from error
+    print(f"{options.output}: {count} messages")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,317 @@
+"""Connections to MAVLink systems and logs, with the names and behaviour of pymavlink's mavutil.
+
+The work is in `mavwire.links`; this module is the face of it. `mavlink`, `current_dialect`,
+`mavfile_global` and `global_link_id` are the process-wide state in `links.state`, shown here as
+attributes that can be read and assigned. What few programs use loads on first access.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from types import ModuleType
+
+from .links import state
+from .links.conditions import evaluate_condition, evaluate_expression
+from .links.helpers import (
+    FakeSerial,
+    all_printable,
+    is_printable,
+    location,
+    periodic_event,
+    u_ord,
+)
+from .links.mavfile import mavfile
+from .links.modes import (
+    AP_MAV_TYPE_MODE_MAP,
+    AP_MAV_TYPE_MODE_MAP_DEFAULT,
+    PX4_CUSTOM_MAIN_MODE_ACRO,
+    PX4_CUSTOM_MAIN_MODE_ALTCTL,
+    PX4_CUSTOM_MAIN_MODE_AUTO,
+    PX4_CUSTOM_MAIN_MODE_MANUAL,
+    PX4_CUSTOM_MAIN_MODE_OFFBOARD,
+    PX4_CUSTOM_MAIN_MODE_POSCTL,
+    PX4_CUSTOM_MAIN_MODE_RATTITUDE,
+    PX4_CUSTOM_MAIN_MODE_STABILIZED,
+    PX4_CUSTOM_SUB_MODE_AUTO_FOLLOW_TARGET,
+    PX4_CUSTOM_SUB_MODE_AUTO_LAND,
+    PX4_CUSTOM_SUB_MODE_AUTO_LOITER,
+    PX4_CUSTOM_SUB_MODE_AUTO_MISSION,
+    PX4_CUSTOM_SUB_MODE_AUTO_READY,
+    PX4_CUSTOM_SUB_MODE_AUTO_RTGS,
+    PX4_CUSTOM_SUB_MODE_AUTO_RTL,
+    PX4_CUSTOM_SUB_MODE_AUTO_TAKEOFF,
+    PX4_CUSTOM_SUB_MODE_OFFBOARD,
+    auto_mode_flags,
+    interpret_px4_mode,
+    mainstate_mapping_px4,
+    mode_mapping_acm,
+    mode_mapping_apm,
+    mode_mapping_blimp,
+    mode_mapping_byname,
+    mode_mapping_bynumber,
+    mode_mapping_rover,
+    mode_mapping_sub,
+    mode_mapping_tracker,
+    mode_string_acm,
+    mode_string_apm,
+    mode_string_px4,
+    mode_string_v10,
+    px4_map,
+)
+from .links.state import mavlink20, set_wire_protocol
+from .links.vehicle_state import add_message, mavfile_state, param_state
+from .links.waiting import set_close_on_exec
+
+# What `import *` brings. The state names are properties, and the lazy names load here.
+__all__ = [
+    "AP_MAV_TYPE_MODE_MAP", "AP_MAV_TYPE_MODE_MAP_DEFAULT", "PX4_CUSTOM_MAIN_MODE_ACRO",
+    "PX4_CUSTOM_MAIN_MODE_ALTCTL", "PX4_CUSTOM_MAIN_MODE_AUTO", "PX4_CUSTOM_MAIN_MODE_MANUAL",
+    "PX4_CUSTOM_MAIN_MODE_OFFBOARD", "PX4_CUSTOM_MAIN_MODE_POSCTL",
+    "PX4_CUSTOM_MAIN_MODE_RATTITUDE", "PX4_CUSTOM_MAIN_MODE_STABILIZED",
+    "PX4_CUSTOM_SUB_MODE_AUTO_FOLLOW_TARGET", "PX4_CUSTOM_SUB_MODE_AUTO_LAND",
+    "PX4_CUSTOM_SUB_MODE_AUTO_LOITER", "PX4_CUSTOM_SUB_MODE_AUTO_MISSION",
+    "PX4_CUSTOM_SUB_MODE_AUTO_READY", "PX4_CUSTOM_SUB_MODE_AUTO_RTGS",
+    "PX4_CUSTOM_SUB_MODE_AUTO_RTL", "PX4_CUSTOM_SUB_MODE_AUTO_TAKEOFF",
+    "PX4_CUSTOM_SUB_MODE_OFFBOARD", "UDP_MAX_PACKET_LEN", "FakeSerial", "MavlinkSerialPort",
+    "SerialPort", "TimestampStore", "add_message", "all_printable", "allow_radio_status", "auto_detect_serial",
+    "auto_detect_serial_unix", "auto_detect_serial_win32", "auto_mode_flags", "current_dialect",
+    "decode_bitmask", "default_native", "dump_message_unit_decoder", "dump_message_verbose",
+    "evaluate_condition", "evaluate_expression", "global_link_id", "have_ascii",
+    "interpret_px4_mode", "is_printable", "location", "mainstate_mapping_px4", "mavchildexec",
+    "mavexpression", "mavfile", "mavfile_global", "mavfile_state", "mavlink", "mavlink10",
+    "mavlink20", "mavlink_connection", "mavlogfile", "mavmcast", "mavmmaplog", "mavserial",
+    "mavtcp", "mavtcpin", "mavudp", "mavuds", "mavwebsocket", "mavwebsocket_client",
+    "mode_mapping_acm", "mode_mapping_apm", "mode_mapping_blimp", "mode_mapping_byname",
+    "mode_mapping_bynumber", "mode_mapping_rover", "mode_mapping_sub", "mode_mapping_tracker",
+    "mode_string_acm", "mode_string_apm", "mode_string_px4", "mode_string_v10", "param_state",
+    "periodic_event", "px4_map", "set_close_on_exec", "set_dialect", "set_wire_protocol",
+    "u_ord", "x25crc",
+]  # fmt: skip
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+    from . import mavexpression
+    from .generator.mavcrc import x25crc
+    from .links.child import mavchildexec
+    from .links.inspect_message import (
+        decode_bitmask,
+        dump_message_unit_decoder,
+        dump_message_verbose,
+    )
+    from .links.mcast import mavmcast
+    from .links.mmaplog import mavmmaplog
+    from .links.serial_control import MavlinkSerialPort
+    from .links.serial_detect import (
+        SerialPort,
+        auto_detect_serial,
+        auto_detect_serial_unix,
+        auto_detect_serial_win32,
+    )
+    from .links.serial_port import mavserial
+    from .links.signing import allow_radio_status
+    from .links.tcp import mavtcp
+    from .links.tcpin import mavtcpin
+    from .links.timestamp_store import TimestampStore
+    from .links.tlog import mavlogfile
+    from .links.udp import mavudp
+    from .links.uds import mavuds
+    from .links.websocket import mavwebsocket, mavwebsocket_client
+
+    mavlink: Any
+    current_dialect: str
+    mavfile_global: Any
+    global_link_id: int
+    have_ascii: bool
+
+UDP_MAX_PACKET_LEN = 65535
+# There is one parser, and it is native.
+default_native = False
+
+# Public names that load on first access: where they are defined.
+_LAZY = {
+    "mavchildexec": ".links.child",
+    "mavlogfile": ".links.tlog",
+    "mavmcast": ".links.mcast",
+    "mavmmaplog": ".links.mmaplog",
+    "mavserial": ".links.serial_port",
+    "mavtcp": ".links.tcp",
+    "mavtcpin": ".links.tcpin",
+    "mavudp": ".links.udp",
+    "mavuds": ".links.uds",
+    "mavwebsocket": ".links.websocket",
+    "mavwebsocket_client": ".links.websocket",
+    "MavlinkSerialPort": ".links.serial_control",
+    "SerialPort": ".links.serial_detect",
+    "auto_detect_serial": ".links.serial_detect",
+    "auto_detect_serial_unix": ".links.serial_detect",
+    "auto_detect_serial_win32": ".links.serial_detect",
+    "decode_bitmask": ".links.inspect_message",
+    "dump_message_unit_decoder": ".links.inspect_message",
+    "dump_message_verbose": ".links.inspect_message",
+    "x25crc": ".generator.mavcrc",
+    "allow_radio_status": ".links.signing",
+    "TimestampStore": ".links.timestamp_store",
+    "expanduser": "os.path",
+    "Any": "typing",
+}
+# Modules that pymavlink's mavutil shows as attributes, which programs have come to use.
+_LAZY_MODULES = {
+    "all": "mavwire.dialects.v10.all",
+    "ascii": "curses.ascii",
+    "mavexpression": "mavwire.mavexpression",
+    "array": "array",
+    "copy": "copy",
+    "errno": "errno",
+    "fnmatch": "fnmatch",
+    "json": "json",
+    "math": "math",
+    "platform": "platform",
+    "re": "re",
+    "select": "select",
+    "socket": "socket",
+    "ssl": "ssl",
+    "struct": "struct",
+    "time": "time",
+}
+# What module-level loops of pymavlink's leave behind.
+name = "MAV_TYPE_VTOL_TAILSITTER_QUADROTOR"
+some_map = mode_mapping_apm
+
+
+class _Mavutil(ModuleType):
+    """This module's type: the process-wide state of the links as assignable attributes."""
+
+    mavlink = property(
+        lambda self: state.mavlink, lambda self, value: setattr(state, "mavlink", value)
+    )
+    current_dialect = property(
+        lambda self: state.current_dialect,
+        lambda self, value: setattr(state, "current_dialect", value),
+    )
+    mavfile_global = property(
+        lambda self: state.mavfile_global,
+        lambda self, value: setattr(state, "mavfile_global", value),
+    )
+    global_link_id = property(
+        lambda self: state.global_link_id,
+        lambda self, value: setattr(state, "global_link_id", value),
+    )
+
+
+_STATE = ("mavlink", "current_dialect", "mavfile_global", "global_link_id")
+
+
+def __getattr__(name: str) -> Any:
+    from importlib import import_module
+
+    if name in _LAZY:
+        value = getattr(import_module(_LAZY[name], __package__), name)
+    elif name in _LAZY_MODULES:
+        value = import_module(_LAZY_MODULES[name])
+    elif name == "have_ascii":
+        value = _have_ascii()
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_LAZY, *_LAZY_MODULES, *_STATE, "have_ascii"})
+
+
+def _have_ascii() -> bool:
+    """Whether curses is there; pymavlink's printable tests depend on it, ours do not."""
+    try:
+        import curses.ascii  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def mavlink10() -> bool:
+    """Always True: MAVLink 1 is always spoken."""
+    return True
+
+
+def set_dialect(dialect: str, with_type_annotations: bool | None = None) -> None:
+    """Make `dialect` current: a built-in name, a name found in $MDEF, or a path to XML.
+
+    FileNotFoundError names the XML file that would have defined an unknown dialect.
+    """
+    if with_type_annotations is not None:
+        print("with_type_annotations ignored; remove parameter")
+    state.set_dialect(dialect)
+
+
+def mavlink_connection(
+    device: str,
+    baud: int = 115200,
+    source_system: int = 255,
+    source_component: int = 0,
+    planner_format: bool | None = None,
+    write: bool = False,
+    append: bool = False,
+    robust_parsing: bool = True,
+    notimestamps: bool = False,
+    input: bool = True,
+    dialect: str | None = None,
+    autoreconnect: bool = False,
+    zero_time_base: bool = False,
+    retries: int = 3,
+    reconnect_delay: float = 1,
+    use_native: bool = default_native,
+    force_connected: bool = False,
+    progress_callback: Callable[[int], Any] | None = None,
+    udp_timeout: float = 0,
+    resync: str | None = None,
+    **opts: Any,
+) -> Any:
+    """Open a link or a log.
+
+    `device` is tcp:, tcpin:, udpin:, udpout:, udpbcast: or udp: with HOST:PORT; uds:PATH;
+    mcast:[[GROUP:]PORT]; ws:, wss: or wsserver: with HOST:PORT; exec:PROGRAM; csv:FILE; the
+    path of a log; or a serial port with optional `,BAUD`. `dialect` is set process-wide first.
+    `resync="rescan"` finds every good frame behind a damaged one; the default skips the whole
+    of it, as pymavlink does. Unknown keyword arguments go to the CSV reader.
+    """
+    from .links.connection import Options, connect
+
+    if resync not in (None, "skip", "rescan"):
+        raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
+    if dialect is not None:
+        set_dialect(dialect)
+    options = Options(
+        opts,
+        baud=baud,
+        source_system=source_system,
+        source_component=source_component,
+        planner_format=planner_format,
+        write=write,
+        append=append,
+        robust_parsing=robust_parsing,
+        notimestamps=notimestamps,
+        input=input,
+        autoreconnect=autoreconnect or force_connected,
+        zero_time_base=zero_time_base,
+        retries=retries,
+        reconnect_delay=reconnect_delay,
+        use_native=use_native,
+        force_connected=force_connected,
+        progress_callback=progress_callback,
+        udp_timeout=udp_timeout,
+        resync=resync,
+    )
+    link = connect(device, options)
+    if resync is not None and hasattr(link, "mav"):
+        link.mav.resync = resync
+    return link
+
+
+state.public = sys.modules[__name__]
+state.public.__class__ = _Mavutil
+state.set_dialect(os.environ.get("MAVLINK_DIALECT", state.DEFAULT_DIALECT))

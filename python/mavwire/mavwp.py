@@ -1,0 +1,35 @@
+"""Missions, fences and rally points, and the files they are kept in: pymavlink's `mavwp`.
+
+`MAVWPLoader` holds a mission; `MissionItemProtocol_Fence` and `MissionItemProtocol_Rally` hold fences
+and rally points as mission items, `MAVFenceLoader` and `MAVRallyLoader` in the messages that
+autopilots took before.
+"""
+
+from __future__ import annotations
+
+from ._missions.errors import MAVFenceError, MAVRallyError, MAVWPError
+from ._missions.files import get_first_line_from_file
+from ._missions.items import (
+    MAVWPLoader,
+    MissionItemProtocol,
+    MissionItemProtocol_Fence,
+    MissionItemProtocol_Rally,
+)
+from ._missions.legacy import MAVFenceLoader, MAVRallyLoader
+
+__all__ = [
+    "HAVE_PROTOBUF",
+    "MAVFenceError",
+    "MAVFenceLoader",
+    "MAVRallyError",
+    "MAVRallyLoader",
+    "MAVWPError",
+    "MAVWPLoader",
+    "MissionItemProtocol",
+    "MissionItemProtocol_Fence",
+    "MissionItemProtocol_Rally",
+    "get_first_line_from_file",
+]
+
+HAVE_PROTOBUF = False
+"""Always False: pymavlink's protobuf format of missions has no public definition."""

@@ -1,0 +1,346 @@
+"""The file transfer protocol: FTP packets inside FILE_TRANSFER_PROTOCOL messages.
+
+A request is answered once; the very same request again gets the same answer again, since then the
+answer was lost. A burst is sent over several ticks, so that it leaves room for telemetry.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from mavwire.dialects.v20 import all as mavlink
+
+from .files import MAX_FILE, Files, parameter_file
+from .service import Address, Handler, Service, sender
+
+if TYPE_CHECKING:
+    from .vehicle import Vehicle
+
+# seq, session, opcode, size, request's opcode, burst complete, padding, offset; then data.
+HEADER = struct.Struct("<HBBBBBBI")
+MAX_DATA = 239
+MAX_SESSIONS = 4
+BURST_PACKETS = 500
+PACKETS_PER_TICK = 4
+ACK, NAK = mavlink.MAV_FTP_OPCODE_ACK, mavlink.MAV_FTP_OPCODE_NAK
+BURST = mavlink.MAV_FTP_OPCODE_BURSTREADFILE
+
+
+class Packet(NamedTuple):
+    """An FTP packet without its padding."""
+
+    seq: int
+    session: int
+    opcode: int
+    size: int
+    request: int
+    burst_complete: int
+    offset: int
+    data: bytes
+
+    @classmethod
+    def parse(cls, payload: bytes) -> Packet:
+        """From the payload of a message."""
+        seq, session, opcode, size, request, complete, _, offset = HEADER.unpack_from(payload)
+        return cls(seq, session, opcode, size, request, complete, offset, payload[HEADER.size :])
+
+    @property
+    def text(self) -> str:
+        """The data as text: a path."""
+        return self.data[: self.size].split(b"\0", 1)[0].decode("utf-8", "replace")
+
+    def payload(self) -> list[int]:
+        """As FILE_TRANSFER_PROTOCOL carries it."""
+        head = HEADER.pack(
+            self.seq & 0xFFFF, self.session, self.opcode, self.size, self.request,
+            self.burst_complete, 0, self.offset,
+        )  # fmt: skip
+        return list((head + self.data).ljust(HEADER.size + MAX_DATA, b"\0"))
+
+
+class FtpError(Exception):
+    """A request that gets a NAK with this MAV_FTP_ERR."""
+
+    def __init__(self, error: int) -> None:
+        super().__init__(error)
+        self.error = error
+
+
+@dataclass
+class Session:
+    """An open file."""
+
+    path: str
+    data: bytearray
+    writing: bool = False
+    block: int = 0
+
+
+@dataclass
+class Stream:
+    """A burst that is being sent."""
+
+    to: Address
+    session: int
+    seq: int
+    offset: int
+    block: int
+    left: int = BURST_PACKETS
+
+
+class Ftp(Service):
+    """The file server of one vehicle."""
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        super().__init__(vehicle)
+        self.files = Files(vehicle.personality.files(vehicle))
+        if vehicle.personality.packed_params:
+            self.files.add_made("@PARAM/param.pck", parameter_file(vehicle))
+        self._sessions: dict[int, Session] = {}
+        self._streams: list[Stream] = []
+        self._last: tuple[Address, bytes, list[int]] | None = None
+        self._operations: dict[int, Callable[[Packet, Address], Packet | None]] = {
+            mavlink.MAV_FTP_OPCODE_NONE: self._nothing,
+            mavlink.MAV_FTP_OPCODE_TERMINATESESSION: self._terminate,
+            mavlink.MAV_FTP_OPCODE_RESETSESSION: self._reset,
+            mavlink.MAV_FTP_OPCODE_LISTDIRECTORY: self._list,
+            mavlink.MAV_FTP_OPCODE_OPENFILERO: self._open,
+            mavlink.MAV_FTP_OPCODE_READFILE: self._read,
+            mavlink.MAV_FTP_OPCODE_CREATEFILE: self._create,
+            mavlink.MAV_FTP_OPCODE_OPENFILEWO: self._create,
+            mavlink.MAV_FTP_OPCODE_WRITEFILE: self._write,
+            mavlink.MAV_FTP_OPCODE_REMOVEFILE: self._remove,
+            mavlink.MAV_FTP_OPCODE_CREATEDIRECTORY: self._make_folder,
+            mavlink.MAV_FTP_OPCODE_REMOVEDIRECTORY: self._remove_folder,
+            mavlink.MAV_FTP_OPCODE_TRUNCATEFILE: self._truncate,
+            mavlink.MAV_FTP_OPCODE_RENAME: self._rename,
+            mavlink.MAV_FTP_OPCODE_CALCFILECRC: self._crc,
+            BURST: self._burst,
+        }
+
+    def handlers(self) -> Mapping[str, Handler]:
+        return {"FILE_TRANSFER_PROTOCOL": self._on_packet}
+
+    def _on_packet(self, msg: Any) -> None:
+        request, to = bytes(msg.payload), sender(msg)
+        packet = Packet.parse(request)
+        if packet.opcode in (ACK, NAK):
+            return
+        last = self._last
+        if last is not None and last[:2] == (to, request):
+            self._send(to, last[2])
+            return
+        answer = self._answer(packet, to)
+        if answer is not None:
+            payload = answer.payload()
+            self._last = (to, request, payload)
+            self._send(to, payload)
+
+    def _answer(self, packet: Packet, to: Address) -> Packet | None:
+        operation = self._operations.get(packet.opcode)
+        try:
+            if operation is None:
+                raise FtpError(mavlink.MAV_FTP_ERR_UNKNOWNCOMMAND)
+            if packet.size > MAX_DATA:
+                raise FtpError(mavlink.MAV_FTP_ERR_INVALIDDATASIZE)
+            return operation(packet, to)
+        except FtpError as failed:
+            return _reply(packet, bytes((failed.error,)), opcode=NAK)
+
+    def _send(self, to: Address, payload: list[int]) -> None:
+        self.vehicle.send(mavlink.MAVLink_file_transfer_protocol_message(0, *to, payload))
+
+    # -- sessions
+
+    def _session(self, packet: Packet) -> Session:
+        session = self._sessions.get(packet.session)
+        if session is None:
+            raise FtpError(mavlink.MAV_FTP_ERR_INVALIDSESSION)
+        return session
+
+    def _add_session(self, packet: Packet, session: Session) -> int:
+        """The number of a new session: PX4 hands one out, ArduPilot takes the client's."""
+        number = packet.session
+        if self.vehicle.personality.ftp_client_sessions:
+            if number in self._sessions:
+                self._close(number)
+        else:
+            number = next((n for n in range(MAX_SESSIONS) if n not in self._sessions), MAX_SESSIONS)
+        if len(self._sessions) >= MAX_SESSIONS:
+            raise FtpError(mavlink.MAV_FTP_ERR_NOSESSIONSAVAILABLE)
+        self._sessions[number] = session
+        return number
+
+    def _close(self, number: int) -> None:
+        session = self._sessions.pop(number)
+        self._streams = [stream for stream in self._streams if stream.session != number]
+        if session.writing:
+            self.files.write(session.path, bytes(session.data))
+
+    def _nothing(self, packet: Packet, to: Address) -> Packet:
+        return _reply(packet)
+
+    def _terminate(self, packet: Packet, to: Address) -> Packet:
+        self._session(packet)
+        self._close(packet.session)
+        return _reply(packet)
+
+    def _reset(self, packet: Packet, to: Address) -> Packet:
+        for number in list(self._sessions):
+            self._close(number)
+        return _reply(packet)
+
+    # -- reading
+
+    def _list(self, packet: Packet, to: Address) -> Packet:
+        entries = self.files.listing(packet.text)
+        if entries is None:
+            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        if packet.offset >= len(entries):
+            raise FtpError(mavlink.MAV_FTP_ERR_EOF)
+        data = b""
+        for entry in entries[packet.offset :]:
+            if len(data) + len(entry) + 1 > MAX_DATA:
+                break
+            data += entry + b"\0"
+        return _reply(packet, data)
+
+    def _open(self, packet: Packet, to: Address) -> Packet:
+        data = self.files.read(packet.text, MAX_DATA)
+        if data is None:
+            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        number = self._add_session(packet, Session(packet.text, bytearray(data)))
+        return _reply(packet, struct.pack("<I", len(data)), session=number)
+
+    def _block(self, packet: Packet) -> int:
+        """How much to read at once; a file that is made is laid out for the first size asked."""
+        session, size = self._session(packet), packet.size or MAX_DATA
+        if not session.writing and session.block == 0:
+            session.block = size
+            session.data = bytearray(self.files.read(session.path, size) or session.data)
+        return size
+
+    def _read(self, packet: Packet, to: Address) -> Packet:
+        size = self._block(packet)
+        data = self._session(packet).data[packet.offset : packet.offset + size]
+        if not data:
+            raise FtpError(mavlink.MAV_FTP_ERR_EOF)
+        return _reply(packet, bytes(data))
+
+    def _burst(self, packet: Packet, to: Address) -> None:
+        size = self._block(packet)
+        if packet.offset >= len(self._session(packet).data):
+            raise FtpError(mavlink.MAV_FTP_ERR_EOF)
+        # One for each session, whoever asks: senders are as many as addresses are made up.
+        self._streams = [s for s in self._streams if s.session != packet.session]
+        self._streams.append(Stream(to, packet.session, packet.seq, packet.offset, size))
+        self._last = None
+
+    def step(self) -> None:
+        """Send a few packets of each burst."""
+        if self._streams:
+            for stream in list(self._streams):
+                for _ in range(PACKETS_PER_TICK):
+                    if not self._send_next(stream):
+                        self._streams.remove(stream)
+                        break
+
+    def _send_next(self, stream: Stream) -> bool:
+        """Send the next packet; whether there are more."""
+        data = self._sessions[stream.session].data
+        piece = bytes(data[stream.offset : stream.offset + stream.block])
+        stream.seq += 1
+        stream.left -= 1
+        end = stream.offset + len(piece) >= len(data) or stream.left == 0
+        packet = Packet(
+            stream.seq, stream.session, ACK, len(piece), BURST, int(end), stream.offset, piece
+        )
+        self._send(stream.to, packet.payload())
+        stream.offset += len(piece)
+        return not end
+
+    def _crc(self, packet: Packet, to: Address) -> Packet:
+        data = self.files.read(packet.text, MAX_DATA)
+        if data is None:
+            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        return _reply(packet, struct.pack("<I", _crc32(data)))
+
+    # -- writing
+
+    def _create(self, packet: Packet, to: Address) -> Packet:
+        if not self.files.writable(packet.text):
+            raise FtpError(mavlink.MAV_FTP_ERR_FILEPROTECTED)
+        old = b""
+        if packet.opcode == mavlink.MAV_FTP_OPCODE_OPENFILEWO:
+            old = self.files.read(packet.text, MAX_DATA) or b""
+        number = self._add_session(packet, Session(packet.text, bytearray(old), writing=True))
+        self.files.write(packet.text, old)
+        return _reply(packet, struct.pack("<I", len(old)), session=number)
+
+    def _write(self, packet: Packet, to: Address) -> Packet:
+        session = self._session(packet)
+        if not session.writing:
+            raise FtpError(mavlink.MAV_FTP_ERR_FILEPROTECTED)
+        end = packet.offset + packet.size
+        if end > MAX_FILE:
+            raise FtpError(mavlink.MAV_FTP_ERR_FAIL)
+        if len(session.data) < end:
+            session.data.extend(bytes(end - len(session.data)))
+        session.data[packet.offset : end] = packet.data[: packet.size]
+        return _reply(packet)
+
+    def _remove(self, packet: Packet, to: Address) -> Packet:
+        return self._done(packet, self.files.remove(packet.text))
+
+    def _make_folder(self, packet: Packet, to: Address) -> Packet:
+        if self.files.exists(packet.text):
+            raise FtpError(mavlink.MAV_FTP_ERR_FILEEXISTS)
+        return self._done(packet, self.files.make_folder(packet.text))
+
+    def _remove_folder(self, packet: Packet, to: Address) -> Packet:
+        return self._done(packet, self.files.remove_folder(packet.text))
+
+    def _done(self, packet: Packet, possible: bool) -> Packet:
+        if not possible:
+            exists = self.files.exists(packet.text)
+            error = mavlink.MAV_FTP_ERR_FAIL if exists else mavlink.MAV_FTP_ERR_FILENOTFOUND
+            raise FtpError(error)
+        return _reply(packet)
+
+    def _truncate(self, packet: Packet, to: Address) -> Packet:
+        data = self.files.contents.get("/" + packet.text.strip("/"))
+        if data is None:
+            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        if packet.offset > MAX_FILE:
+            raise FtpError(mavlink.MAV_FTP_ERR_FAIL)
+        self.files.write(packet.text, data[: packet.offset].ljust(packet.offset, b"\0"))
+        return _reply(packet)
+
+    def _rename(self, packet: Packet, to: Address) -> Packet:
+        old, _, new = packet.data[: packet.size].decode("utf-8", "replace").partition("\0")
+        data = self.files.contents.get("/" + old.strip("/"))
+        if data is None:
+            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        new = new.rstrip("\0")
+        if self.files.exists(new) or not self.files.writable(new):
+            raise FtpError(mavlink.MAV_FTP_ERR_FILEEXISTS)
+        self.files.remove(old)
+        self.files.write(new, data)
+        return _reply(packet)
+
+
+def _reply(
+    packet: Packet, data: bytes = b"", opcode: int = ACK, session: int | None = None
+) -> Packet:
+    """The answer to a request: the next sequence number, and whose answer it is."""
+    number = packet.session if session is None else session
+    return Packet(packet.seq + 1, number, opcode, len(data), packet.opcode, 0, packet.offset, data)
+
+
+def _crc32(data: bytes) -> int:
+    """CRC-32 as the protocol has it: the usual polynomial, but nothing inverted at either end."""
+    return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
