@@ -1,0 +1,44 @@
+"""Which package is under test, and what every test may rely on.
+
+`MAVWIRE_SUBJECT=pymavlink` runs the comparing tests with the reference implementation on both
+sides: a check of the harness itself, which must find no difference.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+
+import pytest
+
+SUBJECT = os.environ.get("MAVWIRE_SUBJECT", "mavwire")
+ORACLE = "pymavlink"
+
+
+def pytest_report_header() -> str:
+    return f"mavwire: subject {SUBJECT}, oracle {ORACLE}"
+
+
+@pytest.fixture(scope="session")
+def subject() -> str:
+    """Root package name of the implementation under test."""
+    return SUBJECT
+
+
+@pytest.fixture(scope="session")
+def oracle() -> str:
+    """Root package name of the reference implementation; the test is skipped where it is not
+    installed.
+    """
+    if importlib.util.find_spec(ORACLE) is None:
+        pytest.skip(f"{ORACLE} is not installed: pip install -r requirements/test.txt")
+    return ORACLE
+
+
+@pytest.fixture(autouse=True)
+def own_signing_streams(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No test shares streams with the links of another that used the same key."""
+    if importlib.util.find_spec("mavwire") is not None:
+        from mavwire.links import signing
+
+        monkeypatch.setattr(signing, "_with_key", None)

@@ -1,0 +1,188 @@
+"""`mavwire.aio` with simulated vehicles, over UDP and TCP."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+from mavwire import aio, mavutil
+from mavwire.sim import Impairment, Runner, Vehicle, serve
+from unit.aio_tools import LOOPS, run
+from unit.link_tools import KEY, free_port
+
+ARM = 400
+TAKEOFF = 22
+LAND = 21
+SPEED = 20
+
+
+@pytest.fixture(autouse=True)
+def mavlink20():
+    mavutil.set_wire_protocol("2.0")
+    mavutil.set_dialect("all")
+    yield
+    mavutil.set_wire_protocol(None)
+    mavutil.set_dialect("all")
+
+
+@contextmanager
+def flying(kind: str, *vehicles: Vehicle, speed: float = SPEED) -> Iterator[tuple[str, Runner]]:
+    """The device to connect to, and the vehicles' runner."""
+    port = free_port(socket.SOCK_DGRAM if kind == "udp" else socket.SOCK_STREAM)
+    theirs, ours = {"udp": ("udpout", "udpin"), "tcp": ("tcpin", "tcp")}[kind]
+    with serve(f"{theirs}:127.0.0.1:{port}", *vehicles, speed=speed) as runner:
+        yield f"{ours}:127.0.0.1:{port}", runner
+
+
+@pytest.mark.parametrize("loop", ["asyncio", "uvloop"])
+@pytest.mark.parametrize("kind", ["udp", "tcp"])
+def test_a_whole_flight(kind, loop):
+    async def fly(device, vehicle):
+        async with aio.connect(device, source_component=190) as link:
+            await link.wait_heartbeat(timeout=20)
+            assert link.target_system == 1
+            seen = asyncio.create_task(heights(link))  # ends with the link
+            await link.set_message_interval("GLOBAL_POSITION_INT", 50)
+            await link.recv_match("EKF_STATUS_REPORT.flags & 16", "EKF_STATUS_REPORT", timeout=20)
+            link.sync.set_mode("GUIDED")
+            await link.recv_match(condition="MAV.flightmode=='GUIDED'", timeout=20)
+            assert link.flightmode == "GUIDED"
+            await link.command(ARM, 1)
+            assert vehicle.armed
+            await link.command(TAKEOFF, 0, 0, 0, 0, 0, 0, 10)
+            async for position in link.newest("GLOBAL_POSITION_INT"):
+                if position.relative_alt > 9000:
+                    break
+            await link.command(LAND)
+            await link.recv_match(condition="not MAV.armed", type="HEARTBEAT", timeout=40)
+            assert not vehicle.armed
+            assert link.dropped == 0
+        assert max(await seen) == pytest.approx(10, abs=1)
+
+    async def heights(link):
+        return [msg.relative_alt / 1000 async for msg in link.stream("GLOBAL_POSITION_INT")]
+
+    with flying(kind, Vehicle()) as (device, runner):
+        run(fly(device, runner.vehicles[0]), LOOPS[loop])
+
+
+@pytest.mark.parametrize("autopilot", ["ardupilot", "px4"])
+def test_parameters(autopilot):
+    name, integer = {
+        "ardupilot": ("BATT_LOW_VOLT", "BATT_LOW_MAH"), "px4": ("MIS_TAKEOFF_ALT", "COM_RC_IN_MODE"),
+    }[autopilot]  # fmt: skip
+
+    async def main(device, vehicle):
+        async with aio.connect(device) as link:
+            with pytest.raises(aio.NoVehicleError):
+                await link.param_get(name)
+            await link.wait_heartbeat(timeout=20)
+            assert await link.param_set(name, 7.5) == 7.5
+            assert await link.param_get(name) == vehicle.params[name] == 7.5
+            if integer in vehicle.params:
+                value = await link.param_get(integer)
+                assert value == vehicle.params[integer]
+                assert await link.param_set(integer, value + 1) == value + 1
+            values = await link.param_fetch_all()
+            assert values == pytest.approx({n: vehicle.params[n] for n in vehicle.params}, rel=1e-6)
+            with pytest.raises(TimeoutError, match="NO_SUCH"):
+                await link.param_get("NO_SUCH", retries=1, timeout=0.05)
+
+    with flying("udp", Vehicle(autopilot)) as (device, runner):
+        run(main(device, runner.vehicles[0]))
+
+
+def test_commands_that_are_refused_and_unanswered():
+    async def main(device):
+        async with aio.connect(device) as link:
+            await link.wait_heartbeat(timeout=20)
+            with pytest.raises(aio.CommandError, match="MAV_RESULT_UNSUPPORTED") as refused:
+                await link.command(31000)
+            assert refused.value.result == refused.value.ack.result == 3
+            with pytest.raises(TimeoutError, match="MAV_CMD_NAV_LAND from system 9 after 2"):
+                await link.command(LAND, sysid=9, retries=1, timeout=0.02)
+            with pytest.raises(ValueError, match="seven"):
+                await link.command(LAND, *range(8))
+            with pytest.raises(ValueError, match="NOT_A_MESSAGE"):
+                await link.request_message("NOT_A_MESSAGE")
+            # Equal ones wait for each other, so that each gets an answer of its own.
+            acks = await asyncio.gather(*[link.command(ARM, 0) for _ in range(5)])
+            assert len({id(ack) for ack in acks}) == 5
+
+    with flying("udp", Vehicle()) as (device, _):
+        run(main(device))
+
+
+def test_a_bad_link():
+    """Everything arrives in the end, because it is asked for again."""
+
+    async def main(device, vehicle):
+        async with aio.connect(device) as link:
+            await link.wait_heartbeat(timeout=20)
+            for _ in range(5):
+                await link.command(ARM, 0, retries=30, timeout=0.05)
+                msg = await link.request_message("AUTOPILOT_VERSION", retries=30, timeout=0.05)
+                assert msg.get_srcSystem() == 1
+            values = await link.param_fetch_all(retries=100, timeout=0.05)
+            assert len(values) == len(vehicle.params)
+            assert link.sync.packet_loss() > 5
+
+    vehicle = Vehicle(impairment=Impairment(loss=0.2, corruption=0.05))
+    with flying("udp", vehicle) as (device, _):
+        run(main(device, vehicle))
+
+
+def test_several_vehicles_at_once():
+    async def main(device, runner):
+        async with aio.connect(device) as link:
+
+            async def arm(sysid, wait):
+                await link.wait_heartbeat(sysid, timeout=20)
+                await link.recv_match("GPS_RAW_INT.fix_type>=3", sysid=sysid, timeout=20)
+                await link.command(ARM, 1, 21196, sysid=sysid)
+                newest = await link.wait_newer("HEARTBEAT", sysid=sysid, timeout=20)
+                return newest.get_srcSystem()
+
+            found = await asyncio.gather(*[arm(sysid, 20) for sysid in (1, 2, 3)])
+            assert found == [1, 2, 3]
+            assert all(vehicle.armed for vehicle in runner.vehicles)
+
+    vehicles = [Vehicle(), Vehicle("px4", sysid=2), Vehicle(sysid=3)]
+    with flying("udp", *vehicles, speed=5) as (device, runner):
+        run(main(device, runner))
+
+
+def test_signed_links():
+    async def main(device):
+        async with aio.connect(device) as link:
+            link.sync.setup_signing(KEY)
+            await link.wait_heartbeat(timeout=20)
+            assert (await link.command(ARM, 0)).get_signed()
+            assert (await link.recv_match(type="ATTITUDE", timeout=20)).get_signed()
+
+    with flying("udp", Vehicle(signing_key=KEY)) as (device, _):
+        run(main(device))
+
+
+def test_a_vehicle_that_is_switched_off_and_on():
+    port = free_port()
+
+    async def main():
+        options = {"autoreconnect": True, "reconnect_delay": 0.02, "retries": 100}
+        connecting = asyncio.ensure_future(
+            aio.connect(f"tcp:127.0.0.1:{port}", **options).__aenter__()
+        )
+        for _ in range(3):
+            with serve(f"tcpin:127.0.0.1:{port}", Vehicle(), speed=SPEED) as runner:
+                link = await connecting
+                await link.wait_heartbeat(timeout=20)
+                assert (await link.command(ARM, 0)).result == 0
+                await asyncio.get_running_loop().run_in_executor(None, runner.stop)
+            while link.connected:
+                await asyncio.sleep(0.005)
+        await link.close()
+
+    run(main())

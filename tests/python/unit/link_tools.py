@@ -1,0 +1,78 @@
+"""Frames, ports and a link without a device, for the tests of the links."""
+
+from __future__ import annotations
+
+import socket
+import struct
+from typing import Any
+
+from mavwire import mavutil
+from mavwire.dialects.v20 import all as mavlink
+
+T0 = 1_600_000_000_000_000
+KEY = bytes(range(32))
+
+
+class Capture(mavutil.mavfile):
+    """A link that receives what is put into `rx` and keeps what is sent in `tx`."""
+
+    def __init__(self, **kw: Any) -> None:
+        self.rx = bytearray()
+        self.tx = bytearray()
+        super().__init__(None, "capture", **kw)
+
+    def recv(self, n: int | None = None) -> bytes:
+        n = len(self.rx) if n is None else n
+        data = bytes(self.rx[:n])
+        del self.rx[:n]
+        return data
+
+    def write(self, buf: bytes) -> None:
+        self.tx += buf
+
+
+def heartbeat(seq: int = 0, sysid: int = 1, compid: int = 1, v1: bool = False) -> bytes:
+    """A vehicle's HEARTBEAT as a frame."""
+    msg = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
+    return pack(msg, seq, sysid, compid, v1)
+
+
+def pack(msg: Any, seq: int = 0, sysid: int = 1, compid: int = 1, v1: bool = False) -> bytes:
+    """`msg` as an unsigned frame."""
+    mav = mavlink.MAVLink(None, srcSystem=sysid, srcComponent=compid)
+    mav.seq = seq
+    return bytes(msg.pack(mav, force_mavlink1=v1))
+
+
+def signed(msg: Any, timestamp: int = 1, link_id: int = 3) -> bytes:
+    """`msg` as a frame signed with KEY."""
+    mav = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+    mav.signing.secret_key = KEY
+    mav.signing.sign_outgoing = True
+    mav.signing.link_id = link_id
+    mav.signing.timestamp = timestamp
+    return bytes(msg.pack(mav))
+
+
+def record(frame: bytes, microseconds: int = T0) -> bytes:
+    """A telemetry log record."""
+    return struct.pack(">Q", microseconds) + frame
+
+
+def drain(link: Any, **kw: Any) -> list[Any]:
+    """Every message that is there now."""
+    found = []
+    while (msg := link.recv_match(**kw)) is not None:
+        found.append(msg)
+    return found
+
+
+def types(messages: list[Any]) -> list[str]:
+    return [msg.get_type() for msg in messages]
+
+
+def free_port(kind: int = socket.SOCK_STREAM) -> int:
+    """A port of 127.0.0.1 that was free just now."""
+    with socket.socket(socket.AF_INET, kind) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

@@ -1,0 +1,133 @@
+"""``mavwire alias`` in a throw-away environment: what is written, what it does, and that it can do no harm."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import mavwire
+import pytest
+
+PACKAGE_FOLDER = str(Path(mavwire.__file__).parent.parent)
+
+FAKE_PYMAVLINK = "__version__ = '9.9'"
+SHOW = "import pymavlink; print(pymavlink.__version__)"
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the environment's layout differs")
+
+
+class Environment:
+    """A virtual environment that can import mavwire."""
+
+    def __init__(self, folder: Path) -> None:
+        venv.create(folder, with_pip=False)
+        self.python = str(folder / "bin" / "python")
+        self.site_packages = next((folder / "lib").glob("python*")) / "site-packages"
+        self.mavwire_pth = self.site_packages / "mavwire.pth"
+        self.mavwire_pth.write_text(PACKAGE_FOLDER)
+        self.alias_pth = self.site_packages / "zz_mavwire_alias.pth"
+
+    def run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        clean = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+        return subprocess.run(
+            [self.python, *arguments],
+            capture_output=True, text=True, env=clean, timeout=60, check=False,
+        )  # fmt: skip
+
+    def alias(self, action: str) -> subprocess.CompletedProcess[str]:
+        return self.run("-m", "mavwire", "alias", action)
+
+
+@pytest.fixture
+def environment(tmp_path: Path) -> Environment:
+    return Environment(tmp_path / "environment")
+
+
+def test_enable_status_disable(environment: Environment) -> None:
+    before = environment.alias("--status")
+    assert before.returncode == 1
+    assert "not enabled" in before.stdout
+    assert "there is no such module" in before.stdout
+
+    enabled = environment.alias("--enable")
+    assert enabled.returncode == 0, enabled.stderr
+    assert f"enabled by {environment.alias_pth}" in enabled.stdout
+    assert "gives mavwire (as pymavlink 2.4.50)" in enabled.stdout
+    assert environment.run("-c", SHOW).stdout == "2.4.50\n"
+    assert environment.alias("--enable").returncode == 0
+    assert environment.alias("--status").returncode == 0
+
+    disabled = environment.alias("--disable")
+    assert disabled.returncode == 0
+    assert not environment.alias_pth.exists()
+    assert "ModuleNotFoundError" in environment.run("-c", SHOW).stderr
+    again = environment.alias("--disable")
+    assert again.returncode == 0
+    assert "not enabled" in again.stdout
+
+
+def test_installed_pymavlink_returns_after_disable(environment: Environment) -> None:
+    (environment.site_packages / "pymavlink").mkdir()
+    (environment.site_packages / "pymavlink" / "__init__.py").write_text(FAKE_PYMAVLINK)
+    assert "gives pymavlink 9.9 from" in environment.alias("--status").stdout
+    environment.alias("--enable")
+    assert environment.run("-c", SHOW).stdout == "2.4.50\n"
+    assert "gives pymavlink 9.9 from" in environment.alias("--disable").stdout
+
+
+def test_silent_after_mavwire_was_uninstalled(environment: Environment) -> None:
+    environment.alias("--enable")
+    environment.mavwire_pth.unlink()
+    result = environment.run("-c", "print('started')")
+    assert (result.stdout, result.stderr, result.returncode) == ("started\n", "", 0)
+    assert "No module named 'pymavlink'" in environment.run("-c", SHOW).stderr
+
+
+def test_silent_when_mavwire_is_broken(environment: Environment, tmp_path: Path) -> None:
+    environment.alias("--enable")
+    broken = tmp_path / "broken" / "mavwire"
+    broken.mkdir(parents=True)
+    (broken / "__init__.py").write_text("raise RuntimeError('half an installation')")
+    environment.mavwire_pth.write_text(str(broken.parent))
+    result = environment.run("-c", "print('started')")
+    assert (result.stdout, result.stderr, result.returncode) == ("started\n", "", 0)
+
+
+def test_status_says_when_the_file_has_no_effect(environment: Environment) -> None:
+    environment.alias_pth.write_text("# emptied\n")
+    result = environment.alias("--status")
+    assert result.returncode == 1
+    assert "the file has no effect" in result.stdout
+
+
+def test_start_imports_nothing_heavy(environment: Environment) -> None:
+    environment.alias("--enable")
+    listing = "import sys; print(' '.join(sorted(sys.modules)))"
+    with_alias = set(environment.run("-c", listing).stdout.split())
+    without = set(environment.run("-S", "-c", listing).stdout.split())
+    site = {"site", "_sitebuiltins", "sitecustomize", "usercustomize", "genericpath", "posixpath"}
+    extra = with_alias - without - site - {"os", "os.path", "stat", "_stat", "_collections_abc"}
+    assert extra <= {"mavwire", "mavwire._alias", "__future__"}
+
+
+@pytest.mark.skipif(getattr(os, "geteuid", lambda: 1)() == 0, reason="root may write everywhere")
+def test_unwritable_folder_is_a_clear_error(environment: Environment) -> None:
+    environment.site_packages.chmod(0o555)
+    try:
+        result = environment.alias("--enable")
+    finally:
+        environment.site_packages.chmod(0o755)
+    assert result.returncode == 1
+    assert "cannot write" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_a_folder_in_the_way_is_a_clear_error(environment: Environment) -> None:
+    environment.alias_pth.mkdir()
+    result = environment.alias("--enable")
+    assert result.returncode == 1
+    assert result.stderr.startswith("mavwire alias: error: cannot write")
+    assert list(environment.site_packages.glob("*.tmp")) == []

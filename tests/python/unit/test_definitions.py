@@ -1,0 +1,99 @@
+"""`mavwire definitions`: storing XML whose descriptions then appear."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from mavwire import cli, dialects
+from mavwire.dialects import _sources
+from mavwire.dialects._descriptions import Texts
+
+XML = """<mavlink>
+  <messages>
+    <message id="{id}" name="SAMPLE">
+      <description>What a sample is.</description>
+      <field type="uint8_t" name="level" units="%">How full it is.</field>
+    </message>
+  </messages>
+</mavlink>
+"""
+
+
+@pytest.fixture
+def data_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.delenv("MDEF", raising=False)
+    return tmp_path / "data"
+
+
+def _folder(tmp_path: Path, name: str, text: str) -> Path:
+    folder = tmp_path / "xml"
+    folder.mkdir(exist_ok=True)
+    (folder / f"{name}.xml").write_text(text)
+    return folder
+
+
+def test_stored_descriptions_are_found(data_home: Path, tmp_path: Path) -> None:
+    folder = _folder(tmp_path, "sample", XML.format(id=1))
+    assert cli.main(["definitions", "sync", str(folder)]) == 0
+    text, fields = Texts("sample").message("SAMPLE")
+    assert text == "What a sample is."
+    assert fields == {"level": "How full it is."}
+
+
+def test_one_wrong_file_stores_nothing(
+    data_home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _folder(tmp_path, "good", XML.format(id=1))
+    folder = _folder(tmp_path, "wrong", XML.format(id=2**24))
+    assert cli.main(["definitions", "sync", str(folder)]) == 1
+    error = capsys.readouterr().err
+    assert "wrong" in error
+    assert "nothing stored" in error
+    assert not data_home.exists() or not list(data_home.rglob("*.xml"))
+
+
+def test_status_and_clear(
+    data_home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["definitions", "status"]) == 0
+    assert "nothing stored" in capsys.readouterr().out
+    cli.main(["definitions", "sync", str(_folder(tmp_path, "sample", XML.format(id=1)))])
+    cli.main(["definitions", "status"])
+    assert "1 definition files" in capsys.readouterr().out
+    cli.main(["definitions", "clear"])
+    assert not list(data_home.rglob("*.xml"))
+
+
+@pytest.mark.parametrize("folder", ["missing", "."])
+def test_a_folder_without_definitions_is_refused(
+    folder: str, data_home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["definitions", "sync", str(tmp_path / folder)]) == 1
+    assert "xml" in capsys.readouterr().err
+
+
+def test_includes_are_found_however_they_are_spaced(tmp_path: Path) -> None:
+    folder = _folder(tmp_path, "part", XML.format(id=150))
+    (folder / "main.xml").write_text(
+        "<mavlink><include >\n  part.xml\t</include ><include> </include></mavlink>"
+    )
+    main, sources = _sources.collect(folder / "main.xml", None)
+    assert (main, sorted(sources)) == ("main", ["main", "part"])
+
+
+def test_an_include_of_spaces_takes_linear_time(tmp_path: Path) -> None:
+    folder = _folder(tmp_path, "main", f"<mavlink><include>x{' ' * 1_000_000}<y/></include>")
+    with pytest.raises(ValueError, match=r"main\.xml:1:"):
+        dialects.load(folder / "main.xml")
+
+
+def test_stored_definitions_that_cannot_be_read_are_passed_over(
+    data_home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = data_home / "mavwire" / "definitions"
+    folder.mkdir(parents=True)
+    (folder / "sample.xml").write_text(XML.format(id=150))
+    monkeypatch.setattr(_sources, "MAX_BYTES", 10)
+    assert Texts("sample").message("SAMPLE") == ("", {})

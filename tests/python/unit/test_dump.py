@@ -1,0 +1,406 @@
+"""`mavwire dump`: both of its loops write the same, and it behaves in pipes, on terminals and with
+wrong arguments. What it prints is compared with mavlogdump.py in tests/python/compat.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shlex
+import signal
+import struct
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from mavwire import cli, mavutil, traffic
+from mavwire._native import dump_log
+from mavwire.cli import _dump_native, _progress
+from mavwire.dialects.v20 import ardupilotmega as mavlink
+from unit.link_tools import heartbeat, record
+
+NATIVE_CASES = (
+    "",
+    "--format json",
+    "--format json --show-source",
+    "--show-source --show-seq",
+    "--types 'ATT*,PARAM_VALUE,STATUSTEXT' --format json",
+    "--types BAD_DATA",
+    "--types 'UNKNOWN*' --no-bad-data",
+    "--nottypes '*RAW*,BAD_DATA'",
+    "--format csv --types ATTITUDE,STATUSTEXT,HEARTBEAT --csv_sep tab",
+    "--format csv --types WIND_COV --csv_sep ' ; '",
+    "--source-system 1 --link 0",
+    "--source-component 190 --format json",
+    "--link 3",
+    "--source-system -1",
+    "--quiet",
+    "--parms",
+)
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Damaged traffic over several links, with an unknown message and a text that is no ASCII."""
+    path = tmp_path_factory.mktemp("dump") / "flight.tlog"
+    options = traffic.Options(messages=4000, seed=2, systems=2, loss=0.01, corruption=0.01)
+    text = mavlink.MAVLink_statustext_message(3, b"\xff\xe9 caf\xc3\xa9\n\"'\\\x01")
+    unknown = bytes([0xFD, 2, 0, 0, 0, 1, 1, 0x11, 0x99, 1, 1, 2, 3, 4])
+    odd = [text.pack(mavlink.MAVLink(None, 1, 1)), unknown]
+    with path.open("wb") as file:
+        for number, (micros, frame, _) in enumerate(traffic.records(options)):
+            file.write(struct.pack(">Q", micros | number % 4) + frame)
+            if number % 1000 == 500:
+                file.writelines(struct.pack(">Q", micros) + one for one in odd)
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def long_log(tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("long") / "long.tlog"
+    traffic.generate(path, 40_000)
+    return str(path)
+
+
+def dumped(capsysbinary: pytest.CaptureFixture[bytes], *options: str) -> bytes:
+    """Standard output of a run that must succeed without a word on standard error."""
+    assert cli.main(["dump", *options]) == 0
+    captured = capsysbinary.readouterr()
+    assert captured.err == b""
+    return captured.out
+
+
+@pytest.mark.parametrize("options", NATIVE_CASES)
+def test_both_loops_write_the_same(
+    options: str,
+    log: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsysbinary: pytest.CaptureFixture[bytes],
+) -> None:
+    arguments = shlex.split(options)
+    output = [] if "--parms" in arguments else ["-o", str(tmp_path / "out.tlog")]
+    runs = []
+    monkeypatch.setattr(
+        _dump_native, "dump", lambda *a, run=_dump_native.dump: runs.append(run(*a))
+    )
+    native = dumped(capsysbinary, *arguments, *output, log)
+    records = (tmp_path / "out.tlog").read_bytes() if output else b""
+    assert len(runs) == 1
+    monkeypatch.setattr(_dump_native, "fits", lambda args, log: False)
+    assert dumped(capsysbinary, *arguments, *output, log) == native
+    assert len(runs) == 1
+    if output:
+        assert (tmp_path / "out.tlog").read_bytes() == records
+
+
+def test_output_of_everything_is_the_log_again(
+    tmp_path: Path, capsysbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    """Except for the microsecond or two that a time loses as a float, and the link number in it."""
+    path, copy = tmp_path / "flight.tlog", tmp_path / "copy.tlog"
+    traffic.generate(path, 2000)
+    dumped(capsysbinary, "-q", "-o", str(copy), str(path))
+    first, second = (
+        [line.split(b": ", 1)[1] for line in dumped(capsysbinary, str(log)).splitlines()]
+        for log in (path, copy)
+    )
+    assert first == second
+    assert len(first) == 2000
+    assert copy.stat().st_size == path.stat().st_size
+
+
+@pytest.mark.parametrize("option", ["", "--show-loss"], ids=["native", "ordinary"])
+def test_output_of_the_last_time_there_is(
+    option: str, tmp_path: Path, capsysbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    path, copy = tmp_path / "flight.tlog", tmp_path / "copy.tlog"
+    path.write_bytes(record(heartbeat(), 2**64 - 1))
+    dumped(capsysbinary, "-q", "-o", str(copy), *option.split(), str(path))
+    assert copy.read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words", "code"),
+    [
+        (["missing.tlog"], ["no such log", "missing.tlog"], 1),
+        ([str(Path(__file__).parent)], ["cannot open", "directory", "udpin:"], 1),
+        (["--dialect", "klingon", "LOG"], ["no dialect 'klingon'", "MDEF"], 1),
+        (["--format", "mat", "LOG"], ["MATLAB", "--format csv"], 2),
+        (["--format", "csv", "LOG"], ["--types ATTITUDE"], 1),
+        (["--format", "csv", "--types", "ATT*", "LOG"], ["no message type 'ATT*'", "exact"], 1),
+        (["--format", "csv", "--types", "heartbeat", "LOG"], ["'heartbeat'"], 1),
+        (["--condition", "ATTITUDE.roll >", "LOG"], ["--condition", "SyntaxError"], 1),
+        (["--condition", "HEARTBEAT.no_such_field", "LOG"], ["AttributeError"], 1),
+        (["-o", "/no/such/folder/x", "LOG"], ["--output /no/such/folder/x", "No such file"], 1),
+        (["-o", "LOG", "LOG"], ["is the log itself"], 1),
+        (["-o", "hard.tlog", "LOG"], ["hard.tlog is the log itself"], 1),
+        (["-o", "symbolic.tlog", "LOG"], ["symbolic.tlog is the log itself"], 1),
+        (["-q", "-o", "/dev/full", "LOG"], ["--output /dev/full", "No space left"], 1),
+        (["-q", "-o", "/dev/full", "--condition", "1", "LOG"], ["--output /dev/full"], 1),
+        (["udpin:127.0.0.1:99999"], ["cannot open", "port number 99999"], 1),
+    ],
+)
+def test_errors_say_what_to_do(
+    arguments: list[str],
+    words: list[str],
+    code: int,
+    log: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    os.link(log, "hard.tlog")
+    os.symlink(log, "symbolic.tlog")
+    size = os.path.getsize(log)
+    assert cli.main(["dump", *(log if one == "LOG" else one for one in arguments)]) == code
+    error = capsys.readouterr().err
+    assert error.startswith("mavwire dump: error: ")
+    assert error.count("\n") == 1
+    for word in words:
+        assert word in error
+    assert os.path.getsize(log) == size
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"\x1f\x8b\x08" + bytes(100), "a gzip file, not a telemetry log"),
+        (bytes(1000), "no telemetry log, there is no record in it"),
+        (b"", "the log is empty"),
+    ],
+)
+def test_what_is_no_log_is_said_on_standard_error(
+    content: bytes, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "flight.tlog"
+    path.write_bytes(content)
+    assert cli.main(["dump", "--no-bad-data", str(path)]) == 0
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err == f"mavwire dump: {said}: {str(path)!r}\n"
+
+
+def test_dialect_and_protocol_of_the_process_stay(log: str) -> None:
+    before = mavutil.mavlink, mavutil.current_dialect, mavutil.mavlink20()
+    assert cli.main(["dump", "-q", "--dialect", "common", "--mav10", log]) == 0
+    assert cli.main(["dump", "-q", "--dialect", "no_such", log]) == 1
+    assert (mavutil.mavlink, mavutil.current_dialect, mavutil.mavlink20()) == before
+
+
+@pytest.mark.parametrize("options", ["", "--verbose"])
+def test_a_reader_that_goes_away(options: str, log: str) -> None:
+    command = [sys.executable, "-m", "mavwire", "dump", *shlex.split(options), log]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout
+        assert process.stderr
+        assert process.stdout.readline()
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait(timeout=60) == 0
+
+
+def test_encodings_without_the_letters(log: str) -> None:
+    for options in ("", "--show-loss"):
+        command = [sys.executable, "-m", "mavwire", "dump", *shlex.split(options), log]
+        environment = {**os.environ, "PYTHONIOENCODING": "latin-1"}
+        result = subprocess.run(command, capture_output=True, env=environment, check=True)
+        assert rb"\ufffd\ufffd caf\ufffd\ufffd" in result.stdout
+
+
+def test_standard_output_without_bytes(log: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for options in (["--format", "json"], ["--format", "json", "--show-loss"]):
+        text = io.StringIO()
+        monkeypatch.setattr(sys, "stdout", text)
+        assert cli.main(["dump", *options, log]) == 0
+        assert text.getvalue().count('{"meta": ') > 3900
+
+
+def test_follow_prints_what_is_appended(tmp_path: Path) -> None:
+    path = tmp_path / "growing.tlog"
+    records = [
+        struct.pack(">Q", micros) + frame
+        for micros, frame, _ in traffic.records(traffic.Options(messages=60))
+    ]
+    path.write_bytes(b"".join(records[:30]))
+    command = [sys.executable, "-m", "mavwire", "dump", "--follow", str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout
+        lines = [process.stdout.readline() for _ in range(30)]
+        with path.open("ab") as file:
+            file.write(b"".join(records[30:]))
+        lines += [process.stdout.readline() for _ in range(30)]
+        process.send_signal(signal.SIGINT)
+        _, error = process.communicate(timeout=60)
+    assert all(b" {" in line for line in lines)
+    assert (process.returncode, error) == (cli.EXIT_INTERRUPTED, b"")
+
+
+def test_a_live_link(capsysbinary: pytest.CaptureFixture[bytes]) -> None:
+    """Without --follow what has arrived is printed; a link has no index and no end."""
+    sender = mavutil.mavlink_connection("udpout:127.0.0.1:14997", source_system=9)
+    opened = mavutil.mavlink_connection
+
+    def opened_and_reached(*args: object, **kwargs: object) -> object:
+        link = opened(*args, **kwargs)
+        sender.mav.heartbeat_send(2, 3, 81, 4, 4)
+        time.sleep(0.2)
+        return link
+
+    try:
+        mavutil.mavlink_connection = opened_and_reached
+        lines = dumped(capsysbinary, "--show-source", "--types", "HEART*", "udpin:127.0.0.1:14997")
+    finally:
+        mavutil.mavlink_connection = opened
+        sender.close()
+    assert lines.count(b"\n") == 1
+    assert b": HEARTBEAT {type : 2, " in lines
+    assert lines.endswith(b" srcSystem=9 srcComponent=0\n")
+
+
+class Terminal(io.StringIO):
+    """Standard error as a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_progress_is_drawn_on_a_terminal_and_wiped(
+    long_log: str, monkeypatch: pytest.MonkeyPatch, capsysbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
+    monkeypatch.setattr(_progress, "PROGRESS_INTERVAL", 0.0)
+    monkeypatch.setitem(sys.modules, "rich.console", None)
+    assert cli.main(["dump", "--format", "json", long_log]) == 0
+    drawn = terminal.getvalue()
+    assert "long.tlog [" in drawn
+    assert drawn.endswith("\r\x1b[K")
+    assert b"long.tlog" not in capsysbinary.readouterr().out
+
+
+def test_progress_by_rich_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[object] = []
+
+    class Bar:
+        def __init__(self, **_kwargs: object) -> None:
+            self.start = lambda: calls.append("start")
+            self.stop = lambda: calls.append("stop")
+
+        def add_task(self, name: str, total: float) -> int:
+            calls.append((name, total))
+            return 7
+
+        def update(self, task: int, completed: float) -> None:
+            calls.append((task, completed))
+
+    console, progress = ModuleType("rich.console"), ModuleType("rich.progress")
+    console.Console = lambda **kwargs: kwargs["file"]  # type: ignore[attr-defined]
+    progress.Progress = Bar  # type: ignore[attr-defined]
+    for name, module in (
+        ("rich", ModuleType("rich")),
+        ("rich.console", console),
+        ("rich.progress", progress),
+    ):
+        monkeypatch.setitem(sys.modules, name, module)
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
+    bar = _progress.Progress("a.tlog")
+    bar.update(25.0)
+    bar.finish()
+    assert calls == [("a.tlog", 100), "start", (7, 25.0), "stop"]
+
+
+def test_progress_keeps_quiet_for_short_waits(log: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    assert cli.main(["dump", "--quiet", log]) == 0
+    assert terminal.getvalue() == ""
+
+
+def options_for(write: object, **more: object) -> _dump_native.Options:
+    """Options of the native loop that print all as JSON."""
+    values: dict[str, object] = {
+        "format": "json", "write": write, "record": None, "wanted": lambda kind: True,
+        "types": None, "progress": lambda percent: None, "source_system": None,
+        "source_component": None, "link": None, "show_source": False, "show_seq": False,
+    }  # fmt: skip
+    return _dump_native.Options(**values | more)  # type: ignore[arg-type]
+
+
+def test_native_loop_writes_in_portions_and_tells_how_far_it_is(long_log: str) -> None:
+    sizes: list[int] = []
+    percents: list[float] = []
+    link = mavutil.mavlink_connection(long_log, dialect="ardupilotmega")
+    dump_log(link, options_for(lambda data: sizes.append(len(data)), progress=percents.append))
+    assert len(sizes) > 10
+    assert max(sizes) < 270_000
+    assert percents == sorted(percents)
+    assert len(percents) == 2
+    assert 0 < percents[0] < percents[1] < 100
+
+
+def test_native_loop_asks_once_for_each_type_and_second(long_log: str) -> None:
+    asked: list[str] = []
+    seconds: list[int] = []
+    link = mavutil.mavlink_connection(long_log, dialect="ardupilotmega")
+    options = options_for(
+        lambda data: None,
+        format="standard",
+        wanted=lambda kind: asked.append(kind) or True,
+        local_time=lambda second: seconds.append(second) or "then",
+    )
+    dump_log(link, options)
+    assert len(asked) == len(set(asked)) > 20
+    assert len(seconds) == len(set(seconds)) > 100
+
+
+def test_a_callback_that_raises_ends_the_native_loop(long_log: str) -> None:
+    """What was formatted before is written all the same, and nothing twice."""
+    written: list[bytes] = []
+
+    def stop(_percent: float) -> None:
+        raise KeyboardInterrupt
+
+    link = mavutil.mavlink_connection(long_log, dialect="ardupilotmega")
+    with pytest.raises(KeyboardInterrupt):
+        dump_log(link, options_for(written.append, progress=stop))
+    lines = b"".join(written).splitlines()
+    assert len(lines) == len(set(lines)) == 16384
+
+    def fail(_data: bytes) -> None:
+        raise OSError("the disk is full")
+
+    link = mavutil.mavlink_connection(long_log, dialect="ardupilotmega")
+    with pytest.raises(OSError, match="the disk is full"):
+        dump_log(link, options_for(fail))
+
+
+def test_native_loop_refuses_what_it_does_not_know(log: str, tmp_path: Path) -> None:
+    link = mavutil.mavlink_connection(log, dialect="ardupilotmega")
+    for wrong in ({"format": "xml"}, {"format": "csv", "columns": ["NO_SUCH_TYPE"]}):
+        with pytest.raises(ValueError, match="no such"):
+            dump_log(link, options_for(print, **wrong))
+    link.close()
+    empty = tmp_path / "empty.tlog"
+    empty.write_bytes(b"")
+    for unready in (link, mavutil.mavlink_connection(str(empty))):
+        with pytest.raises(RuntimeError, match="not ready"):
+            dump_log(unready, options_for(print))
+
+
+def test_interrupt_ends_a_long_dump_quietly(long_log: str) -> None:
+    command = [sys.executable, "-m", "mavwire", "dump", long_log]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout
+        process.stdout.read(1000)  # the pipe is full, the process waits
+        threading.Timer(0.2, process.send_signal, (signal.SIGINT,)).start()
+        time.sleep(0.4)
+        _, error = process.communicate(timeout=60)
+    assert (process.returncode, error) == (cli.EXIT_INTERRUPTED, b"")

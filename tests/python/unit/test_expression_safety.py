@@ -1,0 +1,212 @@
+"""What expressions cannot do: reach code, files or the interpreter, or run for long."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import types
+from typing import Any
+
+import pytest
+from mavwire.expression import ExpressionError, evaluate_expression
+from mavwire.expression.names import known_names
+from watchdog import watched
+
+
+class Message:
+    """A message that can be asked for more than its fields."""
+
+    Roll = 1.5
+
+    def execute(self, *arguments: Any) -> None:
+        raise AssertionError("a method that is not listed was called")
+
+    def get_type(self) -> str:
+        return "ATT"
+
+
+MESSAGES = {"ATT": Message(), "f": lambda *_: 1 / 0, "s": "text", "n": 9, "nan": float("nan")}
+
+OUT_OF_REACH = [
+    "__import__('os')",
+    "__builtins__",
+    "__name__",
+    "().__class__.__bases__[0].__subclasses__()",
+    "ATT.__class__",
+    "ATT.get_type.__globals__",
+    "ATT.__init__.__globals__['__builtins__']",
+    "ATT._private",
+    "getattr(ATT, '__class__')",
+    "getattr(ATT, '__cla' + 'ss__')",
+    "hasattr(ATT, '__class__')",
+    "ATT.execute()",
+    "ATT.get_type.__call__()",
+    "mag_field.__globals__",
+    "sqrt.__self__",
+    "ATT.gi_frame",
+    "ATT.f_globals",
+    "eval('1')",
+    "exec('1')",
+    "compile('1', '', 'eval')",
+    "open('/etc/passwd')",
+    "globals()",
+    "locals()",
+    "vars(ATT)",
+    "dir(ATT)",
+    "type(ATT)",
+    "input()",
+    "print(1)",
+    "exit()",
+    "breakpoint()",
+    "iter([1])",
+    "map(sqrt, [1])",
+    "filter(None, [1])",
+    "setattr(ATT, 'Roll', 3)",
+    "max([1, 2], key=ATT.execute)",
+    "sorted(['a'], key=ATT.execute)",
+    "f(1)",
+    "(lambda: 1)()",
+    "lambda: 1",
+    "(x := 3)",
+    "f'{ATT.__class__}'",
+    "f'{1}'",
+    "'{0.__class__}'.format(ATT)",
+    "'{a.__class__}'.format_map({})",
+    "str.format('{}', ATT)",
+    "'a'.join(['b'])",
+    "'a'.ljust(10**9)",
+    "[1].append(2)",
+    "[1].sort()",
+    "{}.update({})",
+    "(1).__add__(2)",
+    "[1][0](2)",
+    "sqrt(4)(5)",
+    "dict(**{'a': 1})",
+    "({**{}})",
+    "[x for x.y in [1]]",
+    "[x for [*x] in [[1]]]",
+    "[_x for _x in [1]]",
+    "(yield 1)",
+    "(yield from [1])",
+    "Vector3(1, 2, 3).__dict__",
+    "Vector3(1, 2, 3).normalize()",
+    "ATT.get_type.__func__.__code__",
+    "reset_state_data.__globals__",
+    "bytes(10**9)",
+    "bytearray(10**9)",
+    "memoryview(s)",
+    "id(ATT)",
+    "super()",
+    "object()",
+]
+
+
+@pytest.mark.parametrize("text", OUT_OF_REACH)
+def test_refused(text: str) -> None:
+    with pytest.raises(ExpressionError, match=r"^expression refused") as raised:
+        evaluate_expression(text, MESSAGES)
+    assert raised.value.reason
+    with pytest.raises(ExpressionError):
+        evaluate_expression(
+            f"1{{{text}}}" if "{" not in text and "}" not in text else text, MESSAGES
+        )
+
+
+def test_error_says_what_and_where() -> None:
+    with pytest.raises(ExpressionError) as raised:
+        evaluate_expression("ATT.Roll + ATT.__class__", MESSAGES)
+    assert (raised.value.column, raised.value.reason) == (
+        11,
+        "the name '__class__' is out of reach",
+    )
+    assert str(raised.value) == (
+        "expression refused at column 11: the name '__class__' is out of reach"
+    )
+    assert isinstance(raised.value, ValueError)
+
+
+def test_nothing_that_an_expression_knows_is_a_module() -> None:
+    for name, value in known_names().items():
+        assert not isinstance(value, types.ModuleType), name
+        assert not name.startswith("_"), name
+
+
+TOO_MUCH = [
+    "9**9**9**9",
+    "2**5000",
+    "1 << 10**9",
+    "[x * x * x * x for x in [2**2000]]",
+    "'x' * 10**9",
+    "10**9 * [1]",
+    "[0] * 600 + [0] * 600",
+    "[[0] * 2] * 2",
+    "factorial(10**8)",
+    "comb(10**8, 10**7)",
+    "prod([2**4000, 2**4000])",
+    "lcm(2**4000 - 1, 2**4000 - 3)",
+    "round(5, -10**9)",
+    "range(10**12)",
+    "'%1000000000d' % n",
+    "'%*d' % (10**9, n)",
+    "'%.999999d' % n",
+    "'%-+1000d' % n",
+    "'%%%1000d' % n",
+    "('%((a))1000d' % {'(a)': n})",
+    "b'%1000d' % n",
+    "[[y] for y in [[[1]]]]",
+    "[{1: y} for y in [{1: {}}]]",
+    "[y for y in [((1,),)]]",
+    "[x for x in range(1000) for y in range(1000)]",
+    "[[x for x in range(1000)] == [y for y in range(1000)] for z in range(1000)]",
+    "(" * 150 + "1" + ")" * 150 + "+" + "-" * 150 + "1",
+    "-" * 2000 + "1",
+    "a" + ".b" * 1500,
+    "not " * 1000 + "1",
+    "1" + "+1" * 1500,
+    "[" * 90 + "1" + "]" * 90 + "[0]" * 90,
+    "1" * 5000,
+    "x" * 100_000,
+]
+
+
+@pytest.mark.parametrize("text", TOO_MUCH, ids=lambda text: text[:30])
+def test_cost_is_bounded(text: str) -> None:
+    with watched(), pytest.raises((ExpressionError, SyntaxError)) as raised:
+        evaluate_expression(text, MESSAGES)
+    assert len(str(raised.value)) < 300
+
+
+def test_worst_allowed_loop_ends_soon() -> None:
+    text = "[list('a' * 4096 + '') for x in range(1000)]"
+    with pytest.raises(ExpressionError):  # 4096 characters may be made, but not joined to more
+        evaluate_expression(text.replace("''", "'b'"), MESSAGES)
+    with watched():
+        assert len(evaluate_expression(text, MESSAGES)) == 1000
+
+
+@pytest.mark.parametrize(
+    "text", ["[1, 2] * 512", "'ab' * 1000", "2**4000 > 1", "factorial(20) > 0", "'1000 %5.1f' % n"]
+)
+def test_ordinary_sizes_are_allowed(text: str) -> None:
+    assert evaluate_expression(text, MESSAGES)
+
+
+def test_hostile_texts_leave_the_interpreter_alive() -> None:
+    """In a process of its own, with all kinds of nesting that has overflowed parsers."""
+    program = """
+from mavwire.expression import evaluate_expression
+for opening, closing in (("(", ")"), ("[", "]"), ("{", "}"), ("-", ""), ("~", ""), ("not ", ""),
+                         ("a.", "b"), ("a[", "]"), ("f(", ")"), ("1 if 1 else ", "1"), ("1+", "1"),
+                         ("1<", "1"), ("1,", ""), ("*", ""), ("[x for x in ", "]"), ("'", ""), ("\\\\", "")):
+    for depth in (50, 99, 101, 200, 1000, 4000):
+        text = (opening * depth + "1" + closing * depth)[:4096]
+        try:
+            evaluate_expression(text, {})
+        except (ValueError, SyntaxError, NameError, TypeError, AttributeError):
+            pass
+print("alive")
+"""
+    ran = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", program], capture_output=True, text=True, check=False
+    )
+    assert ran.stdout.strip() == "alive", ran.stderr[-500:]

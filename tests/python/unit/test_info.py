@@ -1,0 +1,132 @@
+"""`mavwire info`: the figures are right, whatever is in the log."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import os
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from mavwire import cli, traffic
+from mavwire.cli import info
+
+
+@pytest.fixture(scope="module")
+def mavutil(subject: str) -> ModuleType:
+    return importlib.import_module(f"{subject}.mavutil")
+
+
+@pytest.fixture(scope="module")
+def dialect(subject: str) -> ModuleType:
+    return importlib.import_module(f"{subject}.dialects.v20.ardupilotmega")
+
+
+def test_summary_of_clean_traffic(mavutil: ModuleType, dialect: ModuleType, tmp_path: Path) -> None:
+    path = tmp_path / "flight.tlog"
+    written = traffic.generate(path, 5_000, systems=2, dialect=dialect)
+    summary = info.summarise(mavutil.mavlink_connection(str(path)), str(path))
+    assert summary.messages == sum(summary.types.values()) == 5_000
+    assert summary.systems.keys() == {(1, 1), (2, 1), (255, 190)}
+    assert sum(one.messages for one in summary.systems.values()) == 5_000
+    assert (summary.lost, summary.bad_bytes, summary.bad_messages) == (0, 0, 0)
+    assert summary.span == pytest.approx(written.seconds, abs=1e-3)
+    assert summary.rate(summary.types["ATTITUDE"]) == pytest.approx(20, rel=0.05)
+
+
+def test_summary_counts_losses_and_damage(
+    mavutil: ModuleType, dialect: ModuleType, tmp_path: Path
+) -> None:
+    path = tmp_path / "flight.tlog"
+    written = traffic.generate(path, 5_000, loss=0.05, corruption=0.01, dialect=dialect)
+    summary = info.summarise(mavutil.mavlink_connection(str(path)), str(path))
+    assert summary.lost > 150
+    assert summary.bad_messages == written.corrupted > 0
+    assert summary.bad_bytes > 10 * summary.bad_messages
+
+
+def test_table_and_json_say_the_same(
+    mavutil: ModuleType, dialect: ModuleType, tmp_path: Path
+) -> None:
+    path = tmp_path / "flight.tlog"
+    traffic.generate(path, 1_000, dialect=dialect)
+    summary = info.summarise(mavutil.mavlink_connection(str(path)), str(path))
+    text = info.table(summary)
+    plain = json.loads(json.dumps(summary.as_dict()))
+    assert plain["messages"] == 1_000
+    assert "1,000 messages of" in text
+    assert "2024-01-01 00:00:00 to 2024-01-01 00:00:" in text
+    for kind, count in plain["types"].items():
+        assert re.search(rf"^  {kind} +{count:,} ", text, re.MULTILINE)
+    for system in plain["systems"]:
+        assert f"  {system} " in text
+
+
+def test_empty_log(mavutil: ModuleType, tmp_path: Path) -> None:
+    path = tmp_path / "empty.tlog"
+    path.write_bytes(b"")
+    summary = info.summarise(mavutil.mavlink_connection(str(path)), str(path))
+    assert summary.messages == 0
+    assert "0 messages of 0 types" in info.table(summary)
+    assert "time     none, there is no message" in info.table(summary)
+
+
+def test_times_that_no_calendar_has_are_shown_as_numbers() -> None:
+    summary = info.Summary("x", first=1e17, last=float("1e17"), messages=1)
+    assert "100000000000000000.000000" in info.table(summary)
+
+
+def test_a_missing_log_is_named_and_the_others_are_read(
+    mavutil: ModuleType, dialect: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if mavutil.__name__ != "mavwire.mavutil":
+        pytest.skip("the command uses mavwire")
+    path = tmp_path / "flight.tlog"
+    traffic.generate(path, 100, dialect=dialect)
+    parser = argparse.ArgumentParser()
+    info.add_arguments(parser)
+    missing = str(tmp_path / "missing.tlog")
+    assert info.main(parser.parse_args([missing, str(path), "--json"])) == 1
+    printed = capsys.readouterr()
+    assert missing in printed.err
+    assert json.loads(printed.out)["messages"] == 100
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("folder", "Is a directory"),
+        ("pipe.tlog", "a pipe or a socket is neither a log nor a port"),
+        ("/dev/null", "not a log file"),
+        ("nowhere", "no such log file"),
+        ("", "no device: the name is empty"),
+        ("gzip.tlog", "a gzip file, not a telemetry log"),
+    ],
+)
+def test_what_is_no_log_is_named(
+    name: str,
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("folder").mkdir()
+    Path("gzip.tlog").write_bytes(b"\x1f\x8b\x08" + bytes(100))
+    os.mkfifo("pipe.tlog")
+    assert cli.main(["info", name]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("mavwire info: ")
+    assert error.count("\n") == 1
+    assert name in error
+    assert said in error
+
+
+def test_a_dialect_that_nobody_defines_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["info", "--dialect", "klingon", "a.tlog", "b.tlog"]) == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "no dialect 'klingon'" in error

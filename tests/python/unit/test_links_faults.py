@@ -1,0 +1,269 @@
+"""What goes wrong on live links: several threads, a link that is closed under them, silent peers."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import signal
+import socket
+import ssl
+import subprocess
+import threading
+import time
+
+import pytest
+from mavwire import mavutil
+from mavwire.dialects.v20 import all as mavlink
+from unit.link_tools import Capture, free_port, heartbeat
+from watchdog import watched
+
+WAIT = 30
+
+
+def connected(**kw):
+    """A link over TCP and the other end of it."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{server.getsockname()[1]}", **kw)
+        return link, server.accept()[0]
+
+
+def in_threads(*jobs):
+    """Start `jobs`; what they raise goes into the list returned."""
+    raised: list[Exception] = []
+
+    def run(job):
+        try:
+            job()
+        except Exception as error:
+            raised.append(error)
+
+    threads = [threading.Thread(target=run, args=(job,), daemon=True) for job in jobs]
+    for thread in threads:
+        thread.start()
+    return threads, raised
+
+
+def join(threads):
+    for thread in threads:
+        thread.join(WAIT)
+        assert not thread.is_alive()
+
+
+def test_threads_that_write_and_receive_send_whole_frames():
+    """R63."""
+    link, peer = connected()
+    frames, writers = 20_000, 2
+    received = bytearray()
+
+    def write():
+        for seq in range(frames):
+            link.write(heartbeat_frames[seq % 256])
+
+    def receive():
+        while any(thread.is_alive() for thread in sending) or link._has_unsent:
+            link.recv_msg()
+
+    def read():
+        peer.settimeout(WAIT)
+        while data := peer.recv(3000):
+            received.extend(data)
+
+    heartbeat_frames = [heartbeat(seq) for seq in range(256)]
+    sending, raised = in_threads(*[write] * writers)
+    others, raised_too = in_threads(receive, read)
+    join([*sending, others[0]])
+    link.close()
+    join(others)
+    peer.close()
+    assert raised == raised_too == []
+    messages = mavlink.MAVLink(None).parse_buffer(bytes(received))
+    assert len(messages) == frames * writers - link.frames_dropped
+    assert {msg.get_type() for msg in messages} == {"HEARTBEAT"}
+
+
+@pytest.mark.parametrize(
+    "device", ["tcp", "udpin:127.0.0.1:0", "mcast:", "tcpin:127.0.0.1:0", "serial", "exec"]
+)
+def test_closing_a_link_ends_a_thread_that_receives(device, tmp_path):
+    if device == "tcp":
+        link, _ = connected(autoreconnect=True)
+    elif device == "serial":
+        pytest.importorskip("serial")
+        _, port = os.openpty()
+        link = mavutil.mavlink_connection(os.ttyname(port), autoreconnect=True)
+    elif device == "exec":
+        program = tmp_path / "program"
+        program.write_text("#!/bin/sh\nexec cat\n")
+        program.chmod(0o700)
+        link = mavutil.mavlink_connection(f"exec:{program}")
+    else:
+        link = mavutil.mavlink_connection(device)
+    threads, raised = in_threads(lambda: link.recv_match(blocking=True))
+    time.sleep(0.05)
+    link.close()
+    join(threads)
+    assert [error.errno for error in raised if isinstance(error, OSError)] in (
+        [errno.EBADF],
+        [None],
+    )
+    assert link.fd is None
+
+
+def test_closing_a_link_under_threads_that_use_it():
+    for _ in range(20):
+        link, peer = connected()
+
+        def write(link=link):
+            while not link._closed:
+                link.write(heartbeat())
+
+        def receive(link=link):
+            while True:
+                link.recv_msg()
+
+        threads, raised = in_threads(write, receive)
+        time.sleep(0.01)
+        link.close()
+        join(threads)
+        peer.close()
+        assert [type(error) for error in raised] == [OSError]
+
+
+class Silent:
+    """The socket of a connection whose peer stopped answering."""
+
+    def __init__(self, port):
+        self.fileno, self.close = port.fileno, port.close
+
+    def recv(self, size):
+        raise TimeoutError(errno.ETIMEDOUT, "Connection timed out")
+
+
+def test_a_peer_that_stopped_answering_is_left(capsys):
+    """R64."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        device = f"tcp:127.0.0.1:{server.getsockname()[1]}"
+        link = mavutil.mavlink_connection(device, autoreconnect=True)
+        first, _ = server.accept()
+        link.port = Silent(link.port)
+        assert link.recv_msg() is None
+        second, _ = server.accept()
+        second.sendall(heartbeat(7))
+        assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == 7
+        for end in (first, second, link):
+            end.close()
+
+
+def test_tcpin_leaves_a_client_that_stopped_answering():
+    """R64."""
+    link = mavutil.mavlink_connection("tcpin:127.0.0.1:0")
+    address = link.listen.getsockname()
+    with socket.create_connection(address), socket.create_connection(address) as second:
+        with watched(WAIT):
+            while link.port is None:
+                link.recv_msg()
+        link.port = Silent(link.port)
+        assert link.recv_msg() is None
+        second.sendall(heartbeat(7))
+        assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == 7
+    link.close()
+
+
+@pytest.mark.skipif(not hasattr(socket, "TCP_KEEPIDLE"), reason="not to be set on this system")
+def test_connections_are_kept_alive():
+    link, peer = connected()
+    assert link.port.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
+    assert link.port.getsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE) == 10
+    link.close()
+    peer.close()
+
+
+def test_ctrl_c_ends_waiting_for_another_sender():
+    """R65."""
+    entered, leave = threading.Event(), threading.Event()
+
+    class Slow(Capture):
+        def write(self, buf):
+            entered.set()
+            leave.wait(WAIT)
+
+    link = Slow()
+    threads, _ = in_threads(lambda: link.mav.heartbeat_send(1, 2, 3, 4, 5))
+    assert entered.wait(WAIT)
+    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        with watched(WAIT), pytest.raises(KeyboardInterrupt):
+            link.mav.heartbeat_send(1, 2, 3, 4, 5)
+    finally:
+        leave.set()
+        timer.join()
+    join(threads)
+    link.mav.heartbeat_send(1, 2, 3, 4, 5)
+    assert link.mav.total_packets_sent == 2
+
+
+def test_a_closed_websocket_link_stays_closed():
+    pytest.importorskip("wsproto")
+    device = f"ws:127.0.0.1:{free_port()}"
+    link = mavutil.mavlink_connection(device)
+    link.close()
+    with socket.create_server(("127.0.0.1", link.destination_addr[1])) as server:
+        server.setblocking(False)
+        with pytest.raises(OSError, match="Bad file descriptor"):
+            link.recv_msg()
+        link.write(heartbeat())
+        with pytest.raises(BlockingIOError):
+            server.accept()
+
+
+@pytest.fixture
+def certificate(tmp_path, monkeypatch):
+    """A certificate for localhost with its key in one file, which clients trust."""
+    if shutil.which("openssl") is None:
+        pytest.skip("needs openssl to make a certificate")
+    path = tmp_path / "certificate.pem"
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost",
+         "-addext", "subjectAltName=DNS:localhost", "-keyout", path, "-out", tmp_path / "c"],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    path.write_bytes(path.read_bytes() + (tmp_path / "c").read_bytes())
+    monkeypatch.setenv("SSL_CERT_FILE", str(path))
+    return path
+
+
+def test_a_websocket_under_tls_outlives_silence(certificate):
+    wsproto = pytest.importorskip("wsproto")
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(certificate)
+    listener = socket.create_server(("127.0.0.1", 0))
+    sent = threading.Event()
+
+    def serve():
+        client, _ = listener.accept()
+        peer = context.wrap_socket(client, server_side=True)
+        peer.settimeout(WAIT)
+        ws = wsproto.WSConnection(wsproto.ConnectionType.SERVER)
+        ws.receive_data(peer.recv(65536))
+        next(iter(ws.events()))
+        peer.sendall(ws.send(wsproto.events.AcceptConnection()))
+        assert sent.wait(WAIT)
+        peer.sendall(ws.send(wsproto.events.BytesMessage(data=heartbeat(7))))
+        ws.receive_data(peer.recv(65536))
+        assert [bytes(event.data) for event in ws.events()] == [heartbeat(8)]
+
+    threads, raised = in_threads(serve)
+    link = mavutil.mavlink_connection(f"wss:localhost:{listener.getsockname()[1]}")
+    port = link.port
+    for _ in range(3):
+        assert link.recv_msg() is None
+    sent.set()
+    assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == 7
+    link.write(heartbeat(8))
+    join(threads)
+    assert raised == []
+    assert link.port is port
+    link.close()
+    listener.close()

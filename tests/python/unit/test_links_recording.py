@@ -1,0 +1,107 @@
+"""Recorded telemetry logs: no secrets in them, and no harm from them."""
+
+from __future__ import annotations
+
+import os
+from types import SimpleNamespace
+
+import pytest
+from mavwire import mavutil
+from mavwire.dialects.v20 import all as mavlink
+from mavwire.links.recording import recordable
+from unit.link_tools import KEY, Capture, drain, heartbeat, pack, signed, types
+
+LONG = mavlink.MAVLink_statustext_message(6, b"x" * 50)
+SETUP = mavlink.MAVLink_setup_signing_message(1, 1, KEY[::-1], 99)
+
+
+@pytest.fixture(autouse=True)
+def mavlink20():
+    mavutil.set_wire_protocol("2.0")
+    mavutil.set_dialect("all")
+    yield
+    mavutil.set_wire_protocol(None)
+    mavutil.set_dialect("all")
+
+
+def decoded(frame: bytes):
+    return mavlink.MAVLink(None).decode(bytearray(frame))
+
+
+@pytest.mark.parametrize("msg", [mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3), LONG])
+def test_a_signed_frame_is_recorded_as_its_unsigned_twin(msg):
+    assert bytes(recordable(signed(msg))) == pack(msg)
+
+
+def test_a_signed_frame_of_an_unknown_message_keeps_a_good_checksum():
+    """Its crc_extra is not known, and not needed."""
+    wheel = mavlink.MAVLink_wheel_distance_message(1, 2, [1.0] * 16)
+    assert bytes(recordable(signed(wheel))) == pack(wheel)
+
+
+def test_unsigned_and_v1_frames_are_recorded_as_they_are():
+    for frame in (heartbeat(), heartbeat(v1=True), b"", b"\xfd"):
+        assert recordable(frame) is frame
+
+
+@pytest.mark.parametrize("make", [pack, signed])
+def test_no_key_of_setup_signing_is_recorded(make):
+    frame = bytes(recordable(make(SETUP)))
+    msg = decoded(frame)
+    assert (msg.get_type(), msg.initial_timestamp, msg.target_system) == ("SETUP_SIGNING", 99, 1)
+    assert bytes(bytearray(msg.secret_key)) == b"\xff" * 32
+
+
+def test_a_trimmed_key_is_not_recorded_either():
+    frame = bytes(recordable(pack(mavlink.MAVLink_setup_signing_message(1, 1, [5] + [0] * 31, 0))))
+    assert bytes(bytearray(decoded(frame).secret_key)) == b"\xff" * 32
+
+
+def test_setup_logfile_keeps_secrets_out(tmp_path):
+    """R53, R54."""
+    link = Capture()
+    link.setup_logfile(str(tmp_path / "a.tlog"))
+    link.rx += signed(mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)) + pack(SETUP)
+    drain(link)
+    link.logfile.close()
+    raw = (tmp_path / "a.tlog").read_bytes()
+    assert KEY[::-1] not in raw
+    with mavutil.mavlink_connection(str(tmp_path / "a.tlog")) as log:
+        assert types(drain(log)) == ["HEARTBEAT", "SETUP_SIGNING"]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full on this platform")
+def test_a_full_disk_does_not_stop_reception():
+    """R66."""
+    link = Capture()
+    link.setup_logfile("/dev/full")
+    link.setup_logfile_raw("/dev/full")
+    for seq in range(500):
+        link.rx += heartbeat(seq % 256)
+    assert len(drain(link)) == 500
+    assert link.mav_loss == 0
+    assert link.logfile_errors > 0
+
+
+def test_a_closed_log_does_not_stop_reception(tmp_path):
+    """R66."""
+    link = Capture()
+    link.setup_logfile(str(tmp_path / "a.tlog"))
+    link.logfile.close()
+    link.rx += heartbeat()
+    assert types(drain(link)) == ["HEARTBEAT"]
+    assert link.logfile_errors == 1
+
+
+def test_records_reach_the_file_within_the_flush_interval(tmp_path, monkeypatch):
+    clock = SimpleNamespace(now=100.0)
+    link = Capture()
+    monkeypatch.setattr("mavwire.links.mavfile.time.monotonic", lambda: clock.now)
+    link.setup_logfile(str(tmp_path / "a.tlog"))
+    link.rx += heartbeat()
+    link.recv_msg()
+    clock.now += 1.1
+    link.rx += heartbeat(1)
+    link.recv_msg()
+    assert (tmp_path / "a.tlog").stat().st_size == 2 * 29
+    link.logfile.close()

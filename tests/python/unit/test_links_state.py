@@ -1,0 +1,286 @@
+"""The state that links share and keep: dialect switches, targets, caps, timeouts, modes."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+from mavwire import mavutil
+from mavwire.dialects.v20 import all as mavlink
+from unit.link_tools import KEY, Capture, drain, heartbeat, pack, signed, types
+from watchdog import watched
+
+XML = """<mavlink><messages><message id="{msgid}" name="{name}">
+<description/><field type="uint8_t" name="value">v</field></message></messages></mavlink>"""
+
+
+@pytest.fixture(autouse=True)
+def fresh_state(monkeypatch):
+    monkeypatch.delenv("MAVLINK20", raising=False)
+    mavutil.set_wire_protocol(None)
+    mavutil.set_dialect("all")
+    yield
+    mavutil.set_wire_protocol(None)
+    mavutil.set_dialect("all")
+
+
+def test_the_switch_to_v2_keeps_the_parser_s_state():
+    link = Capture(source_system=7)
+    link.setup_signing(KEY, initial_timestamp=5)
+    old = link.mav
+    old.seq = 9
+    old.total_packets_sent = 4
+    signing = old.signing
+    environment = dict(os.environ)
+    link.rx += signed(mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3), timestamp=50)
+    msg = link.recv_msg()
+    assert (msg.get_type(), msg.get_signed()) == ("HEARTBEAT", True)
+    assert link.mav is not old
+    assert link.mav.signing is signing
+    assert (link.mav.seq, link.mav.total_packets_sent, link.mav.srcSystem) == (9, 4, 7)
+    assert mavutil.mavlink.__name__.endswith("v20.all")
+    assert dict(os.environ) == environment
+
+
+def test_bytes_before_the_switch_are_not_lost():
+    link = Capture()
+    link.recv = lambda n=None: chunks.pop(0) if chunks else b""
+    chunks = [b"\x00" + heartbeat(1), heartbeat(2), heartbeat(3)]
+    assert types(drain(link)) == ["BAD_DATA", "HEARTBEAT", "HEARTBEAT", "HEARTBEAT"]
+    assert link.WIRE_PROTOCOL_VERSION == "2.0"
+    assert link.mav.total_bytes_received == 1 + 3 * 21
+
+
+def test_set_wire_protocol():
+    mavutil.set_wire_protocol("2.0")
+    assert mavutil.mavlink20()
+    mavutil.set_dialect("common")
+    assert mavutil.mavlink.__name__.endswith("v20.common")
+    mavutil.set_wire_protocol("1.0")
+    mavutil.set_dialect("common")
+    assert (mavutil.mavlink20(), mavutil.mavlink.WIRE_PROTOCOL_VERSION) == (False, "1.0")
+    with pytest.raises(ValueError, match="wire protocol"):
+        mavutil.set_wire_protocol("3")
+
+
+def test_mavlink20_follows_the_environment(monkeypatch):
+    monkeypatch.setenv("MAVLINK20", "")
+    assert mavutil.mavlink20()
+    mavutil.set_dialect("all")
+    assert mavutil.mavlink.WIRE_PROTOCOL_VERSION == "2.0"
+
+
+def test_dialect_from_xml_and_from_mdef(tmp_path, monkeypatch):
+    mavutil.set_wire_protocol("2.0")
+    path = tmp_path / "own.xml"
+    path.write_text(XML.format(msgid=300, name="OWN"))
+    mavutil.set_dialect(str(path))
+    assert mavutil.mavlink.MAVLink_own_message(5).value == 5
+    (tmp_path / "v1.0").mkdir()
+    (tmp_path / "v1.0" / "mine.xml").write_text(XML.format(msgid=301, name="MINE"))
+    monkeypatch.setenv("MDEF", str(tmp_path))
+    mavutil.set_dialect("mine")
+    assert mavutil.mavlink.MAVLINK_MSG_ID_MINE == 301
+    link = Capture()  # works without HEARTBEAT, GPS_RAW_INT and the MAV_TYPE enum
+    assert "HOME" not in link.messages
+    with pytest.raises(FileNotFoundError, match=r"v1.0/none\.xml"):
+        mavutil.set_dialect("none")
+
+
+def test_process_state_can_be_assigned():
+    marker = object()
+    saved = mavutil.mavlink
+    mavutil.mavfile_global = marker
+    mavutil.global_link_id = 7
+    mavutil.mavlink = mavlink
+    try:
+        link = Capture(input=False)
+        assert isinstance(link.mav, mavlink.MAVLink)
+        link.setup_signing(KEY)
+        assert (link.mav.signing.link_id, mavutil.global_link_id) == (7, 8)
+        assert mavutil.mavfile_global is marker
+    finally:
+        mavutil.mavlink, mavutil.mavfile_global, mavutil.global_link_id = saved, None, 0
+
+
+@pytest.mark.parametrize("key", [b"", b"short", bytes(33)])
+def test_signing_keys_of_other_lengths_are_refused(key):
+    """R31."""
+    with pytest.raises(ValueError, match="32 bytes"):
+        Capture().setup_signing(key)
+
+
+def test_tables_keyed_by_the_peer_are_capped(monkeypatch):
+    """R68."""
+    monkeypatch.setattr("mavwire.links.tracking.MAX_PARAMS", 3)
+    instances, messages = 4096, 32768
+    link = Capture()
+    for i in range(instances + 10):
+        name = f"n{i}".encode()
+        link.rx += pack(mavlink.MAVLink_named_value_float_message(1, name, i))
+    for i in range(5):
+        link.rx += pack(mavlink.MAVLink_param_value_message(b"n%d" % i, i, 9, 1, 0))
+    for msgid in range(messages):
+        frame = bytearray(heartbeat())
+        frame[7:10] = (900_000 + msgid).to_bytes(3, "little")
+        link.rx += frame
+    link.rx += pack(mavlink.MAVLink_param_value_message(b"n1", 99, 9, 1, 0))
+    link.rx += pack(mavlink.MAVLink_named_value_float_message(1, b"n7", 0.5))
+    drain_in_portions(link)
+    kept = link.sysid_state[1].messages
+    assert sum(key.startswith("NAMED_VALUE_FLOAT[") for key in kept) == instances
+    assert (kept["NAMED_VALUE_FLOAT"].value, kept["NAMED_VALUE_FLOAT[n7]"].value) == (0.5, 0.5)
+    assert len(link.sysid_state[0].messages) == messages
+    assert link.param_state[(1, 1)].params == {"n0": 0, "n1": 99, "n2": 2}
+
+
+def drain_in_portions(link: Capture) -> None:
+    """`Capture` takes bytes off the front of a buffer, which is slow with a long one."""
+    received, link.rx = bytes(link.rx), bytearray()
+    for start in range(0, len(received), 4096):
+        link.rx += received[start : start + 4096]
+        drain(link)
+
+
+def test_target_component_follows_the_locked_system():
+    link = Capture()
+    link.rx += heartbeat(sysid=3) + pack(
+        mavlink.MAVLink_param_value_message(b"P", 1.5, 9, 1, 0), sysid=3
+    )
+    drain(link)
+    link.target_component = 1
+    assert (link.param_sysid, link.params, link.param("P")) == ((3, 1), {"P": 1.5}, 1.5)
+    link.target_component = 0
+    assert link.params == {"P": 1.5}
+
+
+def test_a_fixed_target_stays():
+    link = Capture()
+    link.target_system = 9
+    link.rx += heartbeat(sysid=3)
+    drain(link)
+    assert (link.target_system, sorted(link.sysid_state)) == (9, [0, 3, 9])
+
+
+def test_vehicles_and_components_on_one_link_do_not_mix():
+    link = Capture()
+    copter = mavlink.MAVLink_heartbeat_message(2, 12, 81 | 128, 0x20000, 4, 3)
+    plane = mavlink.MAVLink_heartbeat_message(1, 3, 1, 11, 4, 3)
+    camera = mavlink.MAVLink_heartbeat_message(30, 8, 0, 0, 4, 3)
+    battery = [
+        mavlink.MAVLink_battery_status_message(i, 0, 0, 0, [i] * 10, 0, 0, 0, i) for i in (0, 1)
+    ]
+    link.rx += pack(copter, sysid=7, compid=1) + pack(battery[0], sysid=7, compid=1)
+    assert types(drain(link)) == ["HEARTBEAT", "BATTERY_STATUS"]
+    assert link.sysid_state[7].components.keys() == {1}
+    assert link.messages_of(7, 1)["HEARTBEAT"] is link.messages["HEARTBEAT"]
+    link.rx += pack(camera, sysid=7, compid=100) + pack(battery[1], sysid=7, compid=100)
+    link.rx += pack(plane, sysid=8) + pack(battery[0], seq=1, sysid=7, compid=1)
+    drain(link)
+    assert (link.target_system, link.flightmode, link.motors_armed()) == (7, "ALTCTL", 128)
+    assert link.sysid_state[8].flightmode == "RTL"
+    assert not link.sysid_state[8].armed
+    assert link.messages["HEARTBEAT"].type == 30
+    assert [link.messages_of(7, compid)["HEARTBEAT"].type for compid in (1, 100)] == [2, 30]
+    assert link.messages_of(7, 1)["BATTERY_STATUS"].id == 0
+    assert link.messages_of(7, 100)["BATTERY_STATUS"][1].current_consumed == 0
+    assert "BATTERY_STATUS[1]" not in link.messages_of(7, 1)
+    assert (link.messages_of(8)["HEARTBEAT"].type, link.messages_of(8, 1)["HEARTBEAT"].type) == (
+        1,
+        1,
+    )
+    assert (link.messages_of(9), link.messages_of(8, 2)) == ({}, {})
+    link.tx.clear()
+    link.set_mode("MANUAL")  # by PX4's numbers, although the camera was heard last
+    command = mavlink.MAVLink(None).parse_buffer(bytes(link.tx))[0]
+    assert (command.param1, command.param2) == (81, 1)
+
+
+def test_a_mode_that_px4_does_not_have_is_unknown_to_set_mode_px4(capsys):
+    link = Capture()
+    link.rx += heartbeat()
+    drain(link)
+    link.set_mode_px4("STABILIZE", 0, 0)
+    assert (capsys.readouterr().out, link.tx) == ("Unknown mode 'STABILIZE'\n", b"")
+
+
+def test_timeouts():
+    link = Capture()
+    started = time.monotonic()
+    with watched():
+        assert link.recv_match(blocking=True, timeout=0.12) is None
+    assert time.monotonic() - started >= 0.1
+    link.rx += heartbeat()
+    assert link.recv_match(blocking=True, timeout=0).get_type() == "HEARTBEAT"
+
+
+def test_a_flood_of_other_messages_does_not_outrun_the_timeout():
+    link = Capture()
+    frame = heartbeat()
+    link.recv = lambda n=None: frame
+    with watched():
+        assert link.recv_match(type="ATTITUDE", blocking=True, timeout=0.2) is None
+
+
+def test_waypoint_current_and_location():
+    link = Capture()
+    link.rx += heartbeat() + pack(mavlink.MAVLink_mission_current_message(5))
+    assert link.waypoint_current() == 5
+    hud = pack(mavlink.MAVLink_vfr_hud_message(1, 2, 77, 3, 4, 5))
+    no_fix = pack(mavlink.MAVLink_gps_raw_int_message(1, 2, 9, 9, 0, 0, 0, 0, 0, 0))
+    fix = pack(mavlink.MAVLink_gps_raw_int_message(2, 3, 10_000_000, -20, 30, 0, 0, 0, 0, 0))
+    position = pack(mavlink.MAVLink_global_position_int_message(1, 1, 2, 3, 7000, 0, 0, 0, 0))
+    link.rx += hud + no_fix + fix + hud + position
+    place = link.location(relative_alt=True)
+    assert (place.lat, place.lng, place.alt, place.heading) == pytest.approx((1.0, -2e-6, 7.0, 77))
+
+
+def test_a_position_without_a_home_is_received():
+    link = Capture()
+    link.rx += heartbeat()
+    drain(link)
+    link.messages.pop("HOME")
+    link.rx += pack(mavlink.MAVLink_gps_raw_int_message(1, 3, 9, 9, 0, 0, 0, 0, 0, 0))
+    assert types(drain(link)) == ["GPS_RAW_INT"]
+    assert "HOME" not in link.messages
+
+
+@pytest.mark.parametrize(
+    ("text", "plane_auto"),
+    [(json.dumps({"1": {"5": "OWN"}}), {"OWN": 5}), ("{broken", None), ("[]", None)],
+)
+def test_custom_mode_map(tmp_path, text, plane_auto):
+    (tmp_path / ".pymavlink").mkdir()
+    (tmp_path / ".pymavlink" / "custom_mode_map.json").write_text(text)
+    code = "import mavwire.mavutil as m; print(m.mode_mapping_byname(1))"
+    environment = {**os.environ, "HOME": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    expected = plane_auto or mavutil.mode_mapping_byname(1)
+    assert done.stdout.strip() == str(expected)
+    assert ("ignoring" in done.stderr) == (plane_auto is None)
+
+
+def test_importing_mavutil_loads_nothing_heavy():
+    """Beyond what its dialect module brings along."""
+    code = (
+        "import sys; import mavwire.dialects.v10.all; before = set(sys.modules);"
+        "import mavwire.mavutil;"
+        "print([m for m in ('socket','ssl','select','subprocess','json','re','logging','mmap',"
+        "'dataclasses','platform','fnmatch','curses','serial','wsproto','numpy')"
+        " if m in sys.modules and m not in before])"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", code],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr

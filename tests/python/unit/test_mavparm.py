@@ -1,0 +1,80 @@
+"""What mavparm does otherwise than pymavlink, on purpose, and a vehicle that takes parameters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mavwire import mavparm, mavutil
+
+
+class Link:
+    """A vehicle that takes every parameter."""
+
+    def __init__(self) -> None:
+        self.values: dict[str, float] = {}
+        self.asked: list[str] = []
+
+    def param_set_send(self, name: str, value: float, parm_type: int | None = None) -> None:
+        self.values[name] = value
+        self.asked.append(name)
+
+    def recv_match(self, **options: Any) -> Any:
+        name = self.asked.pop(0)
+        make = mavutil.mavlink.MAVLink_param_value_message
+        return make(name.encode(), self.values[name], 9, 1, 0)
+
+
+def file(folder: Path, text: bytes | str) -> str:
+    path = folder / "a.parm"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return str(path)
+
+
+@pytest.mark.parametrize("value", ["abc", "0x", "0xzz", "-0x10", "1.5;"])
+def test_a_value_that_is_no_number_names_its_place(value: str, tmp_path: Path) -> None:
+    name = file(tmp_path, f"A 1\n# comment\nB {value}\n")
+    parameters = mavparm.MAVParmDict(("A", 0.0), ("B", 0.0))
+    with pytest.raises(mavparm.MAVParmFileError) as caught:
+        parameters.load(name)
+    assert str(caught.value) == f"{name}:3: the value of B is no number: {value}"
+    assert isinstance(caught.value, ValueError)
+
+
+def test_nothing_is_set_from_a_file_with_a_mistake(tmp_path: Path) -> None:
+    link, parameters = Link(), mavparm.MAVParmDict(("A", 0.0), ("B", 0.0))
+    with pytest.raises(mavparm.MAVParmFileError):
+        parameters.load(file(tmp_path, "A 1\nB x\n"), mav=link)
+    assert (link.values, dict(parameters)) == ({}, {"A": 0.0, "B": 0.0})
+
+
+def test_values_are_set_on_the_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    link, parameters = Link(), mavparm.MAVParmDict(("A", 0.0), ("B", 2.0))
+    assert parameters.load(file(tmp_path, "A 1\nB 2\nC 3\n"), mav=link)
+    assert link.values == {"A": 1.0}
+    assert "Unknown parameter C" in capsys.readouterr().out
+
+
+def test_comments_may_hold_any_bytes(tmp_path: Path) -> None:
+    """pymavlink raises UnicodeDecodeError, and takes a byte order mark for a letter."""
+    parameters = mavparm.MAVParmDict()
+    assert parameters.load(file(tmp_path, b"\xef\xbb\xbfA 1 # 20\xb0C\r\nB 2\r\n"))
+    assert dict(parameters) == {"A": 1.0, "B": 2.0}
+
+
+def test_mappings_make_a_dictionary() -> None:
+    assert dict(mavparm.MAVParmDict({"AB": 1.0}, ("C", 2.0))) == {"AB": 1.0, "C": 2.0}
+
+
+def test_integers_are_given_as_users_write_them() -> None:
+    link, parameters = Link(), mavparm.MAVParmDict()
+    assert parameters.mavset(link, "A", "0x10", parm_type=mavutil.mavlink.MAV_PARAM_TYPE_INT32)
+    assert link.values["A"] == pytest.approx(2.2420775429197073e-44)
+    with pytest.raises(ValueError, match="A: 300 does not fit type 1"):
+        parameters.mavset(link, "A", 300, parm_type=mavutil.mavlink.MAV_PARAM_TYPE_UINT8)
+
+
+def test_texts_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    mavparm.MAVParmDict(("A", "text")).show()
+    assert capsys.readouterr().out == "A                text\n"
