@@ -1,0 +1,126 @@
+# Everything runs in a virtual environment of its own, .venv, which `make` fills when it is needed; `make help` lists the targets.
+
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+# `ci` builds fast and runs nearly as fast as `release`, which the benchmarks use.
+PROFILE ?= ci
+PYTEST_FLAGS ?= -n auto --dist loadfile
+FRAMES ?= 1000000
+
+BUILD_INPUTS := Cargo.toml $(wildcard Cargo.lock) pyproject.toml \
+	$(shell find rust message_definitions -type f -not -path '*/target/*' 2>/dev/null)
+# Modules whose stubs are compared with what is really there.
+STUBBED := mavwire._native $(subst /,.,$(patsubst python/%.py,%,$(wildcard python/mavwire/dialects/v[12]0/[!_]*.py)))
+
+export VIRTUAL_ENV := $(CURDIR)/$(VENV)
+export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+
+.PHONY: help
+help: ## List the targets
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/\1|\2/' | column -t -s '|'
+
+$(BIN)/python:
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=python3.12")'
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.requirements-%: requirements/%.txt | $(BIN)/python
+	$(PIP) install -r $<
+	@touch $@
+
+# Each line by itself and without dependencies: one that does not install here is left out.
+define install_each
+	@grep -v '^#' $(1) | while read -r name; do \
+		$(PIP) install $(2) --no-deps "$$name" </dev/null || echo "$$name does not install here and is left out"; \
+	done
+endef
+
+$(VENV)/.requirements-peers: requirements/peers.txt $(VENV)/.requirements-test
+	$(call install_each,$<)
+	@touch $@
+
+$(VENV)/.requirements-bench: requirements/bench.txt requirements/bench-build.txt $(VENV)/.requirements-test
+	-$(PIP) install -r requirements/bench-build.txt
+	$(call install_each,$<,--no-build-isolation)
+	@touch $@
+
+$(VENV)/.built-$(PROFILE): $(VENV)/.requirements-build $(BUILD_INPUTS)
+	@command -v cargo >/dev/null || { echo 'Rust is needed: https://rustup.rs'; exit 1; }
+	$(BIN)/maturin develop --profile $(PROFILE) --locked --quiet
+	@rm -f $(VENV)/.built-*
+	@touch $@
+
+.PHONY: build
+build: $(VENV)/.built-$(PROFILE) ## Build the extension module into .venv
+
+.PHONY: demo
+demo: build ## Fly a simulated copter and read the log of the flight (LOG=path: only read your own log)
+	@$(BIN)/python examples/demo.py $(if $(LOG),"$(LOG)",--record target/flight.tlog)
+
+.PHONY: test
+test: test-rust test-python ## Set up and run every test
+
+.PHONY: test-rust
+test-rust: ## Run the tests of the Rust crates (the extension module is tested through Python)
+	cargo test --workspace --exclude mavwire-py --locked
+
+.PHONY: test-python
+test-python: build $(VENV)/.requirements-test $(VENV)/.requirements-peers ## Run the tests of the Python package
+	$(BIN)/python -m pytest $(PYTEST_FLAGS)
+
+.PHONY: differential
+differential: build $(VENV)/.requirements-test ## Compare FRAMES frames with pymavlink on all processors
+	PYTHONPATH=tests/python $(BIN)/python -m differential.bulk --frames $(FRAMES)
+
+.PHONY: bench
+bench: $(VENV)/.requirements-bench ## Print one table: mavwire beside pymavlink and other readers
+	@$(MAKE) --no-print-directory build PROFILE=release
+	@cargo build --quiet --release --locked -p mavwire-core --example hot_paths
+	@$(BIN)/python benches/compare.py $(BENCH_FLAGS)
+
+.PHONY: bench-live
+bench-live: $(VENV)/.requirements-test ## Receive from sockets at rising rates, beside pymavlink
+	@$(MAKE) --no-print-directory build PROFILE=release
+	@$(BIN)/python benches/live.py $(BENCH_FLAGS)
+
+.PHONY: bench-rust
+bench-rust: ## Run the criterion benches of the core
+	cargo bench -p mavwire-core --locked
+
+.PHONY: budget
+budget: build ## Count instructions of the hot paths and compare with benches/instruction_budget.json
+	$(BIN)/python tools/instruction_budget.py $(BUDGET_FLAGS)
+
+.PHONY: lint
+lint: lint-rust lint-python ## Check format, style and types
+
+.PHONY: lint-rust
+lint-rust: | $(BIN)/python ## Check the Rust sources
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+
+.PHONY: lint-python
+lint-python: build $(VENV)/.requirements-lint $(VENV)/.requirements-test ## Check the Python sources
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/python tools/generate_stubs.py --check
+	$(BIN)/python -m mypy.stubtest $(STUBBED) --allowlist tests/stubtest_allowlist.txt
+
+.PHONY: format
+format: $(VENV)/.requirements-lint ## Format all sources
+	cargo fmt --all
+	$(BIN)/ruff check --fix-only --quiet .
+	$(BIN)/ruff format .
+
+.PHONY: stubs
+stubs: build ## Write the type stubs of the dialect modules
+	$(BIN)/python tools/generate_stubs.py
+
+.PHONY: clean
+clean: ## Remove everything that was built
+	rm -rf $(VENV) target dist python/mavwire/*.so .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,90 @@
+"""`make bench-live`: receiving from live links, mavwire beside pymavlink.
+
+For each rate one process sends 36-byte frames to another on this machine, which receives them with
+`recv_match(blocking=True)`, or with `async for` from mavwire.aio. Printed are the packets that were
+lost and the CPU time of the receiver for each packet, user and system; the time of the sender is not
+in it. Then the CPU time of links on which nothing arrives, and how soon Ctrl-C ends a blocking call.
+
+`--soak 600` receives for ten minutes at `--rate` and prints loss and memory each minute.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+PACKAGES = ("mavwire", "mavwire.aio", "pymavlink")
+KINDS = ("udpin", "tcpin")
+WORKER = Path(__file__).parent / "python" / "live_worker.py"
+# Goal G12 of docs/benchmarks.md.
+MUST = "8 us a packet, lossless at 50,000 packets/s; aim: 4.5 us, 100,000"
+
+
+def worker(*arguments: str) -> dict[str, Any]:
+    """What a measuring process found."""
+    env = {**os.environ, "MAVLINK20": "1", "MAVLINK_DIALECT": "ardupilotmega"}
+    command = [sys.executable, str(WORKER), *arguments]
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+    if done.returncode:
+        return {"failed": done.stderr.strip().splitlines()[-1] if done.stderr else "no answer"}
+    answer: dict[str, Any] = json.loads(done.stdout)
+    return answer
+
+
+def rates(args: argparse.Namespace) -> list[dict[str, Any]]:
+    """The table of rates."""
+    print(f"{'link':<8}{'rate/s':>9}  {'package':<12}{'received':>10}{'lost':>9}{'us CPU':>9}")
+    rows = []
+    for kind in KINDS:
+        for rate in args.rates:
+            for package in args.packages:
+                found = worker("receive", package, kind, str(rate), str(args.seconds))
+                found |= {"kind": kind, "rate": rate, "package": package}
+                rows.append(found)
+                print(f"{kind:<8}{rate:>9,}  {package:<12}", end="")
+                if "failed" in found:
+                    print(f"  {found['failed']}")
+                    continue
+                micros = 1e6 * found["cpu"] / max(found["received"], 1)
+                print(f"{found['received']:>10,}{found['lost']:>9,}{micros:>9.2f}")
+    return rows
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rates", type=lambda s: [int(n) for n in s.split(",")],
+                        default=[1_000, 10_000, 20_000, 50_000, 100_000])  # fmt: skip
+    parser.add_argument("--seconds", type=float, default=3.0)
+    parser.add_argument("--packages", type=lambda s: s.split(","), default=list(PACKAGES))
+    parser.add_argument("--rate", type=int, default=80_000, help="packets a second of the soak")
+    parser.add_argument("--soak", type=float, metavar="SECONDS")
+    parser.add_argument("--json", metavar="FILE")
+    args = parser.parse_args()
+    if args.soak:
+        command = [sys.executable, str(WORKER), "soak", "mavwire", str(args.rate), str(args.soak)]
+        return subprocess.run(command, env={**os.environ, "MAVLINK20": "1"}, check=False).returncode
+    print(f"goal: {MUST}\n")
+    rows = rates(args)
+    for package in args.packages:
+        idle = worker("idle", package, "100")
+        print(f"\n{package}: 100 idle links take {100 * idle['share']:.2f}% of a processor")
+        if package.endswith(".aio"):  # a loop has its own way with signals
+            rows.append({"package": package, "idle": idle})
+            continue
+        ends = worker("interrupt", package)
+        print(f"{package}: Ctrl-C ends a blocking receive after {1e3 * ends['seconds']:.0f} ms")
+        rows.append({"package": package, "idle": idle, "interrupt": ends})
+    if args.json:
+        found = {"time": time.time(), "processors": os.cpu_count(), "rows": rows}
+        Path(args.json).write_text(json.dumps(found, indent=1))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

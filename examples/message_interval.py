@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""Ask a vehicle for messages: a type at a rate, a single message, and the rate that it has."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from mavwire import mavutil
+from mavwire.dialects.v20 import common as mavlink
+
+device = sys.argv[1] if len(sys.argv) > 1 else "udpin:127.0.0.1:14550"
+
+
+def command(link: Any, number: int, *params: float) -> str:
+    """COMMAND_LONG to the vehicle; the name of the result."""
+    padded = [*params, *[0.0] * (7 - len(params))]
+    for confirmation in range(5):  # either way may get lost: ask again
+        link.mav.command_long_send(
+            link.target_system, link.target_component, number, confirmation, *padded
+        )
+        ack = link.recv_match(
+            f"COMMAND_ACK.command=={number}", "COMMAND_ACK", blocking=True, timeout=2
+        )
+        if ack is not None:
+            return mavlink.enums["MAV_RESULT"][ack.result].name
+    return "no answer"
+
+
+with mavutil.mavlink_connection(device) as link:
+    link.wait_heartbeat()
+
+    # ATTITUDE twenty times a second: the interval is in microseconds.
+    attitude = mavlink.MAVLINK_MSG_ID_ATTITUDE
+    print("set:", command(link, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, attitude, 1e6 / 20))
+
+    # Measured by the vehicle's own clock.
+    times = [link.recv_match(type="ATTITUDE", blocking=True).time_boot_ms for _ in range(41)]
+    print(f"measured: {40e3 / (times[-1] - times[0]):.0f} a second")
+
+    # What the vehicle says about it; the answer is a message of its own.
+    link.mav.command_long_send(
+        link.target_system, link.target_component, mavlink.MAV_CMD_GET_MESSAGE_INTERVAL,
+        0, attitude, 0, 0, 0, 0, 0, 0,
+    )  # fmt: skip
+    msg = link.recv_match(type="MESSAGE_INTERVAL", blocking=True, timeout=5)
+    print("interval:", None if msg is None else f"{msg.interval_us} us")
+
+    # One message, once.
+    version = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
+    print("request:", command(link, mavlink.MAV_CMD_REQUEST_MESSAGE, version))
+    print("capabilities:", hex(link.messages["AUTOPILOT_VERSION"].capabilities))
