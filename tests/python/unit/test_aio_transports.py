@@ -235,6 +235,7 @@ class Server:
     async def down(self):
         self.server.close()
         self.writer.transport.abort()
+        self.writer = None  # until the next connection is accepted
         await asyncio.sleep(0)
 
 
