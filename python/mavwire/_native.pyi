@@ -497,6 +497,14 @@ class Link:
     """Messages received, radio status, BAD_DATA and UNKNOWN not counted."""
     mav_loss: int
     """Messages lost, by the gaps in sequence numbers."""
+
+    @property
+    def names_refused(self) -> int:
+        """Message types, instances, components and parameters that were not kept because there were
+        too many already."""
+
+    def _refuse_name(self) -> None:
+        """Counts one that was not kept."""
     uptime: float
     """Seconds since the vehicle booted, as its messages say."""
     first_byte: bool
@@ -581,8 +589,9 @@ class LiveLink(Link):
     _has_unsent: bool
     """Bytes wait to be sent, so that receiving has to go through Python, which sends them."""
 
-    def _read_stream(self) -> None:
-        """From now on `port` may be read natively, as a stream."""
+    def _read_stream(self, serves_one: bool = False) -> None:
+        """From now on `port` may be read natively, as a stream. With `serves_one` the link's
+        `_make_room` is called about once a second while nothing arrives."""
 
     def _read_datagrams(self, own: tuple[Any, ...] | None = None) -> None:
         """From now on `port` may be read natively, as datagrams; those from `own` are left out."""

@@ -106,9 +106,8 @@ def _open(device: str, options: dict[str, Any]) -> Any:
     from mavwire import mavutil
 
     sync = mavutil.mavlink_connection(device, **options)
-    if getattr(sync, "destination_addr", None) and hasattr(sync, "_resolve"):
-        sync.resolved_destination_addr = sync._resolve()
-        if sync.resolved_destination_addr is None:
+    if getattr(sync, "destination_addr", None) and hasattr(sync, "_destination"):
+        if sync._destination() is None:
             sync.close()
             raise OSError(f"the address of {device} cannot be found")
     return sync

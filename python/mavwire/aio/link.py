@@ -269,22 +269,38 @@ class _Live:
         sync.mav.file = self.outgoing
         self.connected = False
         self._received = 0
+        self._look_timer: asyncio.TimerHandle | None = None
         if self._transport.is_there():
             self._begin()
         else:
             self._lost(None)
+        self._look_later()
 
     async def stop(self) -> None:
         """Leave the link to whoever closes it."""
         self.connected = False
         self.pump.stop()
         self.outgoing.stop()
+        self._transport.stop()
+        if self._look_timer is not None:
+            self._look_timer.cancel()
         await self._reconnecting.stop()
 
     def _begin(self) -> None:
         self.connected = True
         self._received = self._feed.count
         self.pump.start()
+
+    def _look_later(self) -> None:
+        interval = self._transport.look_interval
+        if interval is not None:
+            self._look_timer = self._loop.call_later(interval, self._look)
+
+    def _look(self) -> None:
+        self._look_later()
+        self._transport.look()
+        self.outgoing.follow()
+        self.pump.check()
 
     def _turned(self, error: Exception | None) -> None:
         """Reading is over for now; the link may have another descriptor, or none."""

@@ -6,6 +6,7 @@ they are told not to, and reopened in the background.
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import Callable
 from typing import Any
@@ -20,6 +21,8 @@ class Transport:
 
     # The other end can be gone and come back.
     reconnects = False
+    # How often `look` is called, in seconds, if at all.
+    look_interval: float | None = None
 
     def __init__(self, sync: Any) -> None:
         self.sync = sync
@@ -37,12 +40,48 @@ class Transport:
         """Whether an error of reading or writing means that the other end is gone."""
         return not self.is_there()
 
+    def look(self) -> None:
+        """What is to be done now and then, whether something arrives or not."""
+
     def let_go(self) -> None:
         """Release what is left of a connection that is gone."""
+
+    def stop(self) -> None:
+        """The link is being closed."""
 
     async def reopen(self) -> None:
         """One attempt to get the other end back; OSError if it is not there yet."""
         raise ConnectionError("this link has no other end")
+
+
+class OneClientServer(Transport):
+    """Servers for one client at a time, which let one go that says nothing while another one waits."""
+
+    look_interval = 5.0
+
+    def look(self) -> None:
+        self.sync._make_room()
+
+
+class DatagramClient(Transport):
+    """Datagrams to a host: should it have moved, its name is looked up beside the loop."""
+
+    def __init__(self, sync: Any) -> None:
+        super().__init__(sync)
+        self._loop = asyncio.get_running_loop()
+        self._looking: asyncio.Task[None] | None = None
+        sync._look_up = self._look_up
+
+    def _look_up(self) -> None:
+        if self._looking is None or self._looking.done():
+            self._looking = self._loop.create_task(self._find())
+
+    async def _find(self) -> None:
+        self.sync._found(await in_background(self.sync._resolve))
+
+    def stop(self) -> None:
+        if self._looking is not None:
+            self._looking.cancel()
 
 
 class StreamClient(Transport):
@@ -109,7 +148,6 @@ class Child(Transport):
 
     def sender(self) -> Sender:
         pipe = self.sync.child.stdin
-        os.set_blocking(pipe.fileno(), False)
         return DescriptorSender(lambda: None if pipe.closed else (pipe.fileno(), pipe))
 
     def is_there(self) -> bool:
@@ -120,6 +158,9 @@ class Child(Transport):
 
 
 _KINDS: dict[str, Callable[[Any], Transport]] = {
+    "mavudp": lambda sync: Transport(sync) if sync.udp_server else DatagramClient(sync),
+    "mavtcpin": OneClientServer,
+    "mavwebsocket": OneClientServer,
     "mavtcp": StreamClient,
     "mavwebsocket_client": WebSocketClient,
     "mavserial": SerialPort,

@@ -2,16 +2,33 @@
 
 from __future__ import annotations
 
+import errno
 import os
 
-from .chunked import READ_SIZE, ChunkedLink
+from .chunked import READ_SIZE
+from .stream import StreamLink, StreamWriter
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
 
-class mavchildexec(ChunkedLink):
+class _Pipe:
+    """A pipe to write to as a socket: it takes what there is room for."""
+
+    def __init__(self, pipe: Any) -> None:
+        self._pipe = pipe
+        os.set_blocking(pipe.fileno(), False)
+
+    def send(self, data: bytes) -> int:
+        try:
+            fd = self._pipe.fileno()
+        except ValueError:  # the link was closed
+            raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE)) from None
+        return os.write(fd, data)
+
+
+class mavchildexec(StreamLink):
     """Runs `filename`, which is why `mavlink_connection` wants the `exec:` prefix for it."""
 
     def __init__(
@@ -29,6 +46,8 @@ class mavchildexec(ChunkedLink):
         )
         output = self.child.stdout.fileno()  # type: ignore[union-attr]
         os.set_blocking(output, False)
+        self._input = _Pipe(self.child.stdin)
+        self._writer = StreamWriter()
         super().__init__(
             output, filename, source_system=source_system, source_component=source_component
         )
@@ -62,6 +81,10 @@ class mavchildexec(ChunkedLink):
             self._check_open()
             return b""
         try:
+            self._send_rest(self._input)
+        except OSError:  # it takes no more, but what it said last is still to be read
+            self._forget_unsent()
+        try:
             data = os.read(fd, READ_SIZE if n is None else n)
         except BlockingIOError:
             return b""
@@ -72,5 +95,10 @@ class mavchildexec(ChunkedLink):
         return data
 
     def write(self, buf: bytes) -> None:
-        """Send one frame to the child's input; BrokenPipeError when it has ended."""
-        self.child.stdin.write(buf)  # type: ignore[union-attr]
+        """Send one frame whole to the child's input, or drop it whole when the child does not read;
+        BrokenPipeError when it has ended."""
+        try:
+            self._send_frame(self._input, buf)
+        except OSError:
+            self._forget_unsent()
+            raise

@@ -58,7 +58,7 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
     @property
     def __dict__(self) -> dict[str, Any]:  # type: ignore[override]
         own = instance_dict(self)
-        hidden = (*_ATTRIBUTES, "_sysid")
+        hidden = (*_ATTRIBUTES, "_sysid", "_params_kept")
         first = {name: value for name, value in own.items() if name not in hidden}
         return first | {name: getattr(self, name) for name in _ATTRIBUTES}
 

@@ -3,32 +3,16 @@
 from __future__ import annotations
 
 from .chunked import READ_SIZE
-from .stream import StreamLink, StreamWriter
-from .waiting import address_family, prepare_tcp, set_close_on_exec, split_host_port
+from .one_client import OneClientLink, listen_on
+from .stream import StreamWriter
+from .waiting import split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
 
-def listen_on(address: tuple[str, int]) -> Any:
-    """A non-blocking socket that listens for one client on `address`."""
-    import socket
-
-    listener = socket.socket(address_family(address[0]), socket.SOCK_STREAM)
-    try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(address)
-        listener.listen(1)
-    except (OSError, OverflowError):
-        listener.close()
-        raise
-    listener.setblocking(False)
-    set_close_on_exec(listener.fileno())
-    return listener
-
-
-class mavtcpin(StreamLink):
+class mavtcpin(OneClientLink):
     """`device` is the host:port to listen on; `retries` is accepted and unused."""
 
     def __init__(
@@ -47,7 +31,7 @@ class mavtcpin(StreamLink):
             self.listen.fileno(), f"tcpin:{device}",
             source_system=source_system, source_component=source_component,
         )  # fmt: skip
-        self._read_stream()
+        self._read_stream(serves_one=True)
 
     def close(self) -> None:
         """Close the client's connection and stop listening."""
@@ -56,13 +40,9 @@ class mavtcpin(StreamLink):
 
     def _accept(self) -> bool:
         """Take a waiting client; whether there is one."""
-        try:
-            port, _ = self.listen.accept()
-        except (BlockingIOError, InterruptedError, ConnectionError):
+        port = self._next_client()
+        if port is None:
             return False
-        port.setblocking(False)
-        prepare_tcp(port)
-        set_close_on_exec(port.fileno())
         self.port, self.fd = port, port.fileno()
         return True
 

@@ -6,7 +6,7 @@ need them.
 from __future__ import annotations
 
 from .modes import mode_string_v10
-from .vehicle_state import MAX_PARAMS, mavfile_state, param_state
+from .vehicle_state import MAX_LINK_PARAMS, MAX_PARAMS, mavfile_state, param_state
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -31,7 +31,11 @@ class Tracking:
     param_state: dict[tuple[int, int], param_state]
     target_system: Any
     target_component: Any
+    params: Any
     _fix_home: Callable[[int], None]
+    _refuse_name: Callable[[], None]
+    # Of all senders together.
+    _params_kept = 0
 
     def _new_state(self) -> mavfile_state:
         """The state of a system that is heard for the first time."""
@@ -79,8 +83,19 @@ class Tracking:
         known = self.param_state.get(source)
         params = (known or self.param_state.setdefault(source, param_state())).params
         name = str(msg.param_id)
-        if name in params or len(params) < MAX_PARAMS:
+        if name in params or self._has_room(params):
             params[name] = msg.param_value
+        else:
+            self._refuse_name()
+
+    def _has_room(self, params: dict[str, float]) -> bool:
+        """Whether another parameter is kept; the target's are, however many others sent."""
+        if len(params) >= MAX_PARAMS:
+            return False
+        if self._params_kept < MAX_LINK_PARAMS:
+            self._params_kept += 1
+            return True
+        return params is self.params
 
     def _on_gps_raw_int(self, msg: Any, sender: mavfile_state) -> None:
         home = sender.messages.get("HOME")

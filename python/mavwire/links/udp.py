@@ -13,6 +13,7 @@ from .chunked import ChunkedLink
 from .waiting import (
     address_family,
     ask_for_room,
+    bind,
     datagrams_dropped,
     set_close_on_exec,
     split_host_port,
@@ -26,6 +27,8 @@ UDP_MAX_PACKET_LEN = 65535
 # Each reply target costs a send per message. A full table replaces a peer silent this long.
 MAX_CLIENTS = 128
 CLIENT_SILENCE = 60.0
+# Looking up a name may block for seconds: the least time between two attempts.
+LOOKUP_PAUSE = 10.0
 
 # "Nothing there", and what the network reports about datagrams sent earlier.
 NOTHING_RECEIVED = frozenset((
@@ -40,6 +43,9 @@ class mavudp(ChunkedLink):
     # Counted instead of raised: a datagram link has no one to tell.
     write_errors = 0
     clients_refused = 0
+    # The destination's name is to be looked up: at first, and again when sending fails.
+    _lookup_due = True
+    _next_lookup = 0.0
 
     def __init__(
         self,
@@ -59,8 +65,8 @@ class mavudp(ChunkedLink):
         self.broadcast = False
         try:
             if input:
-                self.port.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-                self.port.bind((host, number))
+                # Without SO_REUSEADDR: a second listener would take the datagrams of the first.
+                bind(self.port, (host, number))
             else:
                 self.destination_addr = (host, number)
                 if broadcast:
@@ -120,7 +126,7 @@ class mavudp(ChunkedLink):
         elif self.broadcast:
             self.broadcast = False
             self.destination_addr = address
-            self.resolved_destination_addr = address
+            self._found(address)
 
     def _room_for_client(self, now: float) -> bool:
         if len(self.clients) < MAX_CLIENTS:
@@ -153,18 +159,45 @@ class mavudp(ChunkedLink):
             for address in tuple(self.clients):
                 self._send(buf, address)
         else:
-            if self.resolved_destination_addr is None:
-                self.resolved_destination_addr = self._resolve()
-            self._send(buf, self.resolved_destination_addr or self.destination_addr)
+            self._send_out(buf)
 
-    def _send(self, buf: bytes, address: Any) -> None:
+    def _send_out(self, buf: bytes) -> None:
+        address = self._destination()
+        if address is None:
+            self.write_errors += 1
+        elif not self._send(buf, address):
+            self._lookup_due = True  # the host may have moved
+
+    def _send(self, buf: bytes, address: Any) -> bool:
+        """Whether the system took the datagram, or may take the next one."""
         try:
             self.port.sendto(buf, address)
+        except BlockingIOError:
+            self.write_errors += 1
         except (OSError, OverflowError):
             self.write_errors += 1
+            return False
+        return True
+
+    # -- where to send to
+
+    def _destination(self) -> Any:
+        """The destination as a numeric address; None while its name cannot be looked up."""
+        if self._lookup_due and time.monotonic() >= self._next_lookup:
+            self._look_up()
+        return self.resolved_destination_addr
+
+    def _look_up(self) -> None:
+        self._found(self._resolve())
+
+    def _found(self, address: Any) -> None:
+        """What looking up gave; None leaves the address that was found before."""
+        self._next_lookup = time.monotonic() + LOOKUP_PAUSE
+        self._lookup_due = address is None
+        if address is not None:
+            self.resolved_destination_addr = address
 
     def _resolve(self) -> Any:
-        """The destination as a numeric address, so that a name is looked up once."""
         import socket
 
         host, number = self.destination_addr

@@ -104,6 +104,14 @@ def split_host_port(device: str, kind: str) -> tuple[str, int]:
     return host[1:-1] if bracketed else host, number
 
 
+def bind(port: Any, address: tuple[str, int]) -> None:
+    """Bind a socket; an OSError names the address."""
+    try:
+        port.bind(address)
+    except OSError as error:
+        raise type(error)(error.errno, f"{error.strerror}: {address[0]}:{address[1]}") from None
+
+
 def address_family(host: str) -> int:
     """AF_INET6 for a numeric IPv6 host, AF_INET for names and IPv4 addresses."""
     import socket

@@ -8,8 +8,8 @@ from __future__ import annotations
 import errno
 
 from .chunked import READ_SIZE
+from .one_client import OneClientLink, listen_on
 from .stream import StreamLink, StreamWriter
-from .tcpin import listen_on
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port, wait_readable
 
 TYPE_CHECKING = False
@@ -156,7 +156,7 @@ class _WebSocketLink(StreamLink):
             self.close_port()
 
 
-class mavwebsocket(_WebSocketLink):
+class mavwebsocket(_WebSocketLink, OneClientLink):
     """A server for one client at a time; `device` is the host:port to listen on."""
 
     def __init__(
@@ -187,16 +187,21 @@ class mavwebsocket(_WebSocketLink):
     def _accept(self) -> bool:
         from wsproto import ConnectionType, WSConnection
 
-        try:
-            port, _ = self.listen.accept()
-        except (BlockingIOError, InterruptedError, ConnectionError):
+        port = self._next_client()
+        if port is None:
             return False
-        prepare_tcp(port)
         self._start(port, WSConnection(ConnectionType.SERVER))
         return True
 
+    def _drop_client(self) -> None:
+        self.close_port()
+
+    def _patience(self) -> float:
+        return super()._patience() if self._established() else HANDSHAKE_TIMEOUT
+
     def recv(self, n: int | None = None) -> bytes:
         """What one read brings, whatever `n`; empty without data or client."""
+        self._make_room()
         if self.port is None and not self._accept():
             return b""
         return self._receive()

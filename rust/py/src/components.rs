@@ -10,7 +10,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::instances::add_message;
+use crate::link::Link;
 use crate::message::Message;
+use crate::room::{OWN_COMPONENTS, OWN_NAMES, Room};
 use crate::slot::Slot;
 
 /// No component was heard yet.
@@ -41,6 +43,7 @@ impl Components {
     #[cold]
     pub(crate) fn keep(
         &self,
+        link: &Bound<'_, Link>,
         messages: &Bound<'_, PyDict>,
         compid: u8,
         kind: &Bound<'_, PyString>,
@@ -55,13 +58,14 @@ impl Components {
         let known = tables.get_item(compid)?;
         let table = match known {
             Some(table) => table.cast_into::<PyDict>()?,
+            None if !Room::of(link, OWN_COMPONENTS).takes(tables.len())? => return Ok(()),
             None => {
                 let table = PyDict::new(messages.py());
                 tables.set_item(compid, &table)?;
                 table
             }
         };
-        add_message(&table, kind, message)
+        add_message(&table, kind, message, &Room::of(link, own_names(&tables)))
     }
 
     /// Component id -> newest messages.
@@ -85,6 +89,17 @@ impl Components {
         Ok(tables)
     }
 
+    /// Names in the tables, and tables, for which there is no room of their own.
+    pub(crate) fn shared_names(&self, py: Python<'_>) -> PyResult<usize> {
+        let Some(tables) = self.tables.get(py) else { return Ok(0) };
+        let own = own_names(&tables);
+        let mut names = tables.len().saturating_sub(OWN_COMPONENTS);
+        for (_, table) in tables {
+            names += table.len()?.saturating_sub(own);
+        }
+        Ok(names)
+    }
+
     /// Keeps the tables from now on.
     fn open<'py>(&self, messages: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
         let tables = self.tables(messages)?;
@@ -99,6 +114,11 @@ impl Components {
     pub(crate) fn clear(&self) {
         self.tables.set(None);
     }
+}
+
+/// Names that each of a system's tables has room for by itself.
+fn own_names(tables: &Bound<'_, PyDict>) -> usize {
+    if tables.len() <= OWN_COMPONENTS { OWN_NAMES } else { 0 }
 }
 
 /// Component that sent a message; `None` for one that was built and never sent, as the first `HOME`.

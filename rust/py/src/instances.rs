@@ -13,7 +13,7 @@ use pyo3::types::{PyDict, PyString};
 use crate::create::{self, create};
 use crate::dict;
 use crate::message::{Message, Origin, flags};
-use crate::tracking::MAX_MESSAGES;
+use crate::room::Room;
 use crate::values;
 
 /// Instances kept per message type: they are chosen by whoever sends.
@@ -22,38 +22,63 @@ const MAX_INSTANCES: usize = 4096;
 /// Stores a message as the newest of its type, and as the newest of its instance if it has one: then `messages[type]`
 /// is a copy whose items are the instances' newest messages, and `messages["TYPE[instance]"]` a further copy.
 #[pyfunction]
-pub(crate) fn add_message(
+#[pyo3(name = "add_message")]
+pub(crate) fn add_message_alone(
     messages: &Bound<'_, PyDict>,
     kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
 ) -> PyResult<()> {
+    add_message(messages, kind, message, &Room::alone())
+}
+
+/// The same as far as there is room.
+pub(crate) fn add_message(
+    messages: &Bound<'_, PyDict>,
+    kind: &Bound<'_, PyString>,
+    message: &Bound<'_, Message>,
+    room: &Room<'_, '_>,
+) -> PyResult<()> {
     let Some(instance) = instance_of(message)? else {
-        if messages.len() < MAX_MESSAGES || messages.contains(kind)? {
-            messages.set_item(kind, message)?;
-        }
-        return Ok(());
+        return add_plain(messages, kind, message, room);
     };
-    let instances = renew_newest(messages, kind, message)?;
-    if instances.len() < MAX_INSTANCES || instances.contains(&instance)? {
-        instances.set_item(&instance, message)?;
-        let key = instance_key(kind, message, &instance)?;
-        let renewed = match messages.get_item(&key)? {
-            Some(previous) => renew(&previous, message, 0),
-            None => false,
-        };
-        if !renewed {
-            messages.set_item(key, shallow_copy(message)?)?;
-        }
+    let Some(instances) = renew_newest(messages, kind, message, room)? else { return Ok(()) };
+    let is_known = instances.contains(&instance)?;
+    if !is_known && (instances.len() >= MAX_INSTANCES || !room.takes(messages.len())?) {
+        return Ok(());
+    }
+    instances.set_item(&instance, message)?;
+    let key = instance_key(kind, message, &instance)?;
+    let renewed = match messages.get_item(&key)? {
+        Some(previous) => renew(&previous, message, 0),
+        None => false,
+    };
+    if !renewed {
+        messages.set_item(key, shallow_copy(message)?)?;
     }
     Ok(())
 }
 
-/// Makes `messages[kind]` a copy of `message`; gives its table of instances.
+/// Stores a message of a type without instances.
+pub(crate) fn add_plain(
+    messages: &Bound<'_, PyDict>,
+    kind: &Bound<'_, PyString>,
+    message: &Bound<'_, Message>,
+    room: &Room<'_, '_>,
+) -> PyResult<()> {
+    let names = messages.len();
+    if room.owns(names) || messages.contains(kind)? || room.takes(names)? {
+        messages.set_item(kind, message)?;
+    }
+    Ok(())
+}
+
+/// Makes `messages[kind]` a copy of `message`; gives its table of instances, or `None` if there is no room for it.
 fn renew_newest<'py>(
     messages: &Bound<'py, PyDict>,
     kind: &Bound<'py, PyString>,
     message: &Bound<'py, Message>,
-) -> PyResult<Bound<'py, PyDict>> {
+    room: &Room<'_, '_>,
+) -> PyResult<Option<Bound<'py, PyDict>>> {
     let name = intern!(messages.py(), "_instances");
     let mut kept = None;
     if let Some(previous) = messages.get_item(kind)? {
@@ -61,18 +86,20 @@ fn renew_newest<'py>(
             Some(instances)
                 if holds_instances_alone(&previous)? && renew(&previous, message, flags::DICT) =>
             {
-                return Ok(instances);
+                return Ok(Some(instances));
             }
             Some(instances) => Some(instances),
             None => None,
         };
+    } else if !room.takes(messages.len())? {
+        return Ok(None);
     }
     let instances = kept.unwrap_or_else(|| PyDict::new(messages.py()));
     let newest = shallow_copy(message)?;
     dict::generic_set_attr(newest.as_any(), name, Some(&instances))?;
     Message::written(&newest, flags::DICT);
     messages.set_item(kind, newest)?;
-    Ok(instances)
+    Ok(Some(instances))
 }
 
 /// Nothing else was written to `previous`.

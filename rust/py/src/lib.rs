@@ -44,6 +44,7 @@ mod parser;
 mod peers;
 mod raw;
 mod receive;
+mod room;
 mod send;
 mod send_lock;
 mod sequences;
@@ -75,7 +76,7 @@ mod _native {
     #[pymodule_export]
     use crate::info::MessageInfo;
     #[pymodule_export]
-    use crate::instances::add_message;
+    use crate::instances::add_message_alone;
     #[pymodule_export]
     use crate::link::{Link, instance_dict};
     #[pymodule_export]

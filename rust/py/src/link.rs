@@ -12,6 +12,7 @@ use crate::lock::{Guard, Lock};
 use crate::log_reader::LogReader;
 use crate::mavlink::{MAVLink, overridden};
 use crate::message::Message;
+use crate::room::Budget;
 use crate::sequences::Sequences;
 use crate::system::Senders;
 use crate::tracking;
@@ -109,11 +110,13 @@ impl LinkState {
 #[pyclass(frozen, subclass, module = "mavwire._native")]
 pub(crate) struct Link {
     state: Lock<LinkState>,
+    /// Room for names that whoever sends has chosen.
+    pub(crate) budget: Budget,
 }
 
 impl Link {
     pub(crate) fn empty() -> Self {
-        Self { state: Lock::new(LinkState::new()) }
+        Self { state: Lock::new(LinkState::new()), budget: Budget::default() }
     }
 
     pub(crate) fn state(&self) -> Guard<'_, LinkState> {
@@ -198,6 +201,17 @@ impl Link {
     #[setter(mav_loss)]
     fn set_mav_loss(&self, value: u64) {
         self.state().mav_loss = value;
+    }
+
+    /// Message types, instances, components and parameters that were not kept because there were too many already.
+    #[getter]
+    fn names_refused(&self) -> u64 {
+        self.budget.refused()
+    }
+
+    /// Counts one that was not kept.
+    fn _refuse_name(&self) {
+        self.budget.refuse();
     }
 
     /// `{(sysid, compid): last sequence number}`, a copy.

@@ -46,6 +46,9 @@ const SIGNAL_INTERVAL: u64 = 256;
 /// How long one wait may last before the user's signals are looked at: those that another thread received end no wait.
 const WAIT_SLICE: Duration = Duration::from_millis(200);
 
+/// How often a server that serves one at a time looks after its client.
+const LOOK_INTERVAL: Duration = Duration::from_secs(1);
+
 /// A link that reads a descriptor.
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
 pub(crate) struct LiveLink {
@@ -109,10 +112,23 @@ impl LiveLink {
         if Self::is_quick(slf)
             && let Some(message) = receive::next_message(slf)?.message()
         {
+            if message.is_none() {
+                Self::look_after_client(slf)?;
+            }
             return Ok(message);
         }
         let message = slf.call_method0(intern!(slf.py(), "_recv_msg_slowly"))?;
         if message.is_none() { Ok(None) } else { Ok(Some(message.cast_into::<Message>()?)) }
+    }
+
+    /// Now and then lets a server see whether somebody waits for a client that says nothing.
+    fn look_after_client(slf: &Bound<'_, Self>) -> PyResult<()> {
+        let now = Instant::now();
+        if !slf.get().source().is_time_to_look(now, LOOK_INTERVAL) {
+            return Ok(());
+        }
+        slf.call_method0(intern!(slf.py(), "_make_room"))?;
+        Ok(())
     }
 
     /// Waits until data may be there, `deadline` has come or the idle hooks are due.
@@ -227,9 +243,13 @@ impl LiveLink {
         self.plain_port.set(None);
     }
 
-    /// From now on `port` may be read natively, as a stream.
-    fn _read_stream(&self) {
-        self.source().transport = Transport::Stream;
+    /// From now on `port` may be read natively, as a stream. With `serves_one` the link's `_make_room` is called about once
+    /// a second while nothing arrives.
+    #[pyo3(signature = (serves_one = false))]
+    fn _read_stream(&self, serves_one: bool) {
+        let mut source = self.source();
+        source.transport = Transport::Stream;
+        source.next_look = serves_one.then(Instant::now);
     }
 
     /// From now on `port` may be read natively, as datagrams. Those from `own` address are left out.

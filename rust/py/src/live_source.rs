@@ -1,6 +1,7 @@
 //! What a live link has received and not handed out, and where it comes from.
 
 use std::io;
+use std::time::{Duration, Instant};
 
 use mavwire_link::address::Address;
 use mavwire_link::bytes::{READ_SIZE, read_available};
@@ -37,6 +38,8 @@ pub(crate) struct LiveSource {
     pub(crate) drained: bool,
     /// Python has bytes to send which the peer did not take yet, and sends them when it receives.
     pub(crate) has_unsent: bool,
+    /// When to look after the client next, if this is a server for one.
+    pub(crate) next_look: Option<Instant>,
 }
 
 impl LiveSource {
@@ -47,7 +50,17 @@ impl LiveSource {
             peers: Peers::default(),
             drained: false,
             has_unsent: false,
+            next_look: None,
         }
+    }
+
+    /// It is time to look after the client, and for the next time after `interval`.
+    pub(crate) fn is_time_to_look(&mut self, now: Instant, interval: Duration) -> bool {
+        let is_due = self.next_look.is_some_and(|due| now >= due);
+        if is_due {
+            self.next_look = now.checked_add(interval);
+        }
+        is_due
     }
 
     /// Reads what is there: datagrams into the empty inbox, a stream into the parser.

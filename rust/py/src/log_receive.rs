@@ -107,9 +107,9 @@ impl LogLink {
         };
         if let Some(system) = apart {
             let name = info.name.bind(py);
-            system.get().components.keep(&messages, header.compid, name, &message)?;
+            system.get().components.keep(link, &messages, header.compid, name, &message)?;
         }
-        tracking::post_plain(&messages, info, &message)?;
+        tracking::post_plain(link, &messages, info, &message)?;
         if let Some(system) = system {
             tracking::call_python(link, &message, info.name.bind(py), &system)?;
         }

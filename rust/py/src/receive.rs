@@ -175,12 +175,13 @@ fn deliver<'py>(
         slf.call_method1(intern!(slf.py(), "_record"), (&message,))?;
     }
     let name = class.info.name.bind(slf.py());
+    let link = slf.as_super();
     if let Some(system) = fresh.apart {
-        system.get().components.keep(&fresh.messages, fresh.compid, name, &message)?;
+        system.get().components.keep(link, &fresh.messages, fresh.compid, name, &message)?;
     }
-    tracking::post_plain(&fresh.messages, class.info, &message)?;
+    tracking::post_plain(link, &fresh.messages, class.info, &message)?;
     if let Some(system) = fresh.changes {
-        tracking::call_python(slf.as_super(), &message, name, &system)?;
+        tracking::call_python(link, &message, name, &system)?;
     }
     Ok(message)
 }

@@ -10,13 +10,11 @@ use pyo3::types::{PyDict, PyString};
 
 use crate::dict;
 use crate::info::Info;
-use crate::instances::add_message;
+use crate::instances::{add_message, add_plain};
 use crate::link::Link;
 use crate::message::{Message, flags};
+use crate::room::{OWN_NAMES, Room};
 use crate::system::{Sender, SystemState};
-
-/// Message types (and instances of them) kept per system, since whoever sends chooses them.
-pub(crate) const MAX_MESSAGES: usize = 32768;
 
 /// A SiK radio injects RADIO_STATUS under this source; it belongs to the link, not to a system.
 pub(crate) const RADIO: (u8, u8) = (b'3', b'D');
@@ -53,9 +51,9 @@ pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
     let sender = sender(link, source.sysid)?;
     if source.counts && !sender.state.get().components.is_sole(source.compid) {
         let components = &sender.state.get().components;
-        components.keep(&sender.messages, source.compid, &kind, message)?;
+        components.keep(link, &sender.messages, source.compid, &kind, message)?;
     }
-    add_message(&sender.messages, &kind, message)?;
+    add_message(&sender.messages, &kind, message, &Room::of(link, OWN_NAMES))?;
     if is_radio {
         link.call_method1(intern!(py, "_post_radio"), (&kind, message))?;
     }
@@ -64,17 +62,18 @@ pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
 
 /// Keeps a message that was just made, and that nobody has seen, as the newest of its type.
 pub(crate) fn post_plain(
+    link: &Bound<'_, Link>,
     messages: &Bound<'_, PyDict>,
     info: &Info,
     message: &Bound<'_, Message>,
 ) -> PyResult<()> {
     let kind = info.name.bind(messages.py());
+    let room = Room::of(link, OWN_NAMES);
     if info.definition.instance_field.is_some() {
-        add_message(messages, kind, message)?;
-    } else if messages.len() < MAX_MESSAGES || messages.contains(kind)? {
-        messages.set_item(kind, message)?;
+        add_message(messages, kind, message, &room)
+    } else {
+        add_plain(messages, kind, message, &room)
     }
-    Ok(())
 }
 
 /// The updates that Python makes, then the message hooks.

@@ -1,0 +1,84 @@
+"""Servers for one client at a time: who holds the place, and when somebody else gets it.
+
+A client that hangs, or that never was a MAVLink program, would otherwise shut out all others for as
+long as its connection stands. One that only listens may stay as long as nobody else waits.
+"""
+
+from __future__ import annotations
+
+from time import monotonic
+
+from .stream import StreamLink
+from .waiting import (
+    address_family,
+    bind,
+    prepare_tcp,
+    set_close_on_exec,
+    wait_readable,
+)
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+# A client that has sent no message for this long makes room when another one waits.
+CLIENT_SILENCE = 60.0
+
+
+def listen_on(address: tuple[str, int]) -> Any:
+    """A non-blocking socket that listens for one client on `address`."""
+    import socket
+
+    listener = socket.socket(address_family(address[0]), socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        bind(listener, address)
+        listener.listen(1)
+    except (OSError, OverflowError):
+        listener.close()
+        raise
+    listener.setblocking(False)
+    set_close_on_exec(listener.fileno())
+    return listener
+
+
+class OneClientLink(StreamLink):
+    """A server for one client at a time; `listen` is its listening socket."""
+
+    listen: Any
+    # Clients that had to go.
+    clients_replaced = 0
+    # When the client was heard, and how many messages the link had received by then.
+    _heard_at = 0.0
+    _heard_count = 0
+
+    def _next_client(self) -> Any:
+        """The socket of a waiting client, or None."""
+        try:
+            port, _ = self.listen.accept()
+        except (BlockingIOError, InterruptedError, ConnectionError):
+            return None
+        port.setblocking(False)
+        prepare_tcp(port)
+        set_close_on_exec(port.fileno())
+        self._heard_at, self._heard_count = monotonic(), self.mav_count
+        return port
+
+    def _make_room(self) -> None:
+        """Let a client go that says nothing while another one waits."""
+        if self.port is None:
+            return
+        now = monotonic()
+        if self.mav_count != self._heard_count:
+            self._heard_at, self._heard_count = now, self.mav_count
+        if now - self._heard_at >= self._patience() and wait_readable(self.listen, 0):
+            self.clients_replaced += 1
+            self._drop_client()
+
+    def _patience(self) -> float:
+        """Seconds that a client may be silent while another one waits."""
+        return CLIENT_SILENCE
+
+    def _drop_client(self) -> None:
+        """Back to listening."""
+        raise NotImplementedError
