@@ -11,7 +11,7 @@ import time
 import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
-from unit.link_tools import KEY, Capture, drain, heartbeat, pack, signed, types
+from unit.link_tools import KEY, Capture, drain, drain_in_portions, heartbeat, pack, signed, types
 from watchdog import watched
 
 XML = """<mavlink><messages><message id="{msgid}" name="{name}">
@@ -136,14 +136,6 @@ def test_tables_keyed_by_the_peer_are_capped(monkeypatch):
     assert (kept["NAMED_VALUE_FLOAT"].value, kept["NAMED_VALUE_FLOAT[n7]"].value) == (0.5, 0.5)
     assert len(link.sysid_state[0].messages) == messages
     assert link.param_state[(1, 1)].params == {"n0": 0, "n1": 99, "n2": 2}
-
-
-def drain_in_portions(link: Capture) -> None:
-    """`Capture` takes bytes off the front of a buffer, which is slow with a long one."""
-    received, link.rx = bytes(link.rx), bytearray()
-    for start in range(0, len(received), 4096):
-        link.rx += received[start : start + 4096]
-        drain(link)
 
 
 def test_target_component_follows_the_locked_system():

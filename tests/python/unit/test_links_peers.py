@@ -1,0 +1,375 @@
+"""Other ends that misbehave: hosts that move, second listeners, children that do not read, clients that only hold the
+line, floods of made-up ids.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import socket
+import threading
+import time
+
+import pytest
+from mavwire import aio, mavutil
+from mavwire.aio.transports import OneClientServer
+from mavwire.dialects.v20 import all as mavlink
+from mavwire.links import one_client, udp
+from unit.aio_tools import eventually, run
+from unit.link_tools import Capture, drain_in_portions, free_port, heartbeat, pack
+from watchdog import watched
+
+WAIT = 60.0
+
+
+@pytest.fixture(autouse=True)
+def mavlink20():
+    mavutil.set_wire_protocol("2.0")
+    mavutil.set_dialect("all")
+    yield
+    mavutil.set_wire_protocol(None)
+    mavutil.set_dialect("all")
+
+
+def receive(link):
+    """The next HEARTBEAT, waiting for it."""
+    return link.recv_match(type="HEARTBEAT", blocking=True, timeout=WAIT)
+
+
+# -- the name of a UDP destination
+
+
+class Names:
+    """Looks up names in the test's own table."""
+
+    def __init__(self):
+        self.known = {}
+        self.asked = []
+
+    def __call__(self, host, port, *args):
+        self.asked.append(host)
+        if host not in self.known:
+            raise socket.gaierror(socket.EAI_NONAME, "Name or service not known")
+        return [(socket.AF_INET, socket.SOCK_DGRAM, 17, "", (self.known[host], port))]
+
+
+@pytest.fixture
+def names(monkeypatch):
+    names = Names()
+    monkeypatch.setattr(socket, "getaddrinfo", names)
+    return names
+
+
+@pytest.fixture
+def vehicle():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("127.0.0.1", 0))
+        sock.settimeout(WAIT)
+        yield sock
+
+
+def test_a_name_is_looked_up_once(names, vehicle):
+    names.known["vehicle.test"] = "127.0.0.1"
+    with mavutil.mavlink_connection(f"udpout:vehicle.test:{vehicle.getsockname()[1]}") as link:
+        for seq in range(20):
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+            assert vehicle.recv(100)[4] == seq
+    assert names.asked == ["vehicle.test"]
+
+
+def test_an_unknown_name_is_looked_up_again_after_a_pause(names, vehicle, monkeypatch):
+    with mavutil.mavlink_connection(f"udpout:vehicle.test:{vehicle.getsockname()[1]}") as link:
+        for _ in range(100):
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert (len(names.asked), link.write_errors) == (1, 100)
+        now = time.monotonic() + udp.LOOKUP_PAUSE
+        monkeypatch.setattr("time.monotonic", lambda: now)
+        names.known["vehicle.test"] = "127.0.0.1"
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert vehicle.recv(100)[4] == 100
+        assert len(names.asked) == 2
+
+
+class Unreachable:
+    """A socket whose network knows no way to some addresses."""
+
+    family = socket.AF_INET
+
+    def __init__(self, real, *gone):
+        self.fileno, self.recvfrom = real.fileno, real.recvfrom
+        self.gone = gone
+        self.sent = []
+
+    def sendto(self, data, address):
+        if address[0] in self.gone:
+            raise OSError(errno.EHOSTUNREACH, "No route to host")
+        self.sent.append(address[0])
+
+
+def test_a_host_that_moved_is_found_again(names, monkeypatch):
+    monkeypatch.setattr(udp, "LOOKUP_PAUSE", 0.0)
+    names.known["vehicle.test"] = "10.0.0.1"
+    with mavutil.mavlink_connection("udpout:vehicle.test:14550") as link:
+        real, link.port = link.port, Unreachable(link.port, "10.0.0.1")
+        link.write(b"1")
+        del names.known["vehicle.test"]
+        link.write(b"2")  # no answer: the last address is tried again
+        names.known["vehicle.test"] = "10.0.0.2"
+        link.write(b"3")
+        link.write(b"4")
+        assert (link.port.sent, link.write_errors) == (["10.0.0.2"] * 2, 2)
+        assert len(names.asked) == 3
+        link.port = real
+
+
+def test_a_loop_goes_on_while_a_name_is_looked_up(names, monkeypatch):
+    monkeypatch.setattr(udp, "LOOKUP_PAUSE", 0.0)
+    names.known["vehicle.test"] = "10.0.0.1"
+    answer = threading.Event()
+
+    async def main():
+        async with aio.connect("udpout:vehicle.test:14550") as link:
+            real = link.sync.port
+            link.sync.port = Unreachable(real, "10.0.0.1")
+            try:
+                names.known["vehicle.test"] = "10.0.0.2"
+                resolve = link.sync._resolve
+                link.sync._resolve = lambda: answer.wait(WAIT) and resolve()
+                for _ in range(10):
+                    link.mav.heartbeat_send(6, 8, 0, 0, 0)
+                    await asyncio.sleep(0)
+                assert link.sync.resolved_destination_addr[0] == "10.0.0.1"
+                answer.set()
+                await eventually(lambda: link.sync.resolved_destination_addr[0] == "10.0.0.2")
+                link.mav.heartbeat_send(6, 8, 0, 0, 0)
+                assert link.sync.port.sent == ["10.0.0.2"]
+                assert len(names.asked) == 2
+            finally:
+                answer.set()
+                link.sync.port = real
+
+    run(main())
+
+
+# -- the place of another
+
+
+def test_a_second_listener_takes_no_datagrams():
+    """V15."""
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as first:
+        address = first.port.getsockname()
+        with pytest.raises(OSError, match=f"127.0.0.1:{address[1]}") as refused:
+            mavutil.mavlink_connection(f"udpin:127.0.0.1:{address[1]}")
+        assert refused.value.errno == errno.EADDRINUSE
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
+            peer.sendto(heartbeat(5), address)
+            assert receive(first).get_seq() == 5
+    mavutil.mavlink_connection(f"udpin:127.0.0.1:{address[1]}").close()
+
+
+def test_a_child_that_reads_nothing_blocks_nobody(tmp_path):
+    """R63: frames are whole or dropped, and counted."""
+    go = tmp_path / "go"
+    program = tmp_path / "program"
+    program.write_text(f"#!/bin/sh\nwhile [ ! -e {go} ]; do sleep 0.05; done\nexec cat\n")
+    program.chmod(0o700)
+    sent = 0
+    with mavutil.mavlink_connection(f"exec:{program}") as link, watched(WAIT):
+        text = mavlink.MAVLink_statustext_message(6, b"x" * 50)
+        while link.frames_dropped < 100:
+            link.mav.send(text)
+            sent += 1
+        go.touch()
+        for _ in range(sent - link.frames_dropped):
+            assert link.recv_match(blocking=True, timeout=WAIT).get_type() == "STATUSTEXT"
+        link.child.kill()
+        link.child.wait()
+        with pytest.raises(BrokenPipeError):
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+
+
+class Clock:
+    """The time by which clients are silent."""
+
+    def __init__(self):
+        self.now = 1000.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(one_client, "monotonic", clock)
+    return clock
+
+
+def accepted(link):
+    """The client that a server has now."""
+    with watched(WAIT):
+        while link.port is None:
+            link.recv_msg()
+    return link.port
+
+
+def test_a_silent_client_makes_room_for_one_that_waits(clock):
+    with mavutil.mavlink_connection("tcpin:127.0.0.1:0") as link:
+        address = link.listen.getsockname()
+        with socket.create_connection(address):
+            first = accepted(link)
+            clock.now += 10 * one_client.CLIENT_SILENCE
+            link._make_room()
+            assert link.port is first  # nobody else wants the place
+            with socket.create_connection(address) as second:
+                second.sendall(heartbeat(7))
+                assert receive(link).get_seq() == 7
+                assert (link.port is first, link.clients_replaced) == (False, 1)
+
+
+def test_a_client_that_sends_messages_stays(clock):
+    with mavutil.mavlink_connection("tcpin:127.0.0.1:0") as link:
+        address = link.listen.getsockname()
+        with socket.create_connection(address) as client, socket.create_connection(address):
+            first = accepted(link)
+            for seq in range(5):
+                client.sendall(heartbeat(seq))
+                assert receive(link).get_seq() == seq
+                link._make_room()
+                clock.now += one_client.CLIENT_SILENCE - 1
+                link._make_room()
+            assert (link.port, link.clients_replaced) == (first, 0)
+            client.sendall(b"no message")  # which does not count
+            clock.now += 1
+            with watched(WAIT):
+                while link.port is first:
+                    link.recv_msg()
+
+
+def test_a_websocket_client_that_never_shakes_hands_makes_room(clock):
+    pytest.importorskip("wsproto")
+    with mavutil.mavlink_connection("wsserver:127.0.0.1:0") as link:
+        host, port = link.listen.getsockname()
+        with socket.create_connection((host, port)):
+            accepted(link)
+            clock.now += 5
+
+            def talk():
+                with mavutil.mavlink_connection(f"ws:{host}:{port}") as client:
+                    client.mav.heartbeat_send(2, 3, 81, 4, 4)
+                    done.wait(WAIT)
+
+            done = threading.Event()
+            thread = threading.Thread(target=talk)
+            thread.start()
+            assert receive(link) is not None
+            done.set()
+            thread.join()
+            assert link.clients_replaced == 1
+
+
+def test_a_silent_client_makes_room_in_a_loop(monkeypatch):
+    monkeypatch.setattr(one_client, "CLIENT_SILENCE", 0.05)
+    monkeypatch.setattr(OneClientServer, "look_interval", 0.01)
+    port = free_port()
+
+    async def main():
+        async with aio.connect(f"tcpin:127.0.0.1:{port}") as link:
+            with socket.create_connection(("127.0.0.1", port)):
+                await eventually(lambda: link.sync.port is not None)
+                with socket.create_connection(("127.0.0.1", port)) as second:
+                    second.sendall(heartbeat(7))
+                    assert (await link.recv_match(timeout=WAIT)).get_seq() == 7
+                    assert link.sync.clients_replaced == 1
+
+    run(main())
+
+
+# -- made-up ids
+
+
+def flood(systems, components, names):
+    """NAMED_VALUE_FLOAT messages of everyone under many names."""
+    mav = mavlink.MAVLink(None)
+    frames = []
+    for mav.srcSystem in systems:
+        for mav.srcComponent in components:
+            for name in range(names):
+                label = b"%d.%d" % (mav.srcComponent, name)
+                frames.append(mavlink.MAVLink_named_value_float_message(1, label, 0).pack(mav))
+    return b"".join(frames)
+
+
+def telemetry(sysid, number):
+    """What a vehicle and its camera say."""
+    beats = [heartbeat(number, sysid, compid) for compid in (1, 100)]
+    attitude = mavlink.MAVLink_attitude_message(number, 0.5, 0, 0, 0, 0, 0)
+    return b"".join([*beats, pack(attitude, number + 1, sysid)])
+
+
+def assert_known(link, sysid, number):
+    assert link.latest("ATTITUDE", sysid, 1).time_boot_ms == number
+    beats = [link.latest("HEARTBEAT", sysid, compid) for compid in (1, 100)]
+    assert [beat.get_srcComponent() for beat in beats] == [1, 100]
+    assert link.sysid_state[sysid].flightmode != "UNKNOWN"
+
+
+def names_kept(link):
+    states = [link.sysid_state[sysid] for sysid in link.sysid_state]
+    tables = [table for state in states for table in state.components.values()]
+    return sum(map(len, tables)) + sum(len(state.messages) for state in states)
+
+
+def test_a_flood_of_made_up_senders_is_bounded_and_shuts_out_no_vehicle():
+    """R68, over all tables of a link: 128 names of each system and of four components of it, and 65,536 others."""
+    link = Capture()
+    link.rx += telemetry(1, 5)
+    drain_in_portions(link)
+    for first in range(2, 66, 16):
+        link.rx += flood(range(first, first + 16), range(256), 4) + telemetry(1, first)
+        drain_in_portions(link)
+        assert_known(link, 1, first)
+    kept, refused = names_kept(link), link.names_refused
+    assert 65_536 < kept < 66 * 5 * 128 + 65_536
+    assert refused > 50_000
+    link.rx += telemetry(200, 7)  # who comes late finds room too
+    drain_in_portions(link)
+    assert_known(link, 200, 7)
+    assert link.names_refused == refused
+
+
+def test_room_that_a_program_makes_is_used_again():
+    """R68."""
+    link = Capture()
+    names = 35_000
+    frame = bytearray(heartbeat())
+    for _ in range(3):
+        for msgid in range(900_000, 900_000 + names):
+            frame[7:10] = msgid.to_bytes(3, "little")
+            link.rx += frame
+        drain_in_portions(link)
+        kept = len(link.sysid_state[0].messages)
+        link.sysid_state[0].messages.clear()
+        assert kept == 32_768
+    assert link.names_refused > 3 * (names - 32_768)
+
+
+def test_parameters_are_bounded_over_all_senders(monkeypatch):
+    """R68."""
+    monkeypatch.setattr("mavwire.links.tracking.MAX_LINK_PARAMS", 100)
+    link = Capture()
+    link.rx += heartbeat()
+
+    def value(sysid, name):
+        msg = mavlink.MAVLink_param_value_message(name.encode(), 1.5, 9, 200, 0)
+        return pack(msg, 0, sysid)
+
+    for sysid in range(2, 32):
+        for name in range(10):
+            link.rx += value(sysid, f"P{name}")
+    for name in range(200):
+        link.rx += value(1, f"P{name}")
+    drain_in_portions(link)
+    assert len(link.params) == 200  # the target's
+    assert sum(len(state.params) for state in link.param_state.values()) == 300
+    assert link.names_refused == 200
