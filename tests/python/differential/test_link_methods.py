@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from unit.link_tools import free_port
 
-WAIT = 3.0
+WAIT = 60.0
 
 SENDING = (
     "param_fetch_all()", "param_fetch_one('RC1_MIN')", "param_fetch_one(b'RC1_MIN')",

@@ -25,7 +25,7 @@ from mavsdk.plugins.geofence import Circle, FenceType, GeofenceData, Point
 from mavsdk.plugins.mission_raw import MissionItem
 from mavsdk.plugins.offboard import PositionNedYaw
 
-WAIT = 30.0
+WAIT = 60.0
 HOME = (47.397742, 8.545594)
 
 

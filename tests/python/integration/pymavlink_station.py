@@ -13,7 +13,7 @@ import time
 from typing import Any
 
 os.environ["MAVLINK20"] = "1"
-WAIT = 20.0
+WAIT = 60.0
 TAKEOFF, ARM_DISARM, REQUEST = 22, 400, 512
 
 
@@ -74,11 +74,12 @@ def mission(link: Any) -> dict[str, Any]:
 
 
 def listen(link: Any) -> dict[str, Any]:
-    types, end = set(), time.time() + 3
-    while time.time() < end:
+    types, count, end = set(), 0, time.monotonic() + WAIT
+    while count < 1000 and time.monotonic() < end:
         msg = link.recv_match(blocking=True, timeout=0.2)
         if msg is not None:
             types.add(msg.get_type())
+            count += 1
     return {
         "types": sorted(types), "bad": link.mav.total_receive_errors, "loss": link.packet_loss(),
     }  # fmt: skip

@@ -12,11 +12,13 @@ from mavwire import aio, mavutil
 from mavwire.sim import Impairment, Runner, Vehicle, serve
 from unit.aio_tools import LOOPS, run
 from unit.link_tools import KEY, free_port
+from unit.sim_tools import PATIENT
 
 ARM = 400
 TAKEOFF = 22
 LAND = 21
 SPEED = 20
+WAIT = 60
 
 
 @pytest.fixture(autouse=True)
@@ -42,13 +44,13 @@ def flying(kind: str, *vehicles: Vehicle, speed: float = SPEED) -> Iterator[tupl
 def test_a_whole_flight(kind, loop):
     async def fly(device, vehicle):
         async with aio.connect(device, source_component=190) as link:
-            await link.wait_heartbeat(timeout=20)
+            await link.wait_heartbeat(timeout=WAIT)
             assert link.target_system == 1
             seen = asyncio.create_task(heights(link))  # ends with the link
             await link.set_message_interval("GLOBAL_POSITION_INT", 50)
-            await link.recv_match("EKF_STATUS_REPORT.flags & 16", "EKF_STATUS_REPORT", timeout=20)
+            await link.recv_match("EKF_STATUS_REPORT.flags & 16", "EKF_STATUS_REPORT", timeout=WAIT)
             link.sync.set_mode("GUIDED")
-            await link.recv_match(condition="MAV.flightmode=='GUIDED'", timeout=20)
+            await link.recv_match(condition="MAV.flightmode=='GUIDED'", timeout=WAIT)
             assert link.flightmode == "GUIDED"
             await link.command(ARM, 1)
             assert vehicle.armed
@@ -57,7 +59,7 @@ def test_a_whole_flight(kind, loop):
                 if position.relative_alt > 9000:
                     break
             await link.command(LAND)
-            await link.recv_match(condition="not MAV.armed", type="HEARTBEAT", timeout=40)
+            await link.recv_match(condition="not MAV.armed", type="HEARTBEAT", timeout=WAIT)
             assert not vehicle.armed
             assert link.dropped == 0
         assert max(await seen) == pytest.approx(10, abs=1)
@@ -65,7 +67,7 @@ def test_a_whole_flight(kind, loop):
     async def heights(link):
         return [msg.relative_alt / 1000 async for msg in link.stream("GLOBAL_POSITION_INT")]
 
-    with flying(kind, Vehicle()) as (device, runner):
+    with flying(kind, Vehicle(params=PATIENT["ardupilot"])) as (device, runner):
         run(fly(device, runner.vehicles[0]), LOOPS[loop])
 
 
@@ -79,7 +81,7 @@ def test_parameters(autopilot):
         async with aio.connect(device) as link:
             with pytest.raises(aio.NoVehicleError):
                 await link.param_get(name)
-            await link.wait_heartbeat(timeout=20)
+            await link.wait_heartbeat(timeout=WAIT)
             assert await link.param_set(name, 7.5) == 7.5
             assert await link.param_get(name) == vehicle.params[name] == 7.5
             if integer in vehicle.params:
@@ -98,7 +100,7 @@ def test_parameters(autopilot):
 def test_commands_that_are_refused_and_unanswered():
     async def main(device):
         async with aio.connect(device) as link:
-            await link.wait_heartbeat(timeout=20)
+            await link.wait_heartbeat(timeout=WAIT)
             with pytest.raises(aio.CommandError, match="MAV_RESULT_UNSUPPORTED") as refused:
                 await link.command(31000)
             assert refused.value.result == refused.value.ack.result == 3
@@ -121,7 +123,7 @@ def test_a_bad_link():
 
     async def main(device, vehicle):
         async with aio.connect(device) as link:
-            await link.wait_heartbeat(timeout=20)
+            await link.wait_heartbeat(timeout=WAIT)
             for _ in range(5):
                 await link.command(ARM, 0, retries=30, timeout=0.05)
                 msg = await link.request_message("AUTOPILOT_VERSION", retries=30, timeout=0.05)
@@ -139,18 +141,21 @@ def test_several_vehicles_at_once():
     async def main(device, runner):
         async with aio.connect(device) as link:
 
-            async def arm(sysid, wait):
-                await link.wait_heartbeat(sysid, timeout=20)
-                await link.recv_match("GPS_RAW_INT.fix_type>=3", sysid=sysid, timeout=20)
+            async def arm(sysid):
+                await link.wait_heartbeat(sysid, timeout=WAIT)
+                await link.recv_match("GPS_RAW_INT.fix_type>=3", sysid=sysid, timeout=WAIT)
                 await link.command(ARM, 1, 21196, sysid=sysid)
-                newest = await link.wait_newer("HEARTBEAT", sysid=sysid, timeout=20)
+                newest = await link.wait_newer("HEARTBEAT", sysid=sysid, timeout=WAIT)
                 return newest.get_srcSystem()
 
-            found = await asyncio.gather(*[arm(sysid, 20) for sysid in (1, 2, 3)])
+            found = await asyncio.gather(*[arm(sysid) for sysid in (1, 2, 3)])
             assert found == [1, 2, 3]
             assert all(vehicle.armed for vehicle in runner.vehicles)
 
-    vehicles = [Vehicle(), Vehicle("px4", sysid=2), Vehicle(sysid=3)]
+    kinds = ("ardupilot", "px4", "ardupilot")
+    vehicles = [
+        Vehicle(kind, sysid=sysid, params=PATIENT[kind]) for sysid, kind in enumerate(kinds, 1)
+    ]
     with flying("udp", *vehicles, speed=5) as (device, runner):
         run(main(device, runner))
 
@@ -159,9 +164,9 @@ def test_signed_links():
     async def main(device):
         async with aio.connect(device) as link:
             link.sync.setup_signing(KEY)
-            await link.wait_heartbeat(timeout=20)
+            await link.wait_heartbeat(timeout=WAIT)
             assert (await link.command(ARM, 0)).get_signed()
-            assert (await link.recv_match(type="ATTITUDE", timeout=20)).get_signed()
+            assert (await link.recv_match(type="ATTITUDE", timeout=WAIT)).get_signed()
 
     with flying("udp", Vehicle(signing_key=KEY)) as (device, _):
         run(main(device))
@@ -178,7 +183,7 @@ def test_a_vehicle_that_is_switched_off_and_on():
         for _ in range(3):
             with serve(f"tcpin:127.0.0.1:{port}", Vehicle(), speed=SPEED) as runner:
                 link = await connecting
-                await link.wait_heartbeat(timeout=20)
+                await link.wait_heartbeat(timeout=WAIT)
                 assert (await link.command(ARM, 0)).result == 0
                 await asyncio.get_running_loop().run_in_executor(None, runner.stop)
             while link.connected:

@@ -17,6 +17,7 @@ import pytest
 from mavwire import mavutil
 from mavwire.sim import Impairment, Vehicle, serve
 from unit.link_tools import KEY, free_port
+from unit.sim_tools import PATIENT
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "examples"
@@ -159,7 +160,7 @@ def definitions(request: pytest.FixtureRequest, tmp_path: Path) -> Path | None:
 
 def test_mavapi_as_companion(definitions: Path | None) -> None:
     port = free_port(socket.SOCK_DGRAM)
-    vehicle = Recorder("px4")
+    vehicle = Recorder("px4", params=PATIENT["px4"])
     with serve(f"udpout:127.0.0.1:{port}", vehicle, speed=4):
         example = start(
             "mavapi.py", "companion", "--listen", f"127.0.0.1:{port}", folder=definitions
@@ -245,7 +246,7 @@ def test_demo_says_what_is_no_log(tmp_path: Path) -> None:
 def test_the_live_view_on_a_terminal() -> None:
     port = free_port(socket.SOCK_DGRAM)
     ours, theirs = os.openpty()
-    with serve(f"udpout:127.0.0.1:{port}", Vehicle(params={"DISARM_DELAY": 127}), speed=8):
+    with serve(f"udpout:127.0.0.1:{port}", Vehicle(params=PATIENT["ardupilot"]), speed=8):
         command = [sys.executable, str(EXAMPLES / "fly.py"), f"udpin:127.0.0.1:{port}"]
         environment = {**os.environ, "COLUMNS": "60"}
         with subprocess.Popen(command, stdout=theirs, env=environment) as example:

@@ -11,6 +11,7 @@ import pytest
 from integration.station_tools import command, needs, report
 from mavwire.sim import Vehicle, serve
 from unit.link_tools import free_port
+from unit.sim_tools import PATIENT
 
 CLIENT = Path(__file__).with_name("dronekit_station.py")
 
@@ -22,7 +23,7 @@ pytestmark = needs("dronekit", "past", "monotonic")
 def test_dronekit_flies_the_ardupilot_like_vehicle(under: str) -> None:
     port = free_port(socket.SOCK_DGRAM)
     start = command(under, str(CLIENT), f"udpin:127.0.0.1:{port}")
-    vehicle = Vehicle()
+    vehicle = Vehicle(params=PATIENT["ardupilot"])
     with serve(f"udpout:127.0.0.1:{port}", vehicle, speed=5):
         found = report(start)
     assert found["version"] == "APM:Copter-4.5.7"

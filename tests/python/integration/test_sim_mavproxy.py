@@ -13,6 +13,7 @@ import pytest
 from integration.station_tools import Console, command, needs, wait_until
 from mavwire.sim import Vehicle, serve
 from unit.link_tools import free_port
+from unit.sim_tools import PATIENT
 
 SCRIPT = shutil.which("mavproxy.py", path=sysconfig.get_path("scripts")) or "mavproxy.py"
 MODULES = "log,mode,arm,param,misc,cmdlong,link,wp"
@@ -34,7 +35,7 @@ def test_mavproxy_flies_the_ardupilot_like_vehicle(under: str, tmp_path: Path) -
         f"--master=udpin:127.0.0.1:{port}", f"--default-modules={MODULES}", "--state-basedir=.",
     )  # fmt: skip
     (tmp_path / "route.txt").write_text(MISSION)
-    vehicle = Vehicle()
+    vehicle = Vehicle(params=PATIENT["ardupilot"])
     with (
         serve(f"udpout:127.0.0.1:{port}", vehicle, speed=5),
         Console(start, tmp_path) as station,

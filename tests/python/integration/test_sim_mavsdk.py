@@ -14,6 +14,7 @@ import pytest
 from integration.station_tools import needs, report
 from mavwire.sim import Vehicle, serve
 from unit.link_tools import free_port
+from unit.sim_tools import PATIENT
 
 FOLDER = Path(__file__).parent
 
@@ -28,7 +29,7 @@ def run(script: str, vehicle: Vehicle, *arguments: str) -> Any:
 
 @needs("mavsdk")
 def test_mavsdk_flies_the_px4_like_vehicle() -> None:
-    vehicle = Vehicle("px4")
+    vehicle = Vehicle("px4", params=PATIENT["px4"])
     found = run("mavsdk_station.py", vehicle)
     assert found["params"] == {
         "autostart": 10016, "mode": -5, "cruise": 7.5, "count": len(vehicle.params),
@@ -47,7 +48,7 @@ def test_mavsdk_flies_the_px4_like_vehicle() -> None:
 
 @needs("mavsdk_grpc", "grpc", "google")
 def test_mavsdk_server_flies_the_px4_like_vehicle() -> None:
-    vehicle = Vehicle("px4")
+    vehicle = Vehicle("px4", params=PATIENT["px4"])
     found = run("mavsdk_grpc_station.py", vehicle, str(free_port()))
     assert found["params"] == {"autostart": 10016, "mode": -5, "cruise": 7.5}
     assert (vehicle.params["COM_FLTMODE1"], vehicle.params["MPC_XY_CRUISE"]) == (-5, 7.5)

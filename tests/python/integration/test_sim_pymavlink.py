@@ -15,9 +15,10 @@ from typing import Any
 import pytest
 from mavwire.sim import Impairment, Vehicle, serve
 from unit.link_tools import KEY, free_port
+from unit.sim_tools import PATIENT
 
 CLIENT = Path(__file__).with_name("pymavlink_station.py")
-TIMEOUT = 90
+TIMEOUT = 180
 
 
 def run(oracle: str, device: str, task: str, *arguments: str) -> Any:
@@ -44,7 +45,7 @@ def udp() -> tuple[str, str]:
 )
 def test_a_whole_flight(oracle: str, ours: str, theirs: str, kind: int) -> None:
     port = free_port(kind)
-    with serve(f"{ours}:127.0.0.1:{port}", Vehicle(), speed=10) as sim:
+    with serve(f"{ours}:127.0.0.1:{port}", Vehicle(params=PATIENT["ardupilot"]), speed=10) as sim:
         found = run(oracle, f"{theirs}:127.0.0.1:{port}", "fly")
         vehicle = sim.vehicles[0]
         assert found["mode"] == "GUIDED"

@@ -18,7 +18,7 @@ from mavwire import mavutil
 from unit.link_tools import free_port
 
 HERE = Path(__file__).parent
-WAIT = 10.0
+WAIT = 60.0
 MAV_CMD_REQUEST_MESSAGE = 512
 KEY = bytes(range(32))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import random
 import socket
 import struct
 from typing import Any
@@ -79,8 +81,21 @@ def types(messages: list[Any]) -> list[str]:
     return [msg.get_type() for msg in messages]
 
 
+# Ports that no system hands out by itself, so that only tests compete for them: each process begins
+# somewhere else, and uses none twice before all others.
+PORTS = range(20_000, 32_000)
+_next_port = random.Random(os.getpid()).randrange(len(PORTS))
+
+
 def free_port(kind: int = socket.SOCK_STREAM) -> int:
-    """A port of 127.0.0.1 that was free just now."""
-    with socket.socket(socket.AF_INET, kind) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """A port of 127.0.0.1 that nobody uses; for an end that can say its own, port 0 is better."""
+    global _next_port
+    for _ in PORTS:
+        _next_port = (_next_port + 1) % len(PORTS)
+        with socket.socket(socket.AF_INET, kind) as probe:
+            try:
+                probe.bind(("127.0.0.1", PORTS[_next_port]))
+            except OSError:
+                continue
+            return PORTS[_next_port]
+    raise OSError("no port is free")

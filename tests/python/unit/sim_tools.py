@@ -15,6 +15,10 @@ GCS = (255, 190)
 NAN = math.nan
 
 
+# Parameters of a vehicle that waits armed for as long as a test needs to get on.
+PATIENT = {"ardupilot": {"DISARM_DELAY": 0}, "px4": {"COM_DISARM_PRFLT": 0}}
+
+
 class Station:
     """A ground station that talks to one vehicle, or to several."""
 

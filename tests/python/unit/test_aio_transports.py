@@ -10,6 +10,7 @@ import ssl
 import stat
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 from mavwire import aio, mavutil
@@ -44,32 +45,38 @@ async def converse(one, other, rounds=3):
                 msg = await receiver.recv_match(condition, "HEARTBEAT", timeout=0.5)
 
 
-def pairs(tmp_path):
-    """Kind of link -> the two ends, the one that listens first."""
-    udp, tcp = free_port(socket.SOCK_DGRAM), free_port()
-    return {
-        "udp": (f"udpin:127.0.0.1:{udp}", f"udpout:localhost:{udp}"),
-        "udpbcast": (f"udp:0.0.0.0:{udp}", f"udpbcast:127.255.255.255:{udp}"),
-        "tcp": (f"tcpin:127.0.0.1:{tcp}", f"tcp:127.0.0.1:{tcp}"),
-        "mcast": (f"mcast:{udp}", f"mcast:{udp}"),
-        "ws": (f"wsserver:127.0.0.1:{tcp}", f"ws:127.0.0.1:{tcp}"),
-    }
+# Kind of link -> the end that listens, and what the other one connects to when it knows the port.
+PAIRS = {
+    "udp": ("udpin:127.0.0.1:0", "udpout:localhost:{}"),
+    "udpbcast": ("udp:0.0.0.0:0", "udpbcast:127.255.255.255:{}"),
+    "tcp": ("tcpin:127.0.0.1:0", "tcp:127.0.0.1:{}"),
+    "mcast": ("mcast:{}", "mcast:{}"),
+    "ws": ("wsserver:127.0.0.1:0", "ws:127.0.0.1:{}"),
+}
+
+
+def port_of(link):
+    """Where a link listens."""
+    listening = getattr(link.sync, "listen", None) or link.sync.port
+    return listening.getsockname()[1]
 
 
 @pytest.mark.parametrize("kind", ["udp", "udpbcast", "tcp", "mcast", "ws"])
-def test_both_ways(kind, loop, tmp_path):
+def test_both_ways(kind, loop):
     if kind == "ws" and not has("wsproto"):
         pytest.skip("wsproto is not installed")
     if kind == "mcast":
         skip_without_multicast()
-    server, client = pairs(tmp_path)[kind]
+    server, client = PAIRS[kind]
+    if kind == "mcast":
+        server = server.format(free_port(socket.SOCK_DGRAM))
 
     async def main():
-        # A WebSocket client waits for the answer to its handshake in the background.
-        opening = aio.connect(server, source_system=1), aio.connect(client, source_system=2)
-        async with opening[0] as one, opening[1] as other:
-            await converse(one, other)
-            assert (one.frames_dropped, other.frames_dropped) == (0, 0)
+        async with aio.connect(server, source_system=1) as one:
+            # A WebSocket client waits for the answer to its handshake in the background.
+            async with aio.connect(client.format(port_of(one)), source_system=2) as other:
+                await converse(one, other)
+                assert (one.frames_dropped, other.frames_dropped) == (0, 0)
 
     run(main(), loop)
 
@@ -200,12 +207,10 @@ def test_a_child_process(loop, tmp_path):
 
 
 def test_tcp_servers_take_the_next_client(loop):
-    port = free_port()
-
     async def main():
-        async with aio.connect(f"tcpin:127.0.0.1:{port}") as link:
+        async with aio.connect("tcpin:127.0.0.1:0") as link:
             for seq in range(3):
-                _, writer = await asyncio.open_connection("127.0.0.1", port)
+                _, writer = await asyncio.open_connection("127.0.0.1", port_of(link))
                 writer.write(heartbeat(seq) + heartbeat(9)[:5])
                 assert (await link.recv_match(type="HEARTBEAT", timeout=WAIT)).get_seq() == seq
                 writer.close()
@@ -262,17 +267,27 @@ def test_a_tcp_connection_that_breaks_is_made_again(loop):
     run(main(), loop)
 
 
-def test_a_peer_that_only_hangs_up_is_left_in_peace():
+def test_a_peer_that_only_hangs_up_is_left_in_peace(monkeypatch):
     """Each attempt waits longer, though connecting itself succeeds."""
+    pauses = []
+    sleep = asyncio.sleep
+
+    def pause(seconds):
+        pauses.append(seconds)
+        return sleep(0)
+
+    quick = SimpleNamespace(sleep=pause, CancelledError=asyncio.CancelledError)
+    monkeypatch.setattr("mavwire.aio.reconnect.asyncio", quick)
 
     async def main():
         server = Server()
         server.hangs_up = True
         await server.up()
-        options = {"autoreconnect": True, "reconnect_delay": 0.02}
+        options = {"autoreconnect": True, "reconnect_delay": 1}
         async with aio.connect(f"tcp:127.0.0.1:{server.port}", **options):
-            await asyncio.sleep(0.3)
-            assert 2 <= server.connections <= 6
+            await eventually(lambda: len(pauses) >= 7)
+            assert pauses[:7] == [1, 2, 4, 8, 16, 16, 16]
+            assert server.connections >= 2
         server.server.close()
 
     run(main())

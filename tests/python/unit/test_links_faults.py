@@ -15,10 +15,10 @@ import time
 import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
-from unit.link_tools import Capture, free_port, heartbeat
+from unit.link_tools import Capture, heartbeat
 from watchdog import watched
 
-WAIT = 30
+WAIT = 60
 
 
 def connected(**kw):
@@ -191,25 +191,33 @@ def test_ctrl_c_ends_waiting_for_another_sender():
     link = Slow()
     threads, _ = in_threads(lambda: link.mav.heartbeat_send(1, 2, 3, 4, 5))
     assert entered.wait(WAIT)
-    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
+    waits = threading.Event()
+
+    def interrupt():
+        waits.wait(WAIT)
+        time.sleep(0.1)  # now it does, most likely
+        os.kill(os.getpid(), signal.SIGINT)
+
+    interrupting, _ = in_threads(interrupt)
     try:
         with watched(WAIT), pytest.raises(KeyboardInterrupt):
+            waits.set()
             link.mav.heartbeat_send(1, 2, 3, 4, 5)
+            leave.wait(WAIT)  # if it was interrupted nowhere
     finally:
         leave.set()
-        timer.join()
-    join(threads)
+    join([*threads, *interrupting])
     link.mav.heartbeat_send(1, 2, 3, 4, 5)
     assert link.mav.total_packets_sent == 2
 
 
 def test_a_closed_websocket_link_stays_closed():
     pytest.importorskip("wsproto")
-    device = f"ws:127.0.0.1:{free_port()}"
-    link = mavutil.mavlink_connection(device)
-    link.close()
-    with socket.create_server(("127.0.0.1", link.destination_addr[1])) as server:
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))  # where nobody listens yet
+        link = mavutil.mavlink_connection(f"ws:127.0.0.1:{server.getsockname()[1]}")
+        link.close()
+        server.listen()
         server.setblocking(False)
         with pytest.raises(OSError, match="Bad file descriptor"):
             link.recv_msg()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import socket
-import threading
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,8 +18,10 @@ from mavwire.cli._sim_status import StatusLine, describe
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.sim import Runner, Vehicle, serve
 from unit.link_tools import KEY, free_port, heartbeat
+from unit.sim_tools import PATIENT
+from watchdog import watched
 
-WAIT = 10.0
+WAIT = 60.0
 
 
 @pytest.fixture(autouse=True)
@@ -31,7 +35,7 @@ def mavlink20() -> Iterator[None]:
 
 @pytest.fixture
 def station() -> Iterator[Any]:
-    link = mavutil.mavlink_connection(f"udpin:127.0.0.1:{free_port(socket.SOCK_DGRAM)}")
+    link = mavutil.mavlink_connection("udpin:127.0.0.1:0")
     yield link
     link.close()
 
@@ -41,14 +45,15 @@ def address(link: Any) -> str:
     return f"udpout:127.0.0.1:{link.port.getsockname()[1]}"
 
 
-def receive(link: Any, name: str, condition: str | None = None) -> Any:
+def receive(link: Any, name: str | list[str], condition: str | None = None) -> Any:
     msg = link.recv_match(condition, name, blocking=True, timeout=WAIT)
     assert msg is not None, f"no {name}"
     return msg
 
 
 def test_a_flight_over_udp(station: Any) -> None:
-    with serve(address(station), Vehicle(), speed=20) as sim:
+    vehicle = Vehicle(params=PATIENT["ardupilot"])
+    with serve(address(station), vehicle, speed=20) as sim, watched(5 * WAIT):
         assert station.wait_heartbeat(timeout=WAIT).autopilot == mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA
         receive(station, "EKF_STATUS_REPORT", "EKF_STATUS_REPORT.flags==831")
         station.set_mode("GUIDED")
@@ -84,7 +89,7 @@ def test_a_vehicle_that_waits_for_stations() -> None:
 
 
 def test_two_links_hear_the_same(station: Any) -> None:
-    other = mavutil.mavlink_connection(f"udpin:127.0.0.1:{free_port(socket.SOCK_DGRAM)}")
+    other = mavutil.mavlink_connection("udpin:127.0.0.1:0")
     with serve([address(station), address(other)], Vehicle()) as sim:
         first, second = receive(station, "ATTITUDE"), receive(other, "ATTITUDE")
         assert first.get_seq() == second.get_seq()
@@ -93,7 +98,7 @@ def test_two_links_hear_the_same(station: Any) -> None:
 
 
 def test_with_a_key_links_take_signed_messages_only(station: Any) -> None:
-    stranger = mavutil.mavlink_connection(f"udpin:127.0.0.1:{free_port(socket.SOCK_DGRAM)}")
+    stranger = mavutil.mavlink_connection("udpin:127.0.0.1:0")
     vehicle = Vehicle(signing_key=KEY)
     with serve([address(station), address(stranger)], vehicle):
         station.setup_signing(KEY)
@@ -145,6 +150,13 @@ SILENT = (
 ).split()
 
 
+def run_until_sent(runner: Runner) -> None:
+    """Let time pass until the vehicles have sent something."""
+    with watched():
+        while runner.sent == 0:
+            runner.run(duration=0.1)
+
+
 def test_a_link_that_fails_does_not_stop_the_vehicle() -> None:
     class Broken:
         fd = None
@@ -159,7 +171,7 @@ def test_a_link_that_fails_does_not_stop_the_vehicle() -> None:
             pass
 
     runner = Runner([Vehicle()], [Broken()])
-    runner.run(duration=0.3)
+    run_until_sent(runner)
     assert runner.errors == runner.sent > 0
     runner.close()
 
@@ -168,8 +180,7 @@ def test_a_link_that_cannot_be_read_does_not_stop_the_vehicle() -> None:
     link = mavutil.mavlink_connection("udpin:127.0.0.1:0")
     runner = Runner([Vehicle()], [link])
     link.close()
-    runner.run(duration=0.3)
-    assert runner.sent > 0
+    run_until_sent(runner)
     assert runner.errors > 0
     runner.close()
 
@@ -211,25 +222,32 @@ def test_a_wrong_device_leaves_nothing_open() -> None:
 # -- the command
 
 
-def test_the_command_flies(station: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    options = "--autopilot px4 --count 2 --fly --speed 10 --duration 2.5s --param mis_takeoff_alt=4"
-    codes: list[int] = []
+def test_the_command_flies(station: Any) -> None:
+    options = "--autopilot px4 --count 2 --fly --speed 10 --param mis_takeoff_alt=4"
     arguments = ["sim", "--out", address(station), *options.split()]
-    flight = threading.Thread(target=lambda: codes.append(cli.main(arguments)))
-    flight.start()
     heights, texts = {1: 0.0, 2: 0.0}, set()
-    while flight.is_alive():
-        msg = station.recv_match(blocking=True, timeout=0.1)
-        if msg is not None and msg.get_type() == "GLOBAL_POSITION_INT":
-            system = msg.get_srcSystem()
-            heights[system] = max(heights[system], msg.relative_alt / 1e3)
-        elif msg is not None and msg.get_type() == "STATUSTEXT":
-            texts.add(msg.text)
-    flight.join()
-    assert codes == [0]
-    assert min(heights.values()) > 15
-    assert "Takeoff detected" in texts
-    assert "vehicles 1 to 2" in capsys.readouterr().err
+    with subprocess.Popen(
+        [sys.executable, "-m", "mavwire", *arguments], stderr=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            with watched(5 * WAIT):
+                while min(heights.values()) < 15 or "Takeoff detected" not in texts:
+                    msg = receive(station, ["GLOBAL_POSITION_INT", "STATUSTEXT"])
+                    system = msg.get_srcSystem()
+                    if msg.get_type() == "STATUSTEXT":
+                        texts.add(msg.text)
+                    else:
+                        heights[system] = max(heights[system], msg.relative_alt / 1e3)
+            process.send_signal(signal.SIGINT)
+            _, error = process.communicate(timeout=WAIT)
+        finally:
+            process.kill()
+    assert process.returncode == 0
+    assert "vehicles 1 to 2" in error
+
+
+def test_the_command_ends_when_its_time_is_over(station: Any) -> None:
+    assert cli.main(["sim", "--out", address(station), "--duration", "20ms", "--quiet"]) == 0
 
 
 @pytest.mark.parametrize(
