@@ -24,6 +24,17 @@ def receive(link: Any, name: str, condition: str | None = None) -> Any:
     return msg
 
 
+def ask(link: Any, send: Any, name: Any, condition: str | None = None) -> Any:
+    """The answer to what `send()` sends, again and again: a busy reader may lose some."""
+    end = time.monotonic() + WAIT
+    while time.monotonic() < end:
+        send()
+        msg = link.recv_match(type=name, condition=condition, blocking=True, timeout=5)
+        if msg is not None:
+            return msg
+    raise SystemExit(f"no {name} within {WAIT} s")
+
+
 def fly(link: Any) -> dict[str, Any]:
     receive(link, "EKF_STATUS_REPORT", "EKF_STATUS_REPORT.flags==831")
     link.set_mode("GUIDED")
@@ -46,11 +57,10 @@ def fly(link: Any) -> dict[str, Any]:
 
 def params(link: Any) -> dict[str, Any]:
     names: set[str] = set()
-    count = 1
-    link.param_fetch_all()
-    while len(names) < count:
-        msg = receive(link, "PARAM_VALUE")
-        count = msg.param_count
+    msg = ask(link, link.param_fetch_all, "PARAM_VALUE")
+    while len(names) < msg.param_count:
+        msg = link.recv_match(type="PARAM_VALUE", blocking=True, timeout=5)
+        msg = msg or ask(link, link.param_fetch_all, "PARAM_VALUE")
         if msg.param_id != "_HASH_CHECK":
             names.add(msg.param_id)
     return {"names": sorted(names)}
@@ -65,11 +75,13 @@ def mission(link: Any) -> dict[str, Any]:
         link.mav.mission_item_int_send(
             1, 1, msg.seq, 6, 16, 0, 1, 0, 0, 0, 0, 473977420, 85455940, 10 + 10 * msg.seq
         )
-    link.waypoint_request_list_send()
     items = []
-    for seq in range(receive(link, "MISSION_COUNT").count):
-        link.mav.mission_request_int_send(1, 1, seq)
-        items.append({"z": receive(link, "MISSION_ITEM_INT").z})
+    for seq in range(ask(link, link.waypoint_request_list_send, "MISSION_COUNT").count):
+        item = ask(
+            link, lambda seq=seq: link.mav.mission_request_int_send(1, 1, seq),
+            "MISSION_ITEM_INT", f"MISSION_ITEM_INT.seq=={seq}",
+        )  # fmt: skip
+        items.append({"z": item.z})
     return {"result": msg.type, "items": items}
 
 
@@ -88,8 +100,10 @@ def listen(link: Any) -> dict[str, Any]:
 def signed(link: Any, key: str) -> dict[str, Any]:
     link.setup_signing(bytes.fromhex(key))
     beat = receive(link, "HEARTBEAT")
-    link.mav.command_long_send(1, 1, REQUEST, 0, 148, 0, 0, 0, 0, 0, 0)
-    version = receive(link, "AUTOPILOT_VERSION")
+    version = ask(
+        link, lambda: link.mav.command_long_send(1, 1, REQUEST, 0, 148, 0, 0, 0, 0, 0, 0),
+        "AUTOPILOT_VERSION",
+    )  # fmt: skip
     return {"signed": beat.get_signed() and version.get_signed(), "answered": True}
 
 
@@ -97,11 +111,11 @@ def ftp(link: Any) -> dict[str, Any]:
     mavftp = importlib.import_module(f"{link.__class__.__module__.split('.')[0]}.mavftp")
     client = mavftp.MAVFTP(link, 1, 1)
     client.cmd_list(["/"])
-    client.process_ftp_reply("ListDirectory", timeout=5)
+    client.process_ftp_reply("ListDirectory", timeout=WAIT)
     names = [entry.name for entry in client.list_result]
     data = bytearray()
     client.cmd_get(["@PARAM/param.pck", "-"], callback=lambda file: data.extend(file.read()))
-    client.process_ftp_reply("OpenFileRO", timeout=15)
+    client.process_ftp_reply("OpenFileRO", timeout=WAIT)
     return {"names": names, "size": len(data)}
 
 

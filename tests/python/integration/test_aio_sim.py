@@ -17,8 +17,12 @@ from unit.sim_tools import PATIENT
 ARM = 400
 TAKEOFF = 22
 LAND = 21
-SPEED = 20
+SPEED = 10
 WAIT = 60
+# How long and how often to ask a vehicle that has to share a busy machine.
+PATIENCE = {"retries": 30, "timeout": 2.0}
+# On a link that loses much.
+PERSISTENCE = {"retries": 200, "timeout": 0.3}
 
 
 @pytest.fixture(autouse=True)
@@ -52,13 +56,13 @@ def test_a_whole_flight(kind, loop):
             link.sync.set_mode("GUIDED")
             await link.recv_match(condition="MAV.flightmode=='GUIDED'", timeout=WAIT)
             assert link.flightmode == "GUIDED"
-            await link.command(ARM, 1)
+            await link.command(ARM, 1, **PATIENCE)
             assert vehicle.armed
-            await link.command(TAKEOFF, 0, 0, 0, 0, 0, 0, 10)
+            await link.command(TAKEOFF, 0, 0, 0, 0, 0, 0, 10, **PATIENCE)
             async for position in link.newest("GLOBAL_POSITION_INT"):
                 if position.relative_alt > 9000:
                     break
-            await link.command(LAND)
+            await link.command(LAND, **PATIENCE)
             await link.recv_match(condition="not MAV.armed", type="HEARTBEAT", timeout=WAIT)
             assert not vehicle.armed
             assert link.dropped == 0
@@ -82,13 +86,13 @@ def test_parameters(autopilot):
             with pytest.raises(aio.NoVehicleError):
                 await link.param_get(name)
             await link.wait_heartbeat(timeout=WAIT)
-            assert await link.param_set(name, 7.5) == 7.5
-            assert await link.param_get(name) == vehicle.params[name] == 7.5
+            assert await link.param_set(name, 7.5, **PATIENCE) == 7.5
+            assert await link.param_get(name, **PATIENCE) == vehicle.params[name] == 7.5
             if integer in vehicle.params:
-                value = await link.param_get(integer)
+                value = await link.param_get(integer, **PATIENCE)
                 assert value == vehicle.params[integer]
-                assert await link.param_set(integer, value + 1) == value + 1
-            values = await link.param_fetch_all()
+                assert await link.param_set(integer, value + 1, **PATIENCE) == value + 1
+            values = await link.param_fetch_all(**PATIENCE)
             assert values == pytest.approx({n: vehicle.params[n] for n in vehicle.params}, rel=1e-6)
             with pytest.raises(TimeoutError, match="NO_SUCH"):
                 await link.param_get("NO_SUCH", retries=1, timeout=0.05)
@@ -102,7 +106,7 @@ def test_commands_that_are_refused_and_unanswered():
         async with aio.connect(device) as link:
             await link.wait_heartbeat(timeout=WAIT)
             with pytest.raises(aio.CommandError, match="MAV_RESULT_UNSUPPORTED") as refused:
-                await link.command(31000)
+                await link.command(31000, **PATIENCE)
             assert refused.value.result == refused.value.ack.result == 3
             with pytest.raises(TimeoutError, match="MAV_CMD_NAV_LAND from system 9 after 2"):
                 await link.command(LAND, sysid=9, retries=1, timeout=0.02)
@@ -111,7 +115,7 @@ def test_commands_that_are_refused_and_unanswered():
             with pytest.raises(ValueError, match="NOT_A_MESSAGE"):
                 await link.request_message("NOT_A_MESSAGE")
             # Equal ones wait for each other, so that each gets an answer of its own.
-            acks = await asyncio.gather(*[link.command(ARM, 0) for _ in range(5)])
+            acks = await asyncio.gather(*[link.command(ARM, 0, **PATIENCE) for _ in range(5)])
             assert len({id(ack) for ack in acks}) == 5
 
     with flying("udp", Vehicle()) as (device, _):
@@ -125,10 +129,10 @@ def test_a_bad_link():
         async with aio.connect(device) as link:
             await link.wait_heartbeat(timeout=WAIT)
             for _ in range(5):
-                await link.command(ARM, 0, retries=30, timeout=0.05)
-                msg = await link.request_message("AUTOPILOT_VERSION", retries=30, timeout=0.05)
+                await link.command(ARM, 0, **PERSISTENCE)
+                msg = await link.request_message("AUTOPILOT_VERSION", **PERSISTENCE)
                 assert msg.get_srcSystem() == 1
-            values = await link.param_fetch_all(retries=100, timeout=0.05)
+            values = await link.param_fetch_all(**PERSISTENCE)
             assert len(values) == len(vehicle.params)
             assert link.sync.packet_loss() > 5
 
@@ -144,7 +148,7 @@ def test_several_vehicles_at_once():
             async def arm(sysid):
                 await link.wait_heartbeat(sysid, timeout=WAIT)
                 await link.recv_match("GPS_RAW_INT.fix_type>=3", sysid=sysid, timeout=WAIT)
-                await link.command(ARM, 1, 21196, sysid=sysid)
+                await link.command(ARM, 1, 21196, sysid=sysid, **PATIENCE)
                 newest = await link.wait_newer("HEARTBEAT", sysid=sysid, timeout=WAIT)
                 return newest.get_srcSystem()
 
@@ -165,7 +169,7 @@ def test_signed_links():
         async with aio.connect(device) as link:
             link.sync.setup_signing(KEY)
             await link.wait_heartbeat(timeout=WAIT)
-            assert (await link.command(ARM, 0)).get_signed()
+            assert (await link.command(ARM, 0, **PATIENCE)).get_signed()
             assert (await link.recv_match(type="ATTITUDE", timeout=WAIT)).get_signed()
 
     with flying("udp", Vehicle(signing_key=KEY)) as (device, _):
@@ -184,7 +188,7 @@ def test_a_vehicle_that_is_switched_off_and_on():
             with serve(f"tcpin:127.0.0.1:{port}", Vehicle(), speed=SPEED) as runner:
                 link = await connecting
                 await link.wait_heartbeat(timeout=WAIT)
-                assert (await link.command(ARM, 0)).result == 0
+                assert (await link.command(ARM, 0, **PATIENCE)).result == 0
                 await asyncio.get_running_loop().run_in_executor(None, runner.stop)
             while link.connected:
                 await asyncio.sleep(0.005)

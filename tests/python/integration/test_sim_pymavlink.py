@@ -57,7 +57,7 @@ def test_a_whole_flight(oracle: str, ours: str, theirs: str, kind: int) -> None:
 @pytest.mark.parametrize("autopilot", ["ardupilot", "px4"])
 def test_parameters(oracle: str, autopilot: str) -> None:
     ours, theirs = udp()
-    with serve(ours, Vehicle(autopilot), speed=10) as sim:
+    with serve(ours, Vehicle(autopilot), speed=2) as sim:
         found = run(oracle, theirs, "params")
         assert found["names"] == sorted(sim.vehicles[0].params)
 
@@ -65,7 +65,7 @@ def test_parameters(oracle: str, autopilot: str) -> None:
 @pytest.mark.parametrize("autopilot", ["ardupilot", "px4"])
 def test_missions(oracle: str, autopilot: str) -> None:
     ours, theirs = udp()
-    with serve(ours, Vehicle(autopilot), speed=5) as sim:
+    with serve(ours, Vehicle(autopilot), speed=2) as sim:
         found = run(oracle, theirs, "mission")
         assert found["result"] == 0
         assert [item["z"] for item in found["items"][1:]] == [20, 30, 40]

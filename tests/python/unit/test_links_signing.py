@@ -63,6 +63,7 @@ def test_each_link_counts_its_own_timestamps():
 
 
 def test_another_key_ends_the_sharing():
+    """R56: links may have different keys."""
     first, second = link_with_key(), link_with_key()
     second.setup_signing(bytes(32), initial_timestamp=5)
     first.rx += signed(HEARTBEAT, timestamp=100)
@@ -302,6 +303,7 @@ def test_texts_show_no_key(msg, capsys):
 
 
 def test_reprs_of_links_show_no_key():
+    """R56."""
     link = link_with_key()
     for shown in (repr(link), repr(link.mav), repr(link.mav.signing), str(link.mav.signing)):
         assert "\\x01\\x02" not in shown

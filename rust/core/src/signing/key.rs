@@ -48,6 +48,12 @@ impl SecretKey {
         self.0.ct_eq(&other.0).into()
     }
 
+    /// Overwrites the key, which the compiler may not leave out.
+    fn wipe(&mut self) {
+        self.0 = [0; KEY_LEN];
+        black_box(&self.0);
+    }
+
     /// The key's bytes, for code that must hand them on.
     pub fn expose(&self) -> &[u8; KEY_LEN] {
         &self.0
@@ -56,8 +62,7 @@ impl SecretKey {
 
 impl Drop for SecretKey {
     fn drop(&mut self) {
-        self.0 = [0; KEY_LEN];
-        black_box(&self.0);
+        self.wipe();
     }
 }
 
@@ -123,6 +128,14 @@ mod tests {
         let key = |byte| SecretKey([byte; 32]);
         assert!(key(1).equals(&key(1)));
         assert!(!key(1).equals(&key(2)));
+    }
+
+    #[test]
+    fn r56_a_key_that_is_dropped_is_overwritten() {
+        let mut key = SecretKey([0xAB; 32]);
+        key.wipe();
+        assert_eq!(key.expose(), &[0; 32]);
+        assert!(std::mem::needs_drop::<SecretKey>());
     }
 
     #[test]

@@ -136,6 +136,21 @@ fn r32_any_flipped_bit_is_a_mismatch() {
 }
 
 #[test]
+fn r49_digests_are_compared_in_constant_time_and_as_a_whole() {
+    let digest = [0x9C, 0x56, 0x03, 0x06, 0x05, 0x04];
+    // `Choice` is what constant-time comparing gives: it cannot have come from one that ends early.
+    let same: fn(&[u8], &[u8]) -> Choice = same_digest;
+    assert!(bool::from(same(&digest, &digest)));
+    for byte in 0..digest.len() {
+        for bit in 0..8 {
+            let mut other = digest;
+            other[byte] ^= 1 << bit;
+            assert!(!bool::from(same(&digest, &other)), "byte {byte}, bit {bit}");
+        }
+    }
+}
+
+#[test]
 fn r39_equal_or_smaller_timestamps_are_replays() {
     let mut state = receiver();
     assert_eq!(check(&mut state, &signed(1000, 3), None), GOOD_NEW);
