@@ -590,8 +590,8 @@ class LiveLink(Link):
     """Bytes wait to be sent, so that receiving has to go through Python, which sends them."""
 
     def _read_stream(self, serves_one: bool = False) -> None:
-        """From now on `port` may be read natively, as a stream. With `serves_one` the link's
-        `_make_room` is called about once a second while nothing arrives."""
+        """From now on `port` may be read natively, as a stream. Servers for one client at a time look
+        after it while nothing arrives."""
 
     def _read_datagrams(self, own: tuple[Any, ...] | None = None) -> None:
         """From now on `port` may be read natively, as datagrams; those from `own` are left out."""

@@ -10,7 +10,7 @@ from collections.abc import Coroutine, Iterable
 from contextlib import suppress
 from typing import Any
 
-from mavwire.links.mavfile import mavfile
+from mavwire.links.mavfile import FLUSH_INTERVAL, mavfile
 from mavwire.links.tlog import mavlogfile
 
 from .background import in_background
@@ -270,6 +270,7 @@ class _Live:
         self.connected = False
         self._received = 0
         self._look_timer: asyncio.TimerHandle | None = None
+        self._flush_timer: asyncio.TimerHandle | None = None
         if self._transport.is_there():
             self._begin()
         else:
@@ -282,8 +283,9 @@ class _Live:
         self.pump.stop()
         self.outgoing.stop()
         self._transport.stop()
-        if self._look_timer is not None:
-            self._look_timer.cancel()
+        for timer in (self._look_timer, self._flush_timer):
+            if timer is not None:
+                timer.cancel()
         await self._reconnecting.stop()
 
     def _begin(self) -> None:
@@ -302,8 +304,17 @@ class _Live:
         self.outgoing.follow()
         self.pump.check()
 
+    def _flush_later(self) -> None:
+        if self._flush_timer is None and (self._sync.logfile or self._sync.logfile_raw):
+            self._flush_timer = self._loop.call_later(FLUSH_INTERVAL, self._flush)
+
+    def _flush(self) -> None:
+        self._flush_timer = None
+        self._sync._flush_logs()
+
     def _turned(self, error: Exception | None) -> None:
         """Reading is over for now; the link may have another descriptor, or none."""
+        self._flush_later()
         self.outgoing.follow()
         if error is not None:
             self._failed(error)

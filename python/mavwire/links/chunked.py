@@ -53,6 +53,7 @@ class ChunkedLink(LiveLink, mavfile):
             # begins with a marker even on a serial link joined in the middle of a frame.
             data = self.recv(self.mav.bytes_needed() if self.first_byte else None)
             if not data:
+                self._tend()
                 return None
             data = self._arrived(data)  # which may replace the parser
             msg = self.mav.parse_char(data)
@@ -60,6 +61,11 @@ class ChunkedLink(LiveLink, mavfile):
         if msg is not None:
             self._delivered(msg)
         return msg
+
+    def _tend(self) -> None:
+        """What is to be done about once a second while nothing arrives."""
+        if self.logfile or self.logfile_raw:
+            self._flush_logs()
 
     def _check_open(self) -> None:
         """OSError once the link is closed, so that a thread that receives from it ends."""

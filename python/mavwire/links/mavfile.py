@@ -217,16 +217,30 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         """Write to a log and flush it now and then; a failing log never stops reception."""
         try:
             write(file)
-            now = time.monotonic()
-            if now - self._flushed_at > FLUSH_INTERVAL:
-                self._flushed_at = now
-                file.flush()
         except (OSError, ValueError) as error:
-            self.logfile_errors += 1
-            if self.logfile_errors == 1:
-                import logging
+            self._recording_failed(error)
+        else:
+            self._flush_logs()
 
-                logging.getLogger("mavwire.mavutil").warning("recording failed: %s", error)
+    def _flush_logs(self) -> None:
+        """Hand what was recorded to the system, if that is due. Called while nothing arrives, too."""
+        now = time.monotonic()
+        if now - self._flushed_at < FLUSH_INTERVAL:
+            return
+        self._flushed_at = now
+        for file in (self.logfile, self.logfile_raw):
+            try:
+                if file:
+                    file.flush()
+            except (OSError, ValueError) as error:
+                self._recording_failed(error)
+
+    def _recording_failed(self, error: Exception) -> None:
+        self.logfile_errors += 1
+        if self.logfile_errors == 1:
+            import logging
+
+            logging.getLogger("mavwire.mavutil").warning("recording failed: %s", error)
 
     def setup_logfile(self, logfile: str, mode: str = "wb") -> None:
         """Record received messages to a telemetry log, without signatures and secret keys."""

@@ -64,6 +64,10 @@ class OneClientLink(StreamLink):
         self._heard_at, self._heard_count = monotonic(), self.mav_count
         return port
 
+    def _tend(self) -> None:
+        super()._tend()
+        self._make_room()
+
     def _make_room(self) -> None:
         """Let a client go that says nothing while another one waits."""
         if self.port is None:

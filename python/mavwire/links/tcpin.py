@@ -67,7 +67,6 @@ class mavtcpin(OneClientLink):
             self._send_rest(port)
             data: bytes = port.recv(READ_SIZE if n is None else n)
         except (BlockingIOError, InterruptedError):
-            self._make_room()
             return b""
         except OSError:  # no ConnectionError if the client stopped answering
             data = b""

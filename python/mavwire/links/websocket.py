@@ -201,7 +201,6 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
 
     def recv(self, n: int | None = None) -> bytes:
         """What one read brings, whatever `n`; empty without data or client."""
-        self._make_room()
         if self.port is None and not self._accept():
             return b""
         return self._receive()

@@ -46,8 +46,8 @@ const SIGNAL_INTERVAL: u64 = 256;
 /// How long one wait may last before the user's signals are looked at: those that another thread received end no wait.
 const WAIT_SLICE: Duration = Duration::from_millis(200);
 
-/// How often a server that serves one at a time looks after its client.
-const LOOK_INTERVAL: Duration = Duration::from_secs(1);
+/// How often an idle link does what Python has to do for it.
+const TEND_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A link that reads a descriptor.
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
@@ -113,7 +113,7 @@ impl LiveLink {
             && let Some(message) = receive::next_message(slf)?.message()
         {
             if message.is_none() {
-                Self::look_after_client(slf)?;
+                Self::tend(slf)?;
             }
             return Ok(message);
         }
@@ -121,13 +121,12 @@ impl LiveLink {
         if message.is_none() { Ok(None) } else { Ok(Some(message.cast_into::<Message>()?)) }
     }
 
-    /// Now and then lets a server see whether somebody waits for a client that says nothing.
-    fn look_after_client(slf: &Bound<'_, Self>) -> PyResult<()> {
-        let now = Instant::now();
-        if !slf.get().source().is_time_to_look(now, LOOK_INTERVAL) {
-            return Ok(());
+    /// Now and then lets Python flush the log and see whether somebody waits for a client that says nothing.
+    fn tend(slf: &Bound<'_, Self>) -> PyResult<()> {
+        let records = slf.as_super().get().state().records_messages();
+        if slf.get().source().is_time_to_tend(records, Instant::now(), TEND_INTERVAL) {
+            slf.call_method0(intern!(slf.py(), "_tend"))?;
         }
-        slf.call_method0(intern!(slf.py(), "_make_room"))?;
         Ok(())
     }
 
@@ -243,13 +242,13 @@ impl LiveLink {
         self.plain_port.set(None);
     }
 
-    /// From now on `port` may be read natively, as a stream. With `serves_one` the link's `_make_room` is called about once
-    /// a second while nothing arrives.
+    /// From now on `port` may be read natively, as a stream. Servers for one client at a time look after it while nothing
+    /// arrives.
     #[pyo3(signature = (serves_one = false))]
     fn _read_stream(&self, serves_one: bool) {
         let mut source = self.source();
         source.transport = Transport::Stream;
-        source.next_look = serves_one.then(Instant::now);
+        source.serves_one = serves_one;
     }
 
     /// From now on `port` may be read natively, as datagrams. Those from `own` address are left out.

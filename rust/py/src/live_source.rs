@@ -38,8 +38,9 @@ pub(crate) struct LiveSource {
     pub(crate) drained: bool,
     /// Python has bytes to send which the peer did not take yet, and sends them when it receives.
     pub(crate) has_unsent: bool,
-    /// When to look after the client next, if this is a server for one.
-    pub(crate) next_look: Option<Instant>,
+    /// This is a server for one client at a time.
+    pub(crate) serves_one: bool,
+    next_tending: Option<Instant>,
 }
 
 impl LiveSource {
@@ -50,15 +51,16 @@ impl LiveSource {
             peers: Peers::default(),
             drained: false,
             has_unsent: false,
-            next_look: None,
+            serves_one: false,
+            next_tending: None,
         }
     }
 
-    /// It is time to look after the client, and for the next time after `interval`.
-    pub(crate) fn is_time_to_look(&mut self, now: Instant, interval: Duration) -> bool {
-        let is_due = self.next_look.is_some_and(|due| now >= due);
+    /// It is time to look after the client and the log, if there is one, and the next time is after `interval`.
+    pub(crate) fn is_time_to_tend(&mut self, logs: bool, now: Instant, interval: Duration) -> bool {
+        let is_due = (logs || self.serves_one) && self.next_tending.is_none_or(|due| now >= due);
         if is_due {
-            self.next_look = now.checked_add(interval);
+            self.next_tending = now.checked_add(interval);
         }
         is_due
     }

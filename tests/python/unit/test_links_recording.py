@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+import socket
 from types import SimpleNamespace
 
 import pytest
-from mavwire import mavutil
+from mavwire import aio, mavutil
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.links.recording import recordable
+from unit.aio_tools import eventually, run
 from unit.link_tools import KEY, Capture, drain, heartbeat, pack, signed, types
+from watchdog import watched
 
 LONG = mavlink.MAVLink_statustext_message(6, b"x" * 50)
 SETUP = mavlink.MAVLink_setup_signing_message(1, 1, KEY[::-1], 99)
@@ -105,3 +108,55 @@ def test_records_reach_the_file_within_the_flush_interval(tmp_path, monkeypatch)
     link.recv_msg()
     assert (tmp_path / "a.tlog").stat().st_size == 2 * 29
     link.logfile.close()
+
+
+def test_both_kinds_of_log_are_flushed(tmp_path, monkeypatch):
+    clock = SimpleNamespace(now=100.0)
+    link = Capture()
+    monkeypatch.setattr("mavwire.links.mavfile.time.monotonic", lambda: clock.now)
+    link.setup_logfile(str(tmp_path / "a.tlog"))
+    link.setup_logfile_raw(str(tmp_path / "a.raw"))
+    for seq in range(3):
+        clock.now += 1.1
+        link.rx += heartbeat(seq)
+        link.recv_msg()
+        assert (tmp_path / "a.raw").stat().st_size > seq * 21
+        assert (tmp_path / "a.tlog").stat().st_size >= seq * 29
+    link.logfile.close()
+    link.logfile_raw.close()
+
+
+@pytest.mark.parametrize("raw", [False, True], ids=["tlog", "tlog and raw"])
+def test_records_reach_the_file_when_nothing_follows_them(tmp_path, raw):
+    """As a crash much later must not lose them."""
+    path = tmp_path / "a.tlog"
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, watched():
+        link.setup_logfile(str(path))
+        if raw:
+            link.setup_logfile_raw(str(tmp_path / "a.raw"))
+        send(link.port.getsockname()[1], 10)
+        while link.mav_count < 10:
+            link.recv_msg()
+        while path.stat().st_size < 10 * 29:
+            assert link.recv_match(blocking=True, timeout=0.1) is None
+        link.logfile.close()
+
+
+def test_records_reach_the_file_in_a_loop(tmp_path):
+    path = tmp_path / "a.tlog"
+
+    async def main():
+        async with aio.connect("udpin:127.0.0.1:0") as link:
+            link.sync.setup_logfile(str(path))
+            send(link.sync.port.getsockname()[1], 10)
+            await eventually(lambda: path.stat().st_size == 10 * 29)
+            link.sync.logfile.close()
+
+    run(main())
+
+
+def send(port: int, count: int) -> None:
+    """HEARTBEATs to a UDP link."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
+        for seq in range(count):
+            peer.sendto(heartbeat(seq), ("127.0.0.1", port))

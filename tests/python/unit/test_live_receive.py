@@ -98,6 +98,20 @@ def test_frames_cut_between_datagrams_are_joined_by_peer(udp):
     assert udp.link.last_address == udp.peers[1].getsockname()
 
 
+def test_a_peer_that_injects_bytes_costs_another_nothing(udp):
+    """R60: not one of 500 frames that come in two pieces each."""
+    received = []
+    for seq in range(500):
+        frame = heartbeat(seq % 256)
+        udp.send(frame[:11])
+        udp.send(b"\xfd\xff\x01"[: 1 + seq % 3], peer=1)
+        udp.send(frame[11:])
+        while (msg := udp.link.recv_msg()) is not None:
+            received.append((msg.get_type(), msg.get_seq()))
+    good = [seq for kind, seq in received if kind == "HEARTBEAT"]
+    assert good == [seq % 256 for seq in range(500)]
+
+
 def test_the_same_without_the_native_way(udp):
     called(udp.link, "recv")
     test_frames_cut_between_datagrams_are_joined_by_peer(udp)
