@@ -106,10 +106,10 @@ def _open(device: str, options: dict[str, Any]) -> Any:
     from mavwire import mavutil
 
     sync = mavutil.mavlink_connection(device, **options)
-    if getattr(sync, "destination_addr", None) and hasattr(sync, "_destination"):
-        if sync._destination() is None:
-            sync.close()
-            raise OSError(f"the address of {device} cannot be found")
+    sends_to_a_host = getattr(sync, "destination_addr", None) and hasattr(sync, "_destination")
+    if sends_to_a_host and sync._destination() is None:
+        sync.close()
+        raise OSError(f"the address of {device} cannot be found")
     return sync
 
 

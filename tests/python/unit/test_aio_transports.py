@@ -10,6 +10,7 @@ import ssl
 import stat
 import subprocess
 import sys
+from contextlib import AsyncExitStack
 from types import SimpleNamespace
 
 import pytest
@@ -72,11 +73,13 @@ def test_both_ways(kind, loop):
         server = server.format(free_port(socket.SOCK_DGRAM))
 
     async def main():
-        async with aio.connect(server, source_system=1) as one:
+        async with AsyncExitStack() as links:
+            one = await links.enter_async_context(aio.connect(server, source_system=1))
             # A WebSocket client waits for the answer to its handshake in the background.
-            async with aio.connect(client.format(port_of(one)), source_system=2) as other:
-                await converse(one, other)
-                assert (one.frames_dropped, other.frames_dropped) == (0, 0)
+            opening = aio.connect(client.format(port_of(one)), source_system=2)
+            other = await links.enter_async_context(opening)
+            await converse(one, other)
+            assert (one.frames_dropped, other.frames_dropped) == (0, 0)
 
     run(main(), loop)
 

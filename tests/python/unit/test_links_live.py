@@ -8,6 +8,7 @@ import socket
 import sys
 import threading
 import time
+from itertools import pairwise
 from types import SimpleNamespace
 
 import pytest
@@ -305,7 +306,7 @@ def test_tcp_reconnect_backs_off(listener, monkeypatch, capsys):
     while len(attempts) < 7:
         now[0] += 1
         link.recv_msg()
-    pauses = [after - before for before, after in zip(attempts, attempts[1:], strict=False)]
+    pauses = [after - before for before, after in pairwise(attempts)]
     assert pauses == [1, 2, 4, 8, 16, 16]
     assert capsys.readouterr().out.count("Attempting reconnect") == 7
     link.close()
