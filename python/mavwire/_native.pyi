@@ -539,6 +539,9 @@ class Link:
     def post_message(self, msg: Message) -> None:
         """Takes a received message into the link's state, once, then calls the message hooks."""
 
+    def _drop_partial(self) -> None:
+        """Forget a frame whose rest will not come: the peer is gone."""
+
     def _fix_home(self, sysid: int) -> None:
         """The home position of a system is known for good."""
 

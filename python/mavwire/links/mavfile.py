@@ -127,11 +127,6 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         self.mav.total_bytes_received = max(self.mav.total_bytes_received - len(unread), 0)
         return unread
 
-    def _drop_partial(self) -> None:
-        """Forget a frame whose rest will not come: the peer is gone, or the log was rewound."""
-        if self.mav.buf_len():
-            self._replace_mav()
-
     def auto_mavlink_version(self, buf: bytes) -> bytes:
         """Look at the first byte of a link: a v2 marker on a v1 link switches it to MAVLink 2.
 

@@ -21,8 +21,6 @@ pub(crate) struct LinkState {
     mav: Option<Py<PyAny>>,
     /// `mav`, if it is what it should be.
     pub(crate) native_mav: Option<Py<MAVLink>>,
-    /// `mav` has a `parse_char` of its own.
-    pub(crate) has_own_parser: bool,
     pub(crate) sysid_state: Option<Py<PyDict>>,
     pub(crate) senders: Senders,
     message_hooks: Option<Py<PyAny>>,
@@ -51,7 +49,6 @@ impl LinkState {
         Self {
             mav: None,
             native_mav: None,
-            has_own_parser: false,
             sysid_state: None,
             senders: Senders::default(),
             message_hooks: None,
@@ -69,6 +66,12 @@ impl LinkState {
             last_fresh: None,
             percent: 0.0,
         }
+    }
+
+    /// Received bytes have to be shown to `mav`: it is none of ours, or what takes them was replaced, which may happen at
+    /// any time.
+    pub(crate) fn has_own_parser(&self) -> bool {
+        self.native_mav.as_ref().is_none_or(|mav| mav.get().is_overridden(overridden::PARSER))
     }
 
     /// Something is written for every message received.
@@ -151,10 +154,7 @@ impl Link {
     }
     #[setter(mav)]
     fn set_mav(&self, value: &Bound<'_, PyAny>) {
-        let native = value.cast::<MAVLink>().ok();
-        self.state().has_own_parser =
-            native.is_some_and(|mav| mav.get().is_overridden(overridden::PARSE_CHAR));
-        let native = native.map(|mav| mav.clone().unbind());
+        let native = value.cast::<MAVLink>().ok().map(|mav| mav.clone().unbind());
         self.replace(native, |state| &mut state.native_mav);
         self.replace(Some(value.clone().unbind()), |state| &mut state.mav);
     }
@@ -297,6 +297,14 @@ impl Link {
     #[setter(logfile_raw)]
     fn set_logfile_raw(&self, value: Option<Py<PyAny>>) {
         self.replace(value, |state| &mut state.logfile_raw);
+    }
+
+    /// Forgets a frame whose rest will not come: the peer is gone.
+    fn _drop_partial(&self) {
+        if let Some(mav) = &self.state().native_mav {
+            let mav = mav.get();
+            mav.drop_unread(&mut mav.parser());
+        }
     }
 
     /// The home position of a system is known for good.

@@ -66,7 +66,7 @@ impl LogLink {
     pub(crate) fn is_quick(slf: &Bound<'_, Self>) -> bool {
         slf.get().quick.load(Relaxed) && {
             let state = slf.as_super().get().state();
-            state.reader.is_some() && !state.is_recording() && !state.has_own_parser
+            state.reader.is_some() && !state.is_recording() && !state.has_own_parser()
         }
     }
 
@@ -117,12 +117,7 @@ impl LogLink {
         let native = mav.get();
         let mut parser = native.parser();
         reader.visit(offsets, &parser, &native.dialect.get().registry)?;
-        if !parser.unread().is_empty() {
-            let dropped = parser.clear() as u64;
-            // The user may have set it back in the meantime.
-            let received = &native.counters.bytes_received;
-            received.store(received.load(Relaxed).saturating_sub(dropped), Relaxed);
-        }
+        native.drop_unread(&mut parser);
         Ok(())
     }
 
