@@ -31,8 +31,6 @@ pub const MAX_LOCAL_LEAD: u64 = 24 * 3600 * UNITS_PER_SECOND;
 pub const KEPT_FREE: u64 = 365 * MAX_LOCAL_LEAD;
 /// Message id of `SETUP_SIGNING`, which carries the secret key: never to be broadcast or forwarded.
 pub const SETUP_SIGNING: u32 = 256;
-/// Where `secret_key` stands in the payload of `SETUP_SIGNING`.
-const SETUP_SIGNING_KEY: std::ops::Range<usize> = 10..42;
 
 /// Why something cannot be signed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -268,38 +266,6 @@ fn signature(frame: &[u8], key: &SecretKey, link_id: u8, timestamp: u64) -> [u8;
 /// The clock as a signing timestamp: 0 before 2015, [`MAX_TIMESTAMP`] from 2104 on.
 pub fn timestamp_from_unix_micros(micros: u64) -> u64 {
     (micros.saturating_sub(EPOCH_UNIX_SECONDS * 1_000_000) / 10).min(MAX_TIMESTAMP)
-}
-
-/// The link id to use after a verified packet from the target: a ground station with link id 0 adopts the target's.
-pub fn adopt_link_id(own: u8, verified: u8) -> u8 {
-    if own == 0 { verified } else { own }
-}
-
-/// Overwrites the secret key in a payload of `SETUP_SIGNING` with 0xFF, for logs and texts.
-pub fn redact_setup_signing(payload: &mut [u8]) {
-    let end = SETUP_SIGNING_KEY.end.min(payload.len());
-    if let Some(key) = payload.get_mut(SETUP_SIGNING_KEY.start..end) {
-        key.fill(0xFF);
-    }
-}
-
-/// Two places to keep a timestamp across restarts: the smaller is overwritten and the larger one read, so that a write
-/// cut short loses at most the time since the write before.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct TimestampSlots(pub [u64; 2]);
-
-impl TimestampSlots {
-    /// The timestamp to go on from.
-    pub fn latest(&self) -> u64 {
-        self.0[0].max(self.0[1])
-    }
-
-    /// Puts a timestamp in the place of the smaller one; returns which place is to be written out.
-    pub fn store(&mut self, timestamp: u64) -> usize {
-        let slot = usize::from(self.0[1] < self.0[0]);
-        self.0[slot] = timestamp;
-        slot
-    }
 }
 
 #[cfg(test)]

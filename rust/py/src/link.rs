@@ -3,6 +3,7 @@
 //! All of it stands behind one lock that is taken once per message: a lock costs as much as decoding three fields. No
 //! Python code runs while it is held.
 
+use mavwire_core::sequence::SequenceTracker;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -12,7 +13,6 @@ use crate::lock::{Guard, Lock};
 use crate::log_reader::LogReader;
 use crate::mavlink::{MAVLink, overridden};
 use crate::message::Message;
-use crate::sequences::Sequences;
 use crate::system::Senders;
 use crate::tracking;
 
@@ -24,7 +24,7 @@ pub(crate) struct LinkState {
     pub(crate) sysid_state: Option<Py<PyDict>>,
     pub(crate) senders: Senders,
     message_hooks: Option<Py<PyAny>>,
-    pub(crate) sequences: Sequences,
+    pub(crate) sequences: SequenceTracker,
     pub(crate) mav_loss: u64,
     pub(crate) mav_count: u64,
     /// Time of the last message; `None` before the first, which shows as the integer 0.
@@ -52,7 +52,7 @@ impl LinkState {
             sysid_state: None,
             senders: Senders::default(),
             message_hooks: None,
-            sequences: Sequences::default(),
+            sequences: SequenceTracker::new(),
             mav_loss: 0,
             mav_count: 0,
             timestamp: None,
@@ -98,7 +98,7 @@ impl LinkState {
 
     /// Counts a message and the gap before it.
     pub(crate) fn count(&mut self, sysid: u8, compid: u8, seq: u8) {
-        self.mav_loss += u64::from(self.sequences.gap(sysid, compid, seq));
+        self.mav_loss += u64::from(self.sequences.observe(sysid, compid, seq));
         self.mav_count += 1;
     }
 
@@ -203,19 +203,19 @@ impl Link {
     /// `{(sysid, compid): last sequence number}`, a copy.
     #[getter(last_seq)]
     fn get_last_seq<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let rows = self.state().sequences.rows();
+        let last: Vec<_> = self.state().sequences.last().collect();
         let dict = PyDict::new(py);
-        for (source, seq) in rows {
+        for (source, seq) in last {
             dict.set_item(source, seq)?;
         }
         Ok(dict)
     }
     #[setter(last_seq)]
     fn set_last_seq(&self, value: &Bound<'_, PyDict>) -> PyResult<()> {
-        let mut sequences = Sequences::default();
+        let mut sequences = SequenceTracker::new();
         for (source, seq) in value {
             let (sysid, compid) = source.extract()?;
-            sequences.gap(sysid, compid, seq.extract()?);
+            sequences.observe(sysid, compid, seq.extract()?);
         }
         self.state().sequences = sequences;
         Ok(())
