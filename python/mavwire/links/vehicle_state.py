@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 MAV_TYPE_FIXED_WING = 1
 MAV_AUTOPILOT_GENERIC = 0
 
-MAX_PARAMS = 16384
-
-__all__ = ["MAX_PARAMS", "SystemStates", "add_message", "mavfile_state", "param_state"]
+__all__ = ["SystemStates", "add_message", "mavfile_state", "param_state"]
 
 
 class mavfile_state(SystemState):

@@ -140,19 +140,33 @@ impl SigningState {
 
     /// Judges a received frame whose checksum is right, and takes note of it if it is genuine.
     pub fn check(&mut self, frame: &FrameRef<'_>, now: Option<u64>) -> Verdict {
+        let mut streams = std::mem::take(&mut self.streams);
+        let verdict = self.check_in(&mut streams, frame, now);
+        self.streams = streams;
+        verdict
+    }
+
+    /// The same with a table of streams that several parties share, in place of this one's own.
+    pub fn check_in(
+        &mut self,
+        streams: &mut StreamTable,
+        frame: &FrameRef<'_>,
+        now: Option<u64>,
+    ) -> Verdict {
         let Some(key) = &self.key else { return Verdict::NoKey };
         let Some(signature) = frame.signature() else { return Verdict::Unsigned };
         let header = frame.header();
         let id =
             StreamId { link_id: signature.link_id, sysid: header.sysid, compid: header.compid };
         let timestamp = signature.timestamp;
-        let stream = match self.streams.get(id) {
-            Some(last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
-            Some(_) => Stream::Known,
-            None if timestamp + NEW_STREAM_WINDOW < self.timestamp => {
+        let place = streams.find(id);
+        let stream = match place.map(|at| streams.timestamp(at)) {
+            Ok(last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
+            Ok(_) => Stream::Known,
+            Err(_) if timestamp + NEW_STREAM_WINDOW < self.timestamp => {
                 return Verdict::NewStreamTooOld { timestamp, local: self.timestamp };
             }
-            None => Stream::New,
+            Err(_) => Stream::New,
         };
         if let (Some(now), Some(limit)) = (now, self.max_ahead)
             && timestamp > now.saturating_add(limit)
@@ -164,7 +178,7 @@ impl SigningState {
         if !bool::from(number(&sig48(key, &[signed])).ct_eq(&number(digest))) {
             return Verdict::Mismatch { stream };
         }
-        if !self.streams.set(id, timestamp) {
+        if !streams.put(place, id, timestamp) {
             return Verdict::TableFull;
         }
         self.follow(timestamp, now);

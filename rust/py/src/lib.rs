@@ -40,6 +40,7 @@ mod number;
 mod odd;
 mod open_log;
 mod pack;
+mod params;
 mod parse;
 mod parser;
 mod peers;
