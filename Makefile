@@ -87,6 +87,11 @@ bench-live: $(VENV)/.requirements-test ## Receive from sockets at rising rates, 
 	@$(MAKE) --no-print-directory build PROFILE=release
 	@$(BIN)/python benches/live.py $(BENCH_FLAGS)
 
+.PHONY: bench-large
+bench-large: ## Read logs of up to 1 GB: time of a message, and memory (BENCH_FLAGS="--bytes 1e10")
+	@$(MAKE) --no-print-directory build PROFILE=release
+	@$(BIN)/python benches/large_log.py $(BENCH_FLAGS)
+
 .PHONY: bench-rust
 bench-rust: ## Run the criterion benches of the core
 	cargo bench -p mavwire-core --locked

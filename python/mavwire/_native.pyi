@@ -2,14 +2,24 @@
 
 Users meet these through the dialect modules, whose classes derive from the ones here. Bytes are
 given as any bytes-like object or iterable of integers where `_BytesLike` stands, as `bytes` alone
-where that stands.
+where that stands. Links and logs are described in `_stubs`, which is there for type checkers alone.
 """
 
 from collections.abc import Callable, Iterable
-from os import PathLike
-from typing import Any, Final, Literal, Protocol, TypeAlias, final
+from typing import Any, Final, Literal, TypeAlias, final
 
 from typing_extensions import Buffer, disjoint_base
+
+from mavwire._stubs.links import (
+    Link,
+    LiveLink,
+    SystemState,
+    forget_states,
+    instance_dict,
+    receive_batch,
+    recordable,
+)
+from mavwire._stubs.logs import LogLink, LogScan, dump_log
 
 __all__ = [
     "DefinitionError",
@@ -36,6 +46,7 @@ __all__ = [
     "message_class",
     "message_dict",
     "receive_batch",
+    "recordable",
     "restore",
     "send_values",
     "x25_accumulate",
@@ -469,253 +480,8 @@ class MAVLink:
     def __setattr__(self, name: str, value: Any, /) -> None: ...
     def __delattr__(self, name: str, /) -> None: ...
 
-@disjoint_base
-class SystemState:
-    """Base of `mavutil.mavfile_state`: holds the table of newest messages."""
-
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> SystemState: ...
-    messages: dict[str, Any]
-    """Message type -> newest message."""
-
-    @property
-    def components(self) -> dict[int, dict[str, Any]]:
-        """Component id -> message type -> newest message of that component alone."""
-
-    def __setattr__(self, name: str, value: Any, /) -> None: ...
-    def __delattr__(self, name: str, /) -> None: ...
-
-@disjoint_base
-class Link:
-    """The part of `mavutil.mavfile`'s state that every message changes."""
-
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> Link: ...
-    mav: Any
-    """The `MAVLink` object of the current dialect."""
-    message_hooks: Any
-    """Functions called as `hook(link, message)` for every message."""
-    mav_count: int
-    """Messages received, radio status, BAD_DATA and UNKNOWN not counted."""
-    mav_loss: int
-    """Messages lost, by the gaps in sequence numbers."""
-
-    @property
-    def names_refused(self) -> int:
-        """Message types, instances, components and parameters that were not kept because there were
-        too many already."""
-
-    def _refuse_name(self) -> None:
-        """Counts one that was not kept."""
-    uptime: float
-    """Seconds since the vehicle booted, as its messages say."""
-    first_byte: bool
-    """The protocol version of the link is still to be found out from its first byte."""
-    logfile: Any
-    """File that received messages are recorded to, or None."""
-    logfile_raw: Any
-    """File that received bytes are recorded to, or None."""
-
-    @property
-    def sysid_state(self) -> dict[int, Any]:
-        """System id -> mavfile_state."""
-
-    @sysid_state.setter
-    def sysid_state(self, value: dict[int, Any]) -> None: ...
-    @property
-    def last_seq(self) -> dict[tuple[int, int], int]:
-        """`{(sysid, compid): last sequence number}`, a copy."""
-
-    @last_seq.setter
-    def last_seq(self, value: dict[tuple[int, int], int]) -> None: ...
-    @property
-    def timestamp(self) -> float:
-        """Time of the last message in seconds since 1970; 0 before the first."""
-
-    @timestamp.setter
-    def timestamp(self, value: float) -> None: ...
-    @property
-    def _timestamp(self) -> float | None:
-        """Time of the record being read from a log; None on live links."""
-
-    @_timestamp.setter
-    def _timestamp(self, value: float | None) -> None: ...
-    @property
-    def notimestamps(self) -> bool:
-        """Messages are stamped with `uptime` instead of the time of their record."""
-
-    @notimestamps.setter
-    def notimestamps(self, value: object) -> None: ...
-    def post_message(self, msg: Message) -> None:
-        """Takes a received message into the link's state, once, then calls the message hooks."""
-
-    def _fix_home(self, sysid: int) -> None:
-        """The home position of a system is known for good."""
-
-def receive_batch(link: LiveLink, messages: list[Any], limit: int) -> bool:
-    """Append to `messages` what `link` has received, `limit` at most; whether there may be more.
-
-    An error is raised with the messages before it in the list. Where a read took everything the
-    socket held, no other read is tried: whoever watches the descriptor is told what comes next.
-    """
-
-@disjoint_base
-class LiveLink(Link):
-    """A link over a socket, a serial port or a pipe: the live links of `mavutil` derive from it.
-
-    A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
-    """
-
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> LiveLink: ...
-    def __setattr__(self, name: str, value: Any, /) -> None: ...
-    def __delattr__(self, name: str, /) -> None: ...
-    def recv_msg(self) -> Any:
-        """The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived."""
-
-    def recv_match(
-        self,
-        condition: str | None = None,
-        type: str | Iterable[str] | None = None,
-        blocking: bool = False,
-        timeout: float | None = None,
-    ) -> Any:
-        """The next message of a `type` (name, list or set) for which `condition` holds.
-
-        Messages that do not match are consumed, but have updated the state. Returns None when
-        nothing is there, or when blocking, after `timeout` seconds.
-        """
-
-    @property
-    def peers_forgotten(self) -> int:
-        """Peers that had to make room for others."""
-    _has_unsent: bool
-    """Bytes wait to be sent, so that receiving has to go through Python, which sends them."""
-
-    def _read_stream(self, serves_one: bool = False) -> None:
-        """From now on `port` may be read natively, as a stream. Servers for one client at a time look
-        after it while nothing arrives."""
-
-    def _read_datagrams(self, own: tuple[Any, ...] | None = None) -> None:
-        """From now on `port` may be read natively, as datagrams; those from `own` are left out."""
-
-    def _take_datagram(self) -> tuple[bytes, tuple[Any, ...]] | None:
-        """A datagram that was read ahead, or the rest of one, with its sender."""
-
-    def _switch_peer(self, address: Any) -> None:
-        """What is parsed next comes from `address`: bytes of another peer's frame are put aside."""
-
-@disjoint_base
-class LogLink(Link):
-    """A telemetry log as a link: `mavutil.mavlogfile` derives from it.
-
-    A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
-    """
-
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> LogLink: ...
-    percent: float
-    """How much of the log is read, 0 to 100."""
-
-    def recv(self, n: int | None = None) -> bytes:
-        """Up to `n` bytes of the log; empty at its end."""
-
-    def recv_msg(self) -> Any:
-        """The next message, BAD_DATA and UNKNOWN included; None at the end of the log."""
-
-    def recv_match(
-        self,
-        condition: str | None = None,
-        type: str | Iterable[str] | None = None,
-        blocking: bool = False,
-        timeout: float | None = None,
-    ) -> Any:
-        """The next message of a `type` (name, list or set) for which `condition` holds.
-
-        None at the end of the log. An indexed log is read only where messages of the wanted types,
-        heartbeats and parameters stand.
-        """
-
-    def pre_message(self) -> None:
-        """Reads the time stamp of the next record."""
-
-    def scan_timestamp(self, tbuf: bytes) -> float:
-        """The time stamp `tbuf`, or the first believable one behind it, to which the log moves.
-
-        Believable is what is within three days of the last good message. ValueError unless `tbuf`
-        has 8 bytes.
-        """
-
-    def skip_to_type(self, type: str | Iterable[str]) -> None:
-        """Seeks to the next record of the types in `type`, heartbeats or parameters.
-
-        The types of the first call stay in force until the log is rewound. Behind the last such
-        record reading goes on record by record.
-        """
-
-    def _open_reader(self, path: str | PathLike[str], stamped: bool, now: float) -> None:
-        """Opens the file for reading; `stamped` says that its records have time stamps. OSError."""
-
-    def _close_reader(self) -> None:
-        """Closes the file; from then on the log is at its end."""
-
-    def _tell(self) -> int:
-        """Position in the file."""
-
-    def _seek(self, offset: int) -> None:
-        """Continues at the record that begins at `offset`, whatever was read before."""
-
-    def _restart(self) -> None:
-        """Reads from the start again, of any types."""
-
-    def _build_index(self, progress_callback: Callable[[int], object] | None = None) -> None:
-        """Indexes the log; `progress_callback` gets each new whole percent."""
-
-    def _index_counts(self) -> list[tuple[int, str, int]]:
-        """`[(message id, name, count), ...]` in the order in which the types first appear."""
-
-    def _index_total(self) -> int:
-        """Records in the index."""
-
-    def _index_offsets(self, msgid: int) -> list[int]:
-        """Offsets of the records of one message id."""
-
-    def _wanted_ids(self) -> list[int] | None:
-        """Message ids that a filtered read visits; None before the first one."""
-
-    def _visited_offset(self) -> int:
-        """Where the record begins that a filtered read visited last, 0 before the first one."""
-
-class _Selection(Protocol):
-    """Which messages a `LogScan` gives; None stands for all."""
-
-    types: list[int] | None
-    unknown: list[int] | None
-    systems: list[int] | None
-    start: float | None
-    end: float | None
-
-@final
-class LogScan:
-    """One pass over a telemetry log, an iterator of messages."""
-
-    def __new__(
-        cls, path: str | PathLike[str], dialect: Dialect, rescan: bool, wanted: _Selection
-    ) -> LogScan: ...
-    def __iter__(self) -> LogScan: ...
-    def __next__(self) -> Message:
-        """The next message; OSError where reading fails, after what was read before."""
-
-    def count(self) -> int:
-        """Runs to the end and counts the messages instead of making them."""
-
-    def close(self) -> None:
-        """Closes the file; the pass is at its end."""
-
 def add_message(messages: dict[str, Any], kind: str, message: Message) -> None:
     """Makes `message` the newest of its type, and of its instance where the type has instances."""
-
-def forget_states() -> None:
-    """Makes every link look its systems' states up again: somebody replaced one."""
-
-def instance_dict(object: Any) -> dict[str, Any]:
-    """The instance's own dictionary, for classes that show a `__dict__` of their own making."""
 
 def build(message: Message, /, *values: Any) -> None:
     """Sets the fields of a built message, in XML order."""
@@ -741,13 +507,6 @@ def describe(main: str, sources: dict[str, str]) -> dict[str, Any]:
     """All descriptions of a dialect, out of XML texts by base name. Raises DefinitionError.
 
     `{"messages": {name: (text, {field: text})}, "enums": {enum: {entry: (text, {index: text})}}}`
-    """
-
-def dump_log(log: LogLink, options: Any) -> None:
-    """Dumps a log from where it stands to its end, as `options` (of `mavwire dump`) say.
-
-    RuntimeError if the log is not open or cannot be read natively. Where reading or a callback
-    fails, what was read before is written first.
     """
 
 def x25_accumulate(crc: int, data: bytes) -> int:

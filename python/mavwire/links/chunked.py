@@ -46,7 +46,7 @@ class ChunkedLink(LiveLink, mavfile):
     def _recv_msg_slowly(self) -> Any:
         """What `recv_msg` does where it cannot be done natively."""
         self.pre_message()
-        msg = self.mav.parse_char(b"") if self.mav.buf_len() else None
+        msg = self.mav.parse_char(b"")
         reads = 0
         while msg is None and reads < READS_PER_CALL:
             # Until the first marker was seen, reads end with the frame, so that the next

@@ -58,7 +58,7 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
     @property
     def __dict__(self) -> dict[str, Any]:  # type: ignore[override]
         own = instance_dict(self)
-        hidden = (*_ATTRIBUTES, "_sysid", "_params_kept")
+        hidden = (*_ATTRIBUTES, "_sysid")
         first = {name: value for name, value in own.items() if name not in hidden}
         return first | {name: getattr(self, name) for name in _ATTRIBUTES}
 
@@ -126,11 +126,6 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         # The user may have set the counter back in the meantime.
         self.mav.total_bytes_received = max(self.mav.total_bytes_received - len(unread), 0)
         return unread
-
-    def _drop_partial(self) -> None:
-        """Forget a frame whose rest will not come: the peer is gone, or the log was rewound."""
-        if self.mav.buf_len():
-            self._replace_mav()
 
     def auto_mavlink_version(self, buf: bytes) -> bytes:
         """Look at the first byte of a link: a v2 marker on a v1 link switches it to MAVLink 2.

@@ -1,12 +1,11 @@
-"""What received messages change beyond what the native `Link.post_message` keeps: flight modes,
-parameters, home, and the radio's own messages. It calls the methods here for the few messages that
-need them.
+"""What received messages change beyond what the native `Link.post_message` keeps: flight modes, home
+and the radio's own messages. It calls the methods here for the few messages that need them.
 """
 
 from __future__ import annotations
 
 from .modes import mode_string_v10
-from .vehicle_state import MAX_LINK_PARAMS, MAX_PARAMS, mavfile_state, param_state
+from .vehicle_state import mavfile_state, param_state
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -33,13 +32,14 @@ class Tracking:
     target_component: Any
     params: Any
     _fix_home: Callable[[int], None]
-    _refuse_name: Callable[[], None]
-    # Of all senders together.
-    _params_kept = 0
 
     def _new_state(self) -> mavfile_state:
         """The state of a system that is heard for the first time."""
         return mavfile_state()
+
+    def _new_param_state(self) -> param_state:
+        """The parameters of a component that tells one for the first time."""
+        return param_state()
 
     def _post_radio(self, mtype: str, msg: Any) -> None:
         """Show a message of the radio itself to every system's state."""
@@ -78,25 +78,6 @@ class Tracking:
             sender.base_mode = msg.custom0
             sender.armed = msg.custom0 & MAV_MODE_FLAG_SAFETY_ARMED
 
-    def _on_param_value(self, msg: Any, sender: mavfile_state) -> None:
-        source = (msg.get_srcSystem(), msg.get_srcComponent())
-        known = self.param_state.get(source)
-        params = (known or self.param_state.setdefault(source, param_state())).params
-        name = str(msg.param_id)
-        if name in params or self._has_room(params):
-            params[name] = msg.param_value
-        else:
-            self._refuse_name()
-
-    def _has_room(self, params: dict[str, float]) -> bool:
-        """Whether another parameter is kept; the target's are, however many others sent."""
-        if len(params) >= MAX_PARAMS:
-            return False
-        if self._params_kept < MAX_LINK_PARAMS:
-            self._params_kept += 1
-            return True
-        return params is self.params
-
     def _on_gps_raw_int(self, msg: Any, sender: mavfile_state) -> None:
         home = sender.messages.get("HOME")
         if home is not None and home.fix_type < GPS_FIX_TYPE_3D_FIX:
@@ -117,6 +98,5 @@ class Tracking:
 _UPDATES: dict[str, Callable[[Tracking, Any, mavfile_state], None]] = {
     "HEARTBEAT": Tracking._on_heartbeat,
     "HIGH_LATENCY2": Tracking._on_high_latency2,
-    "PARAM_VALUE": Tracking._on_param_value,
     "GPS_RAW_INT": Tracking._on_gps_raw_int,
 }

@@ -17,13 +17,7 @@ if TYPE_CHECKING:
 MAV_TYPE_FIXED_WING = 1
 MAV_AUTOPILOT_GENERIC = 0
 
-# Of one component, and of all that a link hears.
-MAX_PARAMS = 16384
-MAX_LINK_PARAMS = 262_144
-
-__all__ = [
-    "MAX_LINK_PARAMS", "MAX_PARAMS", "SystemStates", "add_message", "mavfile_state", "param_state",
-]  # fmt: skip
+__all__ = ["SystemStates", "add_message", "mavfile_state", "param_state"]
 
 
 class mavfile_state(SystemState):

@@ -400,17 +400,5 @@ pub fn trim_zeros(payload: &[u8]) -> &[u8] {
     &payload[..used.max(1).min(payload.len())]
 }
 
-/// Appends `frame` to `out` without its signature block and with the signed flag cleared, as telemetry logs should hold
-/// it; the checksum is computed anew because it covers the flag.
-pub fn encode_unsigned(out: &mut Vec<u8>, frame: &FrameRef<'_>, crc_extra: u8) {
-    let start = out.len();
-    out.extend_from_slice(&frame.bytes[..frame.payload_end()]);
-    if frame.header.version == WireVersion::V2 {
-        out[start + 2] &= !IFLAG_SIGNED;
-    }
-    let checksum = x25::push(x25::checksum(&out[start + 1..]), crc_extra);
-    out.extend_from_slice(&checksum.to_le_bytes());
-}
-
 #[cfg(test)]
 mod tests;

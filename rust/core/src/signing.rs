@@ -31,8 +31,6 @@ pub const MAX_LOCAL_LEAD: u64 = 24 * 3600 * UNITS_PER_SECOND;
 pub const KEPT_FREE: u64 = 365 * MAX_LOCAL_LEAD;
 /// Message id of `SETUP_SIGNING`, which carries the secret key: never to be broadcast or forwarded.
 pub const SETUP_SIGNING: u32 = 256;
-/// Where `secret_key` stands in the payload of `SETUP_SIGNING`.
-const SETUP_SIGNING_KEY: std::ops::Range<usize> = 10..42;
 
 /// Why something cannot be signed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -142,19 +140,33 @@ impl SigningState {
 
     /// Judges a received frame whose checksum is right, and takes note of it if it is genuine.
     pub fn check(&mut self, frame: &FrameRef<'_>, now: Option<u64>) -> Verdict {
+        let mut streams = std::mem::take(&mut self.streams);
+        let verdict = self.check_in(&mut streams, frame, now);
+        self.streams = streams;
+        verdict
+    }
+
+    /// The same with a table of streams that several parties share, in place of this one's own.
+    pub fn check_in(
+        &mut self,
+        streams: &mut StreamTable,
+        frame: &FrameRef<'_>,
+        now: Option<u64>,
+    ) -> Verdict {
         let Some(key) = &self.key else { return Verdict::NoKey };
         let Some(signature) = frame.signature() else { return Verdict::Unsigned };
         let header = frame.header();
         let id =
             StreamId { link_id: signature.link_id, sysid: header.sysid, compid: header.compid };
         let timestamp = signature.timestamp;
-        let stream = match self.streams.get(id) {
-            Some(last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
-            Some(_) => Stream::Known,
-            None if timestamp + NEW_STREAM_WINDOW < self.timestamp => {
+        let place = streams.find(id);
+        let stream = match place.map(|at| streams.timestamp(at)) {
+            Ok(last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
+            Ok(_) => Stream::Known,
+            Err(_) if timestamp + NEW_STREAM_WINDOW < self.timestamp => {
                 return Verdict::NewStreamTooOld { timestamp, local: self.timestamp };
             }
-            None => Stream::New,
+            Err(_) => Stream::New,
         };
         if let (Some(now), Some(limit)) = (now, self.max_ahead)
             && timestamp > now.saturating_add(limit)
@@ -165,7 +177,7 @@ impl SigningState {
         if !bool::from(same_digest(&sig48(key, &[signed]), digest)) {
             return Verdict::Mismatch { stream };
         }
-        if !self.streams.set(id, timestamp) {
+        if !streams.put(place, id, timestamp) {
             return Verdict::TableFull;
         }
         self.follow(timestamp, now);
@@ -274,38 +286,6 @@ fn signature(frame: &[u8], key: &SecretKey, link_id: u8, timestamp: u64) -> [u8;
 /// The clock as a signing timestamp: 0 before 2015, [`MAX_TIMESTAMP`] from 2104 on.
 pub fn timestamp_from_unix_micros(micros: u64) -> u64 {
     (micros.saturating_sub(EPOCH_UNIX_SECONDS * 1_000_000) / 10).min(MAX_TIMESTAMP)
-}
-
-/// The link id to use after a verified packet from the target: a ground station with link id 0 adopts the target's.
-pub fn adopt_link_id(own: u8, verified: u8) -> u8 {
-    if own == 0 { verified } else { own }
-}
-
-/// Overwrites the secret key in a payload of `SETUP_SIGNING` with 0xFF, for logs and texts.
-pub fn redact_setup_signing(payload: &mut [u8]) {
-    let end = SETUP_SIGNING_KEY.end.min(payload.len());
-    if let Some(key) = payload.get_mut(SETUP_SIGNING_KEY.start..end) {
-        key.fill(0xFF);
-    }
-}
-
-/// Two places to keep a timestamp across restarts: the smaller is overwritten and the larger one read, so that a write
-/// cut short loses at most the time since the write before.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct TimestampSlots(pub [u64; 2]);
-
-impl TimestampSlots {
-    /// The timestamp to go on from.
-    pub fn latest(&self) -> u64 {
-        self.0[0].max(self.0[1])
-    }
-
-    /// Puts a timestamp in the place of the smaller one; returns which place is to be written out.
-    pub fn store(&mut self, timestamp: u64) -> usize {
-        let slot = usize::from(self.0[1] < self.0[0]);
-        self.0[slot] = timestamp;
-        slot
-    }
 }
 
 #[cfg(test)]

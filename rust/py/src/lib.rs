@@ -32,6 +32,7 @@ mod log_ahead;
 mod log_index;
 mod log_reader;
 mod log_receive;
+mod log_wanted;
 mod mavlink;
 mod message;
 mod meta;
@@ -39,15 +40,16 @@ mod number;
 mod odd;
 mod open_log;
 mod pack;
+mod params;
 mod parse;
 mod parser;
 mod peers;
 mod raw;
 mod receive;
+mod recording;
 mod room;
 mod send;
 mod send_lock;
-mod sequences;
 mod shared;
 mod signing;
 mod slot;
@@ -93,6 +95,8 @@ mod _native {
     use crate::odd::OddField;
     #[pymodule_export]
     use crate::open_log::LogScan;
+    #[pymodule_export]
+    use crate::recording::recordable;
     #[pymodule_export]
     use crate::signing::Signing;
     #[pymodule_export]

@@ -3,6 +3,7 @@
 //! All of it stands behind one lock that is taken once per message: a lock costs as much as decoding three fields. No
 //! Python code runs while it is held.
 
+use mavwire_core::sequence::SequenceTracker;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -13,7 +14,6 @@ use crate::log_reader::LogReader;
 use crate::mavlink::{MAVLink, overridden};
 use crate::message::Message;
 use crate::room::Budget;
-use crate::sequences::Sequences;
 use crate::system::Senders;
 use crate::tracking;
 
@@ -22,12 +22,10 @@ pub(crate) struct LinkState {
     mav: Option<Py<PyAny>>,
     /// `mav`, if it is what it should be.
     pub(crate) native_mav: Option<Py<MAVLink>>,
-    /// `mav` has a `parse_char` of its own.
-    pub(crate) has_own_parser: bool,
     pub(crate) sysid_state: Option<Py<PyDict>>,
     pub(crate) senders: Senders,
     message_hooks: Option<Py<PyAny>>,
-    pub(crate) sequences: Sequences,
+    pub(crate) sequences: SequenceTracker,
     pub(crate) mav_loss: u64,
     pub(crate) mav_count: u64,
     /// Time of the last message; `None` before the first, which shows as the integer 0.
@@ -52,11 +50,10 @@ impl LinkState {
         Self {
             mav: None,
             native_mav: None,
-            has_own_parser: false,
             sysid_state: None,
             senders: Senders::default(),
             message_hooks: None,
-            sequences: Sequences::default(),
+            sequences: SequenceTracker::new(),
             mav_loss: 0,
             mav_count: 0,
             timestamp: None,
@@ -70,6 +67,12 @@ impl LinkState {
             last_fresh: None,
             percent: 0.0,
         }
+    }
+
+    /// Received bytes have to be shown to `mav`: it is none of ours, or what takes them was replaced, which may happen at
+    /// any time.
+    pub(crate) fn has_own_parser(&self) -> bool {
+        self.native_mav.as_ref().is_none_or(|mav| mav.get().is_overridden(overridden::PARSER))
     }
 
     /// Something is written for every message received.
@@ -96,7 +99,7 @@ impl LinkState {
 
     /// Counts a message and the gap before it.
     pub(crate) fn count(&mut self, sysid: u8, compid: u8, seq: u8) {
-        self.mav_loss += u64::from(self.sequences.gap(sysid, compid, seq));
+        self.mav_loss += u64::from(self.sequences.observe(sysid, compid, seq));
         self.mav_count += 1;
     }
 
@@ -154,10 +157,7 @@ impl Link {
     }
     #[setter(mav)]
     fn set_mav(&self, value: &Bound<'_, PyAny>) {
-        let native = value.cast::<MAVLink>().ok();
-        self.state().has_own_parser =
-            native.is_some_and(|mav| mav.get().is_overridden(overridden::PARSE_CHAR));
-        let native = native.map(|mav| mav.clone().unbind());
+        let native = value.cast::<MAVLink>().ok().map(|mav| mav.clone().unbind());
         self.replace(native, |state| &mut state.native_mav);
         self.replace(Some(value.clone().unbind()), |state| &mut state.mav);
     }
@@ -209,27 +209,22 @@ impl Link {
         self.budget.refused()
     }
 
-    /// Counts one that was not kept.
-    fn _refuse_name(&self) {
-        self.budget.refuse();
-    }
-
     /// `{(sysid, compid): last sequence number}`, a copy.
     #[getter(last_seq)]
     fn get_last_seq<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let rows = self.state().sequences.rows();
+        let last: Vec<_> = self.state().sequences.last().collect();
         let dict = PyDict::new(py);
-        for (source, seq) in rows {
+        for (source, seq) in last {
             dict.set_item(source, seq)?;
         }
         Ok(dict)
     }
     #[setter(last_seq)]
     fn set_last_seq(&self, value: &Bound<'_, PyDict>) -> PyResult<()> {
-        let mut sequences = Sequences::default();
+        let mut sequences = SequenceTracker::new();
         for (source, seq) in value {
             let (sysid, compid) = source.extract()?;
-            sequences.gap(sysid, compid, seq.extract()?);
+            sequences.observe(sysid, compid, seq.extract()?);
         }
         self.state().sequences = sequences;
         Ok(())
@@ -311,6 +306,14 @@ impl Link {
     #[setter(logfile_raw)]
     fn set_logfile_raw(&self, value: Option<Py<PyAny>>) {
         self.replace(value, |state| &mut state.logfile_raw);
+    }
+
+    /// Forgets a frame whose rest will not come: the peer is gone.
+    fn _drop_partial(&self) {
+        if let Some(mav) = &self.state().native_mav {
+            let mav = mav.get();
+            mav.drop_unread(&mut mav.parser());
+        }
     }
 
     /// The home position of a system is known for good.

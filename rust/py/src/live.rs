@@ -76,7 +76,7 @@ impl LiveLink {
         source.transport != Transport::Foreign
             && !source.has_unsent
             && !state.records_bytes()
-            && !state.has_own_parser
+            && !state.has_own_parser()
             && !state.first_byte
     }
 

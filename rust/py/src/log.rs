@@ -11,7 +11,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 
 use crate::filter::Filter;
 use crate::index_build;
@@ -19,6 +19,7 @@ use crate::link::{Link, overrides};
 use crate::lock::Lock;
 use crate::log_index::LogIndex;
 use crate::log_reader::{LogReader, seconds};
+use crate::log_wanted::{self, Wanted};
 use crate::mavlink::MAVLink;
 use crate::message::Message;
 use crate::slot::Slot;
@@ -37,18 +38,8 @@ const QUICK_METHODS: [&str; 9] = [
     "_delivered",
 ];
 
-/// Read along with whatever is asked for, because they keep the mode and the parameters current.
-const ALWAYS_READ: [&str; 2] = ["HEARTBEAT", "PARAM_VALUE"];
-
 /// How often a long run looks whether the user wants to stop it.
 pub(crate) const SIGNAL_INTERVAL: u64 = 16 * 1024;
-
-/// Records of the wanted types, and how many of them were visited.
-struct Wanted {
-    ids: Vec<u32>,
-    offsets: Vec<u64>,
-    visited: usize,
-}
 
 /// A telemetry log as a link.
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
@@ -66,7 +57,7 @@ impl LogLink {
     pub(crate) fn is_quick(slf: &Bound<'_, Self>) -> bool {
         slf.get().quick.load(Relaxed) && {
             let state = slf.as_super().get().state();
-            state.reader.is_some() && !state.is_recording() && !state.has_own_parser
+            state.reader.is_some() && !state.is_recording() && !state.has_own_parser()
         }
     }
 
@@ -96,15 +87,15 @@ impl LogLink {
         let py = slf.py();
         let this = slf.get();
         if this.wanted.lock(py).is_none() {
-            let wanted = Self::wanted_records(slf, types)?;
-            let old = this.wanted.lock(py).replace(wanted);
-            drop(old);
+            let names = log_wanted::names(types)?;
+            let wanted = Wanted::new(&names, this.index.lock(py).as_ref());
+            *this.wanted.lock(py) = Some(wanted);
         }
         let mut wanted = this.wanted.lock(py);
-        let Some(wanted) = wanted.as_mut() else { return Ok(()) };
-        let Some(rest @ [_, ..]) = wanted.offsets.get(wanted.visited..) else { return Ok(()) };
-        wanted.visited += 1;
-        Self::visit(slf, rest)
+        match wanted.as_mut().and_then(Wanted::advance) {
+            Some(rest) => Self::visit(slf, rest),
+            None => Ok(()),
+        }
     }
 
     /// Goes on at the first of the records that begin at `offsets`, whatever was read before.
@@ -117,27 +108,8 @@ impl LogLink {
         let native = mav.get();
         let mut parser = native.parser();
         reader.visit(offsets, &parser, &native.dialect.get().registry)?;
-        if !parser.unread().is_empty() {
-            let dropped = parser.clear() as u64;
-            // The user may have set it back in the meantime.
-            let received = &native.counters.bytes_received;
-            received.store(received.load(Relaxed).saturating_sub(dropped), Relaxed);
-        }
+        native.drop_unread(&mut parser);
         Ok(())
-    }
-
-    fn wanted_records(slf: &Bound<'_, Self>, types: &Bound<'_, PyAny>) -> PyResult<Wanted> {
-        let mut names: Vec<String> = match types.cast::<PyString>() {
-            Ok(name) => vec![name.to_string()],
-            Err(_) => {
-                let names = types.try_iter()?.map(|name| Ok(name?.str()?.to_string()));
-                names.collect::<PyResult<_>>()?
-            }
-        };
-        names.extend(ALWAYS_READ.map(str::to_owned));
-        let index = slf.get().index.lock(slf.py());
-        let (ids, offsets) = index.as_ref().map(|index| index.select(&names)).unwrap_or_default();
-        Ok(Wanted { ids, offsets, visited: 0 })
     }
 
     pub(crate) fn seek_to(slf: &Bound<'_, Self>, offset: u64) -> PyResult<()> {
@@ -364,14 +336,7 @@ impl LogLink {
 
     /// Where the record begins that a filtered read visited last, 0 before the first one.
     fn _visited_offset(&self, py: Python<'_>) -> u64 {
-        let wanted = self.wanted.lock(py);
-        let Some(wanted) = wanted.as_ref() else { return 0 };
-        wanted
-            .visited
-            .checked_sub(1)
-            .and_then(|last| wanted.offsets.get(last))
-            .copied()
-            .unwrap_or(0)
+        self.wanted.lock(py).as_ref().and_then(Wanted::visited_offset).unwrap_or(0)
     }
 
     /// Records in the index.

@@ -118,13 +118,18 @@ pub(crate) mod overridden {
     pub(crate) const SEND: u8 = 1;
     pub(crate) const RECEIVE: u8 = 2;
     pub(crate) const ENCODE: u8 = 4;
-    /// `parse_char` is not the native one, so that received bytes have to be shown to it.
-    pub(crate) const PARSE_CHAR: u8 = 8;
+    /// What links call for received bytes is not the native one, so that the bytes have to be shown to it.
+    pub(crate) const PARSER: u8 = 8;
+
+    /// Methods of the native class whose replacement matters.
+    pub(super) const METHODS: [&str; 5] =
+        ["send", "decode", "parse_char", "bytes_needed", "check_signature"];
 
     pub(super) fn by_name(name: &str) -> u8 {
         match name {
             "send" => SEND,
-            "parse_char" => RECEIVE | PARSE_CHAR,
+            "parse_char" => RECEIVE | PARSER,
+            "bytes_needed" => PARSER,
             "decode" | "check_signature" => RECEIVE,
             _ if name.ends_with("_encode") => ENCODE,
             _ => 0,
@@ -137,6 +142,16 @@ impl MAVLink {
     pub(crate) fn parser(&self) -> Guard<'_, Parser> {
         // SAFETY: links are Python objects, whose methods run attached.
         self.parser.lock(unsafe { Python::assume_attached() })
+    }
+
+    /// Forgets the bytes of a frame whose rest will not come: as if they had never been received.
+    pub(crate) fn drop_unread(&self, parser: &mut Parser) {
+        if !parser.unread().is_empty() {
+            let dropped = parser.clear() as u64;
+            // The user may have set it back in the meantime.
+            let received = &self.counters.bytes_received;
+            received.store(received.load(Relaxed).saturating_sub(dropped), Relaxed);
+        }
     }
 
     pub(crate) fn is_overridden(&self, bits: u8) -> bool {
@@ -180,19 +195,15 @@ impl MAVLink {
     ) -> PyResult<Self> {
         let py = cls.py();
         let dialect = cls.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?.unbind();
+        let native = py.get_type::<Self>();
         let mut replaced = 0;
-        let parse_char = intern!(py, "parse_char");
-        if !cls.getattr(parse_char)?.is(&py.get_type::<Self>().getattr(parse_char)?) {
-            replaced |= overridden::PARSE_CHAR;
-        }
-        let base = cls.getattr(intern!(py, "_mavlink_base"))?;
-        if !base.is(cls) {
-            replaced |= overridden::ENCODE;
-            for name in ["send", "decode", "parse_char", "check_signature"] {
-                if !cls.getattr(name)?.is(&base.getattr(name)?) {
-                    replaced |= overridden::by_name(name);
-                }
+        for name in overridden::METHODS {
+            if !cls.getattr(name)?.is(&native.getattr(name)?) {
+                replaced |= overridden::by_name(name);
             }
+        }
+        if !cls.getattr(intern!(py, "_mavlink_base"))?.is(cls) {
+            replaced |= overridden::ENCODE;
         }
         Ok(Self {
             dialect,

@@ -26,6 +26,7 @@ const RECOUNT: u64 = 1024;
 #[derive(Default)]
 pub(crate) struct Budget {
     used: AtomicUsize,
+    params: AtomicUsize,
     refused: AtomicU64,
 }
 
@@ -33,6 +34,13 @@ impl Budget {
     /// Names that were not kept.
     pub(crate) fn refused(&self) -> u64 {
         self.refused.load(Relaxed)
+    }
+
+    /// Counts a parameter that is kept, unless there are `limit` already.
+    pub(crate) fn take_param(&self, limit: usize) -> bool {
+        let room = self.params.load(Relaxed) < limit;
+        self.params.fetch_add(usize::from(room), Relaxed);
+        room
     }
 
     /// Counts a name that is not kept.

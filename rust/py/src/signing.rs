@@ -1,6 +1,5 @@
 //! Signing state as Python sees it, and the decision whether a received frame may pass.
 
-use std::mem::swap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering::Relaxed};
 
@@ -37,7 +36,7 @@ pub(crate) enum Acceptance {
 /// Signing state of one link.
 #[pyclass(frozen, subclass, module = "mavwire._native")]
 pub(crate) struct Signing {
-    /// Key and timestamp. Its stream table is empty, but for the time of a check.
+    /// Key and timestamp. Its own stream table is not used.
     state: Lock<SigningState>,
     /// One for all links with the same key, so that what was heard on one link cannot be replayed on another.
     streams: Lock<Arc<Lock<StreamTable>>>,
@@ -82,13 +81,7 @@ impl Signing {
     }
 
     fn judge(&self, frame: &FrameRef<'_>) -> Verdict {
-        self.with_streams(|streams| {
-            let mut state = self.state();
-            swap(&mut state.streams, streams);
-            let verdict = state.check(frame, None);
-            swap(&mut state.streams, streams);
-            verdict
-        })
+        self.with_streams(|streams| self.state().check_in(streams, frame, None))
     }
 
     /// The clock for outgoing timestamps, if they follow it.

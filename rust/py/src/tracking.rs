@@ -1,6 +1,6 @@
 //! What every received message changes: newest messages, loss counts, times.
 //!
-//! Rare updates (flight modes, parameters, home) are left to Python's `_update`, which is called for the few message
+//! Rare updates (flight modes, home) are left to Python's `_update`, which is called for the few message
 //! types that need it.
 
 use pyo3::exceptions::PyTypeError;
@@ -13,6 +13,7 @@ use crate::info::Info;
 use crate::instances::{add_message, add_plain};
 use crate::link::Link;
 use crate::message::{Message, flags};
+use crate::params;
 use crate::room::{OWN_NAMES, Room};
 use crate::system::{Sender, SystemState};
 
@@ -76,7 +77,7 @@ pub(crate) fn post_plain(
     }
 }
 
-/// The updates that Python makes, then the message hooks.
+/// What only a few types of messages change, then the message hooks.
 pub(crate) fn call_python(
     link: &Bound<'_, Link>,
     message: &Bound<'_, Message>,
@@ -84,8 +85,12 @@ pub(crate) fn call_python(
     state: &Bound<'_, SystemState>,
 ) -> PyResult<()> {
     let py = link.py();
-    if message.get().info.as_ref().is_some_and(|info| info.changes_state) {
-        link.call_method1(intern!(py, "_update"), (kind, message, state))?;
+    match message.get().info {
+        Some(info) if info.definition.name == params::PARAM_VALUE => params::keep(link, message)?,
+        Some(info) if info.changes_state => {
+            link.call_method1(intern!(py, "_update"), (kind, message, state))?;
+        }
+        _ => {}
     }
     if let Some(hooks) = link.get().hooks(py) {
         for hook in hooks.try_iter()? {
@@ -103,15 +108,15 @@ fn is_posted(message: &Bound<'_, Message>) -> PyResult<bool> {
     posted.map_or(Ok(false), |posted| posted.is_truthy())
 }
 
-struct Source {
-    sysid: u8,
-    compid: u8,
+pub(crate) struct Source {
+    pub(crate) sysid: u8,
+    pub(crate) compid: u8,
     seq: u8,
     /// Takes part in loss counting: BAD_DATA and UNKNOWN do not.
     counts: bool,
 }
 
-fn source_of(message: &Bound<'_, Message>) -> PyResult<Source> {
+pub(crate) fn source_of(message: &Bound<'_, Message>) -> PyResult<Source> {
     let this = message.get();
     if !this.has(flags::META)
         && let Some(header) = this.header()

@@ -354,9 +354,9 @@ def test_room_that_a_program_makes_is_used_again():
     assert link.names_refused > 3 * (names - 32_768)
 
 
-def test_parameters_are_bounded_over_all_senders(monkeypatch):
+def test_parameters_are_bounded_over_all_senders():
     """R68."""
-    monkeypatch.setattr("mavwire.links.tracking.MAX_LINK_PARAMS", 100)
+    of_one, of_all = 16_384, 262_144
     link = Capture()
     link.rx += heartbeat()
 
@@ -364,12 +364,13 @@ def test_parameters_are_bounded_over_all_senders(monkeypatch):
         msg = mavlink.MAVLink_param_value_message(name.encode(), 1.5, 9, 200, 0)
         return pack(msg, 0, sysid)
 
-    for sysid in range(2, 32):
-        for name in range(10):
+    others = of_all // of_one + 1
+    for sysid in range(2, 2 + others):
+        for name in range(of_one):
             link.rx += value(sysid, f"P{name}")
     for name in range(200):
         link.rx += value(1, f"P{name}")
     drain_in_portions(link)
     assert len(link.params) == 200  # the target's
-    assert sum(len(state.params) for state in link.param_state.values()) == 300
-    assert link.names_refused == 200
+    assert sum(len(state.params) for state in link.param_state.values()) == of_all + 200
+    assert link.names_refused == of_one

@@ -114,15 +114,14 @@ def test_signing_keys_of_other_lengths_are_refused(key):
         Capture().setup_signing(key)
 
 
-def test_tables_keyed_by_the_peer_are_capped(monkeypatch):
+def test_tables_keyed_by_the_peer_are_capped():
     """R68."""
-    monkeypatch.setattr("mavwire.links.tracking.MAX_PARAMS", 3)
-    instances, messages = 4096, 32768
+    instances, messages, params = 4096, 32768, 16384
     link = Capture()
     for i in range(instances + 10):
         name = f"n{i}".encode()
         link.rx += pack(mavlink.MAVLink_named_value_float_message(1, name, i))
-    for i in range(5):
+    for i in range(params + 10):
         link.rx += pack(mavlink.MAVLink_param_value_message(b"n%d" % i, i, 9, 1, 0))
     for msgid in range(messages):
         frame = bytearray(heartbeat())
@@ -135,7 +134,8 @@ def test_tables_keyed_by_the_peer_are_capped(monkeypatch):
     assert sum(key.startswith("NAMED_VALUE_FLOAT[") for key in kept) == instances
     assert (kept["NAMED_VALUE_FLOAT"].value, kept["NAMED_VALUE_FLOAT[n7]"].value) == (0.5, 0.5)
     assert len(link.sysid_state[0].messages) == messages
-    assert link.param_state[(1, 1)].params == {"n0": 0, "n1": 99, "n2": 2}
+    kept = link.param_state[(1, 1)].params
+    assert (len(kept), kept["n1"], kept[f"n{params - 1}"]) == (params, 99, params - 1)
 
 
 def test_target_component_follows_the_locked_system():

@@ -2,12 +2,14 @@
 //!
 //! Three readers for three needs. [`parse_record`] looks at one place. [`index_chunk`] hops from record to record by
 //! their lengths, the fastest way and pymavlink's. [`RecordScanner`] checks checksums and finds every good frame of a
-//! damaged log in linear time, with the time stamp that stands in front of it.
+//! damaged log in linear time, with the time stamp that stands in front of it. [`recordable`] is for writers.
 
 mod index;
+mod recordable;
 mod records;
 
 pub use index::{ChunkIndex, RecordEntry, index_chunk};
+pub use recordable::recordable;
 pub use records::{FoundRecord, RecordScanner};
 
 use crate::frame::{FrameRef, claimed_len};

@@ -35,8 +35,9 @@ impl StreamTable {
         Self { streams: Vec::new(), capacity }
     }
 
+    /// Where a stream stands, or else where it would.
     #[inline]
-    fn find(&self, id: StreamId) -> Result<usize, usize> {
+    pub(super) fn find(&self, id: StreamId) -> Result<usize, usize> {
         // As one number, which is one comparison.
         let number =
             |StreamId { link_id, sysid, compid }| u32::from_be_bytes([0, link_id, sysid, compid]);
@@ -46,12 +47,24 @@ impl StreamTable {
     /// The last timestamp of a stream.
     #[inline]
     pub fn get(&self, id: StreamId) -> Option<u64> {
-        self.find(id).ok().map(|at| self.streams[at].1)
+        self.find(id).ok().map(|at| self.timestamp(at))
+    }
+
+    /// The last timestamp of the stream that stands at a place.
+    #[inline]
+    pub(super) fn timestamp(&self, at: usize) -> u64 {
+        self.streams[at].1
     }
 
     /// Sets the last timestamp of a stream; `false` where it is new and the table is full.
     pub fn set(&mut self, id: StreamId, timestamp: u64) -> bool {
-        match self.find(id) {
+        self.put(self.find(id), id, timestamp)
+    }
+
+    /// The same for a stream that was found.
+    #[inline]
+    pub(super) fn put(&mut self, at: Result<usize, usize>, id: StreamId, timestamp: u64) -> bool {
+        match at {
             Ok(at) => self.streams[at].1 = timestamp,
             Err(_) if self.streams.len() >= self.capacity => return false,
             Err(at) => self.streams.insert(at, (id, timestamp)),

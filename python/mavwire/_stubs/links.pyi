@@ -1,0 +1,152 @@
+"""Links, as `mavwire._native` has them."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from mavwire._native import Message
+from typing_extensions import disjoint_base
+
+@disjoint_base
+class SystemState:
+    """Base of `mavutil.mavfile_state`: holds the table of newest messages."""
+
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> SystemState: ...
+    messages: dict[str, Any]
+    """Message type -> newest message."""
+
+    @property
+    def components(self) -> dict[int, dict[str, Any]]:
+        """Component id -> message type -> newest message of that component alone."""
+
+    def __setattr__(self, name: str, value: Any, /) -> None: ...
+    def __delattr__(self, name: str, /) -> None: ...
+
+@disjoint_base
+class Link:
+    """The part of `mavutil.mavfile`'s state that every message changes."""
+
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Link: ...
+    mav: Any
+    """The `MAVLink` object of the current dialect."""
+    message_hooks: Any
+    """Functions called as `hook(link, message)` for every message."""
+    mav_count: int
+    """Messages received, radio status, BAD_DATA and UNKNOWN not counted."""
+    mav_loss: int
+    """Messages lost, by the gaps in sequence numbers."""
+
+    @property
+    def names_refused(self) -> int:
+        """Message types, instances, components and parameters that were not kept because there were
+        too many already."""
+    uptime: float
+    """Seconds since the vehicle booted, as its messages say."""
+    first_byte: bool
+    """The protocol version of the link is still to be found out from its first byte."""
+    logfile: Any
+    """File that received messages are recorded to, or None."""
+    logfile_raw: Any
+    """File that received bytes are recorded to, or None."""
+
+    @property
+    def sysid_state(self) -> dict[int, Any]:
+        """System id -> mavfile_state."""
+
+    @sysid_state.setter
+    def sysid_state(self, value: dict[int, Any]) -> None: ...
+    @property
+    def last_seq(self) -> dict[tuple[int, int], int]:
+        """`{(sysid, compid): last sequence number}`, a copy."""
+
+    @last_seq.setter
+    def last_seq(self, value: dict[tuple[int, int], int]) -> None: ...
+    @property
+    def timestamp(self) -> float:
+        """Time of the last message in seconds since 1970; 0 before the first."""
+
+    @timestamp.setter
+    def timestamp(self, value: float) -> None: ...
+    @property
+    def _timestamp(self) -> float | None:
+        """Time of the record being read from a log; None on live links."""
+
+    @_timestamp.setter
+    def _timestamp(self, value: float | None) -> None: ...
+    @property
+    def notimestamps(self) -> bool:
+        """Messages are stamped with `uptime` instead of the time of their record."""
+
+    @notimestamps.setter
+    def notimestamps(self, value: object) -> None: ...
+    def post_message(self, msg: Message) -> None:
+        """Takes a received message into the link's state, once, then calls the message hooks."""
+
+    def _drop_partial(self) -> None:
+        """Forget a frame whose rest will not come: the peer is gone."""
+
+    def _fix_home(self, sysid: int) -> None:
+        """The home position of a system is known for good."""
+
+def receive_batch(link: LiveLink, messages: list[Any], limit: int) -> bool:
+    """Append to `messages` what `link` has received, `limit` at most; whether there may be more.
+
+    An error is raised with the messages before it in the list. Where a read took everything the
+    socket held, no other read is tried: whoever watches the descriptor is told what comes next.
+    """
+
+@disjoint_base
+class LiveLink(Link):
+    """A link over a socket, a serial port or a pipe: the live links of `mavutil` derive from it.
+
+    A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
+    """
+
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> LiveLink: ...
+    def __setattr__(self, name: str, value: Any, /) -> None: ...
+    def __delattr__(self, name: str, /) -> None: ...
+    def recv_msg(self) -> Any:
+        """The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived."""
+
+    def recv_match(
+        self,
+        condition: str | None = None,
+        type: str | Iterable[str] | None = None,
+        blocking: bool = False,
+        timeout: float | None = None,
+    ) -> Any:
+        """The next message of a `type` (name, list or set) for which `condition` holds.
+
+        Messages that do not match are consumed, but have updated the state. Returns None when
+        nothing is there, or when blocking, after `timeout` seconds.
+        """
+
+    @property
+    def peers_forgotten(self) -> int:
+        """Peers that had to make room for others."""
+    _has_unsent: bool
+    """Bytes wait to be sent, so that receiving has to go through Python, which sends them."""
+
+    def _read_stream(self, serves_one: bool = False) -> None:
+        """From now on `port` may be read natively, as a stream. Servers for one client at a time look
+        after it while nothing arrives."""
+
+    def _read_datagrams(self, own: tuple[Any, ...] | None = None) -> None:
+        """From now on `port` may be read natively, as datagrams; those from `own` are left out."""
+
+    def _take_datagram(self) -> tuple[bytes, tuple[Any, ...]] | None:
+        """A datagram that was read ahead, or the rest of one, with its sender."""
+
+    def _switch_peer(self, address: Any) -> None:
+        """What is parsed next comes from `address`: bytes of another peer's frame are put aside."""
+
+def forget_states() -> None:
+    """Makes every link look its systems' states up again: somebody replaced one."""
+
+def instance_dict(object: Any) -> dict[str, Any]:
+    """The instance's own dictionary, for classes that show a `__dict__` of their own making."""
+
+def recordable(frame: bytes | bytearray) -> bytes | bytearray:
+    """`frame` as a telemetry log may hold it: without signature, without a secret key.
+
+    The same object where it has neither, or is no whole frame.
+    """

@@ -1,0 +1,122 @@
+"""Telemetry logs, as `mavwire._native` has them."""
+
+from collections.abc import Callable, Iterable
+from os import PathLike
+from typing import Any, Protocol, final
+
+from mavwire._native import Dialect, Message
+from mavwire._stubs.links import Link
+from typing_extensions import disjoint_base
+
+@disjoint_base
+class LogLink(Link):
+    """A telemetry log as a link: `mavutil.mavlogfile` derives from it.
+
+    A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
+    """
+
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> LogLink: ...
+    percent: float
+    """How much of the log is read, 0 to 100."""
+
+    def recv(self, n: int | None = None) -> bytes:
+        """Up to `n` bytes of the log; empty at its end."""
+
+    def recv_msg(self) -> Any:
+        """The next message, BAD_DATA and UNKNOWN included; None at the end of the log."""
+
+    def recv_match(
+        self,
+        condition: str | None = None,
+        type: str | Iterable[str] | None = None,
+        blocking: bool = False,
+        timeout: float | None = None,
+    ) -> Any:
+        """The next message of a `type` (name, list or set) for which `condition` holds.
+
+        None at the end of the log. An indexed log is read only where messages of the wanted types,
+        heartbeats and parameters stand.
+        """
+
+    def pre_message(self) -> None:
+        """Reads the time stamp of the next record."""
+
+    def scan_timestamp(self, tbuf: bytes) -> float:
+        """The time stamp `tbuf`, or the first believable one behind it, to which the log moves.
+
+        Believable is what is within three days of the last good message. ValueError unless `tbuf`
+        has 8 bytes.
+        """
+
+    def skip_to_type(self, type: str | Iterable[str]) -> None:
+        """Seeks to the next record of the types in `type`, heartbeats or parameters.
+
+        The types of the first call stay in force until the log is rewound. Behind the last such
+        record reading goes on record by record.
+        """
+
+    def _open_reader(self, path: str | PathLike[str], stamped: bool, now: float) -> None:
+        """Opens the file for reading; `stamped` says that its records have time stamps. OSError."""
+
+    def _close_reader(self) -> None:
+        """Closes the file; from then on the log is at its end."""
+
+    def _tell(self) -> int:
+        """Position in the file."""
+
+    def _seek(self, offset: int) -> None:
+        """Continues at the record that begins at `offset`, whatever was read before."""
+
+    def _restart(self) -> None:
+        """Reads from the start again, of any types."""
+
+    def _build_index(self, progress_callback: Callable[[int], object] | None = None) -> None:
+        """Indexes the log; `progress_callback` gets each new whole percent."""
+
+    def _index_counts(self) -> list[tuple[int, str, int]]:
+        """`[(message id, name, count), ...]` in the order in which the types first appear."""
+
+    def _index_total(self) -> int:
+        """Records in the index."""
+
+    def _index_offsets(self, msgid: int) -> list[int]:
+        """Offsets of the records of one message id."""
+
+    def _wanted_ids(self) -> list[int] | None:
+        """Message ids that a filtered read visits; None before the first one."""
+
+    def _visited_offset(self) -> int:
+        """Where the record begins that a filtered read visited last, 0 before the first one."""
+
+class _Selection(Protocol):
+    """Which messages a `LogScan` gives; None stands for all."""
+
+    types: list[int] | None
+    unknown: list[int] | None
+    systems: list[int] | None
+    start: float | None
+    end: float | None
+
+@final
+class LogScan:
+    """One pass over a telemetry log, an iterator of messages."""
+
+    def __new__(
+        cls, path: str | PathLike[str], dialect: Dialect, rescan: bool, wanted: _Selection
+    ) -> LogScan: ...
+    def __iter__(self) -> LogScan: ...
+    def __next__(self) -> Message:
+        """The next message; OSError where reading fails, after what was read before."""
+
+    def count(self) -> int:
+        """Runs to the end and counts the messages instead of making them."""
+
+    def close(self) -> None:
+        """Closes the file; the pass is at its end."""
+
+def dump_log(log: LogLink, options: Any) -> None:
+    """Dumps a log from where it stands to its end, as `options` (of `mavwire dump`) say.
+
+    RuntimeError if the log is not open or cannot be read natively. Where reading or a callback
+    fails, what was read before is written first.
+    """

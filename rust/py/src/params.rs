@@ -1,0 +1,52 @@
+//! The parameters that PARAM_VALUE messages tell, by the component that has them.
+
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::link::Link;
+use crate::message::Message;
+use crate::tracking::source_of;
+
+/// The message that tells a parameter.
+pub(crate) const PARAM_VALUE: &str = "PARAM_VALUE";
+
+/// Parameters kept per component, since whoever sends chooses their names.
+const MAX_PARAMS: usize = 16384;
+/// Parameters kept of all that a link hears; those of its target are kept beyond it.
+const MAX_LINK_PARAMS: usize = 262_144;
+
+/// Takes a PARAM_VALUE into `link.param_state`.
+pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
+    let py = link.py();
+    let source = source_of(message)?;
+    let component = (source.sysid, source.compid).into_pyobject(py)?;
+    let states = link.getattr(intern!(py, "param_state"))?.cast_into::<PyDict>()?;
+    let state = match states.get_item(&component)? {
+        Some(state) => state,
+        None => {
+            let state = link.call_method0(intern!(py, "_new_param_state"))?;
+            states.set_item(&component, &state)?;
+            state
+        }
+    };
+    let params = state.getattr(intern!(py, "params"))?.cast_into::<PyDict>()?;
+    let name = message.getattr(intern!(py, "param_id"))?.str()?;
+    if params.contains(&name)? || has_room(link, &params)? {
+        params.set_item(name, message.getattr(intern!(py, "param_value"))?)?;
+    } else {
+        link.get().budget.refuse();
+    }
+    Ok(())
+}
+
+/// Whether another parameter is kept in `params`, which then counts.
+fn has_room(link: &Bound<'_, Link>, params: &Bound<'_, PyDict>) -> PyResult<bool> {
+    if params.len() >= MAX_PARAMS {
+        return Ok(false);
+    }
+    if link.get().budget.take_param(MAX_LINK_PARAMS) {
+        return Ok(true);
+    }
+    Ok(link.getattr(intern!(link.py(), "params"))?.is(params))
+}

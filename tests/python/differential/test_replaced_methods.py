@@ -1,0 +1,222 @@
+"""Programs that replace methods of a link's `MAVLink` object: both packages call what is there now."""
+
+from __future__ import annotations
+
+import importlib
+import socket
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from unit.link_tools import T0, free_port, heartbeat, record
+
+WAIT = 60.0
+TYPES = ("HEARTBEAT", "ATTITUDE")
+REPLACED = ("parse_char", "parse_buffer", "decode", "bytes_needed", "check_signature", "send")
+
+
+class Ours:
+    """One package with a log of heartbeats and attitudes in turn."""
+
+    def __init__(self, package: str, folder: Path) -> None:
+        self.mavutil = importlib.import_module(f"{package}.mavutil")
+        self.mavutil.set_dialect("common")
+        self.mavlink = self.mavutil.mavlink
+        self.log = folder / "turns.tlog"
+        self.log.write_bytes(b"".join(record(frame, T0 + i) for i, frame in enumerate(frames())))
+
+    def open(self, kind: str) -> Any:
+        return getattr(self.mavutil, kind)(str(self.log))
+
+
+def frames() -> list[bytes]:
+    mavlink = importlib.import_module("mavwire.dialects.v20.common")
+    mav = mavlink.MAVLink(None, 1, 1)
+    found = []
+    for mav.seq in range(12):
+        if mav.seq % 2:
+            msg = mavlink.MAVLink_attitude_message(mav.seq, 0.5, 0, 0, 0, 0, 0)
+        else:
+            msg = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
+        found.append(bytes(msg.pack(mav)))
+    return found
+
+
+@pytest.fixture
+def both(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, subject: str, oracle: str
+) -> Iterator[list[Ours]]:
+    monkeypatch.setenv("MAVLINK20", "1")
+    packages = [Ours(subject, tmp_path), Ours(oracle, tmp_path)]
+    yield packages
+    monkeypatch.delenv("MAVLINK20")
+    for package in packages:
+        package.mavutil.set_dialect("all")
+
+
+def spy(mav: Any, name: str) -> list[Any]:
+    """Puts a function of the same effect in the method's place; a list of what it is asked."""
+    calls: list[Any] = []
+    original = getattr(mav, name)
+
+    def replacement(*arguments: Any) -> Any:
+        calls.append(arguments)
+        return original(*arguments)
+
+    setattr(mav, name, replacement)
+    return calls
+
+
+def name_of(msg: Any) -> str | None:
+    return None if msg is None else str(msg.get_type())
+
+
+def agree(both: list[Ours], scenario: Callable[[Ours], Any]) -> Any:
+    """What both packages answer."""
+    ours, theirs = (scenario(package) for package in both)
+    assert ours == theirs
+    return ours
+
+
+@pytest.mark.parametrize("kind", ["mavlogfile", "mavmmaplog"])
+@pytest.mark.parametrize("name", REPLACED)
+@pytest.mark.parametrize("wanted", [None, "ATTITUDE"])
+def test_a_method_of_a_log(both: list[Ours], kind: str, name: str, wanted: str | None) -> None:
+    def scenario(package: Ours) -> Any:
+        log = package.open(kind)
+        log.recv_msg()
+        calls = spy(log.mav, name)
+        seen = [name_of(log.recv_match(type=wanted)) for _ in range(3)]
+        while_replaced = bool(calls)
+        # How often `bytes_needed` is asked depends on the reader.
+        times = 0 if name == "bytes_needed" else len(calls)
+        delattr(log.mav, name)
+        calls.clear()
+        seen.append(name_of(log.recv_match(type=wanted)))
+        log.close()
+        return seen, while_replaced, times, calls, log.mav_count, log.mav_loss
+
+    _, while_replaced, *_ = agree(both, scenario)
+    assert while_replaced == (name in ("parse_char", "decode", "bytes_needed"))
+
+
+@pytest.mark.parametrize("kind", ["mavlogfile", "mavmmaplog"])
+def test_a_parser_that_finds_nothing_raises_or_is_another_object(
+    both: list[Ours], kind: str
+) -> None:
+    class Other:
+        def __init__(self, mav: Any) -> None:
+            self.bytes_needed, self.parse_char = mav.bytes_needed, mav.parse_char
+
+    def refuse(_data: bytes) -> None:
+        raise KeyError("mine")
+
+    def scenario(package: Ours) -> Any:
+        deaf, raising, wrapped = (package.open(kind) for _ in range(3))
+        deaf.mav.parse_char = lambda _data: None
+        raising.mav.parse_char = refuse
+        with pytest.raises(KeyError, match="mine"):
+            raising.recv_match(type="ATTITUDE")
+        wrapped.mav = Other(wrapped.mav)
+        seen = [name_of(wrapped.recv_msg()), name_of(wrapped.recv_match(type="ATTITUDE"))]
+        return deaf.recv_msg(), deaf.recv_match(type="ATTITUDE"), seen
+
+    assert agree(both, scenario) == (None, None, ["HEARTBEAT", "ATTITUDE"])
+
+
+@pytest.mark.parametrize("kind", ["mavlogfile", "mavmmaplog"])
+def test_callbacks_of_a_log(both: list[Ours], kind: str) -> None:
+    def scenario(package: Ours) -> Any:
+        log = package.open(kind)
+        log.recv_msg()
+        seen: list[Any] = []
+        log.mav.set_callback(lambda msg, *extra: seen.append((name_of(msg), extra)), 1)
+        log.recv_match(type="ATTITUDE")
+        log.mav.callback = lambda msg, *extra: seen.append((extra, name_of(msg)))
+        log.recv_msg()
+        log.mav.callback = None
+        log.recv_msg()
+        return seen
+
+    assert len(agree(both, scenario)) >= 2
+
+
+@pytest.mark.parametrize("name", ["decode", "parse_char"])
+def test_a_method_of_the_class_replaced_before_the_log_is_opened(
+    both: list[Ours], name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def scenario(package: Ours) -> Any:
+        calls = []
+        original = getattr(package.mavlink.MAVLink, name)
+
+        def replacement(mav: Any, data: Any) -> Any:
+            calls.append(bytes(data))
+            return original(mav, data)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(package.mavlink.MAVLink, name, replacement)
+            log = package.open("mavlogfile")
+            seen = [name_of(log.recv_msg()), name_of(log.recv_match(type="ATTITUDE"))]
+        return seen, len(calls)
+
+    seen, calls = agree(both, scenario)
+    assert seen == list(TYPES) and calls
+
+
+@pytest.mark.parametrize("name", REPLACED)
+def test_a_method_of_a_live_link(both: list[Ours], name: str) -> None:
+    def scenario(package: Ours) -> Any:
+        port = free_port(socket.SOCK_DGRAM)
+        link = package.mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+            vehicle.connect(("127.0.0.1", port))
+            calls: list[Any] = []
+            seen = []
+            for seq in range(3):
+                vehicle.send(heartbeat(seq))
+                seen.append(name_of(link.recv_match(blocking=True, timeout=WAIT)))
+                if seq == 0:
+                    calls = spy(link.mav, name)
+            link.close()
+        return seen, bool(calls), link.mav_count
+
+    seen, called, count = agree(both, scenario)
+    assert (seen, count) == (["HEARTBEAT"] * 3, 3)
+    assert called == (name in ("parse_char", "decode"))
+
+
+def test_what_was_read_ahead_is_shown_to_a_new_parser(both: list[Ours]) -> None:
+    """Several frames of one datagram: those behind the first go through the replaced method."""
+
+    def scenario(package: Ours) -> Any:
+        port = free_port(socket.SOCK_DGRAM)
+        link = package.mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+            vehicle.connect(("127.0.0.1", port))
+            vehicle.send(b"".join(heartbeat(seq) for seq in range(3)))
+            first = link.recv_match(blocking=True, timeout=WAIT)
+            link.mav.decode = lambda frame: package.mavlink.MAVLink.decode(link.mav, frame)
+            calls = spy(link.mav, "decode")
+            rest = [link.recv_match(blocking=True, timeout=WAIT) for _ in range(2)]
+            link.close()
+        return [msg.get_seq() for msg in (first, *rest)], [bytes(frame)[4] for (frame,) in calls]
+
+    assert agree(both, scenario) == ([0, 1, 2], [1, 2])
+
+
+def test_a_partial_frame_is_dropped_and_the_replaced_method_stays(tmp_path: Path) -> None:
+    """mavwire's own: a seek forgets half a frame, and nothing else about the parser."""
+    mavutil = importlib.import_module("mavwire.mavutil")
+    path = tmp_path / "one.tlog"
+    path.write_bytes(2 * record(heartbeat()))
+    log = mavutil.mavlogfile(str(path))
+    log.recv_msg()  # which settles the wire protocol, and so the parser
+    before = log.mav.total_bytes_received
+    calls = spy(log.mav, "parse_char")
+    log.mav.parse_char(heartbeat()[:9])
+    log._drop_partial()
+    assert (log.mav.buf_len(), log.mav.total_bytes_received) == (0, before)
+    calls.clear()
+    assert log.recv_msg().get_type() == "HEARTBEAT"
+    assert calls

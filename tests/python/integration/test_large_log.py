@@ -1,0 +1,22 @@
+"""`benches/large_log.py`, with small logs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+SCRIPT = Path(__file__).parents[3] / "benches" / "large_log.py"
+
+
+def test_every_message_of_each_log_is_read() -> None:
+    command = [sys.executable, str(SCRIPT), "--bytes", "2e5", "--runs", "1"]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    assert run.returncode == 0, run.stderr
+    head, _, *rows = [
+        [cell.strip() for cell in line.split("|")[1:-1]] for line in run.stdout.splitlines()
+    ]
+    assert [len(row) for row in rows] == [len(head)] * 3
+    messages = [int(row[1].replace(",", "")) for row in rows]
+    assert messages[0] < messages[1] < messages[2]
+    assert 2e5 / 60 < messages[2] < 2e5 / 30
