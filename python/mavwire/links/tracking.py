@@ -30,7 +30,6 @@ class Tracking:
     param_state: dict[tuple[int, int], param_state]
     target_system: Any
     target_component: Any
-    params: Any
     _fix_home: Callable[[int], None]
 
     def _new_state(self) -> mavfile_state:
