@@ -8,6 +8,7 @@
 //! Nothing here opens a file: logs are `Read`, outputs `Write`. Whoever makes record batches of something else, such as
 //! dataflash logs, can hand them to [`convert`].
 
+pub mod align;
 pub mod column;
 pub mod convert;
 pub mod enums;

@@ -6,6 +6,7 @@
 
 use pyo3::prelude::*;
 
+mod align;
 mod classes;
 mod column_view;
 mod columns;
@@ -64,6 +65,8 @@ mod x25;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::align::align_tables;
     #[pymodule_export]
     use crate::classes::message_class;
     #[pymodule_export]

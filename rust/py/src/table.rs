@@ -45,7 +45,7 @@ impl RecordBatches {
     }
 
     /// All rows in one batch.
-    fn whole(&self, py: Python<'_>) -> PyResult<&RecordBatch> {
+    pub(crate) fn whole(&self, py: Python<'_>) -> PyResult<&RecordBatch> {
         if let Some(whole) = self.whole.get() {
             return Ok(whole);
         }
