@@ -61,7 +61,7 @@ def convert(
     paths: Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
     *,
-    format: str = "parquet",  # noqa: A002 - what everybody calls it
+    format: str = "parquet",
     compression: str | None = None,
     types: str | type | Iterable[str | type] | None = None,
     systems: int | Iterable[int] | None = None,

@@ -145,7 +145,7 @@ class Table:
         self,
         path: str | os.PathLike[str],
         *,
-        format: str | None = None,  # noqa: A002 - what everybody calls it
+        format: str | None = None,
         compression: str | None = None,
     ) -> None:
         """Write a file: Parquet, CSV, JSON lines or Arrow, by the suffix of `path` or `format`.

@@ -234,7 +234,8 @@ def _other_format(head: bytes) -> str | None:
     if b"FMT," in head[:1000] and head[:100].isascii():
         return "dataflash text log"
     for magic, name in ((b"PK\x03\x04", "ZIP archive"), (b"\x1f\x8b", "gzip file"),
-                        (b"\x28\xb5\x2f\xfd", "zstd file"), (b"\x7fELF", "program"), (b"ULog\x01\x12\x35", "ULog")):  # fmt: skip
+                        (b"\x28\xb5\x2f\xfd", "zstd file"), (b"\x7fELF", "program"),
+                        (b"ULog\x01\x12\x35", "ULog")):  # fmt: skip
         if head.startswith(magic):
             return name
     return None

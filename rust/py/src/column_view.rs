@@ -135,7 +135,6 @@ impl ColumnView {
     }
 
     /// Fills in a read-only view of the memory, which this object keeps alive.
-    #[allow(unsafe_code)]
     unsafe fn __getbuffer__(
         slf: Bound<'_, Self>,
         view: *mut ffi::Py_buffer,
@@ -169,7 +168,6 @@ impl ColumnView {
     }
 
     /// Nothing is held for a view but the reference to this object.
-    #[allow(unsafe_code)]
     unsafe fn __releasebuffer__(&self, view: *mut ffi::Py_buffer) {
         let _ = view;
     }

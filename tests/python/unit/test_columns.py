@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 from mavwire import traffic
 from mavwire.dialects.v20 import all as mavlink
-from mavwire.logs import Table
 from unit.column_tools import compare_with_messages, log_of_every_type
 from unit.link_tools import T0, pack, record
 
@@ -164,7 +163,9 @@ def test_si_units(flight):
     degrees = [value / 1e7 for value in plain["GPS_RAW_INT"]["lat"].tolist()]
     assert si["GPS_RAW_INT"]["lat"].tolist() == degrees
     assert si["GPS_RAW_INT"].metadata["lat"]["unit"] == "deg"
-    assert si["GPS_RAW_INT"]["alt"].tolist() == [v / 1e3 for v in plain["GPS_RAW_INT"]["alt"].tolist()]
+    assert si["GPS_RAW_INT"]["alt"].tolist() == [
+        v / 1e3 for v in plain["GPS_RAW_INT"]["alt"].tolist()
+    ]
     assert si["GPS_RAW_INT"]["fix_type"].dtype == np.uint8
 
 
@@ -182,7 +183,7 @@ def test_enum_names(flight, tmp_path):
 
 def test_batches_are_the_whole(flight):
     whole = mavwire.read(flight)
-    parts: dict[str, list[Table]] = {}
+    parts: dict[str, list[mavwire.logs.Table]] = {}
     for batch in mavwire.scan([flight, flight], batch_rows=100):
         parts.setdefault(batch.name, []).append(batch)
     assert parts.keys() == whole.keys()

@@ -99,9 +99,7 @@ def test_info_counts_what_the_messages_say(tmp_path):
 def test_info_finds_gaps_reboots_and_versions(tmp_path):
     frames = [attitude(0, 0), attitude(1, 0), heartbeat(2, v1=True)]
     boot = [60_000, 61_000, 500]
-    frames += [
-        pack(mavlink.MAVLink_system_time_message(0, ms), 3 + n) for n, ms in enumerate(boot)
-    ]
+    frames += [pack(mavlink.MAVLink_system_time_message(0, ms), 3 + n) for n, ms in enumerate(boot)]
     times = [0, 1, 2, 30, 31, 20]
     path = tmp_path / "odd.tlog"
     path.write_bytes(

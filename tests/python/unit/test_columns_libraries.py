@@ -78,9 +78,12 @@ def test_parquet_is_read_back(every, tmp_path, compression):
         expected = table.to_arrow()
         found = read.select(expected.column_names).cast(expected.schema)
         for column in expected.column_names:
-            assert found[column].to_pylist() == pytest.approx(
-                expected[column].to_pylist(), nan_ok=True
-            ) if "list" not in str(expected[column].type) else len(found[column]) == 4, column
+            assert (
+                found[column].to_pylist()
+                == pytest.approx(expected[column].to_pylist(), nan_ok=True)
+                if "list" not in str(expected[column].type)
+                else len(found[column]) == 4
+            ), column
         groups = pq.ParquetFile(file).metadata
         assert groups.row_group(0).column(0).statistics.has_min_max
 
