@@ -10,8 +10,12 @@ from __future__ import annotations
 
 import hashlib
 import importlib
+import os
+import shutil
+import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -301,7 +305,51 @@ def _columns_by_pymavlog(_: Side, path: str) -> Any:
     return {kind: {"roll": one.get(kind)["roll"]} for kind in ["ATTITUDE"]}
 
 
+def _columns_by_mavwire(_: Side, path: str) -> Any:
+    import mavwire
+
+    return mavwire.read(path, dialect="ardupilotmega")
+
+
+def parquet(side: Side, corpus: Corpus) -> Job:
+    """A log to a file of zstd Parquet for each type: mavwire by itself, others by pyarrow."""
+    import pyarrow.parquet as pq
+
+    folder = tempfile.mkdtemp(prefix=f"parquet-{side.package}-")
+    write = _parquet_by_mavwire if side.package == "mavwire" else _parquet_by_loop
+
+    def run(_: Any) -> int:
+        return write(side, corpus.tlog, folder)
+
+    def digest() -> str:
+        run(None)
+        (path,) = Path(folder).glob("ATTITUDE*/**/*.parquet")
+        return hashlib.sha256(str(pq.read_table(path)["roll"].to_pylist()).encode()).hexdigest()
+
+    return Job(corpus.messages, run, corpus.messages, digest, lambda: shutil.rmtree(folder))
+
+
+def _parquet_by_mavwire(_: Side, path: str, folder: str) -> int:
+    from mavwire.logs.conversion import convert
+
+    return convert([path], folder, dialect="ardupilotmega")[0].rows
+
+
+def _parquet_by_loop(side: Side, path: str, folder: str) -> int:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    count = 0
+    for kind, columns in _columns_by_loop(side, path).items():
+        os.makedirs(f"{folder}/{kind}", exist_ok=True)
+        table = pa.table(columns)
+        pq.write_table(table, f"{folder}/{kind}/log.parquet", compression="zstd")
+        count += table.num_rows
+    return count
+
+
 COLUMN_READERS: dict[str, Callable[[Side, str], Any]] = {
+    "mavwire": _columns_by_mavwire,
     "fasttlogparser": _columns_by_fasttlogparser,
     "pymavlog": _columns_by_pymavlog,
 }
@@ -326,6 +374,7 @@ CASES: dict[str, Callable[[Side, Corpus], Job]] = {
     "filter-stream": lambda s, c: log(s, c, "mavlogfile", "recv_match", type=WANTED),
     "index": index,
     "columns": columns,
+    "parquet": parquet,
     "pack": pack,
     "send": send,
     "pack-signed": lambda s, c: pack(s, c, signed=True),

@@ -57,6 +57,7 @@ ROWS = (
     Row("filter-stream", "G5", "tlog: two types, mavlogfile"),
     Row("index", "G6", "open and index a tlog", Goal(37, 15), Goal(None, 30)),
     Row("columns", "G7", "tlog into columns", Goal(270, 5), Goal(540, 10)),
+    Row("parquet", "G8", "tlog to zstd Parquet", Goal(85, 1.5), Goal(None, 3)),
     Row("pack", "G9", "msg.pack()", Goal(None, 2), Goal(None, 4)),
     Row("send", "G9", "x_send(...)", Goal(18, 1.2), Goal(None, 2.5)),
     Row("pack-signed", "G10", "msg.pack(), signed", Goal(None, 1.2), Goal(None, 2.4)),

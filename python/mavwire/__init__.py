@@ -6,13 +6,24 @@ Importing the package is nearly free; each name below is fetched when it is firs
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from mavwire._alias import install_as_pymavlink, uninstall_as_pymavlink
-    from mavwire.logs import LogFormatError, open_log
+    from mavwire.logs import LogFormatError, open_log, read, scan, scan_polars
 
-__all__ = ["LogFormatError", "install_as_pymavlink", "open_log", "uninstall_as_pymavlink"]
+__all__ = [
+    "LogFormatError",
+    "install_as_pymavlink",
+    "open_log",
+    "read",
+    "scan",
+    "scan_polars",
+    "uninstall_as_pymavlink",
+]
 
 _LAZY = {
     "LogFormatError": "mavwire.logs",
     "open_log": "mavwire.logs",
+    "read": "mavwire.logs",
+    "scan": "mavwire.logs",
+    "scan_polars": "mavwire.logs",
     "install_as_pymavlink": "mavwire._alias",
     "uninstall_as_pymavlink": "mavwire._alias",
 }

@@ -7,6 +7,9 @@ where that stands. Links and logs are described in `_stubs`, which is there for 
 
 from collections.abc import Callable, Iterable
 from typing import Any, Final, Literal, TypeAlias, final
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final, Literal, Protocol, TypeAlias, final
 
 from typing_extensions import Buffer, disjoint_base
 
@@ -22,11 +25,14 @@ from mavwire._stubs.links import (
 from mavwire._stubs.logs import LogLink, LogScan, dump_log
 
 __all__ = [
+    "ColumnView",
+    "Converter",
     "DefinitionError",
     "Dialect",
     "FieldGetter",
     "Link",
     "LiveLink",
+    "LogColumns",
     "LogLink",
     "LogScan",
     "MAVLink",
@@ -34,21 +40,26 @@ __all__ = [
     "MessageInfo",
     "MetaAttr",
     "OddField",
+    "RecordBatches",
     "Signing",
     "SystemState",
     "__version__",
     "add_message",
+    "align_tables",
     "build",
     "describe",
     "dump_log",
+    "empty_table",
     "forget_states",
     "instance_dict",
+    "log_summary",
     "message_class",
     "message_dict",
     "receive_batch",
     "recordable",
     "restore",
     "send_values",
+    "write_table",
     "x25_accumulate",
 ]
 
@@ -479,6 +490,403 @@ class MAVLink:
 
     def __setattr__(self, name: str, value: Any, /) -> None: ...
     def __delattr__(self, name: str, /) -> None: ...
+
+@disjoint_base
+class SystemState:
+    """Base of `mavutil.mavfile_state`: holds the table of newest messages."""
+
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> SystemState: ...
+    messages: dict[str, Any]
+    """Message type -> newest message."""
+
+    @property
+    def components(self) -> dict[int, dict[str, Any]]:
+        """Component id -> message type -> newest message of that component alone."""
+
+    def __setattr__(self, name: str, value: Any, /) -> None: ...
+    def __delattr__(self, name: str, /) -> None: ...
+
+@disjoint_base
+class Link:
+    """The part of `mavutil.mavfile`'s state that every message changes."""
+
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Link: ...
+    mav: Any
+    """The `MAVLink` object of the current dialect."""
+    message_hooks: Any
+    """Functions called as `hook(link, message)` for every message."""
+    mav_count: int
+    """Messages received, radio status, BAD_DATA and UNKNOWN not counted."""
+    mav_loss: int
+    """Messages lost, by the gaps in sequence numbers."""
+    uptime: float
+    """Seconds since the vehicle booted, as its messages say."""
+    first_byte: bool
+    """The protocol version of the link is still to be found out from its first byte."""
+    logfile: Any
+    """File that received messages are recorded to, or None."""
+    logfile_raw: Any
+    """File that received bytes are recorded to, or None."""
+
+    @property
+    def sysid_state(self) -> dict[int, Any]:
+        """System id -> mavfile_state."""
+
+    @sysid_state.setter
+    def sysid_state(self, value: dict[int, Any]) -> None: ...
+    @property
+    def last_seq(self) -> dict[tuple[int, int], int]:
+        """`{(sysid, compid): last sequence number}`, a copy."""
+
+    @last_seq.setter
+    def last_seq(self, value: dict[tuple[int, int], int]) -> None: ...
+    @property
+    def timestamp(self) -> float:
+        """Time of the last message in seconds since 1970; 0 before the first."""
+
+    @timestamp.setter
+    def timestamp(self, value: float) -> None: ...
+    @property
+    def _timestamp(self) -> float | None:
+        """Time of the record being read from a log; None on live links."""
+
+    @_timestamp.setter
+    def _timestamp(self, value: float | None) -> None: ...
+    @property
+    def notimestamps(self) -> bool:
+        """Messages are stamped with `uptime` instead of the time of their record."""
+
+    @notimestamps.setter
+    def notimestamps(self, value: object) -> None: ...
+    def post_message(self, msg: Message) -> None:
+        """Takes a received message into the link's state, once, then calls the message hooks."""
+
+    def _fix_home(self, sysid: int) -> None:
+        """The home position of a system is known for good."""
+
+def receive_batch(link: LiveLink, messages: list[Any], limit: int) -> bool:
+    """Append to `messages` what `link` has received, `limit` at most; whether there may be more.
+
+    An error is raised with the messages before it in the list. Where a read took everything the
+    socket held, no other read is tried: whoever watches the descriptor is told what comes next.
+    """
+
+@disjoint_base
+class LiveLink(Link):
+    """A link over a socket, a serial port or a pipe: the live links of `mavutil` derive from it.
+
+    A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
+    """
+
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> LiveLink: ...
+    def __setattr__(self, name: str, value: Any, /) -> None: ...
+    def __delattr__(self, name: str, /) -> None: ...
+    def recv_msg(self) -> Any:
+        """The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived."""
+
+    def recv_match(
+        self,
+        condition: str | None = None,
+        type: str | Iterable[str] | None = None,
+        blocking: bool = False,
+        timeout: float | None = None,
+    ) -> Any:
+        """The next message of a `type` (name, list or set) for which `condition` holds.
+
+        Messages that do not match are consumed, but have updated the state. Returns None when
+        nothing is there, or when blocking, after `timeout` seconds.
+        """
+
+    @property
+    def peers_forgotten(self) -> int:
+        """Peers that had to make room for others."""
+    _has_unsent: bool
+    """Bytes wait to be sent, so that receiving has to go through Python, which sends them."""
+
+    def _read_stream(self) -> None:
+        """From now on `port` may be read natively, as a stream."""
+
+    def _read_datagrams(self, own: tuple[Any, ...] | None = None) -> None:
+        """From now on `port` may be read natively, as datagrams; those from `own` are left out."""
+
+    def _take_datagram(self) -> tuple[bytes, tuple[Any, ...]] | None:
+        """A datagram that was read ahead, or the rest of one, with its sender."""
+
+    def _switch_peer(self, address: Any) -> None:
+        """What is parsed next comes from `address`: bytes of another peer's frame are put aside."""
+
+@disjoint_base
+class LogLink(Link):
+    """A telemetry log as a link: `mavutil.mavlogfile` derives from it.
+
+    A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
+    """
+
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> LogLink: ...
+    percent: float
+    """How much of the log is read, 0 to 100."""
+
+    def recv(self, n: int | None = None) -> bytes:
+        """Up to `n` bytes of the log; empty at its end."""
+
+    def recv_msg(self) -> Any:
+        """The next message, BAD_DATA and UNKNOWN included; None at the end of the log."""
+
+    def recv_match(
+        self,
+        condition: str | None = None,
+        type: str | Iterable[str] | None = None,
+        blocking: bool = False,
+        timeout: float | None = None,
+    ) -> Any:
+        """The next message of a `type` (name, list or set) for which `condition` holds.
+
+        None at the end of the log. An indexed log is read only where messages of the wanted types,
+        heartbeats and parameters stand.
+        """
+
+    def pre_message(self) -> None:
+        """Reads the time stamp of the next record."""
+
+    def scan_timestamp(self, tbuf: bytes) -> float:
+        """The time stamp `tbuf`, or the first believable one behind it, to which the log moves.
+
+        Believable is what is within three days of the last good message. ValueError unless `tbuf`
+        has 8 bytes.
+        """
+
+    def skip_to_type(self, type: str | Iterable[str]) -> None:
+        """Seeks to the next record of the types in `type`, heartbeats or parameters.
+
+        The types of the first call stay in force until the log is rewound. Behind the last such
+        record reading goes on record by record.
+        """
+
+    def _open_reader(self, path: str | PathLike[str], stamped: bool, now: float) -> None:
+        """Opens the file for reading; `stamped` says that its records have time stamps. OSError."""
+
+    def _close_reader(self) -> None:
+        """Closes the file; from then on the log is at its end."""
+
+    def _tell(self) -> int:
+        """Position in the file."""
+
+    def _seek(self, offset: int) -> None:
+        """Continues at the record that begins at `offset`, whatever was read before."""
+
+    def _restart(self) -> None:
+        """Reads from the start again, of any types."""
+
+    def _build_index(self, progress_callback: Callable[[int], object] | None = None) -> None:
+        """Indexes the log; `progress_callback` gets each new whole percent."""
+
+    def _index_counts(self) -> list[tuple[int, str, int]]:
+        """`[(message id, name, count), ...]` in the order in which the types first appear."""
+
+    def _index_total(self) -> int:
+        """Records in the index."""
+
+    def _index_offsets(self, msgid: int) -> list[int]:
+        """Offsets of the records of one message id."""
+
+    def _wanted_ids(self) -> list[int] | None:
+        """Message ids that a filtered read visits; None before the first one."""
+
+    def _visited_offset(self) -> int:
+        """Where the record begins that a filtered read visited last, 0 before the first one."""
+
+class _Selection(Protocol):
+    """Which messages a `LogScan` gives; None stands for all."""
+
+    types: list[int] | None
+    unknown: list[int] | None
+    systems: list[int] | None
+    start: float | None
+    end: float | None
+
+@final
+class LogScan:
+    """One pass over a telemetry log, an iterator of messages."""
+
+    def __new__(
+        cls, path: str | PathLike[str], dialect: Dialect, rescan: bool, wanted: _Selection
+    ) -> LogScan: ...
+    def __iter__(self) -> LogScan: ...
+    def __next__(self) -> Message:
+        """The next message; OSError where reading fails, after what was read before."""
+
+    def count(self) -> int:
+        """Runs to the end and counts the messages instead of making them."""
+
+    def close(self) -> None:
+        """Closes the file; the pass is at its end."""
+
+class _Query(Protocol):
+    """What to read into tables; None stands for all. See `mavwire.logs.query.Query`."""
+
+    types: list[int] | None
+    systems: list[int] | None
+    start: float | None
+    end: float | None
+    columns: list[str] | None
+    si: bool
+    enum_names: bool
+    batch_rows: int | None
+    batch_bytes: int | None
+
+@final
+class LogColumns:
+    """One pass over a telemetry log or raw stream, an iterator of tables."""
+
+    def __new__(cls, path: str | PathLike[str], dialect: Dialect, query: _Query) -> LogColumns: ...
+    def __iter__(self) -> LogColumns: ...
+    def __next__(self) -> list[tuple[str, RecordBatches]]:
+        """What is ready after another block of the log: message names and tables, perhaps none."""
+
+    @property
+    def position(self) -> int:
+        """Bytes of the log, decompressed, that are dealt with."""
+
+    @property
+    def bad_bytes(self) -> int:
+        """How many of them belong to no record."""
+
+    @property
+    def damage(self) -> str | None:
+        """What is wrong with the compressed file."""
+
+    @property
+    def stamped(self) -> bool:
+        """Whether records have times."""
+
+@final
+class RecordBatches:
+    """A table: a schema and batches of rows."""
+
+    @staticmethod
+    def from_stream(table: Any) -> RecordBatches:
+        """A table of anything that has `__arrow_c_stream__`; the data is shared."""
+
+    @staticmethod
+    def joined(tables: list[RecordBatches]) -> RecordBatches:
+        """Tables one behind the other; ValueError where their columns differ."""
+
+    @staticmethod
+    def from_ipc(bytes: bytes) -> RecordBatches:
+        """The table in the bytes of an Arrow file."""
+
+    @property
+    def num_rows(self) -> int:
+        """Rows of all batches."""
+
+    @property
+    def num_batches(self) -> int:
+        """How many batches there are."""
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the values."""
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns."""
+
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """`{column: {key: value}}`."""
+
+    def types(self) -> dict[str, str]:
+        """`{column: Arrow's name of its type}`."""
+
+    def column(self, name: str) -> ColumnView:
+        """A column in one piece; KeyError if there is none of that name."""
+
+    def without_empty(self, names: list[str]) -> RecordBatches:
+        """The same without those of the named columns that hold nothing but nulls."""
+
+    def select(self, names: list[str]) -> RecordBatches:
+        """Some of the columns, in the order given; KeyError if there is none of a name."""
+
+    def slice(self, start: int, rows: int) -> RecordBatches:
+        """Some of the rows."""
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object: ...
+    def __arrow_c_schema__(self) -> object: ...
+    def __len__(self) -> int: ...
+
+@final
+class ColumnView(Buffer):
+    """One column: a read-only buffer of numbers, or a list of texts."""
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether the buffer protocol shows it."""
+
+    @property
+    def null_count(self) -> int:
+        """Rows without a value."""
+
+    @property
+    def is_time(self) -> bool:
+        """Whether its numbers are microseconds since 1970."""
+
+    def valid(self) -> list[bool] | None:
+        """For each row, whether there is a value; None where all rows have one."""
+
+    def to_list(self) -> list[Any]:
+        """The texts or bytes, None for rows without; BufferError for numbers."""
+
+    def __len__(self) -> int: ...
+
+@final
+class Converter:
+    """Writes the tables of a log to `folder/MESSAGE/file`."""
+
+    def __new__(
+        cls,
+        path: str | PathLike[str],
+        dialect: Dialect,
+        query: _Query,
+        folder: str | PathLike[str],
+        file: str,
+        format: str,
+        compression: str,
+    ) -> Converter: ...
+    def step(self) -> bool:
+        """Converts another block of the log; false at its end."""
+
+    def commit(self) -> list[tuple[Path, int]]:
+        """Gives the files their names: paths and rows."""
+
+    def abandon(self) -> None:
+        """Removes what was written and not committed."""
+
+    def progress(self) -> tuple[int, int, str | None]:
+        """Bytes dealt with, bytes that belong to no record, what is wrong with a compressed file."""
+
+def write_table(
+    table: RecordBatches, path: str | PathLike[str], format: str, compression: str
+) -> None:
+    """Writes a table to a file, which appears when it is complete."""
+
+def empty_table(dialect: Dialect, msgid: int, query: _Query) -> RecordBatches:
+    """A table without rows of a message; ValueError if there is none of that id."""
+
+def align_tables(
+    tables: list[tuple[str, RecordBatches]],
+    on: RecordBatches | None,
+    step: int | None,
+    method: str,
+    tolerance: int | None,
+) -> RecordBatches:
+    """One table of several, on the times of `on` or every `step` microseconds."""
+
+def log_summary(
+    path: str | PathLike[str],
+    dialect: Dialect,
+    gap: int,
+    pulse: Callable[[int], object] | None,
+) -> dict[str, Any]:
+    """What is in a log; `gap` in microseconds. See `mavwire.logs.summary`."""
 
 def add_message(messages: dict[str, Any], kind: str, message: Message) -> None:
     """Makes `message` the newest of its type, and of its instance where the type has instances."""

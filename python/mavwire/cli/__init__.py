@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 COMMANDS = {
     "info": ("mavwire.cli.info", "what is in a log: types, rates, systems, losses"),
     "dump": ("mavwire.cli.dump", "print the messages of a log as text, JSON or CSV"),
+    "convert": ("mavwire.cli.convert", "telemetry logs to Parquet, CSV, JSON lines or Arrow files"),
     "sim": ("mavwire.cli.sim", "fly simulated vehicles for a ground station or a test"),
     "gen": ("mavwire.cli.gen", "generate a Python dialect module from XML definitions"),
     "definitions": ("mavwire.cli.definitions", "store upstream XML for its descriptions"),

@@ -1,8 +1,8 @@
 """`mavwire info LOG...`: what is in a log, at one glance.
 
 Types with counts and rates, who sent them, the time they span, what was lost on the way and what
-could not be read, with the speed of reading. Everything comes from one pass through mavutil, so the
-figures are those of any user's own loop.
+could not be read, with the speed of reading. Telemetry logs are counted natively, by the way that
+finds every good record (`TelemetryLog.info`); dataflash logs in one pass through mavutil.
 """
 
 from __future__ import annotations
@@ -23,7 +23,11 @@ from mavwire.cli._progress import Progress
 if TYPE_CHECKING:
     import argparse
 
+    from mavwire.logs.summary import LogInfo
+
 PROGRESS_EVERY = 20_000
+LISTED = 5
+"""Places that the table names; `--json` has more."""
 
 
 @dataclass
@@ -49,6 +53,8 @@ class Summary:
     bad_messages: int = 0
     bad_bytes: int = 0
     seconds: float = 0.0
+    info: LogInfo | None = None
+    """What only telemetry logs have."""
 
     @property
     def span(self) -> float:
@@ -94,7 +100,25 @@ class Summary:
             "bad_messages": self.bad_messages,
             "bad_bytes": self.bad_bytes,
             "read_seconds": self.seconds,
+            **_details(self.info),
         }
+
+
+def _details(info: LogInfo | None) -> dict[str, Any]:
+    """For `--json`: what only telemetry logs have."""
+    if info is None:
+        return {}
+    return {
+        "mavlink1": info.version1,
+        "mavlink2": info.version2,
+        "signed": info.signed,
+        "stamped": info.stamped,
+        "gaps": info.gaps,
+        "times_back": info.times_back,
+        "reboots": {f"{ids[0]}/{ids[1]}": one.reboots for ids, one in info.senders.items()},
+        "bad": info.bad,
+        "damage": info.damage,
+    }
 
 
 def summarise(log: Any, path: str, progress: Progress | None = None) -> Summary:
@@ -122,6 +146,42 @@ def summarise(log: Any, path: str, progress: Progress | None = None) -> Summary:
     return summary
 
 
+def summary_of(info: LogInfo, size: int, seconds: float) -> Summary:
+    """The summary of a telemetry log that was counted natively."""
+    summary = Summary(info.path, size, info.messages, seconds=seconds, info=info)
+    summary.types = Counter({name: one.messages for name, one in info.types.items()})
+    summary.systems = {
+        ids: System(one.count.messages, one.lost) for ids, one in info.senders.items()
+    }
+    if info.messages and info.stamped:
+        summary.first, summary.last = info.count.first, info.count.last
+    summary.bad_messages, summary.bad_bytes = info.bad_count, info.bad_bytes
+    return summary
+
+
+def _detail_lines(info: LogInfo) -> list[str]:
+    lines = [
+        f"  mavlink  {info.version1:,} of version 1, {info.version2:,} of version 2,"
+        f" {info.signed_share:.0%} signed"
+    ]
+    if info.bad:
+        places = ", ".join(f"{length:,} at {offset:,}" for offset, length in info.bad[:LISTED])
+        more = ", ..." if info.bad_count > LISTED else ""
+        lines.append(f"  damage   bytes {places}{more}")
+    if info.gaps:
+        gaps = ", ".join(f"{after - before:,.1f} s" for before, after in info.gaps[:LISTED])
+        more = ", ..." if info.gap_count > LISTED else ""
+        lines.append(f"  gaps     {info.gap_count:,} without a message: {gaps}{more}")
+    reboots = [f"{s}/{c}: {one.reboots}" for (s, c), one in info.senders.items() if one.reboots]
+    if reboots:
+        lines.append(f"  reboots  {', '.join(reboots)}")
+    if info.times_back:
+        lines.append(f"  clock    went back {info.times_back:,} times")
+    if info.damage:
+        lines.append(f"  file     damaged: {info.damage}")
+    return lines
+
+
 def _time(summary: Summary) -> str:
     if summary.first is None or summary.last is None:
         return "none, there is no message"
@@ -144,6 +204,7 @@ def table(summary: Summary) -> str:
         f"  time     {_time(summary)}",
         f"  lost     {summary.lost:,} messages by sequence number",
         f"  bad      {summary.bad_bytes:,} bytes in {summary.bad_messages:,} pieces",
+        *([] if summary.info is None else _detail_lines(summary.info)),
         f"  read in  {summary.seconds:.3f} s, {speed:,.0f} messages/s",
         "",
     ]
@@ -208,6 +269,9 @@ def _read(path: str, dialect: str | None) -> Summary:
     check_usable(path, creating=False)
     if not os.path.isfile(path):
         raise ValueError("not a log file" if os.path.exists(path) else "no such log file")
+    counted = _count(path, dialect)
+    if counted is not None:
+        return counted
     progress = Progress(path)
     try:
         log = mavutil.mavlink_connection(path, dialect=dialect)
@@ -217,6 +281,27 @@ def _read(path: str, dialect: str | None) -> Summary:
             log.close()
     finally:
         progress.finish()
+
+
+def _count(path: str, dialect: str | None) -> Summary | None:
+    """What is in a telemetry log; None for a file that is none, which mavutil may know."""
+    from mavwire.links.recognise import log_kind
+    from mavwire.logs import LogFormatError, open_log
+
+    if log_kind(path, readonly=True) != "tlog":
+        return None
+    try:
+        log = open_log(path, dialect=dialect or "all")
+    except LogFormatError:
+        return None
+    size = os.path.getsize(path)
+    progress = Progress(path)
+    began = time.perf_counter()
+    try:
+        info = log.info(lambda read: progress.update(min(100.0, 100.0 * read / max(size, 1))))
+    finally:
+        progress.finish()
+    return summary_of(info, size, time.perf_counter() - began)
 
 
 def _reason(error: Exception) -> str:

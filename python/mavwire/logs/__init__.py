@@ -3,10 +3,16 @@
 `open_log(path)` gives the messages of a log one after the other, and nothing else: no flight mode,
 no parameters, no table of newest messages. That is what makes it fast. Programs that want those
 read the log with `mavutil.mavlink_connection`.
+
+`read(path)` and `log["ATTITUDE"]` give whole message types as tables of columns, `scan` gives them
+in batches, `scan_polars` as a polars LazyFrame, and `convert` writes them to files.
 """
 
 from __future__ import annotations
 
+from .reading import read, scan
+from .scanning import scan_polars
+from .table import Table
 from .telemetry import LogFormatError, TelemetryLog, open_log
 
-__all__ = ["LogFormatError", "TelemetryLog", "open_log"]
+__all__ = ["LogFormatError", "Table", "TelemetryLog", "open_log", "read", "scan", "scan_polars"]

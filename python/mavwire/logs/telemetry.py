@@ -18,8 +18,11 @@ from .selection import Selection
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from typing import Any, Self
+
+    from .summary import LogInfo
+    from .table import Table
 
 # A file without a single record is called foreign if it is no longer than this.
 FOREIGN_PROBE = 16 * 1024 * 1024
@@ -69,6 +72,7 @@ class TelemetryLog:
         self.resync = resync
         self.dialect = _dialect_module(dialect)
         self.closed = False
+        self.compressed = False
         self._counted: tuple[int, int] | None = None
         self._check()
 
@@ -107,12 +111,82 @@ class TelemetryLog:
         return True
 
     def _scan(self, selection: Selection) -> Any:
-        if self.closed:
-            raise ValueError(f"the log is closed: {self.path!r}")
+        self._check_open()
+        if self.compressed:
+            raise ValueError(f"messages of a compressed log are read as tables only: {self.path!r}")
         native = self.dialect.MAVLink(None)._dialect
         return LogScan(self.path, native, self.resync == "rescan", selection)
 
+    # -- tables
+
+    def __getitem__(self, name: str) -> Table:
+        """The messages of a type as a table; KeyError if the dialect has none of that name.
+
+        A type that is not in the log gives an empty table. For several types, `read` needs one
+        pass.
+        """
+        if not isinstance(name, str) or not hasattr(self.dialect, f"MAVLINK_MSG_ID_{name}"):
+            raise KeyError(f"the dialect {self.dialect.DIALECT} has no message {name!r}")
+        return self.read(name)[name]
+
+    def read(
+        self,
+        types: str | type | Iterable[str | type] | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        start: float | datetime | None = None,
+        end: float | datetime | None = None,
+        *,
+        units: str | None = None,
+        enums: str | None = None,
+    ) -> dict[str, Table]:
+        """`{type: table}` in one pass: `mavwire.read` on this log.
+
+        Tables hold what `resync="rescan"` finds, whatever the log was opened with.
+        """
+        from .reading import read
+
+        self._check_open()
+        return read(
+            self.path, types, systems, fields, start, end,
+            units=units, enums=enums, dialect=self.dialect,
+        )  # fmt: skip
+
+    def align(
+        self,
+        types: Iterable[str],
+        *,
+        on: str | None = None,
+        rate: str | float | None = None,
+        method: str = "ffill",
+        tolerance: str | float | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        units: str | None = None,
+    ) -> Table:
+        """One wide table of several types on a common clock; see `mavwire.logs.align`."""
+        from .align import align
+
+        names = list(types)
+        wanted = {*names, on} if on is not None else set(names)
+        tables = self.read(sorted(wanted), systems, fields, units=units)
+        return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
+
+    def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
+        """What is in the log: types, rates, senders, losses, gaps, damage.
+
+        `pulse`, if given, is told now and then how many bytes are read.
+        """
+        from .summary import summarise
+
+        self._check_open()
+        return summarise(self.path, self.dialect.MAVLink(None)._dialect, pulse)
+
     # -- opening and closing
+
+    def _check_open(self) -> None:
+        if self.closed:
+            raise ValueError(f"the log is closed: {self.path!r}")
 
     def _check(self) -> None:
         """Raise what tells why the file is no telemetry log."""
@@ -123,12 +197,24 @@ class TelemetryLog:
             size = os.fstat(file.fileno()).st_size
         if not head:
             return
+        self.compressed = head.startswith((b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd"))
+        if self.compressed and self._has_records():
+            return
         other = _other_format(head)
         if other is not None:
             raise LogFormatError(f"a {other}, not a telemetry log: {self.path!r}")
         may_begin = len(head) < 9 or head[8] in b"\xfd\xfe"
         if not may_begin and size <= FOREIGN_PROBE and next(iter(self), None) is None:
             raise LogFormatError(f"no telemetry log, there is no record in it: {self.path!r}")
+
+    def _has_records(self) -> bool:
+        """Whether the log begins with records, once it is decompressed."""
+        from mavwire._native import LogColumns
+
+        from .query import Query
+
+        batches = LogColumns(self.path, self.dialect.MAVLink(None)._dialect, Query(batch_rows=1))
+        return any(next(batches, ()))
 
     def close(self) -> None:
         """No more passes can begin; those under way go on to their end."""
@@ -148,7 +234,8 @@ def _other_format(head: bytes) -> str | None:
     if b"FMT," in head[:1000] and head[:100].isascii():
         return "dataflash text log"
     for magic, name in ((b"PK\x03\x04", "ZIP archive"), (b"\x1f\x8b", "gzip file"),
-                        (b"\x7fELF", "program"), (b"ULog\x01\x12\x35", "ULog")):  # fmt: skip
+                        (b"\x28\xb5\x2f\xfd", "zstd file"), (b"\x7fELF", "program"),
+                        (b"ULog\x01\x12\x35", "ULog")):  # fmt: skip
         if head.startswith(magic):
             return name
     return None

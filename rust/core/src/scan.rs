@@ -114,6 +114,19 @@ impl Scanner {
         self.window.consume(len);
     }
 
+    /// Whether a good frame of a known message at the front is taken whatever came before it: nothing in front of the
+    /// front is still in doubt.
+    pub fn is_settled(&self) -> bool {
+        !self.window.is_open()
+    }
+
+    /// Steps over good frames of known messages, and what lies between them, that someone else has looked at. Only where
+    /// [`Scanner::is_settled`] says so.
+    pub fn pass_good(&mut self, len: usize) {
+        self.window.consume(len);
+        self.in_sync = true;
+    }
+
     /// Looks at the front of `unread`.
     #[inline]
     pub fn next(&mut self, unread: &[u8], registry: &Registry) -> Found {

@@ -7,6 +7,7 @@ pub mod address;
 pub mod bytes;
 pub mod clock;
 pub mod datagrams;
+pub mod files;
 pub mod readiness;
 pub mod records;
 pub mod window;

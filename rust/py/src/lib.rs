@@ -6,8 +6,12 @@
 
 use pyo3::prelude::*;
 
+mod align;
 mod classes;
+mod column_view;
+mod columns;
 mod components;
+mod convert;
 mod create;
 mod describe;
 mod descriptors;
@@ -54,6 +58,7 @@ mod shared;
 mod signing;
 mod slot;
 mod system;
+mod table;
 mod text;
 mod tracking;
 mod values;
@@ -64,7 +69,15 @@ mod _native {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use crate::align::align_tables;
+    #[pymodule_export]
     use crate::classes::message_class;
+    #[pymodule_export]
+    use crate::column_view::ColumnView;
+    #[pymodule_export]
+    use crate::columns::{LogColumns, empty_table, log_summary};
+    #[pymodule_export]
+    use crate::convert::{Converter, write_table};
     #[pymodule_export]
     use crate::describe::describe;
     #[pymodule_export]
@@ -101,6 +114,8 @@ mod _native {
     use crate::signing::Signing;
     #[pymodule_export]
     use crate::system::{SystemState, forget_states};
+    #[pymodule_export]
+    use crate::table::RecordBatches;
     #[pymodule_export]
     use crate::x25::x25_accumulate;
 

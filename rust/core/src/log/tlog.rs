@@ -1,16 +1,20 @@
 //! Telemetry logs: per frame eight bytes of big-endian microseconds since 1970, then the frame as it was on the wire.
 //!
-//! Three readers for three needs. [`parse_record`] looks at one place. [`index_chunk`] hops from record to record by
+//! Four readers for four needs. [`parse_record`] looks at one place. [`index_chunk`] hops from record to record by
 //! their lengths, the fastest way and pymavlink's. [`RecordScanner`] checks checksums and finds every good frame of a
 //! damaged log in linear time, with the time stamp that stands in front of it. [`recordable`] is for writers.
+//! damaged log in linear time, with the time stamp that stands in front of it. [`find_runs`] looks at any stretch of a log
+//! by itself, so that many can do so side by side, for a [`RecordScanner`] to put together.
 
 mod index;
 mod recordable;
 mod records;
+mod runs;
 
 pub use index::{ChunkIndex, RecordEntry, index_chunk};
 pub use recordable::recordable;
 pub use records::{FoundRecord, RecordScanner};
+pub use runs::{Located, Run, Runs, find_runs};
 
 use crate::frame::{FrameRef, claimed_len};
 

@@ -1,7 +1,8 @@
 //! The good records of a log that may be damaged.
 //!
 //! The frames are found by the re-scanning scanner over the bytes behind each stamp, so a false STX in a stamp or a
-//! record with a wrong length costs no good record. A frame's stamp is the eight bytes in front of it.
+//! record with a wrong length costs no good record. A frame's stamp is the eight bytes in front of it. A raw stream is a
+//! log whose records have no stamp.
 
 use super::{STAMP_LEN, Stamp};
 use crate::frame::Header;
@@ -11,11 +12,11 @@ use crate::scan::{Found, Resync, Scanner};
 /// What stands at the front of the unread bytes of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FoundRecord {
-    /// A record; `len` bytes, of which the first eight are the stamp.
+    /// A record; `len` bytes, of which the first eight are the stamp, unless it has none.
     Record {
         /// Bytes of the record.
         len: usize,
-        /// Its time.
+        /// Its time; 0 where it has none.
         stamp: Stamp,
         /// The header of its frame.
         header: Header,
@@ -48,13 +49,15 @@ enum Ahead {
 /// Finds records. `unread` must start where the previous outcome ended, as for [`Scanner`].
 #[derive(Debug, Clone)]
 pub struct RecordScanner {
+    /// Bytes in front of each frame.
+    lead: usize,
     scanner: Scanner,
     ahead: Ahead,
 }
 
 impl Default for RecordScanner {
     fn default() -> Self {
-        Self { scanner: Scanner::new(Resync::Rescan), ahead: Ahead::AtFront }
+        Self::with_lead(STAMP_LEN)
     }
 }
 
@@ -64,16 +67,40 @@ impl RecordScanner {
         Self::default()
     }
 
+    /// The same for a raw stream, whose records are frames without stamps.
+    pub fn unstamped() -> Self {
+        Self::with_lead(0)
+    }
+
+    fn with_lead(lead: usize) -> Self {
+        Self { lead, scanner: Scanner::new(Resync::Rescan), ahead: Ahead::AtFront }
+    }
+
+    /// Bytes in front of each frame: 8, or 0 in a raw stream.
+    pub fn lead(&self) -> usize {
+        self.lead
+    }
+
+    /// Whether the records of a [`super::Run`] that starts at the front are what [`RecordScanner::next`] would find.
+    pub fn is_settled(&self) -> bool {
+        matches!(self.ahead, Ahead::AtFront) && self.scanner.is_settled()
+    }
+
+    /// Steps over `len` bytes of a run, where [`RecordScanner::is_settled`] allows it.
+    pub fn pass_run(&mut self, len: usize) {
+        self.scanner.pass_good(len);
+    }
+
     /// Looks at the front of `unread`. `at_end` says that no more bytes follow: then only an empty rest is incomplete.
     pub fn next(&mut self, unread: &[u8], registry: &Registry, at_end: bool) -> FoundRecord {
         if let Ahead::BehindFrame { len, header, entry } = self.ahead {
             return self.record(unread, len, header, entry);
         }
-        let Some(frames) = unread.get(STAMP_LEN..) else {
-            return self.without_frame(unread, STAMP_LEN + 1, at_end);
+        let Some(frames) = unread.get(self.lead..) else {
+            return self.without_frame(unread, self.lead + 1, at_end);
         };
         if let Ahead::AtFront = self.ahead {
-            self.scanner.skip(STAMP_LEN);
+            self.scanner.skip(self.lead);
             self.ahead = Ahead::BehindStamp;
         }
         let mut junk = 0;
@@ -89,7 +116,7 @@ impl RecordScanner {
                 Found::Noise { len } | Found::Rejected { len, .. } => junk += len,
                 Found::Incomplete { .. } if junk > 0 => return FoundRecord::Junk { len: junk },
                 Found::Incomplete { needed } => {
-                    return self.without_frame(unread, STAMP_LEN + needed, at_end);
+                    return self.without_frame(unread, self.lead + needed, at_end);
                 }
             }
         }
@@ -112,8 +139,8 @@ impl RecordScanner {
         entry: Option<Entry>,
     ) -> FoundRecord {
         self.ahead = Ahead::AtFront;
-        let stamp = Stamp::parse(unread).unwrap_or(Stamp(0));
-        FoundRecord::Record { len: STAMP_LEN + len, stamp, header, entry }
+        let stamp = Stamp::parse(unread).filter(|_| self.lead > 0).unwrap_or(Stamp(0));
+        FoundRecord::Record { len: self.lead + len, stamp, header, entry }
     }
 
     /// No frame stands behind the front's stamp yet, or ever.

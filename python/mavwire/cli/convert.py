@@ -1,0 +1,109 @@
+"""`mavwire convert LOG... -o OUT`: telemetry logs to Parquet, CSV, JSON lines or Arrow files.
+
+One folder for each message type, one file in it for each log, and a manifest with what became of
+every log. A second run does what is missing.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from mavwire.cli._errors import CommandError
+from mavwire.cli._progress import Progress
+
+if TYPE_CHECKING:
+    import argparse
+    from datetime import datetime
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the subcommand."""
+    from mavwire.logs.conversion import COMPRESSIONS, FORMATS
+
+    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry log, also .gz and .zst")
+    parser.add_argument("-o", "--out", required=True, help="folder for the files")
+    parser.add_argument("--format", choices=list(FORMATS), default="parquet")
+    parser.add_argument(
+        "--compression", choices=COMPRESSIONS, help="default: zstd for parquet, none for the others"
+    )
+    parser.add_argument("--types", help="message types, separated by commas (default: all)")
+    parser.add_argument("--systems", help="system ids, separated by commas (default: all)")
+    parser.add_argument("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00")
+    parser.add_argument("--end", help="first time that is not wanted any more")
+    parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
+    parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the subcommand; 1 where a log could not be read."""
+    from mavwire.logs.conversion import convert
+
+    bars = _Bars(enabled=not args.quiet)
+    try:
+        rows = convert(
+            args.logs,
+            args.out,
+            format=args.format,
+            compression=args.compression,
+            types=None if args.types is None else _split(args.types),
+            systems=None if args.systems is None else [int(one) for one in _split(args.systems)],
+            start=_time(args.start),
+            end=_time(args.end),
+            dialect=args.dialect,
+            progress=bars.update,
+        )
+    except ValueError as error:
+        raise CommandError(str(error)) from error
+    finally:
+        bars.finish()
+    failed = 0
+    for row in rows:
+        if row.error is not None:
+            failed += 1
+            print(f"mavwire convert: {row.path}: {row.error}", file=sys.stderr)
+        if not args.quiet and (row.error is None or row.files):
+            done = "converted before" if row.skipped else "converted"
+            print(f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files")
+    return 1 if failed else 0
+
+
+class _Bars:
+    """A progress bar for the log that is being converted."""
+
+    def __init__(self, enabled: bool) -> None:
+        self.enabled = enabled
+        self.path: str | None = None
+        self.bar: Progress | None = None
+
+    def update(self, path: str, percent: float) -> None:
+        if self.bar is None or path != self.path:
+            self.finish()
+            self.path, self.bar = path, Progress(path, self.enabled)
+        self.bar.update(percent)
+
+    def finish(self) -> None:
+        if self.bar is not None:
+            self.bar.finish()
+            self.bar = None
+
+
+def _split(text: str) -> list[str]:
+    return [one.strip() for one in text.split(",") if one.strip()]
+
+
+def _time(text: str | None) -> float | datetime | None:
+    """Seconds since 1970, or a date and time; UTC where it names no zone."""
+    if text is None:
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        pass
+    from datetime import UTC, datetime
+
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError as error:
+        raise CommandError(f"no time: {text!r}") from error
+    return time if time.tzinfo is not None else time.replace(tzinfo=UTC)

@@ -1,0 +1,66 @@
+"""`align`: several message types on a common clock, as one wide table."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavwire._native import align_tables
+
+from .table import Table
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+UNITS = {"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
+METHODS = ("ffill", "nearest", "linear")
+
+
+def align(
+    tables: Mapping[str, Table],
+    types: Sequence[str] | None = None,
+    *,
+    on: str | None = None,
+    rate: str | float | None = None,
+    method: str = "ffill",
+    tolerance: str | float | None = None,
+) -> Table:
+    """A table with `timestamp` and the fields of each type as `TYPE.field`.
+
+    The clock is the times of the type `on`, or ticks that are `rate` apart ("50ms", "1s", or
+    seconds) from the first row of all to the last. A tick gets the last row at or before it
+    (`method="ffill"`), the one closest to it ("nearest"), or for numbers the straight line between
+    its neighbours ("linear", as float64). Rows further away than `tolerance` do not count; where
+    none is left there are nulls. ValueError for arguments that make no sense.
+    """
+    names = list(tables if types is None else types)
+    if (on is None) == (rate is None):
+        raise ValueError("give either on= (a message type) or rate= (a span of time)")
+    if method not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
+    missing = [name for name in (*names, *([on] if on else [])) if name not in tables]
+    if missing:
+        raise ValueError(f"there is no table of {missing[0]!r}")
+    step = None if rate is None else _micros(rate, "rate")
+    if step == 0:
+        raise ValueError(f"rate must be a microsecond or more, not {rate!r}")
+    reach = None if tolerance is None else _micros(tolerance, "tolerance")
+    chosen = [(name, tables[name]._batches) for name in names]
+    clock = None if on is None else tables[on]._batches
+    path = tables[names[0]].path if names else None
+    return Table("+".join(names), align_tables(chosen, clock, step, method, reach), path)
+
+
+def _micros(span: str | float, what: str) -> int:
+    """A span of time as written, in microseconds."""
+    text = str(span).strip()
+    number, unit = text, "s"
+    if isinstance(span, str):
+        unit = text.lstrip("0123456789.") or "s"
+        number = text.removesuffix(unit)
+    try:
+        micros = float(number) * UNITS[unit] * 1e6
+    except (KeyError, ValueError):
+        raise ValueError(f"{what} is a span of time such as '50ms' or 0.05, not {span!r}") from None
+    if not 0 <= micros < 2**62:
+        raise ValueError(f"{what} is a span of time such as '50ms' or 0.05, not {span!r}")
+    return round(micros)

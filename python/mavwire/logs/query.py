@@ -1,0 +1,81 @@
+"""What to read into tables: what users write, turned into what the native reader takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from .selection import Selection
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from datetime import datetime
+
+HEADER = ("timestamp", "sysid", "compid", "seq")
+"""The columns in front of the fields."""
+
+
+@dataclass
+class Query:
+    """The attributes that `LogColumns` and `Converter` read; None stands for all."""
+
+    types: list[int] | None = None
+    systems: list[int] | None = None
+    start: float | None = None
+    end: float | None = None
+    columns: list[str] | None = None
+    si: bool = False
+    enum_names: bool = False
+    batch_rows: int | None = None
+    batch_bytes: int | None = None
+
+    @classmethod
+    def of(
+        cls,
+        dialect: Any,
+        types: str | type | Iterable[str | type] | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        start: float | datetime | None = None,
+        end: float | datetime | None = None,
+        units: str | None = None,
+        enums: str | None = None,
+    ) -> Query:
+        """From the arguments of `read`; ValueError names one that makes no sense."""
+        if units not in (None, "si"):
+            raise ValueError(f"units must be None or 'si', not {units!r}")
+        if enums not in (None, "names"):
+            raise ValueError(f"enums must be None or 'names', not {enums!r}")
+        selection = Selection.of(dialect, types, systems, start, end)
+        return cls(
+            types=selection.types,
+            systems=selection.systems,
+            start=selection.start,
+            end=selection.end,
+            columns=None if fields is None else columns_of(fields),
+            si=units == "si",
+            enum_names=enums == "names",
+        )
+
+
+def columns_of(fields: str | Iterable[str]) -> list[str]:
+    """The columns of some fields: those in front, and what a field's own column may be called."""
+    names = [fields] if isinstance(fields, str) else list(fields)
+    columns = list(HEADER)
+    for name in names:
+        columns += [f"{name}_" if name in HEADER else name, f"{name}_raw"]
+    return columns
+
+
+def check_fields(dialect: Any, query: Query, fields: str | Iterable[str] | None) -> None:
+    """Raise ValueError for a field that none of the wanted messages has."""
+    if fields is None:
+        return
+    names = [fields] if isinstance(fields, str) else list(fields)
+    classes = dialect.mavlink_map
+    known = set(HEADER)
+    for msgid in classes if query.types is None else query.types:
+        known.update(classes[msgid].fieldnames)
+    for name in names:
+        if name.rstrip("_") not in known and name not in known:
+            raise ValueError(f"no wanted message has a field {name!r}")

@@ -1,0 +1,123 @@
+"""`log.info()`: what is in a telemetry log, counted natively in one pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from mavwire._native import log_summary
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+GAP_SECONDS = 5.0
+
+
+@dataclass(frozen=True)
+class Count:
+    """Messages, and the times of the first and the last in seconds since 1970."""
+
+    messages: int
+    first: float
+    last: float
+
+    @property
+    def rate(self) -> float:
+        """Messages per second between the first and the last; 0 where that is no time."""
+        span = self.last - self.first
+        return (self.messages - 1) / span if span > 0 else 0.0
+
+
+@dataclass(frozen=True)
+class Sender:
+    """One component of one system."""
+
+    count: Count
+    lost: int
+    """Messages lost by its sequence numbers."""
+    reboots: int
+    """How often its clock (`time_boot_ms`) started anew."""
+
+    @property
+    def loss(self) -> float:
+        """Share of its messages that are lost, 0 to 1."""
+        sent = self.count.messages + self.lost
+        return self.lost / sent if sent else 0.0
+
+
+@dataclass(frozen=True)
+class LogInfo:
+    """What is in a log. Lists of places have 1000 entries at most; the counts count all."""
+
+    path: str
+    bytes: int
+    """Of the log, decompressed."""
+    stamped: bool
+    """False for a raw stream, whose records have no times."""
+    count: Count
+    types: dict[str, Count]
+    """By message name, the most frequent first; ids that the dialect lacks as UNKNOWN_<id>."""
+    senders: dict[tuple[int, int], Sender]
+    """By system and component id."""
+    gaps: list[tuple[float, float]]
+    """Spans of 5 s and more without a message: the times before and after."""
+    gap_count: int
+    times_back: int
+    """Records with a time before that of the record in front."""
+    distrusted: int
+    """Records behind damage whose time was days off and is replaced by that of the last good one."""
+    bad: list[tuple[int, int]]
+    """Bytes that belong to no record: offset and length."""
+    bad_count: int
+    bad_bytes: int
+    version1: int
+    """Messages of MAVLink 1."""
+    version2: int
+    signed: int
+    """Messages that are signed."""
+    damage: str | None = field(default=None)
+    """What is wrong with the compressed file; everything before that is counted."""
+
+    @property
+    def messages(self) -> int:
+        """All good messages."""
+        return self.count.messages
+
+    @property
+    def lost(self) -> int:
+        """Messages lost by the sequence numbers of all senders."""
+        return sum(sender.lost for sender in self.senders.values())
+
+    @property
+    def signed_share(self) -> float:
+        """Signed messages among all, 0 to 1."""
+        return self.signed / self.messages if self.messages else 0.0
+
+
+def summarise(
+    path: str, native_dialect: Any, pulse: Callable[[int], object] | None = None
+) -> LogInfo:
+    """Read a log to its end. `pulse` is told now and then how many bytes are read."""
+    found = log_summary(path, native_dialect, int(GAP_SECONDS * 1e6), pulse)
+    types = {name: _count(row) for name, row in found.pop("types").items()}
+    senders = {
+        ids: Sender(_count(row), lost, reboots)
+        for ids, (row, lost, reboots) in found.pop("senders").items()
+    }
+    count = _count(found.pop("count"))
+    if found.pop("unlisted"):
+        types["UNKNOWN"] = Count(count.messages - sum(t.messages for t in types.values()), 0, 0)
+    return LogInfo(
+        path=path,
+        count=count,
+        types=dict(sorted(types.items(), key=lambda item: (-item[1].messages, item[0]))),
+        senders=senders,
+        gaps=[(before * 1e-6, after * 1e-6) for before, after in found.pop("gaps")],
+        version2=count.messages - found["version1"],
+        **found,
+    )
+
+
+def _count(row: tuple[int, int, int]) -> Count:
+    messages, first, last = row
+    return Count(messages, first * 1e-6, last * 1e-6)

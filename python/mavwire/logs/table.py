@@ -1,0 +1,171 @@
+"""`Table`: the messages of one type as columns.
+
+A table speaks the Arrow PyCapsule protocol, so pyarrow, polars, pandas and DuckDB take it without a
+copy, and mavwire needs none of them.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+from mavwire._native import RecordBatches, write_table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+SUFFIXES = {".parquet": "parquet", ".csv": "csv", ".jsonl": "jsonl", ".arrow": "arrow"}
+
+
+class Table:
+    """Rows of one message type, in the order of the log.
+
+    The columns are `timestamp` (microseconds, UTC), `sysid`, `compid`, `seq`, then the fields in
+    XML order with their own widths; arrays are lists of fixed size, `char[n]` is text.
+    """
+
+    def __init__(self, name: str, batches: RecordBatches, path: str | None = None) -> None:
+        self.name = name
+        """The message type."""
+        self.path = path
+        """The log it came from."""
+        self._batches = batches
+
+    # -- shape
+
+    def __len__(self) -> int:
+        return self._batches.num_rows
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns."""
+        return self._batches.names
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return len(self), len(self.columns)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the values."""
+        return self._batches.nbytes
+
+    @property
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """`{column: {...}}`: `field` (name in the definition), and where the definition has them
+        `unit`, `enum`, `bitmask`, `multiplier` and `invalid`."""
+        return self._batches.metadata()
+
+    @property
+    def dtypes(self) -> dict[str, str]:
+        """`{column: Arrow's name of its type}`."""
+        return self._batches.types()
+
+    def __repr__(self) -> str:
+        return f"<Table {self.name}: {len(self):,} rows, {len(self.columns)} columns>"
+
+    # -- parts
+
+    def __getitem__(self, column: str) -> Any:
+        """A column as a NumPy array; KeyError if there is none of that name.
+
+        Numbers are views of the table's memory and read-only; lists have a second dimension; times
+        are datetime64[us]; texts are an array of objects.
+        """
+        import numpy as np
+
+        view = self._batches.column(column)
+        if not view.is_numeric:
+            array = np.empty(len(view), dtype=object)
+            array[:] = view.to_list()
+            return array
+        array = np.asarray(view)
+        if view.is_time:
+            array = array.view("datetime64[us]")
+        valid = view.valid()
+        if valid is not None:
+            array = array.astype(array.dtype if view.is_time else "float64")
+            array[~np.asarray(valid, dtype=bool)] = "NaT" if view.is_time else "nan"
+        return array
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def select(self, columns: str | Iterable[str]) -> Table:
+        """Some of the columns; KeyError if there is none of a name."""
+        names = [columns] if isinstance(columns, str) else list(columns)
+        return Table(self.name, self._batches.select(names), self.path)
+
+    def slice(self, start: int, rows: int) -> Table:
+        """Some of the rows, without a copy."""
+        return Table(self.name, self._batches.slice(start, rows), self.path)
+
+    # -- other libraries
+
+    def to_numpy(self) -> dict[str, Any]:
+        """`{column: array}`; see `table[column]`."""
+        return {column: self[column] for column in self.columns}
+
+    def to_arrow(self) -> Any:
+        """A `pyarrow.Table` over the same memory."""
+        import pyarrow as pa
+
+        return pa.table(self)
+
+    def to_polars(self) -> Any:
+        """A `polars.DataFrame` over the same memory where polars can."""
+        import polars as pl
+
+        return pl.DataFrame(self)
+
+    def to_pandas(self) -> Any:
+        """A `pandas.DataFrame`: numbers and times without pyarrow, lists as one array in each row."""
+        import pandas as pd
+
+        columns: dict[str, Any] = {}
+        for column in self.columns:
+            values = self[column]
+            columns[column] = list(values) if values.ndim > 1 else values
+        frame = pd.DataFrame(columns, copy=False)
+        if "timestamp" in frame:
+            frame["timestamp"] = frame["timestamp"].dt.tz_localize("UTC")
+        return frame
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        return self._batches.__arrow_c_stream__(requested_schema)
+
+    def __arrow_c_schema__(self) -> object:
+        return self._batches.__arrow_c_schema__()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Table, (self.name, self._batches, self.path)
+
+    def write(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        format: str | None = None,
+        compression: str | None = None,
+    ) -> None:
+        """Write a file: Parquet, CSV, JSON lines or Arrow, by the suffix of `path` or `format`.
+
+        It appears when it is complete. `compression`: "zstd", "none", for Parquet also "snappy",
+        for text also "gzip"; by default "zstd" for Parquet and none for the others.
+        """
+        path = os.fspath(path)
+        kind = format or SUFFIXES.get(os.path.splitext(path)[1].lower())
+        if kind is None:
+            raise ValueError(f"no format is known by the suffix of {path!r}: give format=")
+        write_table(self._batches, path, kind, compression or default_compression(kind))
+
+
+def default_compression(kind: str) -> str:
+    """What a format is compressed with where nobody says."""
+    return "zstd" if kind == "parquet" else "none"
+
+
+def tidy(name: str, batches: RecordBatches, path: str) -> Table:
+    """A whole table: the raw bytes of texts only where some text is not UTF-8."""
+    raw = [column for column, kind in batches.types().items() if kind == "Binary"]
+    return Table(name, batches.without_empty(raw) if raw else batches, path)

@@ -1,0 +1,162 @@
+//! Several tables on one clock: a wide table with a row for each tick.
+
+use std::sync::Arc;
+
+use arrow::array::{
+    Array, ArrayRef, Float64Array, RecordBatch, TimestampMicrosecondArray, UInt64Array,
+};
+use arrow::compute::{cast, take};
+use arrow::datatypes::{DataType, Field, Schema};
+use arrow::error::ArrowError;
+
+/// Which row of a table belongs to a tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The last one before it, or at it.
+    Ffill,
+    /// The one closest to it, the earlier of two.
+    Nearest,
+    /// For numbers, the straight line between the rows before and after it; for others the one before.
+    Linear,
+}
+
+/// Columns that say where a row came from and not what was measured.
+const HEADER: [&str; 4] = ["timestamp", "sysid", "compid", "seq"];
+
+/// The rows of a table in the order of their times.
+struct Ordered {
+    times: Vec<i64>,
+    rows: Vec<u64>,
+}
+
+impl Ordered {
+    fn of(table: &RecordBatch) -> Result<Self, ArrowError> {
+        let times = times_of(table)?;
+        let mut rows: Vec<u64> =
+            (0..times.len() as u64).filter(|&row| times.is_valid(row as usize)).collect();
+        rows.sort_by_key(|&row| times.value(row as usize));
+        let times = rows.iter().map(|&row| times.value(row as usize)).collect();
+        Ok(Self { times, rows })
+    }
+
+    /// The rows around a tick, as places in this order.
+    fn around(&self, tick: i64) -> (Option<usize>, Option<usize>) {
+        let after = self.times.partition_point(|&time| time <= tick);
+        (after.checked_sub(1), (after < self.times.len()).then_some(after))
+    }
+
+    fn within(&self, place: Option<usize>, tick: i64, tolerance: u64) -> Option<usize> {
+        place.filter(|&place| self.times[place].abs_diff(tick) <= tolerance)
+    }
+
+    fn choose(&self, tick: i64, nearest: bool, tolerance: u64) -> Option<usize> {
+        let (before, after) = self.around(tick);
+        let distance = |place: Option<usize>| place.map(|place| self.times[place].abs_diff(tick));
+        let later = nearest
+            && match (distance(before), distance(after)) {
+                (Some(before), Some(after)) => after < before,
+                (before, after) => before.is_none() && after.is_some(),
+            };
+        self.within(if later { after } else { before }, tick, tolerance)
+    }
+}
+
+fn times_of(table: &RecordBatch) -> Result<&TimestampMicrosecondArray, ArrowError> {
+    table
+        .column_by_name("timestamp")
+        .and_then(|column| column.as_any().downcast_ref())
+        .ok_or_else(|| ArrowError::SchemaError("a table without timestamps".to_owned()))
+}
+
+/// The ticks of a table: its times in order, each once.
+///
+/// # Errors
+/// The table has no timestamps.
+pub fn clock_of(table: &RecordBatch) -> Result<Vec<i64>, ArrowError> {
+    let mut times = Ordered::of(table)?.times;
+    times.dedup();
+    Ok(times)
+}
+
+/// First and last time of all tables; `None` where there is no row.
+///
+/// # Errors
+/// A table has no timestamps.
+pub fn span_of(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, ArrowError> {
+    let mut span: Option<(i64, i64)> = None;
+    for (_, table) in tables {
+        let times = Ordered::of(table)?.times;
+        if let (Some(&first), Some(&last)) = (times.first(), times.last()) {
+            let (low, high) = span.unwrap_or((first, last));
+            span = Some((low.min(first), high.max(last)));
+        }
+    }
+    Ok(span)
+}
+
+/// A row for each tick: `timestamp`, then the fields of each table as `TYPE.field`. Where no row is within `tolerance`
+/// microseconds there are nulls.
+///
+/// # Errors
+/// A table has no timestamps, or what arrow says.
+pub fn align(
+    tables: &[(String, RecordBatch)],
+    clock: Vec<i64>,
+    method: Method,
+    tolerance: u64,
+) -> Result<RecordBatch, ArrowError> {
+    let mut fields = Vec::new();
+    let mut arrays: Vec<ArrayRef> = Vec::new();
+    for (name, table) in tables {
+        let ordered = Ordered::of(table)?;
+        let nearest = method == Method::Nearest;
+        let chosen: UInt64Array = clock
+            .iter()
+            .map(|&tick| ordered.choose(tick, nearest, tolerance).map(|place| ordered.rows[place]))
+            .collect();
+        for (field, column) in table.schema().fields().iter().zip(table.columns()) {
+            if HEADER.contains(&field.name().as_str()) {
+                continue;
+            }
+            let array = if method == Method::Linear && field.data_type().is_numeric() {
+                interpolated(&ordered, column, &clock, tolerance)?
+            } else {
+                take(column, &chosen, None)?
+            };
+            let label = format!("{name}.{}", field.name());
+            let label = Field::new(label, array.data_type().clone(), true);
+            fields.push(label.with_metadata(field.metadata().clone()));
+            arrays.push(array);
+        }
+    }
+    let times = TimestampMicrosecondArray::from(clock).with_timezone("UTC");
+    fields.insert(0, Field::new("timestamp", times.data_type().clone(), true));
+    arrays.insert(0, Arc::new(times));
+    RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
+}
+
+fn interpolated(
+    ordered: &Ordered,
+    column: &ArrayRef,
+    clock: &[i64],
+    tolerance: u64,
+) -> Result<ArrayRef, ArrowError> {
+    let numbers = cast(column, &DataType::Float64)?;
+    let numbers: &Float64Array = numbers
+        .as_any()
+        .downcast_ref()
+        .ok_or_else(|| ArrowError::CastError("no numbers".to_owned()))?;
+    let value = |place: usize| numbers.value(ordered.rows[place] as usize);
+    let at = |&tick: &i64| {
+        let (before, after) = ordered.around(tick);
+        let before = ordered.within(before, tick, tolerance)?;
+        if ordered.times[before] == tick {
+            return Some(value(before));
+        }
+        let after = ordered.within(after, tick, tolerance)?;
+        let span = ordered.times[after].abs_diff(ordered.times[before]) as f64;
+        let share = tick.abs_diff(ordered.times[before]) as f64 / span;
+        Some(value(before) + (value(after) - value(before)) * share)
+    };
+    Ok(Arc::new(clock.iter().map(at).collect::<Float64Array>()))
+}

@@ -1,0 +1,264 @@
+//! Record batches to files of other programs.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use arrow::array::{Array, ArrayRef, FixedSizeListArray, RecordBatch, RecordBatchOptions};
+use arrow::compute::take;
+use arrow::array::UInt32Array;
+use arrow::csv::WriterBuilder as CsvBuilder;
+use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
+use arrow::ipc::CompressionType;
+use arrow::ipc::writer::{FileWriter, IpcWriteOptions};
+use arrow::json::LineDelimitedWriter;
+use flate2::write::GzEncoder;
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression as ParquetCompression, ZstdLevel};
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::schema::types::ColumnPath;
+
+use crate::error::Error;
+
+/// A kind of file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Apache Parquet, a row group for each batch.
+    Parquet,
+    /// Comma-separated values; array fields as a column for each element.
+    Csv,
+    /// A JSON object on each line.
+    JsonLines,
+    /// Arrow IPC file.
+    Arrow,
+}
+
+/// How a file is made smaller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compression {
+    /// Not at all.
+    None,
+    /// Zstandard.
+    Zstd,
+    /// Snappy; Parquet only.
+    Snappy,
+    /// gzip; text formats only.
+    Gzip,
+}
+
+impl Format {
+    /// Whether it can be compressed like this.
+    pub fn takes(self, compression: Compression) -> bool {
+        match compression {
+            Compression::None | Compression::Zstd => true,
+            Compression::Snappy => self == Self::Parquet,
+            Compression::Gzip => matches!(self, Self::Csv | Self::JsonLines),
+        }
+    }
+}
+
+/// A file being written.
+pub struct Sink<W: Write + Send> {
+    writer: Writer<W>,
+    rows: u64,
+}
+
+enum Writer<W: Write + Send> {
+    Parquet(Box<ArrowWriter<W>>),
+    Csv(Box<arrow::csv::Writer<Squeeze<W>>>, SchemaRef),
+    JsonLines(LineDelimitedWriter<Squeeze<W>>),
+    Arrow(Box<FileWriter<W>>),
+}
+
+impl<W: Write + Send> Sink<W> {
+    /// Begins a file of batches with this schema.
+    ///
+    /// # Errors
+    /// What the writers say.
+    ///
+    /// # Panics
+    /// Never: the compression level is one that zstd has.
+    pub fn new(
+        out: W,
+        schema: &SchemaRef,
+        format: Format,
+        compression: Compression,
+    ) -> Result<Self, Error> {
+        let writer = match format {
+            Format::Parquet => {
+                let properties = parquet_properties(schema, compression)?;
+                let schema = Arc::clone(schema);
+                Writer::Parquet(Box::new(ArrowWriter::try_new(out, schema, Some(properties))?))
+            }
+            Format::Csv => {
+                let out = Squeeze::new(out, compression)?;
+                let flat = flat_schema(schema);
+                let mut writer = CsvBuilder::new().with_header(true).build(out);
+                // The header stands there even if no row follows.
+                writer.write(&RecordBatch::new_empty(Arc::clone(&flat)))?;
+                Writer::Csv(Box::new(writer), flat)
+            }
+            Format::JsonLines => {
+                Writer::JsonLines(LineDelimitedWriter::new(Squeeze::new(out, compression)?))
+            }
+            Format::Arrow => {
+                let zstd = (compression == Compression::Zstd).then_some(CompressionType::ZSTD);
+                let options = IpcWriteOptions::default().try_with_compression(zstd)?;
+                Writer::Arrow(Box::new(FileWriter::try_new_with_options(out, schema, options)?))
+            }
+        };
+        Ok(Self { writer, rows: 0 })
+    }
+
+    /// Rows so far.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Writes a batch.
+    ///
+    /// # Errors
+    /// What the writers say.
+    pub fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
+        match &mut self.writer {
+            Writer::Parquet(writer) => {
+                writer.write(batch)?;
+                writer.flush()?;
+            }
+            Writer::Csv(writer, schema) => writer.write(&flat(batch, schema)?)?,
+            Writer::JsonLines(writer) => writer.write(batch)?,
+            Writer::Arrow(writer) => writer.write(batch)?,
+        }
+        self.rows += batch.num_rows() as u64;
+        Ok(())
+    }
+
+    /// Writes what belongs at the end, and gives the output back.
+    ///
+    /// # Errors
+    /// What the writers say.
+    pub fn finish(self) -> Result<W, Error> {
+        Ok(match self.writer {
+            Writer::Parquet(writer) => writer.into_inner()?,
+            Writer::Csv(writer, _) => writer.into_inner().finish()?,
+            Writer::JsonLines(mut writer) => {
+                writer.finish()?;
+                writer.into_inner().finish()?
+            }
+            Writer::Arrow(writer) => writer.into_inner()?,
+        })
+    }
+}
+
+/// Statistics for row groups, and dictionaries where values come again: numbers of sensors are smaller without.
+fn parquet_properties(
+    schema: &Schema,
+    compression: Compression,
+) -> Result<WriterProperties, Error> {
+    let compression = match compression {
+        Compression::Zstd => ParquetCompression::ZSTD(ZstdLevel::try_new(1)?),
+        Compression::Snappy => ParquetCompression::SNAPPY,
+        Compression::None | Compression::Gzip => ParquetCompression::UNCOMPRESSED,
+    };
+    let mut properties = WriterProperties::builder()
+        .set_compression(compression)
+        .set_dictionary_enabled(false)
+        .set_statistics_enabled(EnabledStatistics::Chunk)
+        .set_max_row_group_row_count(None);
+    for field in schema.fields() {
+        if repeats(field) {
+            let path = ColumnPath::from(field.name().as_str());
+            properties = properties.set_column_dictionary_enabled(path, true);
+        }
+    }
+    Ok(properties.build())
+}
+
+/// Few values, many times: who sent it, texts, enums.
+fn repeats(field: &Field) -> bool {
+    let sender = matches!(field.name().as_str(), "sysid" | "compid");
+    let text = matches!(field.data_type(), DataType::Utf8 | DataType::Dictionary(..));
+    sender || text || field.metadata().contains_key("enum")
+}
+
+/// A schema without lists: a column for each element.
+fn flat_schema(schema: &Schema) -> SchemaRef {
+    let mut fields = Vec::new();
+    for field in schema.fields() {
+        if let DataType::FixedSizeList(item, length) = field.data_type() {
+            fields.extend((0..*length).map(|n| {
+                let name = format!("{}[{n}]", field.name());
+                Field::new(name, item.data_type().clone(), true)
+            }));
+        } else {
+            fields.push(field.as_ref().clone());
+        }
+    }
+    Arc::new(Schema::new(fields))
+}
+
+fn flat(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, Error> {
+    let mut arrays: Vec<ArrayRef> = Vec::new();
+    for array in batch.columns() {
+        match array.as_any().downcast_ref::<FixedSizeListArray>() {
+            Some(lists) => {
+                for element in 0..lists.value_length() {
+                    arrays.push(element_of(lists, element)?);
+                }
+            }
+            None => arrays.push(Arc::clone(array)),
+        }
+    }
+    let options = RecordBatchOptions::new().with_row_count(Some(batch.num_rows()));
+    Ok(RecordBatch::try_new_with_options(Arc::clone(schema), arrays, &options)?)
+}
+
+/// The elements at one place of all lists.
+fn element_of(lists: &FixedSizeListArray, element: i32) -> Result<ArrayRef, Error> {
+    let places: UInt32Array = (0..lists.len())
+        .map(|row| lists.is_valid(row).then(|| (lists.value_offset_at(row) + element as usize) as u32))
+        .collect();
+    Ok(take(lists.values(), &places, None)?)
+}
+
+/// An output that compresses, perhaps.
+enum Squeeze<W: Write> {
+    Plain(W),
+    Gzip(GzEncoder<W>),
+    Zstd(zstd::stream::write::Encoder<'static, W>),
+}
+
+impl<W: Write> Squeeze<W> {
+    fn new(out: W, compression: Compression) -> io::Result<Self> {
+        Ok(match compression {
+            Compression::Gzip => Self::Gzip(GzEncoder::new(out, flate2::Compression::fast())),
+            Compression::Zstd => Self::Zstd(zstd::stream::write::Encoder::new(out, 1)?),
+            Compression::None | Compression::Snappy => Self::Plain(out),
+        })
+    }
+
+    fn finish(self) -> io::Result<W> {
+        match self {
+            Self::Plain(out) => Ok(out),
+            Self::Gzip(out) => out.finish(),
+            Self::Zstd(out) => out.finish(),
+        }
+    }
+}
+
+impl<W: Write> Write for Squeeze<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Plain(out) => out.write(bytes),
+            Self::Gzip(out) => out.write(bytes),
+            Self::Zstd(out) => out.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Plain(out) => out.flush(),
+            Self::Gzip(out) => out.flush(),
+            Self::Zstd(out) => out.flush(),
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The bytes of a log in blocks, decompressed, the next block being read while one is worked on.
+
+use std::io::{self, Read};
+
+use mavwire_core::registry::Registry;
+
+use crate::scan::Framing;
+
+/// Bytes of a block: large enough for all processors to have a share in it.
+pub const BLOCK: usize = 8 << 20;
+
+/// Room in front of a block for what the block before it left: the start of a record.
+const HEADROOM: usize = 4096;
+
+/// Bytes that tell what kind of log it is.
+const PROBE: usize = 64 << 10;
+
+/// Undoes gzip and zstd, which are told by their first bytes.
+///
+/// # Errors
+/// What reading says.
+pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
+    let mut magic = [0; 4];
+    let len = fill(&mut source, &mut magic)?;
+    let whole = io::Cursor::new(magic[..len].to_vec()).chain(source);
+    Ok(match magic {
+        [0x1F, 0x8B, 8, _] => Box::new(flate2::read::MultiGzDecoder::new(whole)),
+        [0x28, 0xB5, 0x2F, 0xFD] => Box::new(zstd::stream::read::Decoder::new(whole)?),
+        _ => Box::new(whole),
+    })
+}
+
+/// Reads until `into` is full or the source is at its end.
+fn fill(source: &mut dyn Read, into: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < into.len() {
+        match source.read(&mut into[filled..]) {
+            Ok(0) => break,
+            Ok(len) => filled += len,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return if filled == 0 { Err(error) } else { Ok(filled) },
+        }
+    }
+    Ok(filled)
+}
+
+/// A block that was read, behind its headroom.
+#[derive(Default)]
+struct Buffer {
+    bytes: Vec<u8>,
+    /// Where the unread bytes start.
+    start: usize,
+}
+
+impl Buffer {
+    fn read(&mut self, source: &mut dyn Read, block: usize) -> io::Result<usize> {
+        self.bytes.resize(HEADROOM + block, 0);
+        self.start = HEADROOM;
+        let filled = fill(source, &mut self.bytes[HEADROOM..]);
+        self.bytes.truncate(HEADROOM + filled.as_ref().copied().unwrap_or(0));
+        filled
+    }
+
+    fn unread(&self) -> &[u8] {
+        &self.bytes[self.start..]
+    }
+
+    /// Puts what another buffer left in front.
+    fn prepend(&mut self, left: &[u8]) {
+        if left.len() > self.start {
+            self.bytes.splice(..self.start, left.iter().copied());
+            self.start = 0;
+        } else {
+            self.start -= left.len();
+            self.bytes[self.start..self.start + left.len()].copy_from_slice(left);
+        }
+    }
+}
+
+/// A log being read.
+pub struct Blocks {
+    source: Box<dyn Read + Send>,
+    block: usize,
+    now: Buffer,
+    next: Buffer,
+    /// What reading ahead gave; `None` before the first look.
+    ahead: Option<io::Result<usize>>,
+    damage: Option<String>,
+}
+
+impl Blocks {
+    /// Blocks of a source, perhaps compressed.
+    ///
+    /// # Errors
+    /// What reading says.
+    pub fn new(source: Box<dyn Read + Send>) -> io::Result<Self> {
+        Ok(Self::of_size(decompressed(source)?, BLOCK))
+    }
+
+    /// The same of any size, and without decompressing.
+    pub fn of_size(source: Box<dyn Read + Send>, block: usize) -> Self {
+        let (now, next) = Default::default();
+        Self { source, block, now, next, ahead: None, damage: None }
+    }
+
+    /// Looks at the first bytes to tell what kind of log it is.
+    ///
+    /// # Errors
+    /// What reading says.
+    pub fn with_framing(mut self, registry: &Registry) -> io::Result<(Self, Framing)> {
+        let filled = self.next.read(&mut *self.source, self.block);
+        self.ahead = Some(Ok(self.judge(filled)?));
+        let head = self.next.unread();
+        let framing = Framing::of(&head[..head.len().min(PROBE)], registry);
+        Ok((self, framing))
+    }
+
+    /// What is wrong with the compressed file, of which everything before that was read.
+    pub fn damage(&self) -> Option<&str> {
+        self.damage.as_deref()
+    }
+
+    /// Hands the next block to `work`, which says how many bytes of it are dealt with; at least one, if it can. The flag
+    /// says that nothing follows. `None` at the end.
+    ///
+    /// # Errors
+    /// What reading says.
+    pub fn next<T: Send>(
+        &mut self,
+        work: impl FnOnce(&[u8], bool) -> (usize, T) + Send,
+    ) -> io::Result<Option<T>> {
+        let filled = match self.ahead.take() {
+            Some(filled) => filled,
+            None => self.next.read(&mut *self.source, self.block),
+        };
+        let filled = self.judge(filled)?;
+        let left = self.now.unread();
+        if filled == 0 && left.is_empty() {
+            self.ahead = Some(Ok(0));
+            return Ok(None);
+        }
+        self.next.prepend(left);
+        std::mem::swap(&mut self.now, &mut self.next);
+        let (now, next, source, block) = (&self.now, &mut self.next, &mut self.source, self.block);
+        let at_end = filled == 0;
+        let (ahead, (consumed, done)) = rayon::join(
+            || if at_end { Ok(0) } else { next.read(source, block) },
+            || work(now.unread(), at_end),
+        );
+        if at_end {
+            self.next.bytes.truncate(HEADROOM);
+            self.next.start = self.next.bytes.len();
+        }
+        self.ahead = Some(ahead);
+        self.now.start += consumed;
+        Ok(Some(done))
+    }
+
+    /// A damaged compressed file is one that ends there.
+    fn judge(&mut self, filled: io::Result<usize>) -> io::Result<usize> {
+        use io::ErrorKind::{InvalidData, InvalidInput, Other, UnexpectedEof};
+        match filled {
+            Err(error)
+                if error.raw_os_error().is_none()
+                    && matches!(
+                        error.kind(),
+                        InvalidData | InvalidInput | Other | UnexpectedEof
+                    ) =>
+            {
+                self.damage = Some(error.to_string());
+                Ok(0)
+            }
+            filled => filled,
+        }
+    }
+}

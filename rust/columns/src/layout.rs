@@ -1,0 +1,236 @@
+//! The columns of a message type: names, types and metadata.
+//!
+//! First `timestamp` (microseconds, UTC; null in a raw stream), `sysid`, `compid` and `seq`, then the fields in XML order.
+//! A field that bears one of those names, or that of a column before it, gets underscores behind its own. Metadata tells the
+//! rest: `field` (the name in the definition), `unit`, `enum`, `bitmask`, `multiplier`, `invalid`, `instance`.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use arrow::datatypes::{DataType, Field as ArrowField, Schema, SchemaRef, TimeUnit};
+use mavwire_core::registry::Registry;
+use mavwire_schema::{Dialect, Field, FieldType, Message};
+
+use crate::enums::Names;
+use crate::error::Error;
+use crate::scan::Framing;
+use crate::units::{Scale, to_si};
+
+/// How a table is wanted.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Values in SI units.
+    pub si: bool,
+    /// Enum values by name.
+    pub enum_names: bool,
+    /// The columns that are wanted; `None` for all.
+    pub columns: Option<Vec<String>>,
+}
+
+/// What a column holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Source {
+    /// Time of the record.
+    Timestamp,
+    /// Sending system.
+    Sysid,
+    /// Sending component.
+    Compid,
+    /// Sequence number.
+    Seq,
+    /// A field of numbers.
+    Numbers(Field),
+    /// A `char` field as text: up to the first NUL, with U+FFFD for what is not UTF-8.
+    Text(Field),
+    /// The bytes of a `char` field without trailing NULs, where the text does not hold them all.
+    RawText(Field),
+}
+
+/// A column.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// Name, unique in its table.
+    pub name: String,
+    /// What it holds.
+    pub source: Source,
+    /// What makes its values SI.
+    pub scale: Option<Scale>,
+    /// What makes names of its values.
+    pub names: Option<Names>,
+}
+
+/// The columns of a message type.
+#[derive(Debug, Clone)]
+pub struct Layout {
+    /// Name of the message.
+    pub message: String,
+    /// Payload bytes of the message.
+    pub max_len: usize,
+    /// In order.
+    pub columns: Vec<Column>,
+    /// The same for arrow.
+    pub schema: SchemaRef,
+    /// Whether records have a time.
+    pub framing: Framing,
+}
+
+impl Layout {
+    /// The columns of the message with an index in the registry.
+    pub fn new(registry: &Registry, index: u16, framing: Framing, options: &Options) -> Self {
+        let message = registry.message(index);
+        let mut columns = all_columns(message, registry.dialect(), options);
+        if let Some(wanted) = &options.columns {
+            columns.retain(|(column, _)| wanted.contains(&column.name));
+        }
+        let metadata = HashMap::from([
+            ("message".to_owned(), message.name.clone()),
+            ("msgid".to_owned(), message.id.to_string()),
+            ("dialect".to_owned(), registry.dialect().name.clone()),
+        ]);
+        let (columns, fields): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
+        Self {
+            message: message.name.clone(),
+            max_len: message.max_len.into(),
+            columns,
+            schema: Arc::new(Schema::new_with_metadata(fields, metadata)),
+            framing,
+        }
+    }
+
+    /// Checks that each of the columns is there.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(registry: &Registry, index: u16, columns: &[String]) -> Result<(), Error> {
+        let message = registry.message(index);
+        let known = all_columns(message, registry.dialect(), &Options::default());
+        let missing = |column: &&String| known.iter().all(|(one, _)| one.name != **column);
+        match columns.iter().find(missing) {
+            None => Ok(()),
+            Some(column) => {
+                Err(Error::NoColumn { message: message.name.clone(), column: column.clone() })
+            }
+        }
+    }
+}
+
+fn plain(name: &str, source: Source, data_type: DataType) -> (Column, ArrowField) {
+    let nullable = source == Source::Timestamp;
+    let field = ArrowField::new(name, data_type, nullable);
+    (Column { name: name.to_owned(), source, scale: None, names: None }, field)
+}
+
+fn all_columns(
+    message: &Message,
+    dialect: &Dialect,
+    options: &Options,
+) -> Vec<(Column, ArrowField)> {
+    let time = DataType::Timestamp(TimeUnit::Microsecond, Some("UTC".into()));
+    let mut columns = vec![
+        plain("timestamp", Source::Timestamp, time),
+        plain("sysid", Source::Sysid, DataType::UInt8),
+        plain("compid", Source::Compid, DataType::UInt8),
+        plain("seq", Source::Seq, DataType::UInt8),
+    ];
+    let mut taken: HashSet<String> = columns.iter().map(|(column, _)| column.name.clone()).collect();
+    let mut unique = |mut name: String| {
+        while !taken.insert(name.clone()) {
+            name.push('_');
+        }
+        name
+    };
+    for field in &message.fields {
+        let name = unique(field.name.clone());
+        if field.is_char() {
+            let raw = unique(format!("{name}_raw"));
+            columns.push(text(field, &name));
+            columns.push(raw_text(field, &raw));
+        } else {
+            columns.push(numbers(field, &name, dialect, options));
+        }
+    }
+    columns
+}
+
+fn text(field: &Field, name: &str) -> (Column, ArrowField) {
+    let (column, arrow) = plain(name, Source::Text(field.clone()), DataType::Utf8);
+    (column, arrow.with_metadata(metadata(field, None)))
+}
+
+fn raw_text(field: &Field, name: &str) -> (Column, ArrowField) {
+    let (column, arrow) = plain(name, Source::RawText(field.clone()), DataType::Binary);
+    (column, arrow.with_nullable(true).with_metadata(metadata(field, None)))
+}
+
+fn numbers(
+    field: &Field,
+    name: &str,
+    dialect: &Dialect,
+    options: &Options,
+) -> (Column, ArrowField) {
+    let names = options.enum_names.then(|| enum_of(field, dialect)).flatten();
+    let si = if options.si && field.enum_name.is_none() { to_si(field) } else { None };
+    let element = if names.is_some() {
+        DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8))
+    } else if si.is_some() {
+        DataType::Float64
+    } else {
+        element_type(field.field_type)
+    };
+    let data_type = if field.is_numeric_array() {
+        let item = Arc::new(ArrowField::new("item", element, false));
+        DataType::FixedSizeList(item, field.array_length.into())
+    } else {
+        element
+    };
+    let metadata = metadata(field, si);
+    let (mut column, arrow) = plain(name, Source::Numbers(field.clone()), data_type);
+    column.scale = si.map(|(scale, _)| scale);
+    column.names = names;
+    (column, arrow.with_metadata(metadata))
+}
+
+fn enum_of(field: &Field, dialect: &Dialect) -> Option<Names> {
+    let name = field.enum_name.as_deref()?;
+    if matches!(field.field_type, FieldType::F32 | FieldType::F64) {
+        return None;
+    }
+    let definition = dialect.enums.iter().find(|definition| definition.name == name)?;
+    Some(Names::new(definition, field.display.as_deref() == Some("bitmask")))
+}
+
+fn element_type(field_type: FieldType) -> DataType {
+    match field_type {
+        FieldType::Char | FieldType::U8 => DataType::UInt8,
+        FieldType::I8 => DataType::Int8,
+        FieldType::U16 => DataType::UInt16,
+        FieldType::I16 => DataType::Int16,
+        FieldType::U32 => DataType::UInt32,
+        FieldType::I32 => DataType::Int32,
+        FieldType::U64 => DataType::UInt64,
+        FieldType::I64 => DataType::Int64,
+        FieldType::F32 => DataType::Float32,
+        FieldType::F64 => DataType::Float64,
+    }
+}
+
+/// What the definition says of a field. Scaled values have the unit that they are scaled to, and no multiplier.
+fn metadata(field: &Field, si: Option<(Scale, Option<&str>)>) -> HashMap<String, String> {
+    let mut metadata = HashMap::from([("field".to_owned(), field.name.clone())]);
+    let mut add = |key: &str, value: Option<&str>| {
+        if let Some(value) = value {
+            metadata.insert(key.to_owned(), value.to_owned());
+        }
+    };
+    match si {
+        Some((_, unit)) => add("unit", unit),
+        None => {
+            add("unit", field.units.as_deref());
+            add("multiplier", field.multiplier.as_deref());
+            add("invalid", field.invalid.as_deref());
+        }
+    }
+    add("enum", field.enum_name.as_deref());
+    add("bitmask", (field.display.as_deref() == Some("bitmask")).then_some("true"));
+    metadata
+}

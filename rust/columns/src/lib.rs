@@ -1,0 +1,26 @@
+//! MAVLink logs as Arrow tables, one for each message type, and from there to Parquet, CSV, JSON lines and Arrow files.
+//!
+//! A log is read in blocks of bounded size ([`input`]). Each is searched for records on all processors ([`scan`]), with
+//! exactly the outcome of one [`mavwire_core::log::tlog::RecordScanner`] over the whole log. The records of each message
+//! type are then appended to its table ([`table`]), a gather for each field. What a column is called and what type and
+//! metadata it has stands in [`layout`]. [`reader`] puts all that together; [`summary`] counts instead.
+//!
+//! Nothing here opens a file: logs are `Read`, outputs `Write`. Whoever makes record batches of something else, such as
+//! dataflash logs, can hand them to [`convert`].
+
+pub mod align;
+pub mod column;
+pub mod convert;
+pub mod enums;
+pub mod error;
+pub mod input;
+pub mod layout;
+pub mod reader;
+pub mod scan;
+pub mod select;
+pub mod summary;
+pub mod table;
+pub mod units;
+
+pub use arrow;
+pub use error::Error;

@@ -1,0 +1,201 @@
+//! Where the records of a block are, found on all processors.
+//!
+//! Each stretch of the block is searched for runs of good records by itself; the scanner that walks through the log passes
+//! over the runs that it reaches. On a log without damage it walks a few steps for each block, on a damaged one through
+//! the damage. Its outcome is that of one scanner over the whole log, whatever the blocks and the number of threads.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use mavwire_core::frame::Header;
+use mavwire_core::log::tlog::{FoundRecord, Located, RecordScanner, Runs, STAMP_LEN, Stamp, find_runs};
+use mavwire_core::registry::Registry;
+use rayon::prelude::*;
+
+/// Bytes that are searched in one go.
+const STRETCH: usize = 512 << 10;
+
+/// After damage, a time stamp further than this from the last good one is not believed. Microseconds.
+const MAX_JUMP: u64 = 3 * 24 * 3600 * 1_000_000;
+
+/// [`Located::index`] of ids that the dialect does not know.
+pub const UNKNOWN: u16 = u16::MAX;
+
+/// What a log looks like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Framing {
+    /// Records of time stamp and frame.
+    Stamped,
+    /// Frames alone.
+    Raw,
+}
+
+impl Framing {
+    /// Bytes of a record in front of its frame.
+    pub fn lead(self) -> usize {
+        match self {
+            Self::Stamped => STAMP_LEN,
+            Self::Raw => 0,
+        }
+    }
+
+    /// What a log is that begins with these bytes: the way in which more records follow each other, or failing that the
+    /// one in which the first record is good.
+    pub fn of(head: &[u8], registry: &Registry) -> Self {
+        let evidence = |framing: Self| {
+            let found = find_runs(head, 0..head.len(), framing.lead(), registry);
+            let begins = found.runs.first().is_some_and(|run| run.bytes.start == 0);
+            (found.records.len() - found.runs.len(), begins)
+        };
+        if evidence(Self::Raw) > evidence(Self::Stamped) { Self::Raw } else { Self::Stamped }
+    }
+}
+
+/// The records of a block. Positions are counted from its start.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Scanned {
+    /// Bytes dealt with.
+    pub consumed: usize,
+    /// Good records in the order of the log.
+    pub records: Vec<Located>,
+    /// Records whose time stamp is not believed, and what to take for it.
+    pub distrusted: Vec<(u32, u64)>,
+    /// Bytes that belong to no record; what touches is one range.
+    pub bad: Vec<Range<usize>>,
+}
+
+/// Walks through a log, block by block.
+#[derive(Debug, Clone)]
+pub struct LogScanner {
+    registry: Arc<Registry>,
+    scanner: RecordScanner,
+    last_good: Option<u64>,
+    after_damage: bool,
+    stretch: usize,
+}
+
+impl LogScanner {
+    /// A scanner at the start of a log.
+    pub fn new(registry: Arc<Registry>, framing: Framing) -> Self {
+        let scanner = match framing {
+            Framing::Stamped => RecordScanner::new(),
+            Framing::Raw => RecordScanner::unstamped(),
+        };
+        Self { registry, scanner, last_good: None, after_damage: false, stretch: STRETCH }
+    }
+
+    /// Searches in stretches of another size.
+    #[must_use]
+    pub fn with_stretch(mut self, stretch: usize) -> Self {
+        self.stretch = stretch.max(1);
+        self
+    }
+
+    /// Bytes of a record in front of its frame.
+    pub fn lead(&self) -> usize {
+        self.scanner.lead()
+    }
+
+    /// The messages of the log.
+    pub fn registry(&self) -> &Arc<Registry> {
+        &self.registry
+    }
+
+    /// Finds the records of `block`, which starts where the last one was consumed to.
+    pub fn scan(&mut self, block: &[u8], at_end: bool) -> Scanned {
+        let lead = self.lead();
+        let starts: Vec<usize> = (0..block.len()).step_by(self.stretch).collect();
+        let found: Vec<Runs> = starts
+            .par_iter()
+            .map(|&start| {
+                let end = block.len().min(start + self.stretch);
+                find_runs(block, start..end, lead, &self.registry)
+            })
+            .collect();
+        self.put_together(block, at_end, &found)
+    }
+
+    fn put_together(&mut self, block: &[u8], at_end: bool, found: &[Runs]) -> Scanned {
+        let count = found.iter().map(|runs| runs.records.len()).sum();
+        let mut out = Scanned { records: Vec::with_capacity(count), ..Scanned::default() };
+        let mut ahead = found
+            .iter()
+            .flat_map(|runs| runs.runs.iter().map(|run| (run, &runs.records[..])))
+            .peekable();
+        loop {
+            while ahead.next_if(|(run, _)| run.bytes.end <= out.consumed).is_some() {}
+            if let Some((run, records)) = ahead.peek()
+                && let Some(rest) = self.scanner.rest_of_run(out.consumed, run, records)
+            {
+                let end = run.bytes.end;
+                self.take_run(block, &records[rest], &mut out);
+                self.scanner.pass_run(end - out.consumed);
+                out.consumed = end;
+            } else if !self.step(block, at_end, &mut out) {
+                return out;
+            }
+        }
+    }
+
+    /// One step of the walk; false at the end of the block.
+    fn step(&mut self, block: &[u8], at_end: bool, out: &mut Scanned) -> bool {
+        let at = out.consumed;
+        match self.scanner.next(&block[at..], &self.registry, at_end) {
+            FoundRecord::Record { len, entry, .. } => {
+                let index = entry.map_or(UNKNOWN, |entry| entry.index);
+                self.take_run(block, &[Located { at: at as u32, index }], out);
+                out.consumed += len;
+            }
+            FoundRecord::Junk { len } => {
+                self.after_damage = true;
+                match out.bad.last_mut().filter(|bad| bad.end == at) {
+                    Some(bad) => bad.end += len,
+                    None => out.bad.push(at..at + len),
+                }
+                out.consumed += len;
+            }
+            FoundRecord::Incomplete { .. } => return false,
+        }
+        true
+    }
+
+    fn take_run(&mut self, block: &[u8], records: &[Located], out: &mut Scanned) {
+        let (Some(first), Some(last)) = (records.first(), records.last()) else { return };
+        out.records.extend_from_slice(records);
+        let stamp = |record: &Located| stamp_at(block, record.at);
+        let mut time = stamp(first);
+        if self.after_damage
+            && let Some(good) = self.last_good
+            && time.abs_diff(good) >= MAX_JUMP
+        {
+            out.distrusted.push((first.at, good));
+            time = good;
+        }
+        self.after_damage = false;
+        self.last_good = Some(if records.len() > 1 { stamp(last) } else { time });
+    }
+}
+
+/// The time stamp at a place in a block; 0 where it does not fit in.
+pub fn stamp_at(block: &[u8], at: u32) -> u64 {
+    block.get(at as usize..).and_then(Stamp::parse).map_or(0, Stamp::micros)
+}
+
+impl Scanned {
+    /// The time of a record, microseconds since 1970.
+    #[inline]
+    pub fn time(&self, block: &[u8], at: u32) -> u64 {
+        if !self.distrusted.is_empty()
+            && let Ok(found) = self.distrusted.binary_search_by_key(&at, |&(at, _)| at)
+        {
+            return self.distrusted[found].1;
+        }
+        stamp_at(block, at)
+    }
+}
+
+/// The header of the frame of a record.
+#[inline]
+pub fn header_at(block: &[u8], at: u32, lead: usize) -> Option<Header> {
+    Header::parse(block.get(at as usize + lead..)?)
+}

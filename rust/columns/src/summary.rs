@@ -1,0 +1,210 @@
+//! What is in a log, counted in one pass.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::ops::Range;
+use std::sync::Arc;
+
+use mavwire_core::codec::read;
+use mavwire_core::frame::Header;
+use mavwire_core::registry::Registry;
+use mavwire_schema::{FieldType, Message, WireVersion};
+
+use crate::error::Error;
+use crate::input::Blocks;
+use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN, header_at};
+
+/// Places that are listed; beyond that they are only counted, since whoever makes a log chooses their number.
+const MOST_LISTED: usize = 1000;
+/// A clock of a sender that goes back by this many milliseconds says that it started anew.
+const REBOOT_MS: u32 = 5000;
+
+/// Messages of one type.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Count {
+    /// How many.
+    pub messages: u64,
+    /// Time of the first, microseconds since 1970.
+    pub first: u64,
+    /// Time of the last.
+    pub last: u64,
+}
+
+impl Count {
+    fn add(&mut self, time: u64) {
+        if self.messages == 0 {
+            self.first = time;
+        }
+        self.messages += 1;
+        self.last = time;
+    }
+}
+
+/// One component of one system.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Sender {
+    /// Its messages.
+    pub count: Count,
+    /// Messages lost by its sequence numbers.
+    pub lost: u64,
+    /// Times that its clock started anew.
+    pub reboots: u64,
+    seq: Option<u8>,
+    boot_ms: Option<u32>,
+}
+
+/// What is in a log.
+#[derive(Debug, Clone, Default)]
+pub struct Summary {
+    /// Bytes, decompressed.
+    pub bytes: u64,
+    /// Records have times.
+    pub stamped: bool,
+    /// All good messages.
+    pub count: Count,
+    /// By message index.
+    pub types: Vec<Count>,
+    /// By id, those that the dialect does not have.
+    pub unknown: BTreeMap<u32, Count>,
+    /// Messages of further unknown ids.
+    pub unlisted: u64,
+    /// By system and component.
+    pub senders: BTreeMap<(u8, u8), Sender>,
+    /// Spans of time without a message.
+    pub gaps: Vec<(u64, u64)>,
+    /// How many there are.
+    pub gap_count: u64,
+    /// Records whose time is before that of the record in front.
+    pub times_back: u64,
+    /// Records whose time was not believed.
+    pub distrusted: u64,
+    /// Bytes of no record, as places in the log.
+    pub bad: Vec<Range<u64>>,
+    /// How many such places there are.
+    pub bad_count: u64,
+    /// Bytes there.
+    pub bad_bytes: u64,
+    /// Messages of MAVLink 1.
+    pub version1: u64,
+    /// Messages that are signed.
+    pub signed: u64,
+    /// What is wrong with the compressed file.
+    pub damage: Option<String>,
+}
+
+impl Summary {
+    /// Reads a log to its end. `gap` is what counts as a gap, in microseconds; `pulse` is asked now and then whether to
+    /// go on, and is told how far it is.
+    ///
+    /// # Errors
+    /// What reading says, and what `pulse` answers.
+    pub fn read<E: From<Error>>(
+        source: Box<dyn Read + Send>,
+        registry: Arc<Registry>,
+        gap: u64,
+        mut pulse: impl FnMut(u64) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        let (mut blocks, framing) =
+            Blocks::new(source).and_then(|b| b.with_framing(&registry)).map_err(Error::from)?;
+        let mut scanner = LogScanner::new(Arc::clone(&registry), framing);
+        let boot_offsets: Vec<_> = registry.dialect().messages.iter().map(boot_offset).collect();
+        let types = vec![Count::default(); boot_offsets.len()];
+        let mut sum = Self { stamped: framing == Framing::Stamped, types, ..Self::default() };
+        loop {
+            let next = blocks.next(|block, at_end| {
+                let scanned = scanner.scan(block, at_end);
+                sum.add(block, framing.lead(), &scanned, gap, &boot_offsets);
+                (scanned.consumed, ())
+            });
+            if next.map_err(Error::from)?.is_none() {
+                sum.damage = blocks.damage().map(str::to_owned);
+                return Ok(sum);
+            }
+            pulse(sum.bytes)?;
+        }
+    }
+
+    fn add(
+        &mut self,
+        block: &[u8],
+        lead: usize,
+        scanned: &Scanned,
+        gap: u64,
+        boot_offsets: &[Option<usize>],
+    ) {
+        for record in &scanned.records {
+            let Some(header) = header_at(block, record.at, lead) else { continue };
+            let time = if lead == 0 { 0 } else { scanned.time(block, record.at) };
+            self.add_time(time, gap);
+            let payload = &block[record.at as usize + lead + header.len()..]
+                [..usize::from(header.payload_len)];
+            let boot = (record.index != UNKNOWN)
+                .then(|| boot_offsets[usize::from(record.index)])
+                .flatten()
+                .map(|offset| u32::from_le_bytes(read(payload, offset)));
+            self.add_record(record.index, &header, time, boot);
+        }
+        self.distrusted += scanned.distrusted.len() as u64;
+        self.add_bad(&scanned.bad);
+        self.bytes += scanned.consumed as u64;
+    }
+
+    fn add_time(&mut self, time: u64, gap: u64) {
+        if self.count.messages > 0 {
+            let before = self.count.last;
+            self.times_back += u64::from(time < before);
+            if time.saturating_sub(before) > gap {
+                self.gap_count += 1;
+                if self.gaps.len() < MOST_LISTED {
+                    self.gaps.push((before, time));
+                }
+            }
+        }
+        self.count.add(time);
+    }
+
+    fn add_record(&mut self, index: u16, header: &Header, time: u64, boot: Option<u32>) {
+        self.version1 += u64::from(header.version == WireVersion::V1);
+        self.signed += u64::from(header.is_signed());
+        if index != UNKNOWN {
+            self.types[usize::from(index)].add(time);
+        } else if self.unknown.len() < MOST_LISTED || self.unknown.contains_key(&header.msgid) {
+            self.unknown.entry(header.msgid).or_default().add(time);
+        } else {
+            self.unlisted += 1;
+        }
+        let sender = self.senders.entry((header.sysid, header.compid)).or_default();
+        sender.count.add(time);
+        if let Some(before) = sender.seq.replace(header.seq) {
+            sender.lost += u64::from(header.seq.wrapping_sub(before).wrapping_sub(1));
+        }
+        if let Some(boot) = boot {
+            let before = sender.boot_ms.replace(boot);
+            let back = before.is_some_and(|before| before.saturating_sub(boot) > REBOOT_MS);
+            sender.reboots += u64::from(back);
+        }
+    }
+
+    fn add_bad(&mut self, bad: &[Range<usize>]) {
+        for range in bad {
+            let range = self.bytes + range.start as u64..self.bytes + range.end as u64;
+            self.bad_bytes += range.end - range.start;
+            match self.bad.last_mut() {
+                Some(last) if last.end == range.start => last.end = range.end,
+                _ => {
+                    self.bad_count += 1;
+                    if self.bad.len() < MOST_LISTED {
+                        self.bad.push(range);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Where a message has the milliseconds since its sender started.
+fn boot_offset(message: &Message) -> Option<usize> {
+    let is_clock = |name: &str, field_type| name == "time_boot_ms" && field_type == FieldType::U32;
+    let field = message.fields.iter().find(|field| is_clock(&field.name, field.field_type))?;
+    (field.array_length == 0).then_some(field.offset.into())
+}

@@ -1,0 +1,96 @@
+//! Good records that follow each other, found from any place in a log.
+//!
+//! What a [`super::RecordScanner`] finds depends on what came before, but hardly ever: where it stands at the start of a
+//! good record of a known message with nothing in doubt, it takes that record, and then stands like that again. So runs of
+//! such records can be looked for everywhere at once and by guess. A guess that was wrong is never reached by the scanner;
+//! one that it reaches at a record's start is what it would have found itself, and it passes over the rest of the run.
+
+use std::ops::Range;
+
+use super::RecordScanner;
+use crate::frame::SIGNATURE_LEN;
+use crate::registry::Registry;
+use crate::scan::{Resync, Scanner, distance_to_stx};
+
+/// What a failed guess costs at most, counted in bytes of the frame that it claims to be.
+const GUESS_COST: usize = 255 + SIGNATURE_LEN;
+
+/// A good record of a known message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Located {
+    /// Where it starts in the bytes that were searched, stamp included.
+    pub at: u32,
+    /// Index of the message in its dialect.
+    pub index: u16,
+}
+
+/// Records without a gap between them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Run {
+    /// Its bytes.
+    pub bytes: Range<usize>,
+    /// Its records in [`Runs::records`].
+    pub records: Range<usize>,
+}
+
+/// What was found in a stretch.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Runs {
+    /// The runs in the order of the log.
+    pub runs: Vec<Run>,
+    /// The records of all runs.
+    pub records: Vec<Located>,
+}
+
+/// Finds the runs whose records start within `stretch`; the last record may reach beyond it.
+///
+/// `lead` is [`RecordScanner::lead`]. The work is linear in the length of the stretch: where many guesses fail, as in
+/// bytes that an attacker made, the search ends early and leaves the rest to the scanner.
+///
+/// # Panics
+/// Where `bytes` has 4 GiB or more.
+pub fn find_runs(bytes: &[u8], stretch: Range<usize>, lead: usize, registry: &Registry) -> Runs {
+    assert!(u32::try_from(bytes.len()).is_ok(), "a block is smaller than 4 GiB");
+    let mut found = Runs::default();
+    let mut scanner = Scanner::new(Resync::Skip);
+    let mut guesses = stretch.len() / GUESS_COST + 1;
+    let mut at = stretch.start;
+    while at < stretch.end {
+        let start = at;
+        let first = found.records.len();
+        while at < stretch.end
+            && let Some(frame) = bytes.get(at + lead..)
+            && let Some((len, entry)) = scanner.next_good(frame, registry)
+        {
+            found.records.push(Located { at: at as u32, index: entry.index });
+            at += lead + len;
+        }
+        if at > start {
+            found.runs.push(Run { bytes: start..at, records: first..found.records.len() });
+            continue;
+        }
+        if guesses == 0 {
+            break;
+        }
+        guesses -= 1;
+        at = next_guess(bytes, at + 1, lead);
+    }
+    found
+}
+
+/// The next place from `at` on where a record may start.
+fn next_guess(bytes: &[u8], at: usize, lead: usize) -> usize {
+    bytes.get(at + lead..).map_or(bytes.len(), |rest| at + distance_to_stx(rest))
+}
+
+impl RecordScanner {
+    /// The records of `run` that a scanner standing at `at` finds next, where it is sure to find them: their range in
+    /// [`Runs::records`].
+    pub fn rest_of_run(&self, at: usize, run: &Run, records: &[Located]) -> Option<Range<usize>> {
+        if !self.is_settled() || !run.bytes.contains(&at) {
+            return None;
+        }
+        let inside = records[run.records.clone()].binary_search_by_key(&at, |r| r.at as usize);
+        Some(run.records.start + inside.ok()?..run.records.end)
+    }
+}

@@ -1,0 +1,95 @@
+//! Files read from start to end, and files that appear whole or not at all.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// Opens a file for reading it once.
+///
+/// # Errors
+/// What the operating system says.
+pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
+    Ok(Box::new(File::open(path)?))
+}
+
+/// A file under construction: it bears another name until it is committed, and is removed where that never happens.
+#[derive(Debug)]
+pub struct Draft {
+    file: Option<BufWriter<File>>,
+    path: PathBuf,
+    draft: PathBuf,
+}
+
+impl Draft {
+    /// Begins the file that is to be at `path`, with the folders it stands in.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(".part");
+        let draft = path.with_file_name(name);
+        let file = BufWriter::with_capacity(64 << 10, File::create(&draft)?);
+        Ok(Self { file: Some(file), path: path.to_owned(), draft })
+    }
+
+    /// Gives the file its name, in place of any that has it.
+    ///
+    /// # Errors
+    /// What the operating system says; the file is removed then.
+    pub fn commit(mut self) -> io::Result<()> {
+        let Some(file) = self.file.take() else { return Ok(()) };
+        let file = file.into_inner().map_err(io::IntoInnerError::into_error);
+        let renamed = file
+            .and_then(|file| file.sync_data())
+            .and_then(|()| std::fs::rename(&self.draft, &self.path));
+        if renamed.is_err() {
+            let _ = std::fs::remove_file(&self.draft);
+        }
+        renamed
+    }
+}
+
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.as_mut().map_or(Ok(0), |file| file.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.as_mut().map_or(Ok(()), Write::flush)
+    }
+}
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        if self.file.take().is_some() {
+            let _ = std::fs::remove_file(&self.draft);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_draft_becomes_the_file_or_nothing() {
+        let folder = std::env::temp_dir().join(format!("mavwire-draft-{}", std::process::id()));
+        let path = folder.join("deep").join("table.csv");
+        let mut draft = Draft::create(&path).expect("creating");
+        draft.write_all(b"one").expect("writing");
+        drop(draft);
+        let left = || std::fs::read_dir(folder.join("deep")).expect("listing").count();
+        assert_eq!(left(), 0);
+        let mut draft = Draft::create(&path).expect("creating");
+        draft.write_all(b"two").expect("writing");
+        assert!(!path.exists());
+        draft.commit().expect("committing");
+        assert_eq!(std::fs::read(&path).expect("reading"), b"two");
+        assert_eq!(left(), 1);
+        std::fs::remove_dir_all(folder).expect("removing");
+    }
+}

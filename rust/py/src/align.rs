@@ -1,0 +1,69 @@
+//! `align_tables`: several tables on one clock.
+
+use mavwire_columns::align::{Method, align, clock_of, span_of};
+use mavwire_columns::arrow::array::RecordBatch;
+use mavwire_columns::arrow::error::ArrowError;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::table::{RecordBatches, columns_error};
+
+/// Ticks of a clock at most: what a mistaken rate may cost.
+const MOST_TICKS: i64 = 200_000_000;
+
+/// What ticks.
+enum Clock {
+    Table(RecordBatch),
+    /// Microseconds between ticks.
+    Step(i64),
+}
+
+impl Clock {
+    fn ticks(&self, tables: &[(String, RecordBatch)]) -> Result<Vec<i64>, ArrowError> {
+        let step = match self {
+            Self::Table(table) => return clock_of(table),
+            Self::Step(step) => *step,
+        };
+        let Some((first, last)) = span_of(tables)? else { return Ok(Vec::new()) };
+        let count = last.saturating_sub(first) / step;
+        if count >= MOST_TICKS {
+            let text = format!("a clock of {count} ticks is more than {MOST_TICKS}");
+            return Err(ArrowError::InvalidArgumentError(text));
+        }
+        Ok((0..=count).map(|n| first + n * step).collect())
+    }
+}
+
+/// One table of `[(name, table), ...]`: on the times of the table `on`, or every `step` microseconds from the first time
+/// of all to the last. `method` is `ffill`, `nearest` or `linear`; `tolerance` in microseconds.
+#[pyfunction]
+#[pyo3(signature = (tables, on, step, method, tolerance))]
+pub(crate) fn align_tables(
+    py: Python<'_>,
+    tables: Vec<(String, PyRef<'_, RecordBatches>)>,
+    on: Option<PyRef<'_, RecordBatches>>,
+    step: Option<i64>,
+    method: &str,
+    tolerance: Option<u64>,
+) -> PyResult<RecordBatches> {
+    let method = match method {
+        "ffill" => Method::Ffill,
+        "nearest" => Method::Nearest,
+        "linear" => Method::Linear,
+        _ => return Err(PyValueError::new_err(format!("no such method: {method:?}"))),
+    };
+    let clock = match (on, step) {
+        (Some(on), None) => Clock::Table(on.whole(py)?.clone()),
+        (None, Some(step)) if step > 0 => Clock::Step(step),
+        _ => return Err(PyValueError::new_err("either a table to align on or a rate")),
+    };
+    let whole = |(name, table): (String, PyRef<'_, RecordBatches>)| {
+        Ok((name, table.whole(py)?.clone()))
+    };
+    let tables = tables.into_iter().map(whole).collect::<PyResult<Vec<_>>>()?;
+    let aligned = py.detach(|| {
+        align(&tables, clock.ticks(&tables)?, method, tolerance.unwrap_or(u64::MAX))
+    });
+    let aligned = aligned.map_err(|error| columns_error(error.into()))?;
+    Ok(RecordBatches::new(aligned.schema(), vec![aligned]))
+}

@@ -1,0 +1,236 @@
+//! `LogColumns`: a log as tables, batch by batch; and `log_summary`, what is in it.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use mavwire_columns::Error;
+use mavwire_columns::layout::{Layout, Options};
+use mavwire_columns::reader::{Batch, Limits, Reader};
+use mavwire_columns::scan::Framing;
+use mavwire_columns::select::Wanted;
+use mavwire_columns::summary::{Count, Summary};
+use mavwire_link::files;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::dialect::Dialect;
+use crate::table::{RecordBatches, columns_error};
+
+/// What to read: the attributes of the object that `LogColumns` is given.
+#[derive(FromPyObject)]
+pub(crate) struct Query {
+    /// Message ids; `None` for all.
+    types: Option<Vec<u32>>,
+    systems: Option<Vec<u8>>,
+    start: Option<f64>,
+    end: Option<f64>,
+    /// Names of columns; `None` for all.
+    columns: Option<Vec<String>>,
+    si: bool,
+    enum_names: bool,
+    /// Rows of a batch; `None` for one batch of each type.
+    batch_rows: Option<usize>,
+    /// Bytes that all batches under way may have.
+    batch_bytes: Option<usize>,
+}
+
+impl Query {
+    fn wanted(&self, dialect: &Dialect) -> Wanted {
+        let messages = &dialect.registry.dialect().messages;
+        let types = self.types.as_ref().map(|ids| {
+            messages.iter().map(|message| ids.contains(&message.id)).collect()
+        });
+        let systems = self.systems.as_ref().map(|ids| {
+            let mut systems = Box::new([false; 256]);
+            for &id in ids {
+                systems[usize::from(id)] = true;
+            }
+            systems
+        });
+        Wanted {
+            types,
+            systems,
+            start: self.start.unwrap_or(f64::NEG_INFINITY),
+            end: self.end.unwrap_or(f64::INFINITY),
+        }
+    }
+
+    fn options(&self) -> Options {
+        Options { si: self.si, enum_names: self.enum_names, columns: self.columns.clone() }
+    }
+
+    fn limits(&self) -> Limits {
+        Limits {
+            rows: self.batch_rows.unwrap_or(usize::MAX),
+            bytes: self.batch_bytes.unwrap_or(usize::MAX),
+        }
+    }
+
+    /// A reader of the log at `path`, for use without the interpreter.
+    pub(crate) fn open(&self, path: &PathBuf, dialect: &Dialect) -> Result<Reader, Error> {
+        let source = files::open(path)?;
+        let registry = Arc::clone(&dialect.registry);
+        Reader::new(source, registry, self.wanted(dialect), self.options(), self.limits())
+    }
+}
+
+/// One run over a log, giving tables.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct LogColumns {
+    dialect: Py<Dialect>,
+    reader: Mutex<Reader>,
+}
+
+impl LogColumns {
+    fn with<T>(&self, read: impl FnOnce(&mut Reader) -> T) -> T {
+        read(&mut self.reader.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn table(&self, batches: Vec<Batch>) -> Option<(String, RecordBatches)> {
+        let first = batches.first()?;
+        let schema = first.rows.schema();
+        let name = self.dialect.get().registry.message(first.index).name.clone();
+        let rows = batches.into_iter().map(|batch| batch.rows).collect();
+        Some((name, RecordBatches::new(schema, rows)))
+    }
+}
+
+#[pymethods]
+impl LogColumns {
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf, dialect: Py<Dialect>, query: Query) -> PyResult<Self> {
+        let shared = dialect.get();
+        let reader = py.detach(|| query.open(&path, shared)).map_err(columns_error)?;
+        Ok(Self { dialect, reader: Mutex::new(reader) })
+    }
+
+    fn __iter__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
+        slf
+    }
+
+    /// The tables that are ready after another block of the log, `[(message, table), ...]`, perhaps none.
+    fn __next__(&self, py: Python<'_>) -> PyResult<Option<Vec<(String, RecordBatches)>>> {
+        py.check_signals()?;
+        let batches = py.detach(|| self.with(Reader::next)).map_err(columns_error)?;
+        Ok(batches.map(|batches| {
+            batches.into_iter().filter_map(|batch| self.table(vec![batch])).collect()
+        }))
+    }
+
+    /// Bytes of the log, decompressed, that are dealt with.
+    #[getter]
+    fn position(&self, py: Python<'_>) -> u64 {
+        py.detach(|| self.with(|reader| reader.position()))
+    }
+
+    /// How many of them belong to no record.
+    #[getter]
+    fn bad_bytes(&self, py: Python<'_>) -> u64 {
+        py.detach(|| self.with(|reader| reader.bad_bytes()))
+    }
+
+    /// What is wrong with the compressed file; `None` for nothing.
+    #[getter]
+    fn damage(&self, py: Python<'_>) -> Option<String> {
+        py.detach(|| self.with(|reader| reader.damage().map(str::to_owned)))
+    }
+
+    /// Whether records have times.
+    #[getter]
+    fn stamped(&self, py: Python<'_>) -> bool {
+        py.detach(|| self.with(|reader| reader.framing() == Framing::Stamped))
+    }
+}
+
+/// A table without rows of a message, with the columns that `query` asks for.
+#[pyfunction]
+pub(crate) fn empty_table(dialect: &Dialect, msgid: u32, query: Query) -> PyResult<RecordBatches> {
+    let registry = &dialect.registry;
+    let unknown = || PyValueError::new_err(format!("no message has the id {msgid}"));
+    let index = registry.lookup(msgid).ok_or_else(unknown)?.index;
+    if let Some(columns) = &query.columns {
+        Layout::check(registry, index, columns).map_err(columns_error)?;
+    }
+    let layout = Layout::new(registry, index, Framing::Stamped, &query.options());
+    Ok(RecordBatches::new(layout.schema, Vec::new()))
+}
+
+fn count_row(count: &Count) -> (u64, u64, u64) {
+    (count.messages, count.first, count.last)
+}
+
+/// What is in a log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
+#[pyfunction]
+pub(crate) fn log_summary<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    dialect: &Dialect,
+    gap: u64,
+    pulse: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let registry = Arc::clone(&dialect.registry);
+    let tell = |bytes: u64| {
+        Python::attach(|py| {
+            py.check_signals()?;
+            pulse.as_ref().map_or(Ok(()), |pulse| pulse.call1(py, (bytes,)).map(drop))
+        })
+    };
+    let sum = py.detach(|| -> Result<Summary, Stopped> {
+        let source = files::open(&path).map_err(Error::from)?;
+        Summary::read(source, registry, gap, |bytes| tell(bytes).map_err(Stopped::Raised))
+    });
+    let sum = sum.map_err(Stopped::into_err)?;
+    let messages = &dialect.registry.dialect().messages;
+    let types = PyDict::new(py);
+    for (message, count) in messages.iter().zip(&sum.types).filter(|(_, c)| c.messages > 0) {
+        types.set_item(&message.name, count_row(count))?;
+    }
+    for (msgid, count) in &sum.unknown {
+        types.set_item(format!("UNKNOWN_{msgid}"), count_row(count))?;
+    }
+    let senders = PyDict::new(py);
+    for (ids, sender) in &sum.senders {
+        senders.set_item(ids, (count_row(&sender.count), sender.lost, sender.reboots))?;
+    }
+    let bad = PyList::new(py, sum.bad.iter().map(|range| (range.start, range.end - range.start)))?;
+    let dict = PyDict::new(py);
+    dict.set_item("bytes", sum.bytes)?;
+    dict.set_item("stamped", sum.stamped)?;
+    dict.set_item("count", count_row(&sum.count))?;
+    dict.set_item("types", types)?;
+    dict.set_item("unlisted", sum.unlisted)?;
+    dict.set_item("senders", senders)?;
+    dict.set_item("gaps", &sum.gaps)?;
+    dict.set_item("gap_count", sum.gap_count)?;
+    dict.set_item("times_back", sum.times_back)?;
+    dict.set_item("distrusted", sum.distrusted)?;
+    dict.set_item("bad", bad)?;
+    dict.set_item("bad_count", sum.bad_count)?;
+    dict.set_item("bad_bytes", sum.bad_bytes)?;
+    dict.set_item("version1", sum.version1)?;
+    dict.set_item("signed", sum.signed)?;
+    dict.set_item("damage", &sum.damage)?;
+    Ok(dict)
+}
+
+/// Why a summary was not made.
+enum Stopped {
+    Failed(Error),
+    Raised(PyErr),
+}
+
+impl From<Error> for Stopped {
+    fn from(error: Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+impl Stopped {
+    fn into_err(self) -> PyErr {
+        match self {
+            Self::Failed(error) => columns_error(error),
+            Self::Raised(error) => error,
+        }
+    }
+}

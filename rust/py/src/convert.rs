@@ -1,0 +1,190 @@
+//! `Converter`: the tables of a log into files, one for each message type, without the interpreter.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use mavwire_columns::Error;
+use mavwire_columns::convert::{Compression, Format, Sink};
+use mavwire_columns::reader::{Batch, Reader};
+use mavwire_link::files::Draft;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::columns::Query;
+use crate::dialect::Dialect;
+use crate::table::{RecordBatches, columns_error};
+
+fn format_of(name: &str) -> PyResult<Format> {
+    Ok(match name {
+        "parquet" => Format::Parquet,
+        "csv" => Format::Csv,
+        "jsonl" => Format::JsonLines,
+        "arrow" => Format::Arrow,
+        _ => return Err(PyValueError::new_err(format!("no such format: {name:?}"))),
+    })
+}
+
+fn compression_of(name: &str, format: Format, format_name: &str) -> PyResult<Compression> {
+    let compression = match name {
+        "none" => Compression::None,
+        "zstd" => Compression::Zstd,
+        "snappy" => Compression::Snappy,
+        "gzip" => Compression::Gzip,
+        _ => return Err(PyValueError::new_err(format!("no such compression: {name:?}"))),
+    };
+    if format.takes(compression) {
+        return Ok(compression);
+    }
+    Err(PyValueError::new_err(format!("{format_name} cannot be compressed with {name}")))
+}
+
+/// A log, and the files that become of it.
+struct Work {
+    reader: Reader,
+    folder: PathBuf,
+    file: String,
+    format: Format,
+    compression: Compression,
+    /// By message index.
+    sinks: BTreeMap<u16, (PathBuf, Sink<Draft>)>,
+}
+
+impl Work {
+    fn write(&mut self, batch: &Batch, name: &str) -> Result<(), Error> {
+        if !self.sinks.contains_key(&batch.index) {
+            let path = self.folder.join(name).join(&self.file);
+            let draft = Draft::create(&path)?;
+            let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
+            self.sinks.insert(batch.index, (path, sink));
+        }
+        match self.sinks.get_mut(&batch.index) {
+            Some((_, sink)) => sink.write(&batch.rows),
+            None => Ok(()),
+        }
+    }
+
+    /// Another block of the log; false at its end.
+    fn step(&mut self, dialect: &Dialect) -> Result<bool, Error> {
+        let Some(batches) = self.reader.next()? else { return Ok(false) };
+        for batch in &batches {
+            let name = &dialect.registry.message(batch.index).name;
+            self.write(batch, name)?;
+        }
+        Ok(true)
+    }
+
+    /// Gives all files their names.
+    fn commit(self) -> Result<Vec<(PathBuf, u64)>, Error> {
+        // All are finished before the first one is renamed.
+        let mut drafts = Vec::new();
+        for (path, sink) in self.sinks.into_values() {
+            let rows = sink.rows();
+            drafts.push((path, rows, sink.finish()?));
+        }
+        let mut files = Vec::new();
+        for (path, rows, draft) in drafts {
+            draft.commit()?;
+            files.push((path, rows));
+        }
+        Ok(files)
+    }
+}
+
+/// Writes the tables of a log to `folder/MESSAGE/file`.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct Converter {
+    dialect: Py<Dialect>,
+    work: Mutex<Option<Work>>,
+}
+
+impl Converter {
+    fn with<T>(&self, take: impl FnOnce(&mut Option<Work>) -> T) -> T {
+        take(&mut self.work.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[pymethods]
+impl Converter {
+    #[new]
+    #[pyo3(signature = (path, dialect, query, folder, file, format, compression))]
+    #[allow(clippy::too_many_arguments)] // one call, made in one place
+    fn new(
+        py: Python<'_>,
+        path: PathBuf,
+        dialect: Py<Dialect>,
+        query: Query,
+        folder: PathBuf,
+        file: String,
+        format: &str,
+        compression: &str,
+    ) -> PyResult<Self> {
+        let kind = format_of(format)?;
+        let compression = compression_of(compression, kind, format)?;
+        let shared = dialect.get();
+        let reader = py.detach(|| query.open(&path, shared)).map_err(columns_error)?;
+        let sinks = BTreeMap::new();
+        let work = Work { reader, folder, file, format: kind, compression, sinks };
+        Ok(Self { dialect, work: Mutex::new(Some(work)) })
+    }
+
+    /// Converts another block of the log; false at its end.
+    fn step(&self, py: Python<'_>) -> PyResult<bool> {
+        py.check_signals()?;
+        let dialect = self.dialect.get();
+        let step = |work: &mut Option<Work>| {
+            work.as_mut().map_or(Ok(false), |work| work.step(dialect))
+        };
+        py.detach(|| self.with(step)).map_err(columns_error)
+    }
+
+    /// Gives the files their names: `[(path, rows), ...]`. Without it nothing is left of them.
+    fn commit(&self, py: Python<'_>) -> PyResult<Vec<(PathBuf, u64)>> {
+        let commit = |work: &mut Option<Work>| work.take().map_or(Ok(Vec::new()), Work::commit);
+        py.detach(|| self.with(commit)).map_err(columns_error)
+    }
+
+    /// Removes what was written.
+    fn abandon(&self, py: Python<'_>) {
+        py.detach(|| self.with(|work| drop(work.take())));
+    }
+
+    /// Bytes of the log dealt with, bytes that belong to no record, and what is wrong with the compressed file.
+    fn progress(&self, py: Python<'_>) -> (u64, u64, Option<String>) {
+        py.detach(|| {
+            self.with(|work| {
+                work.as_ref().map_or((0, 0, None), |Work { reader, .. }| {
+                    let damage = reader.damage().map(str::to_owned);
+                    (reader.position(), reader.bad_bytes(), damage)
+                })
+            })
+        })
+    }
+}
+
+/// Writes a table to a file, which appears when it is complete.
+#[pyfunction]
+pub(crate) fn write_table(
+    py: Python<'_>,
+    table: &RecordBatches,
+    path: PathBuf,
+    format: &str,
+    compression: &str,
+) -> PyResult<()> {
+    let kind = format_of(format)?;
+    let compression = compression_of(compression, kind, format)?;
+    py.detach(|| write_file(table, &path, kind, compression)).map_err(columns_error)
+}
+
+fn write_file(
+    table: &RecordBatches,
+    path: &Path,
+    format: Format,
+    compression: Compression,
+) -> Result<(), Error> {
+    let mut sink = Sink::new(Draft::create(path)?, table.schema(), format, compression)?;
+    for batch in table.batches() {
+        sink.write(batch)?;
+    }
+    Ok(sink.finish()?.commit()?)
+}

@@ -1,0 +1,245 @@
+//! `RecordBatches`: a table, handed out by the Arrow C data interface and, column by column, as buffers.
+
+use std::sync::{Arc, OnceLock};
+
+use mavwire_columns::Error;
+use mavwire_columns::arrow::array::{RecordBatch, RecordBatchIterator};
+use mavwire_columns::arrow::compute::concat_batches;
+use mavwire_columns::arrow::datatypes::{Schema, SchemaRef};
+use mavwire_columns::arrow::ffi::FFI_ArrowSchema;
+use mavwire_columns::arrow::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
+use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyCapsule, PyDict, PyList, PyTuple};
+
+use crate::column_view::ColumnView;
+
+/// What went wrong as Python raises it.
+pub(crate) fn columns_error(error: Error) -> PyErr {
+    match error {
+        Error::Io(error) => error.into(),
+        error => PyValueError::new_err(error.to_string()),
+    }
+}
+
+/// A table: a schema and batches of rows.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct RecordBatches {
+    schema: SchemaRef,
+    batches: Vec<RecordBatch>,
+    /// All rows in one batch, once somebody wanted that.
+    whole: OnceLock<RecordBatch>,
+}
+
+impl RecordBatches {
+    pub(crate) fn new(schema: SchemaRef, batches: Vec<RecordBatch>) -> Self {
+        Self { schema, batches, whole: OnceLock::new() }
+    }
+
+    pub(crate) fn batches(&self) -> &[RecordBatch] {
+        &self.batches
+    }
+
+    pub(crate) fn schema(&self) -> &SchemaRef {
+        &self.schema
+    }
+
+    /// All rows in one batch.
+    pub(crate) fn whole(&self, py: Python<'_>) -> PyResult<&RecordBatch> {
+        if let Some(whole) = self.whole.get() {
+            return Ok(whole);
+        }
+        let whole = match &self.batches[..] {
+            [one] => one.clone(),
+            all => py
+                .detach(|| concat_batches(&self.schema, all))
+                .map_err(|error| columns_error(error.into()))?,
+        };
+        Ok(self.whole.get_or_init(|| whole))
+    }
+
+    fn index_of(&self, name: &str) -> PyResult<usize> {
+        self.schema.index_of(name).map_err(|_| PyKeyError::new_err(name.to_owned()))
+    }
+}
+
+#[pymethods]
+impl RecordBatches {
+    /// A table of anything that has `__arrow_c_stream__`; the data is shared.
+    #[staticmethod]
+    fn from_stream(table: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let capsule = table.call_method0("__arrow_c_stream__")?.cast_into::<PyCapsule>()?;
+        let pointer = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
+        // SAFETY: a capsule of this name holds such a stream, which is moved out and marked as released.
+        let stream = unsafe { FFI_ArrowArrayStream::from_raw(pointer.as_ptr().cast()) };
+        let error = |error: mavwire_columns::arrow::error::ArrowError| columns_error(error.into());
+        let reader = RecordBatchStreamReader::try_new(stream).map_err(error)?;
+        let schema = mavwire_columns::arrow::array::RecordBatchReader::schema(&reader);
+        let batches = reader.collect::<Result<Vec<_>, _>>().map_err(error)?;
+        Ok(Self::new(schema, batches))
+    }
+
+    /// Tables of one type, one behind the other. `ValueError` where their columns differ.
+    #[staticmethod]
+    fn joined(tables: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
+        let first = tables.first().ok_or_else(|| PyValueError::new_err("no tables"))?;
+        let schema = Arc::clone(&first.schema);
+        if tables.iter().any(|table| table.schema != schema) {
+            return Err(PyValueError::new_err("the tables have different columns"));
+        }
+        let batches = tables.iter().flat_map(|table| table.batches.iter().cloned()).collect();
+        Ok(Self::new(schema, batches))
+    }
+
+    #[getter]
+    fn num_rows(&self) -> usize {
+        self.batches.iter().map(RecordBatch::num_rows).sum()
+    }
+
+    #[getter]
+    fn num_batches(&self) -> usize {
+        self.batches.len()
+    }
+
+    /// Bytes of the values.
+    #[getter]
+    fn nbytes(&self) -> usize {
+        self.batches.iter().map(RecordBatch::get_array_memory_size).sum()
+    }
+
+    /// Names of the columns.
+    #[getter]
+    fn names(&self) -> Vec<&str> {
+        self.schema.fields().iter().map(|field| field.name().as_str()).collect()
+    }
+
+    /// `{column: {key: value}}`.
+    fn metadata<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for field in self.schema.fields() {
+            let entries = PyDict::new(py);
+            for (key, value) in field.metadata().iter() {
+                entries.set_item(key, value)?;
+            }
+            all.set_item(field.name(), entries)?;
+        }
+        Ok(all)
+    }
+
+    /// `{column: Arrow's name of its type}`.
+    fn types<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for field in self.schema.fields() {
+            all.set_item(field.name(), field.data_type().to_string())?;
+        }
+        Ok(all)
+    }
+
+    /// A column in one piece.
+    fn column(&self, py: Python<'_>, name: &str) -> PyResult<ColumnView> {
+        let index = self.index_of(name)?;
+        let array = self.whole(py)?.column(index);
+        ColumnView::new(array).ok_or_else(|| {
+            PyTypeError::new_err(format!("no view of {name}: {}", array.data_type()))
+        })
+    }
+
+    /// The same table without columns that hold nothing but nulls, of those named.
+    fn without_empty(&self, names: Vec<String>) -> PyResult<Self> {
+        let empty = |index: usize| {
+            names.contains(self.schema.field(index).name())
+                && self.batches.iter().all(|b| b.column(index).null_count() == b.num_rows())
+        };
+        let kept: Vec<usize> = (0..self.schema.fields().len()).filter(|&i| !empty(i)).collect();
+        self.project(&kept)
+    }
+
+    /// Some of the columns, in the order given.
+    fn select(&self, names: Vec<String>) -> PyResult<Self> {
+        let kept: Vec<usize> =
+            names.iter().map(|name| self.index_of(name)).collect::<PyResult<_>>()?;
+        self.project(&kept)
+    }
+
+    /// Some of the rows.
+    fn slice(&self, py: Python<'_>, start: usize, rows: usize) -> PyResult<Self> {
+        let whole = self.whole(py)?;
+        let start = start.min(whole.num_rows());
+        let rows = rows.min(whole.num_rows() - start);
+        Ok(Self::new(Arc::clone(&self.schema), vec![whole.slice(start, rows)]))
+    }
+
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        // The protocol lets a producer that does not convert leave the request aside.
+        drop(requested_schema);
+        let batches = self.batches.clone().into_iter().map(Ok);
+        let reader = RecordBatchIterator::new(batches, Arc::clone(&self.schema));
+        let stream = FFI_ArrowArrayStream::new(Box::new(reader));
+        PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+    }
+
+    fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
+        let schema = FFI_ArrowSchema::try_from(self.schema.as_ref())
+            .map_err(|error| columns_error(error.into()))?;
+        PyCapsule::new_with_value(py, schema, c"arrow_schema")
+    }
+
+    fn __len__(&self) -> usize {
+        self.num_rows()
+    }
+
+    /// What pickle needs: a file of the rows.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let (py, this) = (slf.py(), slf.get());
+        let bytes = py.detach(|| ipc_bytes(&this.schema, &this.batches)).map_err(columns_error)?;
+        let restore = slf.get_type().getattr("from_ipc")?;
+        (restore, (pyo3::types::PyBytes::new(py, &bytes),)).into_pyobject(py)
+    }
+
+    /// The table in the bytes of an Arrow file.
+    #[staticmethod]
+    fn from_ipc(bytes: &[u8]) -> PyResult<Self> {
+        use mavwire_columns::arrow::ipc::reader::FileReader;
+        let error = |error: mavwire_columns::arrow::error::ArrowError| columns_error(error.into());
+        let reader = FileReader::try_new(std::io::Cursor::new(bytes), None).map_err(error)?;
+        let schema = reader.schema();
+        let batches = reader.collect::<Result<Vec<_>, _>>().map_err(error)?;
+        Ok(Self::new(schema, batches))
+    }
+}
+
+impl RecordBatches {
+    fn project(&self, kept: &[usize]) -> PyResult<Self> {
+        let error = |error: mavwire_columns::arrow::error::ArrowError| columns_error(error.into());
+        let schema: Schema = self.schema.project(kept).map_err(error)?;
+        let batches = self.batches.iter().map(|batch| batch.project(kept));
+        let batches = batches.collect::<Result<Vec<_>, _>>().map_err(error)?;
+        Ok(Self::new(Arc::new(schema), batches))
+    }
+}
+
+fn ipc_bytes(schema: &SchemaRef, batches: &[RecordBatch]) -> Result<Vec<u8>, Error> {
+    use mavwire_columns::convert::{Compression, Format, Sink};
+    let mut sink = Sink::new(Vec::new(), schema, Format::Arrow, Compression::None)?;
+    for batch in batches {
+        sink.write(batch)?;
+    }
+    sink.finish()
+}
+
+/// The columns as Python lists, for those that no buffer can show.
+pub(crate) fn list_of<'py, T: IntoPyObject<'py>>(
+    py: Python<'py>,
+    values: impl Iterator<Item = T>,
+) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for value in values {
+        list.append(value)?;
+    }
+    Ok(list)
+}

@@ -1,0 +1,263 @@
+"""Tables hold exactly what the messages of a log say."""
+
+from __future__ import annotations
+
+import gzip
+import os
+import pickle
+import subprocess
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+from random import Random
+
+import mavwire
+import numpy as np
+import pytest
+from mavwire import traffic
+from mavwire.dialects.v20 import all as mavlink
+from unit.column_tools import compare_with_messages, log_of_every_type
+from unit.link_tools import T0, pack, record
+
+ROOT = Path(__file__).parents[3]
+LOGS = Path(os.environ.get("MAVWIRE_LOGS", ROOT.parent / "shared" / "logs"))
+REAL = sorted(LOGS.glob("*.tlog")) if LOGS.is_dir() else []
+NOTICE = f"no logs in {LOGS}: set MAVWIRE_LOGS to a directory of .tlog files"
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("logs") / "flight.tlog"
+    traffic.generate(path, 20_000, systems=2, loss=0.01)
+    return path
+
+
+def statustext(text: bytes, seq: int) -> bytes:
+    return record(pack(mavlink.MAVLink_statustext_message(6, text), seq), T0 + 1000 * seq)
+
+
+def test_every_type_of_the_dialect(tmp_path):
+    path = tmp_path / "all.tlog"
+    log_of_every_type(path)
+    assert compare_with_messages(path) == 3 * len(mavlink.mavlink_map)
+
+
+def test_a_flight(flight):
+    assert compare_with_messages(flight) == 20_000
+
+
+@pytest.mark.parametrize("path", REAL, ids=lambda path: path.name)
+def test_real_logs(path):
+    assert compare_with_messages(path) >= 0
+
+
+@pytest.mark.skipif(bool(REAL), reason="there are real logs")
+def test_there_are_real_logs():
+    pytest.skip(NOTICE)
+
+
+def test_columns_and_metadata(flight):
+    table = mavwire.open_log(flight)["GPS_RAW_INT"]
+    assert table.columns[:6] == ["timestamp", "sysid", "compid", "seq", "time_usec", "fix_type"]
+    assert table.metadata["lat"] == {"field": "lat", "unit": "degE7"}
+    assert table.metadata["fix_type"] == {"field": "fix_type", "enum": "GPS_FIX_TYPE"}
+    assert table.metadata["eph"]["multiplier"] == "1E-2"
+    assert table.metadata["eph"]["invalid"] == "UINT16_MAX"
+    assert table["lat"].dtype == np.int32
+    assert table["fix_type"].dtype == np.uint8
+    assert table["timestamp"].dtype == np.dtype("datetime64[us]")
+    assert table.shape == (len(table), len(table.columns))
+    assert table.name in repr(table)
+
+
+def test_numbers_are_views_of_the_tables_memory(flight):
+    table = mavwire.open_log(flight)["ATTITUDE"]
+    first, second = table["roll"], table["roll"]
+    assert np.shares_memory(first, second)
+    assert not first.flags.writeable
+    kept = first[:5].copy()
+    del table, second
+    assert (first[:5] == kept).all()
+
+
+def test_arrays_have_a_second_dimension(flight):
+    table = mavwire.open_log(flight)["BATTERY_STATUS"]
+    assert table["voltages"].shape == (len(table), 10)
+    part = table.slice(3, 5)
+    assert (part["voltages"] == table["voltages"][3:8]).all()
+    assert (part["timestamp"] == table["timestamp"][3:8]).all()
+
+
+def test_fields_named_like_the_columns_in_front(tmp_path):
+    path = tmp_path / "ping.tlog"
+    path.write_bytes(record(pack(mavlink.MAVLink_ping_message(1, 77, 2, 3), 9), T0))
+    table = mavwire.read(path)["PING"]
+    assert (table["seq"][0], table["seq_"][0]) == (9, 77)
+    assert table.metadata["seq_"]["field"] == "seq"
+    assert mavwire.read(path, "PING", fields="seq")["PING"].columns[-1] == "seq_"
+
+
+def test_texts_keep_what_is_not_utf8(tmp_path):
+    path = tmp_path / "text.tlog"
+    texts = [b"plain", "Grüße".encode(), b"\xff\x80x", b"cut\x00here", b""]
+    path.write_bytes(b"".join(statustext(text, n) for n, text in enumerate(texts)))
+    table = mavwire.read(path)["STATUSTEXT"]
+    assert table["text"].tolist() == ["plain", "Grüße", "\ufffd\ufffdx", "cut", ""]
+    assert table["text_raw"].tolist() == [None, None, b"\xff\x80x", b"cut\x00here", None]
+    path.write_bytes(b"".join(statustext(text, n) for n, text in enumerate(texts[:2])))
+    assert "text_raw" not in mavwire.read(path)["STATUSTEXT"].columns
+    (batch,) = mavwire.scan(path, "STATUSTEXT")
+    assert batch["text_raw"].tolist() == [None, None], "the columns of batches are always the same"
+
+
+def test_selection(flight):
+    log = mavwire.open_log(flight)
+    everything = mavwire.read(flight)
+    first, last = (everything["ATTITUDE"]["timestamp"].astype("int64")[[0, -1]] * 1e-6).tolist()
+    start, end = first + 5, datetime.fromtimestamp(last - 5, UTC)
+    tables = mavwire.read(flight, ["ATTITUDE", "GPS_RAW_INT"], 2, ["roll", "lat"], start, end)
+    assert list(tables) == ["ATTITUDE", "GPS_RAW_INT"]
+    assert tables["ATTITUDE"].columns == ["timestamp", "sysid", "compid", "seq", "roll"]
+    expected = [msg.roll for msg in log.messages("ATTITUDE", 2, start, end)]
+    assert 0 < len(expected) < len(everything["ATTITUDE"])
+    assert tables["ATTITUDE"]["roll"].tolist() == expected
+
+
+def test_types_that_are_not_in_the_log_give_empty_tables(flight):
+    table = mavwire.open_log(flight)["WHEEL_DISTANCE"]
+    assert len(table) == 0
+    assert table["distance"].shape == (0, 16)
+    assert set(table.to_numpy()) == set(table.columns)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "error", "said"),
+    [
+        ({"types": "ATITUDE"}, ValueError, "did you mean 'ATTITUDE'"),
+        ({"types": "ATTITUDE", "fields": "rol"}, ValueError, "'rol'"),
+        ({"units": "imperial"}, ValueError, "units"),
+        ({"enums": "numbers"}, ValueError, "enums"),
+        ({"systems": 256}, ValueError, "256"),
+    ],
+)
+def test_wrong_arguments_are_named(flight, wanted, error, said):
+    with pytest.raises(error, match=said):
+        mavwire.read(flight, **wanted)
+    with pytest.raises(error, match=said):
+        mavwire.scan(flight, **wanted)
+
+
+def test_what_is_no_message_no_column_no_file(flight, tmp_path):
+    with pytest.raises(KeyError, match="NOPE"):
+        mavwire.open_log(flight)["NOPE"]
+    with pytest.raises(KeyError, match="nope"):
+        mavwire.open_log(flight)["ATTITUDE"]["nope"]
+    with pytest.raises(FileNotFoundError, match="missing"):
+        mavwire.read(tmp_path / "missing.tlog")
+    with pytest.raises(IsADirectoryError):
+        mavwire.read(tmp_path)
+
+
+def test_si_units(flight):
+    plain, si = (mavwire.read(flight, "GPS_RAW_INT", units=units) for units in (None, "si"))
+    degrees = [value / 1e7 for value in plain["GPS_RAW_INT"]["lat"].tolist()]
+    assert si["GPS_RAW_INT"]["lat"].tolist() == degrees
+    assert si["GPS_RAW_INT"].metadata["lat"]["unit"] == "deg"
+    assert si["GPS_RAW_INT"]["alt"].tolist() == [
+        v / 1e3 for v in plain["GPS_RAW_INT"]["alt"].tolist()
+    ]
+    assert si["GPS_RAW_INT"]["fix_type"].dtype == np.uint8
+
+
+def test_enum_names(flight, tmp_path):
+    table = mavwire.read(flight, "HEARTBEAT", enums="names")["HEARTBEAT"]
+    assert "MAV_TYPE_QUADROTOR" in set(table["type"])
+    message = mavlink.MAVLink_heartbeat_message(250, 3, 0x81, 0, 4, 3)
+    path = tmp_path / "one.tlog"
+    path.write_bytes(record(pack(message, 0), T0))
+    row = mavwire.read(path, enums="names")["HEARTBEAT"]
+    assert row["type"][0] == "250", "a value without a name keeps its number"
+    flags = set(row["base_mode"][0].split("|"))
+    assert flags == {"MAV_MODE_FLAG_SAFETY_ARMED", "MAV_MODE_FLAG_CUSTOM_MODE_ENABLED"}
+
+
+def test_batches_are_the_whole(flight):
+    whole = mavwire.read(flight)
+    parts: dict[str, list[mavwire.logs.Table]] = {}
+    for batch in mavwire.scan([flight, flight], batch_rows=100):
+        parts.setdefault(batch.name, []).append(batch)
+    assert parts.keys() == whole.keys()
+    for name, table in whole.items():
+        for column in table.columns:
+            joined = np.concatenate([batch[column] for batch in parts[name]])
+            assert joined.tolist() == 2 * table[column].tolist()
+
+
+def test_a_raw_stream_has_no_times(flight, tmp_path):
+    messages = list(mavwire.open_log(flight))
+    path = tmp_path / "flight.raw"
+    path.write_bytes(b"".join(msg.get_msgbuf() for msg in messages))
+    tables = mavwire.read(path)
+    expected = mavwire.read(flight)
+    assert tables.keys() == expected.keys()
+    for name, table in tables.items():
+        assert np.isnat(table["timestamp"]).all()
+        assert table["seq"].tolist() == expected[name]["seq"].tolist()
+    assert not mavwire.open_log(path).info().stamped
+
+
+def test_compressed_logs(flight, tmp_path):
+    path = tmp_path / "flight.tlog.gz"
+    packed = gzip.compress(flight.read_bytes())
+    path.write_bytes(packed)
+    expected = mavwire.read(flight)["ATTITUDE"]["roll"]
+    assert (mavwire.read(path)["ATTITUDE"]["roll"] == expected).all()
+    assert (mavwire.open_log(path)["ATTITUDE"]["roll"] == expected).all()
+    with pytest.raises(ValueError, match="compressed"):
+        next(iter(mavwire.open_log(path)))
+    path.write_bytes(packed[: len(packed) // 2])
+    found = mavwire.read(path)["ATTITUDE"]["roll"]
+    assert 0 < len(found) < len(expected)
+    assert (found == expected[: len(found)]).all()
+    assert mavwire.open_log(path).info().damage
+
+
+def test_damage_costs_no_intact_record(flight, tmp_path):
+    random = Random(7)
+    original = flight.read_bytes()[:200_000]
+    path = tmp_path / "damaged.tlog"
+    for _ in range(10):
+        damaged = bytearray(original)
+        for _ in range(random.randrange(1, 40)):
+            at = random.randrange(len(damaged))
+            if random.random() < 0.5:
+                damaged[at] = random.choice([0xFD, 0xFE, random.randrange(256)])
+            else:
+                del damaged[at : at + random.randrange(1, 50)]
+        path.write_bytes(damaged)
+        compare_with_messages(path)
+
+
+def test_every_cut_of_a_small_log(tmp_path):
+    whole = b"".join(statustext(b"text %d" % n, n) for n in range(5))
+    ends = [len(b"".join(statustext(b"text %d" % n, n) for n in range(k))) for k in range(6)]
+    path = tmp_path / "cut.tlog"
+    for cut in range(len(whole) + 1):
+        path.write_bytes(whole[:cut])
+        tables = mavwire.read(path)
+        found = len(tables["STATUSTEXT"]) if tables else 0
+        assert found == sum(end <= cut for end in ends[1:]), cut
+
+
+def test_pickling_and_joining(flight):
+    table = mavwire.read(flight, "STATUSTEXT")["STATUSTEXT"]
+    again = pickle.loads(pickle.dumps(table))
+    assert (again.name, again.columns) == (table.name, table.columns)
+    assert again["text"].tolist() == table["text"].tolist()
+    assert again.metadata == table.metadata
+
+
+def test_imports_stay_light():
+    code = "import sys, mavwire.mavutil; print([m for m in ('numpy', 'pyarrow', 'polars') if m in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"

@@ -1,0 +1,112 @@
+"""Several types on one clock, and what is in a log."""
+
+from __future__ import annotations
+
+import mavwire
+import numpy as np
+import pytest
+from mavwire import traffic
+from mavwire.dialects.v20 import all as mavlink
+from unit.link_tools import T0, heartbeat, pack, record
+
+STEP = 100_000
+
+
+def attitude(seq: int, roll: float) -> bytes:
+    return pack(mavlink.MAVLink_attitude_message(seq, roll, 0, 0, 0, 0, 0), seq)
+
+
+@pytest.fixture
+def log(tmp_path):
+    """ATTITUDE every 100 ms with roll = n, and HEARTBEAT every 250 ms, custom_mode unset."""
+    records = [(T0 + STEP * n, attitude(n, float(n))) for n in range(10)]
+    records += [(T0 + 250_000 * n, heartbeat(n)) for n in range(4)]
+    path = tmp_path / "small.tlog"
+    path.write_bytes(b"".join(record(frame, time) for time, frame in sorted(records)))
+    return mavwire.open_log(path)
+
+
+def test_on_the_clock_of_a_type(log):
+    table = log.align(["ATTITUDE", "HEARTBEAT"], on="HEARTBEAT")
+    assert table.columns[:2] == ["timestamp", "ATTITUDE.time_boot_ms"]
+    assert not [c for c in table.columns if c.endswith((".seq", ".sysid", ".timestamp"))]
+    assert table["ATTITUDE.roll"].tolist() == [0, 2, 5, 7]
+    nearest = log.align(["ATTITUDE"], on="HEARTBEAT", method="nearest")
+    assert nearest["ATTITUDE.roll"].tolist() == [0, 2, 5, 7], "the earlier of two as close"
+    linear = log.align(["ATTITUDE"], on="HEARTBEAT", method="linear")
+    assert linear["ATTITUDE.roll"].tolist() == [0, 2.5, 5, 7.5]
+    assert linear["ATTITUDE.roll"].dtype == np.float64
+
+
+def test_at_a_rate_and_with_a_tolerance(log):
+    table = log.align(["HEARTBEAT"], rate="50ms", tolerance="100ms")
+    times = (table["timestamp"].astype("int64") - T0).tolist()
+    assert times == list(range(0, 750_001, 50_000))
+    valid = ~np.isnan(table["HEARTBEAT.type"])
+    assert [t for t, ok in zip(times, valid, strict=True) if not ok] == [
+        150_000, 200_000, 400_000, 450_000, 650_000, 700_000,
+    ]  # fmt: skip
+    assert len(log.align(["HEARTBEAT"], rate=0.05)) == 16
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ({}, "either"),
+        ({"on": "ATTITUDE", "rate": "1s"}, "either"),
+        ({"rate": "soon"}, "rate"),
+        ({"rate": "0s"}, "rate"),
+        ({"rate": "-1s"}, "rate"),
+        ({"on": "ATTITUDE", "method": "guess"}, "method"),
+        ({"on": "ATTITUDE", "tolerance": "x"}, "tolerance"),
+        ({"on": "NOPE"}, "NOPE"),
+    ],
+)
+def test_senseless_arguments_are_named(log, how, said):
+    with pytest.raises(ValueError, match=said):
+        log.align(["ATTITUDE"], **how)
+
+
+def test_a_clock_that_would_fill_the_memory_is_refused(tmp_path):
+    path = tmp_path / "long.tlog"
+    path.write_bytes(record(heartbeat(0), T0) + record(heartbeat(1), T0 + 10**15))
+    with pytest.raises(ValueError, match="ticks"):
+        mavwire.open_log(path).align(["HEARTBEAT"], rate="1us")
+
+
+def test_info_counts_what_the_messages_say(tmp_path):
+    path = tmp_path / "flight.tlog"
+    traffic.generate(path, 5_000, systems=2, loss=0.02, corruption=0.01)
+    log = mavwire.open_log(path)
+    info = log.info()
+    messages = list(log)
+    assert info.messages == len(messages) == sum(c.messages for c in info.types.values())
+    kinds = [msg.get_type() for msg in messages]
+    assert {n: c.messages for n, c in info.types.items()} == {k: kinds.count(k) for k in {*kinds}}
+    senders = [(msg.get_srcSystem(), msg.get_srcComponent()) for msg in messages]
+    assert {ids: s.count.messages for ids, s in info.senders.items()} == {
+        ids: senders.count(ids) for ids in {*senders}
+    }
+    assert info.lost > 50
+    assert info.bad_bytes == info.bytes - sum(8 + len(msg.get_msgbuf()) for msg in messages) > 0
+    assert sum(length for _, length in info.bad) == info.bad_bytes
+    content = path.read_bytes()
+    assert info.bytes == len(content)
+    assert (info.count.first, info.count.last) == (messages[0]._timestamp, messages[-1]._timestamp)
+    assert info.version2 == info.messages and info.signed_share == 0
+
+
+def test_info_finds_gaps_reboots_and_versions(tmp_path):
+    frames = [attitude(0, 0), attitude(1, 0), heartbeat(2, v1=True)]
+    boot = [60_000, 61_000, 500]
+    frames += [pack(mavlink.MAVLink_system_time_message(0, ms), 3 + n) for n, ms in enumerate(boot)]
+    times = [0, 1, 2, 30, 31, 20]
+    path = tmp_path / "odd.tlog"
+    path.write_bytes(
+        b"".join(record(f, T0 + 1_000_000 * t) for f, t in zip(frames, times, strict=True))
+    )
+    info = mavwire.open_log(path).info()
+    assert info.gap_count == 1 and info.gaps[0][1] - info.gaps[0][0] == pytest.approx(28)
+    assert info.times_back == 1
+    assert info.senders[1, 1].reboots == 1
+    assert (info.version1, info.version2) == (1, 5)

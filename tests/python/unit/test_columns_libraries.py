@@ -1,0 +1,193 @@
+"""Tables in the libraries that people use, and back from files by them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import mavwire
+import pytest
+from mavwire import cli, traffic
+from mavwire.logs.conversion import convert
+from unit.column_tools import log_of_every_type
+
+
+@pytest.fixture(scope="module")
+def every(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("logs") / "all.tlog"
+    log_of_every_type(path, each=4)
+    return path
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("logs") / "flight.tlog"
+    traffic.generate(path, 5_000)
+    return path
+
+
+@pytest.mark.parametrize("how", [{}, {"units": "si", "enums": "names"}], ids=["plain", "readable"])
+def test_pyarrow_finds_nothing_wrong(every, how):
+    pa = pytest.importorskip("pyarrow")
+    for name, table in mavwire.read(every, **how).items():
+        arrow = table.to_arrow()
+        arrow.validate(full=True)
+        assert (arrow.num_rows, arrow.column_names) == (4, table.columns), name
+        assert pa.schema(table) == arrow.schema
+        assert {f.name: (f.metadata or {}).get(b"unit") for f in arrow.schema} == {
+            column: entries["unit"].encode() if "unit" in entries else None
+            for column, entries in table.metadata.items()
+        }
+
+
+def test_polars_and_pandas_see_the_same(flight):
+    pl, pd = pytest.importorskip("polars"), pytest.importorskip("pandas")
+    for table in mavwire.read(flight).values():
+        numpy = table.to_numpy()
+        polars, pandas = table.to_polars(), table.to_pandas()
+        assert isinstance(polars, pl.DataFrame) and isinstance(pandas, pd.DataFrame)
+        assert list(pandas) == polars.columns == table.columns
+        for column, values in numpy.items():
+            if column == "timestamp":
+                micros = values.astype("int64").tolist()
+                assert polars[column].to_physical().to_list() == micros
+                stamps = pandas[column].dt.tz_localize(None).to_numpy().astype("datetime64[us]")
+                assert stamps.astype("int64").tolist() == micros
+            else:
+                assert polars[column].to_list() == values.tolist()
+                rows = pandas[column].tolist()
+                assert [r.tolist() if values.ndim > 1 else r for r in rows] == values.tolist()
+
+
+def test_duckdb_queries_a_table(flight):
+    duckdb = pytest.importorskip("duckdb")
+    pytest.importorskip("pyarrow")
+    attitude = mavwire.open_log(flight)["ATTITUDE"]
+    found = duckdb.sql("select count(*), max(roll) from attitude").fetchone()
+    assert found == (len(attitude), attitude["roll"].max())
+
+
+@pytest.mark.parametrize("compression", ["zstd", "snappy", "none"])
+def test_parquet_is_read_back(every, tmp_path, compression):
+    pq = pytest.importorskip("pyarrow.parquet")
+    rows = convert([every], tmp_path, compression=compression)
+    assert rows[0].error is None
+    for name, table in mavwire.read(every).items():
+        file = tmp_path / name / "all.parquet"
+        read = pq.read_table(file)
+        expected = table.to_arrow()
+        found = read.select(expected.column_names).cast(expected.schema)
+        for column in expected.column_names:
+            assert (
+                found[column].to_pylist()
+                == pytest.approx(expected[column].to_pylist(), nan_ok=True)
+                if "list" not in str(expected[column].type)
+                else len(found[column]) == 4
+            ), column
+        groups = pq.ParquetFile(file).metadata
+        assert groups.row_group(0).column(0).statistics.has_min_max
+
+
+def test_parquet_in_polars_and_duckdb(flight, tmp_path):
+    pl, duckdb = pytest.importorskip("polars"), pytest.importorskip("duckdb")
+    convert([flight], tmp_path)
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    file = tmp_path / "ATTITUDE" / "flight.parquet"
+    assert pl.read_parquet(file)["roll"].to_list() == table["roll"].tolist()
+    found = duckdb.sql(f"select roll from '{file}'").fetchall()
+    assert [row[0] for row in found] == table["roll"].tolist()
+
+
+def test_scan_polars_pushes_down(flight):
+    pl = pytest.importorskip("polars")
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    frame = table.to_polars()
+    lazy = mavwire.scan_polars(flight, "ATTITUDE")
+    assert lazy.collect().equals(frame)
+    middle = frame["timestamp"][len(frame) // 2]
+    condition = (pl.col("timestamp") >= middle) & (pl.col("roll") > 0)
+    found = lazy.filter(condition).select("pitch").collect()
+    assert found.equals(frame.filter(condition).select("pitch"))
+    assert 0 < len(found) < len(frame)
+    exact = lazy.filter(pl.col("timestamp") == middle).collect()
+    assert exact.equals(frame.filter(pl.col("timestamp") == middle))
+    assert lazy.head(7).collect().equals(frame.head(7))
+    assert mavwire.scan_polars([flight, flight], "ATTITUDE").select(pl.len()).collect().item() == (
+        2 * len(frame)
+    )
+
+
+def test_convert_csv_and_json_lines(flight, tmp_path):
+    convert([flight], tmp_path / "csv", format="csv", types="BATTERY_STATUS")
+    convert([flight], tmp_path / "jsonl", format="jsonl", types="BATTERY_STATUS")
+    table = mavwire.read(flight, "BATTERY_STATUS")["BATTERY_STATUS"]
+    lines = (tmp_path / "csv" / "BATTERY_STATUS" / "flight.csv").read_text().splitlines()
+    assert len(lines) == len(table) + 1
+    assert "voltages[0],voltages[1]" in lines[0]
+    first = dict(zip(lines[0].split(","), lines[1].split(","), strict=True))
+    assert [int(first[f"voltages[{n}]"]) for n in range(10)] == table["voltages"][0].tolist()
+    text = (tmp_path / "jsonl" / "BATTERY_STATUS" / "flight.jsonl").read_text()
+    objects = [json.loads(line) for line in text.splitlines()]
+    assert [one["voltages"] for one in objects] == table["voltages"].tolist()
+
+
+def test_convert_arrow(flight, tmp_path):
+    pa = pytest.importorskip("pyarrow")
+    convert([flight], tmp_path, format="arrow", types="ATTITUDE", compression="zstd")
+    with pa.ipc.open_file(tmp_path / "ATTITUDE" / "flight.arrow") as file:
+        found = file.read_all()
+    assert found.equals(mavwire.read(flight)["ATTITUDE"].to_arrow())
+
+
+def test_convert_goes_on_where_it_stopped(flight, every, tmp_path):
+    out = tmp_path / "out"
+    missing = tmp_path / "missing.tlog"
+    rows = convert([flight, missing], out)
+    assert [row.error is None for row in rows] == [True, False]
+    assert "FileNotFoundError" in str(rows[1].error)
+    manifest = json.loads((out / "manifest.json").read_text())
+    assert [one["path"] for one in manifest["logs"]] == [str(flight), str(missing)]
+    assert sum(manifest["logs"][0]["files"].values()) == rows[0].rows == 5_000
+    again = convert([flight, every], out)
+    assert [row.skipped for row in again] == [True, False]
+    (out / "ATTITUDE" / "flight.parquet").unlink()
+    assert not convert([flight], out)[0].skipped
+    assert (out / "ATTITUDE" / "flight.parquet").exists()
+    assert not convert([flight], out, compression="snappy")[0].skipped, "other options"
+    assert not list(out.rglob("*.part"))
+
+
+def test_logs_with_one_name_do_not_overwrite_each_other(flight, tmp_path):
+    other = tmp_path / "other" / "flight.tlog"
+    other.parent.mkdir()
+    other.write_bytes(flight.read_bytes()[:20_000])
+    rows = convert([flight, other], tmp_path / "out", types="ATTITUDE")
+    assert [list(row.files) for row in rows] == [
+        ["ATTITUDE/flight.parquet"],
+        ["ATTITUDE/flight-2.parquet"],
+    ]
+
+
+def test_the_command(flight, tmp_path, capsys):
+    out = tmp_path / "out"
+    command = ["convert", str(flight), "-o", str(out), "--format", "csv", "--types", "ATTITUDE"]
+    assert cli.main(command) == 0
+    assert "converted" in capsys.readouterr().out
+    assert (out / "ATTITUDE" / "flight.csv").exists()
+    assert cli.main(command) == 0
+    assert "converted before" in capsys.readouterr().out
+    assert cli.main(["convert", str(tmp_path / "no.tlog"), "-o", str(out)]) == 1
+    assert "no.tlog" in capsys.readouterr().err
+    assert cli.main(["convert", str(flight), "-o", str(out), "--start", "yesterday"]) != 0
+    snappy = ["convert", str(flight), "-o", str(out), "--format", "csv", "--compression", "snappy"]
+    assert cli.main(snappy) == 1
+    assert "snappy" in capsys.readouterr().err
+
+
+def test_write_by_suffix(flight, tmp_path):
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    for suffix in ("parquet", "csv", "jsonl", "arrow"):
+        table.write(tmp_path / f"a.{suffix}")
+        assert (tmp_path / f"a.{suffix}").stat().st_size > 1000
+    with pytest.raises(ValueError, match="format"):
+        table.write(tmp_path / "a.xyz")
