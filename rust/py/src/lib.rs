@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 mod classes;
 mod components;
 mod create;
+mod dataflash;
 mod describe;
 mod descriptors;
 mod dialect;
@@ -62,6 +63,14 @@ mod _native {
 
     #[pymodule_export]
     use crate::classes::message_class;
+    #[pymodule_export]
+    use crate::dataflash::clock::MicrosClock;
+    #[pymodule_export]
+    use crate::dataflash::message::DFMessage;
+    #[pymodule_export]
+    use crate::dataflash::reader::DataflashReader;
+    #[pymodule_export]
+    use crate::dataflash::shape::DataflashShape;
     #[pymodule_export]
     use crate::describe::describe;
     #[pymodule_export]
