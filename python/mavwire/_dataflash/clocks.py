@@ -75,7 +75,7 @@ class DFReaderClock_usec(_native.MicrosClock, DFReaderClock):
         if "TimeUS" in m.get_fieldnames():
             m._timestamp = self.timebase + m.TimeUS * 1.0e-6
         elif self.should_use_msec_field0(m):
-            m._timestamp = self.timebase + m.TimeMS * 1.0e-3
+            m._timestamp = max(self.timebase + m.TimeMS * 1.0e-3, self.timestamp)
         else:
             m._timestamp = self.timestamp
         self.timestamp = m._timestamp

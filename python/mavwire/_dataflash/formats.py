@@ -136,15 +136,23 @@ class DFFormat:
             self.set_instance_field(index)
 
     def set_mult_ids(self, mult_ids: str, mult_lookup: Mapping[str, float]) -> None:
-        """Put a prefix or a factor in front of the units, by a character for each column."""
+        """Put a prefix or a factor in front of the units, by a character for each column.
+
+        Not where the column's values are scaled when they are read.
+        """
         if self.units is None:
             raise TypeError("set_unit_ids must be called first")
         for index, (unit, mult_id) in enumerate(zip(self.units, mult_ids, strict=False)):
             factor = mult_lookup.get(mult_id)
-            if not unit or factor is None:
+            if not unit or factor is None or self._is_scaled(index):
                 continue
+            # Autopilots store factors in single precision.
+            factor = float(f"{factor:.4g}")
             prefix = MULT_TO_PREFIX.get(factor)
             self.units[index] = f"{factor:.4g} {unit}" if prefix is None else prefix + unit
+
+    def _is_scaled(self, index: int) -> bool:
+        return index < len(self.msg_mults) and self.msg_mults[index] is not None
 
     def get_unit(self, col: str) -> str:
         """The unit of a column, empty if it has none. KeyError for no column."""

@@ -187,7 +187,7 @@ class DFReader(_native.DataflashReader):
         while (m := self.recv_match(type=_TIME_TYPES, strict=True)) is not None:
             kind, names = m.get_type(), m.get_fieldnames()
             if kind == "TIME" and "StartTime" in names:
-                px4_time = px4_time or m
+                px4_time = m
             if kind not in GPS_TYPES:
                 continue
             if {"TimeUS", "GWk", "GMS"}.issubset(names):

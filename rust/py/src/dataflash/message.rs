@@ -1,7 +1,6 @@
 //! `DFMessage`: a record of a dataflash log. A field is decoded when it is read.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use mavwire_core::log::dataflash::text::decode_line;
 use mavwire_core::log::dataflash::text::{Delimiter, values};
@@ -10,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
 use pyo3::{PyTraverseError, PyVisit, ffi, intern};
 
+use super::clock::Seconds;
 use super::shape::{self, Names};
 use super::{render, value};
 use crate::frame_bytes::FrameBytes;
@@ -34,16 +34,13 @@ struct Written {
     attributes: Option<Py<PyDict>>,
 }
 
-/// A stamp that was never set.
-const NO_STAMP: u64 = 0xFFF8_0000_DEAD_0000;
-
 /// One record of a dataflash log: its columns are attributes.
 #[pyclass(frozen, weakref, module = "mavwire.DFReader")]
 pub(crate) struct DFMessage {
     pub(crate) names: Arc<Names>,
     bytes: FrameBytes,
     origin: Origin,
-    timestamp: AtomicU64,
+    pub(super) timestamp: Seconds,
     written: Lock<Option<Box<Written>>>,
     fmt: Py<PyAny>,
     parent: Option<Py<PyAny>>,
@@ -66,17 +63,12 @@ impl DFMessage {
             names,
             bytes,
             origin: delimiter.map_or(Origin::Body, Origin::Line),
-            timestamp: AtomicU64::new(NO_STAMP),
+            timestamp: Seconds::nothing(),
             written: Lock::new(None),
             fmt,
             parent: Some(parent),
             apply_multiplier,
         }
-    }
-
-    #[inline]
-    pub(crate) fn set_timestamp(&self, seconds: f64) {
-        self.timestamp.store(seconds.to_bits(), Relaxed);
     }
 
     /// Body of the record, if the values are still those in there.
@@ -203,7 +195,7 @@ impl DFMessage {
             names: shape::of_format(fmt)?,
             bytes: FrameBytes::empty(),
             origin: Origin::Made,
-            timestamp: AtomicU64::new(NO_STAMP),
+            timestamp: Seconds::nothing(),
             written: Lock::new(Some(Box::new(written))),
             fmt: fmt.clone().unbind(),
             parent,
@@ -246,10 +238,7 @@ impl DFMessage {
                 None => elements.set_item(index, value),
             };
         }
-        if name.to_str()? == "_timestamp"
-            && let Ok(seconds) = value.extract::<f64>()
-        {
-            this.set_timestamp(seconds);
+        if name.to_str()? == "_timestamp" && this.timestamp.set_object(value).is_ok() {
             return Ok(());
         }
         this.attributes(py).set_item(name, value)
@@ -263,11 +252,8 @@ impl DFMessage {
 
     /// Seconds: Unix time, or since start where the log does not tell.
     #[getter]
-    fn _timestamp(&self) -> PyResult<f64> {
-        match self.timestamp.load(Relaxed) {
-            NO_STAMP => Err(PyAttributeError::new_err("_timestamp")),
-            bits => Ok(f64::from_bits(bits)),
-        }
+    fn _timestamp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.timestamp.object(py).ok_or_else(|| PyAttributeError::new_err("_timestamp"))
     }
 
     /// Attributes that were set and are no columns.
@@ -387,7 +373,7 @@ impl DFMessage {
                 names: Arc::clone(&this.names),
                 bytes: this.bytes.clone(),
                 origin,
-                timestamp: AtomicU64::new(this.timestamp.load(Relaxed)),
+                timestamp: this.timestamp.clone(),
                 written: Lock::new(Some(Box::new(written))),
                 fmt: this.fmt.clone_ref(py),
                 parent: this.parent.as_ref().map(|parent| parent.clone_ref(py)),

@@ -241,7 +241,9 @@ impl DataflashReader {
         let state = self.state.lock(py);
         let keys = PyDict::new(py);
         let Some(Source::Text(file)) = &state.source else { return Ok((keys, 0)) };
-        for (key, offsets) in file.keys() {
+        let mut found: Vec<_> = file.keys().iter().collect();
+        found.sort_by_key(|(_, offsets)| offsets.first());
+        for (key, offsets) in found {
             keys.set_item(key, offsets)?;
         }
         Ok((keys, file.lines()))
@@ -270,6 +272,7 @@ impl DataflashReader {
         let mut state = self.state.lock(py);
         state.offset = 0;
         state.latched = None;
+        state.skipped_to = None;
     }
 
     /// Layouts that filtered reads visit, None before the first after a rewind.
@@ -351,7 +354,7 @@ impl DataflashReader {
         Ok(None)
     }
 
-    /// Moves to the next record of one of the types, or to the end.
+    /// Moves to the next record of one of the types, or to the end; to the one behind it where it was moved to already.
     #[pyo3(signature = (r#type, strict=false))]
     fn skip_to_type(&self, py: Python<'_>, r#type: Bound<'_, PyAny>, strict: bool) -> PyResult<()> {
         self.latch(py, &Types::new(Some(&r#type))?, strict)?;
@@ -367,8 +370,10 @@ impl DataflashReader {
                     state.offset = state.len;
                     return Ok(());
                 };
-                if wanted[record.layout] {
+                let been_there = state.skipped_to == Some(record.offset);
+                if wanted[record.layout] && !been_there {
                     state.offset = record.offset;
+                    state.skipped_to = Some(record.offset);
                     return Ok(());
                 }
                 state.offset = record.next;

@@ -55,6 +55,8 @@ pub(super) struct State {
     pub(super) len: u64,
     /// Layouts that a filtered read visits; `None` before the first after a rewind.
     pub(super) latched: Option<Vec<bool>>,
+    /// Where `skip_to_type` went: asked again it goes on from there.
+    pub(super) skipped_to: Option<u64>,
     pub(super) messages: Py<PyDict>,
     /// The clock, if Python need not be asked for the time.
     pub(super) clock: Option<Py<MicrosClock>>,
@@ -87,6 +89,7 @@ impl State {
             offset: 0,
             len: 0,
             latched: None,
+            skipped_to: None,
             messages: PyDict::new(py).unbind(),
             clock: None,
         }
@@ -129,7 +132,8 @@ impl State {
             );
             if let Some(clock) = &self.clock {
                 let seconds = source::seconds(layout, record.bytes, delimiter);
-                message.set_timestamp(clock.get().stamp(seconds));
+                let unit = layout.time.map(|(_, unit)| unit);
+                clock.get().stamp(&message.timestamp, seconds, unit);
             }
             let key = kind.instance.map(|_| {
                 let bytes = kind.instance_bytes(record.bytes).filter(|_| delimiter.is_none());

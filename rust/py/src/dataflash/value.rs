@@ -68,7 +68,7 @@ pub(super) fn from_line<'py>(
         return Ok(PyFloat::new(py, number).into_any());
     }
     if !kind.is_float()
-        && !matches!(kind, FieldKind::Text(_) | FieldKind::Array)
+        && !matches!(kind, FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode)
         && let Some(number) = std::str::from_utf8(bytes).ok().and_then(|text| text.parse().ok())
     {
         let number: i64 = number;
@@ -98,7 +98,7 @@ pub(super) fn from_object<'py>(
             Err(_) => Ok(element.clone()),
         },
         // Text logs have the mode's name.
-        FieldKind::Mode => Ok(int(element).unwrap_or_else(|_| element.clone())),
+        FieldKind::Mode if element.is_instance_of::<PyString>() => Ok(element.clone()),
         _ if kind.is_float() => {
             let number = py.get_type::<PyFloat>().call1((element,))?;
             if !scale || kind.scale().is_none() {

@@ -11,10 +11,10 @@ const INSTANCE: char = '#';
 /// Units and multipliers by their ids, and the ids of each type's fields.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Units {
-    /// Id of a unit -> its label.
-    pub labels: BTreeMap<char, String>,
-    /// Id of a multiplier -> its factor.
-    pub multipliers: BTreeMap<char, f64>,
+    /// Ids of units and their labels, in the order of the log.
+    pub labels: Vec<(char, String)>,
+    /// Ids of multipliers and their factors, in the order of the log.
+    pub multipliers: Vec<(char, f64)>,
     /// Type -> ids of units, ids of multipliers; a character for each field.
     pub fields: BTreeMap<u8, (String, String)>,
 }
@@ -36,12 +36,12 @@ impl Units {
         let id = || Some(char::from(value("Id")?.trim().parse::<u8>().ok()?));
         match name {
             "UNIT" => {
-                self.labels.extend(id().zip(value("Label")));
+                put(&mut self.labels, id().zip(value("Label")));
                 false
             }
             "MULT" => {
                 let factor = value("Mult").and_then(|factor| factor.trim().parse().ok());
-                self.multipliers.extend(id().zip(factor));
+                put(&mut self.multipliers, id().zip(factor));
                 false
             }
             "FMTU" => self.add_fields(value).is_some(),
@@ -63,5 +63,14 @@ impl Units {
     pub fn instance_field(&self, layout: &Layout) -> Option<usize> {
         let (ids, _) = self.fields.get(&layout.type_id)?;
         ids.chars().position(|id| id == INSTANCE).filter(|&index| index < layout.fields.len())
+    }
+}
+
+/// Adds an entry, or renews the one with its id. There are at most 256 ids.
+fn put<T>(entries: &mut Vec<(char, T)>, entry: Option<(char, T)>) {
+    let Some((id, value)) = entry else { return };
+    match entries.iter_mut().find(|(known, _)| *known == id) {
+        Some(known) => known.1 = value,
+        None => entries.push((id, value)),
     }
 }
