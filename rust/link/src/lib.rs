@@ -6,8 +6,11 @@
 pub mod address;
 pub mod bytes;
 pub mod clock;
+pub mod dataflash;
 pub mod datagrams;
 pub mod files;
 pub mod readiness;
 pub mod records;
+mod tally;
+pub mod text_log;
 pub mod window;

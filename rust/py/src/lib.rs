@@ -13,6 +13,7 @@ mod columns;
 mod components;
 mod convert;
 mod create;
+mod dataflash;
 mod describe;
 mod descriptors;
 mod dialect;
@@ -78,6 +79,13 @@ mod _native {
     use crate::columns::{LogColumns, empty_table, log_summary};
     #[pymodule_export]
     use crate::convert::{Converter, write_table};
+    use crate::dataflash::clock::MicrosClock;
+    #[pymodule_export]
+    use crate::dataflash::message::DFMessage;
+    #[pymodule_export]
+    use crate::dataflash::reader::DataflashReader;
+    #[pymodule_export]
+    use crate::dataflash::shape::DataflashShape;
     #[pymodule_export]
     use crate::describe::describe;
     #[pymodule_export]

@@ -1,0 +1,180 @@
+"""CSV files as logs: a message for each row, its attributes named by the headings."""
+
+from __future__ import annotations
+
+import csv
+import os
+
+from mavwire.links.conditions import evaluate_condition, evaluate_expression
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from typing import Any
+
+
+class CSVFormat:
+    """The headings of a file."""
+
+    def __init__(
+        self,
+        headings: list[str],
+        messages: dict[str, Any],
+        timestamp_expression: str | None = None,
+    ) -> None:
+        self.headings = headings
+        self.messages = messages
+        self.timestamp_expression = timestamp_expression
+        self.field_offset = {name: index for index, name in enumerate(headings)}
+
+
+class CSVMessage:
+    """A row. Cells that look like numbers are floats. KeyError for no such heading."""
+
+    def __init__(self, message_type: str, fmt: CSVFormat, line: list[str]) -> None:
+        self.message_type = message_type
+        self.fmt = fmt
+        self.line = [_cell(text) for text in line]
+
+    def __getattr__(self, field: str) -> Any:
+        if field == "_timestamp":
+            return self._time()
+        if field in ("fmt", "line") or (field.startswith("__") and field.endswith("__")):
+            raise AttributeError(field)
+        return self.line[self.fmt.field_offset[field]]
+
+    def _time(self) -> Any:
+        """By the expression over the newest messages, or the first column as an int."""
+        expression = self.fmt.timestamp_expression
+        if expression is None:
+            return int(self.line[0])
+        return evaluate_expression(expression, self.fmt.messages)
+
+    def get_type(self) -> str:
+        """What the reader was told to call its messages."""
+        return self.message_type
+
+    def get_fieldnames(self) -> list[str]:
+        """The headings."""
+        return self.fmt.headings
+
+    def to_dict(self) -> dict[str, Any]:
+        """`mavpackettype` and the cells by their headings."""
+        cells = zip(self.fmt.headings, self.line, strict=False)
+        return {"mavpackettype": self.message_type, **dict(cells)}
+
+    def __str__(self) -> str:
+        cells = zip(self.fmt.headings, self.line, strict=False)
+        return f"{self.message_type} {{{''.join(f'{name} : {cell}, ' for name, cell in cells)}}}"
+
+
+def _cell(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+class CSVReader:
+    """A CSV file. `CSV_SEPARATOR` in the environment goes before `separator`.
+
+    `timestamp_expression` gives the messages' times, over the newest messages. ValueError where
+    there are no headings.
+    """
+
+    def __init__(
+        self,
+        filename: str,
+        zero_time_base: bool = False,
+        progress_callback: Callable[[int], Any] | None = None,
+        separator: str = ";",
+        message_type: str = "CSV",
+        timestamp_expression: str | None = None,
+    ) -> None:
+        self.filename = filename
+        self.separator = os.environ.get("CSV_SEPARATOR", separator)
+        self.message_type = message_type
+        self.progress_callback = progress_callback
+        self.timestamp_expression = timestamp_expression
+        self.timestamp = 0
+        self.verbose = False
+        self.params: dict[str, Any] = {}
+        self.percent = 0
+        self.linecount: int | None = None
+        self._flightmodes: list[Any] = []
+        self.f = open(filename, newline="", encoding="utf-8", errors="backslashreplace")
+        self._rewind()
+
+    def _rewind(self) -> None:
+        self.messages: dict[str, Any] = {"MAV": self}
+        self.f.seek(0)
+        self.reader: Iterator[list[str]] = csv.reader(self.f, delimiter=self.separator)
+        headings = next(self.reader, None)
+        if headings is None:
+            raise ValueError(f"no headings in {self.filename!r}")
+        self.fmt = CSVFormat(headings, self.messages, self.timestamp_expression)
+
+    def rewind(self) -> None:
+        """Read from the first row again."""
+        self._rewind()
+
+    def close(self) -> None:
+        """Close the file."""
+        self.f.close()
+
+    def __enter__(self) -> CSVReader:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        self.close()
+
+    def count_lines(self) -> int:
+        """Count the rows, which rewinds."""
+        self._rewind()
+        count = sum(1 for _ in self.reader)
+        self._rewind()
+        return count
+
+    @property
+    def _count(self) -> int:
+        if self.linecount is None:
+            self.linecount = self.count_lines()
+        return self.linecount
+
+    def _parse_next(self) -> CSVMessage | None:
+        row = next((row for row in self.reader if row), None)
+        return None if row is None else CSVMessage(self.message_type, self.fmt, row)
+
+    def _add_msg(self, m: CSVMessage) -> None:
+        self.messages[m.get_type()] = m
+
+    def recv_msg(self) -> CSVMessage | None:
+        """The next row, None at the end."""
+        m = self._parse_next()
+        if m is not None:
+            self._add_msg(m)
+        return m
+
+    def recv_match(
+        self, condition: str | None = None, type: Any = None, blocking: bool = False
+    ) -> CSVMessage | None:
+        """The next message of a type, a name or a collection of names, while `condition` holds."""
+        types = {type} if isinstance(type, str) else type
+        while (m := self.recv_msg()) is not None:
+            if types is not None and m.get_type() not in types:
+                continue
+            if self.check_condition(condition):
+                return m
+        return None
+
+    def check_condition(self, condition: str | None) -> Any:
+        """Whether a condition holds for the newest message."""
+        return evaluate_condition(condition, self.messages)
+
+    def name_to_id(self, name: str) -> int:
+        """There is one type: 1."""
+        return 1
+
+    def flightmode_list(self) -> list[Any]:
+        """Empty: a CSV file has no flight modes."""
+        return self._flightmodes

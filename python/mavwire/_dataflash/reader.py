@@ -1,0 +1,364 @@
+"""`DFReader`: what readers of binary and text logs have in common.
+
+Messages are found, filtered and made by the native base class. Here is what changes rarely: the
+vehicle's state, and which clock the log has.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+
+from mavwire import _native
+from mavwire.links.conditions import evaluate_condition
+from mavwire.links.modes import mode_mapping_bynumber, mode_string_acm, mode_string_px4
+
+from .clocks import (
+    GPS_TYPES,
+    DFReaderClock,
+    DFReaderClock_gps_interpolated,
+    DFReaderClock_msec,
+    DFReaderClock_px4,
+    DFReaderClock_usec,
+)
+from .formats import DFFormat
+from .metadata import DFMetaData
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+    from typing import Any, Self
+
+MAV_TYPE_FIXED_WING = 1
+# What the firmware's greeting contains -> MAV_TYPE. The first that fits.
+_VEHICLE_TEXTS = (
+    ("Copter", 2), ("Plane", 1), ("Rover", 10), ("Tracker", 5), ("Sub", 12), ("Blimp", 7),
+)  # fmt: skip
+# Build types of VER messages -> MAV_TYPE.
+_VEHICLE_BUILDS = {1: 10, 2: 2, 3: 1, 4: 5, 7: 12, 12: 7, 13: 4}
+# Types that tell the state of the vehicle, and those that tell the time.
+_STATE_TYPES = ("MODE", "MSG", "PARM", "STAT", "ORGN", "VER")
+_TIME_TYPES = (*GPS_TYPES, "TIME", "PARM")
+
+
+class DFReader(_native.DataflashReader):
+    """A dataflash log: its messages, and the state of the vehicle as far as it was read."""
+
+    filehandle: Any
+    formats: dict[Any, DFFormat]
+    _clock: Any
+
+    def __init__(self) -> None:
+        self.clock = None
+        self.timestamp = 0
+        self.mav_type = MAV_TYPE_FIXED_WING
+        self.verbose = False
+        self.params: dict[str, float] = {}
+        self.param_defaults: dict[str, float] = {}
+        self._flightmodes: list[tuple[str, float, float]] | None = None
+        self.flightmode = "UNKNOWN"
+        self.unit_lookup: dict[str, str] = {}
+        self.mult_lookup: dict[str, float] = {}
+        self.metadata = DFMetaData(self)
+        self._zero_time_base = False
+        self._data_map: Any = None
+        self._layouts: list[DFFormat] = []
+        self._last_offset: int | None = None
+        self.messages = {"MAV": self, "__MAV__": self}
+
+    # -- opening
+
+    def _open_log(self, filename: str, text: bool) -> None:
+        """Open the file and find the record types. ValueError for an empty one."""
+        self.filehandle = open(filename, "rb")
+        if not os.path.getsize(filename):
+            self.filehandle.close()
+            raise ValueError("cannot mmap an empty file")
+        layouts = self._open(filename, text)
+        self._layouts = [
+            DFFormat(type_id, name, length, format, ",".join(columns))
+            for type_id, length, name, format, columns in layouts
+        ]
+
+    def _init_contents(self, progress_callback: Callable[[int], Any] | None) -> dict[str, Any]:
+        """Go through the log; fill units, and `messages` with the first of each type."""
+        contents = self._contents(progress_callback)
+        self.unit_lookup = dict(contents["labels"])
+        self.mult_lookup = dict(contents["multipliers"])
+        for fmt in self._layouts:
+            self._set_units(fmt, contents["fields"].get(fmt.type))
+        self._set_kinds([(fmt, self._instance_index(fmt)) for fmt in self._layouts])
+        self._last_offset = contents["last"]
+        self.junk_bytes: int = contents["junk"]
+        self._rewind()
+        self._read_first(contents)
+        self._rewind(keep_messages=True)
+        return contents
+
+    def _set_units(self, fmt: DFFormat, ids: tuple[str, str] | None) -> None:
+        if ids is not None:
+            fmt.set_unit_ids(ids[0], self.unit_lookup)
+            fmt.set_mult_ids(ids[1], self.mult_lookup)
+
+    @staticmethod
+    def _instance_index(fmt: DFFormat) -> int | None:
+        return None if fmt.instance_field is None else fmt.colhash[fmt.instance_field]
+
+    def _read_first(self, contents: dict[str, Any]) -> None:
+        """Read the first message of each type, in the order of the types, and of each instance."""
+        first = contents["first"]
+        order = sorted(range(len(first)), key=lambda n: (self._layouts[n].type, n))
+        of_type: dict[str, Any] = {}
+        for index in order:
+            if first[index] is not None:
+                self.offset = first[index]
+                if (msg := self.recv_msg()) is not None:
+                    of_type[msg.get_type()] = msg
+        for offset in contents["instances"]:
+            self.offset = offset
+            self.recv_msg()
+        self.messages.update(of_type)
+
+    @property
+    def data_map(self) -> Any:
+        """The file mapped into memory. Reading does not use it."""
+        if self._data_map is None and not self.filehandle.closed:
+            import mmap
+
+            self._data_map = mmap.mmap(self.filehandle.fileno(), 0, access=mmap.ACCESS_READ)
+        return self._data_map
+
+    def close(self) -> None:
+        """Close the file."""
+        self.data_map  # noqa: B018 - made now, so that it can be seen closed afterwards
+        self._close()
+        self.filehandle.close()
+        if self._data_map is not None:
+            self._data_map.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_value: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # -- time
+
+    @property
+    def clock(self) -> Any:
+        """What gives messages their times."""
+        return self._clock
+
+    @clock.setter
+    def clock(self, clock: Any) -> None:
+        self._clock = clock
+        self._set_native_clock(clock if type(clock) is DFReaderClock_usec else None)
+
+    def _set_time(self, m: Any) -> None:
+        """Give a message its time."""
+        if self._clock is None:
+            m._timestamp = 0
+            return
+        self._clock.message_arrived(m)
+        self._clock.set_message_timestamp(m)
+
+    def init_clock(self) -> None:
+        """Find out which clock the log has, and its time base."""
+        self._rewind(keep_messages=True)
+        if not self._init_clock_by_gps() and not self._init_clock_by_fields():
+            clock = DFReaderClock_gps_interpolated()
+            self.clock = clock
+            self.init_clock_gps_interpolated(clock)
+        self._rewind(keep_messages=True)
+        for name, m in list(self.messages.items()):
+            if name not in ("MAV", "__MAV__"):
+                self.clock.set_message_timestamp(m)
+        self.clock.rewind_event()
+
+    def _init_clock_by_gps(self) -> bool:
+        """Look for a GPS message that tells the time; parameters are kept on the way."""
+        px4_time = None
+        while (m := self.recv_match(type=_TIME_TYPES, strict=True)) is not None:
+            kind, names = m.get_type(), m.get_fieldnames()
+            if kind == "TIME" and "StartTime" in names:
+                px4_time = m
+            if kind not in GPS_TYPES:
+                continue
+            if {"TimeUS", "GWk", "GMS"}.issubset(names):
+                if m.GWk:
+                    self._use_usec(m)
+                    return True
+            elif {"T", "Week", "TimeMS"}.issubset(names):
+                self._use_msec(m)
+                return True
+            elif "GPSTime" in names and px4_time is not None and m.GPSTime:
+                self.init_clock_px4(px4_time, m)
+                return True
+        self._rewind(keep_messages=True)
+        while self.recv_match(type=_STATE_TYPES) is not None:
+            pass
+        return False
+
+    def _init_clock_by_fields(self) -> bool:
+        """No GPS: times since start, if there are any."""
+        if self._first_value("TimeUS") is not None:
+            self.init_clock_usec()
+        elif self._first_value("TimeMS") is not None:
+            self.init_clock_msec()
+        else:
+            return False
+        return True
+
+    def _first_value(self, column: str) -> float | None:
+        """The value of a column in the first message that has it."""
+        self._rewind(keep_messages=True)
+        types = {fmt.name for fmt in self._layouts if column in fmt.colhash}
+        m = self.recv_match(type=types, strict=True) if types else None
+        value: float | None = None if m is None else getattr(m, column)
+        return value
+
+    def _use_usec(self, gps: Any) -> None:
+        first = self._first_value("TimeUS")
+        self.init_clock_usec()
+        if not self._zero_time_base:
+            self.clock.find_time_base(gps, first)
+
+    def _use_msec(self, gps: Any) -> None:
+        first = self._first_value("TimeMS")
+        self.init_clock_msec()
+        if not self._zero_time_base:
+            self.clock.find_time_base(gps, first)
+
+    def init_clock_usec(self) -> None:
+        """Take the clock of logs with TimeUS."""
+        self.clock = DFReaderClock_usec()
+
+    def init_clock_msec(self) -> None:
+        """Take the clock of logs with TimeMS."""
+        self.clock = DFReaderClock_msec()
+
+    def init_clock_px4(self, px4_msg_time: Any, px4_msg_gps: Any) -> None:
+        """Take the clock of PX4's logs, with a TIME and a GPS message."""
+        clock = DFReaderClock_px4()
+        self.clock = clock
+        if not self._zero_time_base:
+            clock.set_px4_timebase(px4_msg_time)
+            clock.find_time_base(px4_msg_gps)
+
+    def init_clock_gps_interpolated(self, clock: DFReaderClock) -> None:
+        """Learn the rates of the types between the first GPS messages."""
+        self._rewind(keep_messages=True)
+        moves = 0
+        before = clock.timebase
+        while moves < 2 and self.recv_msg() is not None:
+            moves += clock.timebase != before
+            before = clock.timebase
+
+    # -- state
+
+    def _track(self, m: Any) -> None:
+        """Take a message of a type that tells the state of the vehicle into it."""
+        kind, names = m.get_type(), m.get_fieldnames()
+        if kind == "PARM":
+            self._track_parameter(m, names)
+        elif kind == "MODE":
+            self._track_mode(m, names)
+        elif kind == "STAT" and "MainState" in names:
+            self.flightmode = mode_string_px4(m.MainState)
+        elif kind == "MSG" and "Message" in names:
+            self._track_text(m.Message)
+        elif kind == "VER" and "BU" in names:
+            self.mav_type = _VEHICLE_BUILDS.get(m.BU, self.mav_type)
+
+    # For programs that feed messages into a reader.
+    _add_msg = _track
+
+    def _track_parameter(self, m: Any, names: list[str]) -> None:
+        if "Name" not in names or "Value" not in names:
+            return
+        self.params[m.Name] = m.Value
+        if "Default" in names and not math.isnan(m.Default):
+            self.param_defaults[m.Name] = m.Default
+
+    def _track_mode(self, m: Any, names: list[str]) -> None:
+        mode = m.Mode if "Mode" in names else None
+        if isinstance(mode, str):
+            self.flightmode = mode.upper()
+        elif "ModeNum" in names:
+            modes = mode_mapping_bynumber(self.mav_type) or {}
+            self.flightmode = modes.get(m.ModeNum, "UNKNOWN")
+        elif mode is not None:
+            self.flightmode = mode_string_acm(mode)
+
+    def _track_text(self, text: str) -> None:
+        for word, mav_type in _VEHICLE_TEXTS:
+            if word in text:
+                self.mav_type = mav_type
+                return
+
+    def param(self, name: str, default: Any = None) -> Any:
+        """The newest value of a parameter."""
+        return self.params.get(name, default)
+
+    def check_condition(self, condition: str | None) -> Any:
+        """Whether a condition holds for the newest messages."""
+        return evaluate_condition(condition, self.messages)
+
+    def flightmode_list(self) -> list[tuple[str, float, float]]:
+        """(mode, start, end) of each stretch in one mode; rewinds the log."""
+        if self._flightmodes is None:
+            self.rewind()
+            self._flightmodes = self._read_flightmodes()
+            self.rewind()
+        return self._flightmodes
+
+    def _read_flightmodes(self) -> list[tuple[str, float, float]]:
+        starts: list[tuple[str, float]] = []
+        while (m := self.recv_match(type={"MODE", "PARM"})) is not None:
+            if not starts or starts[-1][0] != self.flightmode:
+                starts.append((self.flightmode, m._timestamp))
+        if not starts:
+            return []
+        ends = [*(start for _, start in starts[1:]), self.last_timestamp()]
+        return [(mode, start, end) for (mode, start), end in zip(starts, ends, strict=True)]
+
+    # -- place
+
+    def last_timestamp(self) -> float:
+        """The time of the last message, to which this moves."""
+        if self._last_offset is None:
+            return 0.0
+        self.offset = self._last_offset
+        m = self.recv_msg()
+        return 0.0 if m is None else float(m._timestamp)
+
+    @property
+    def percent(self) -> float:
+        """How much of the log was read."""
+        return 100.0 * self.offset / self.data_len if self.offset else 0
+
+    @property
+    def remaining(self) -> int:
+        """Bytes of the log that were not read."""
+        return self.data_len - self.offset
+
+    def rewind(self) -> None:
+        """Read from the start again, of any types; `messages` is emptied."""
+        self._rewind()
+
+    def _rewind(self, keep_messages: bool = False) -> None:
+        self._restart()
+        if not keep_messages:
+            self.messages = {"MAV": self, "__MAV__": self}
+        if self._flightmodes:
+            self.flightmode = self._flightmodes[0][0]
+        else:
+            self.flightmode = "UNKNOWN"
+        if self._clock is not None:
+            self._clock.rewind_event()

@@ -1,0 +1,53 @@
+"""`DFReader_text`: dataflash logs as text, a line for each record."""
+
+from __future__ import annotations
+
+from .reader import DFReader
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+PROBE = 8000
+
+
+def DFReader_is_text_log(filename: str) -> bool:
+    """Whether the head of a file has a FMT line."""
+    with open(filename, "rb") as file:
+        return b"FMT," in file.read(PROBE)
+
+
+class DFReader_text(DFReader):
+    """A text log. The arguments are those of `DFReader_binary`."""
+
+    def __init__(
+        self,
+        filename: str,
+        zero_time_base: bool = False,
+        progress_callback: Callable[[int], Any] | None = None,
+    ) -> None:
+        super().__init__()
+        self._zero_time_base = zero_time_base
+        self._open_log(filename, text=True)
+        self.delimiter = self._delimiter()
+        self.init_arrays(progress_callback)
+        self.init_clock()
+
+    def init_arrays(self, progress_callback: Callable[[int], Any] | None = None) -> None:
+        """Go through the log: `formats`, `offsets`, `counts`, and the names of the types.
+
+        `offsets` and `counts` have the first four characters of a line up to the comma as keys.
+        """
+        self._init_contents(progress_callback)
+        self.formats = {fmt.name: fmt for fmt in self._layouts}
+        self.name_to_id = {fmt.name: fmt.type for fmt in self._layouts}
+        self.id_to_name = {fmt.type: fmt.name for fmt in self._layouts}
+        self.offsets, self._count = self._lines()
+        self.counts = {key: len(offsets) for key, offsets in self.offsets.items()}
+
+    @property
+    def type_list(self) -> list[str] | None:
+        """Types that a filtered read visits, None before the first after a rewind."""
+        latched = self._latched()
+        return None if latched is None else [self._layouts[index].name for index in latched]

@@ -1,0 +1,125 @@
+//! The layouts of a log's record types, by type and place.
+//!
+//! A log may describe a type again, as one that was continued by another firmware does. A record is read by the last
+//! description in front of it, or by the first behind it where none is in front.
+
+use std::sync::Arc;
+
+use memchr::memmem;
+
+use super::layout::{FMT_LAYOUT_LEN, Layout};
+use super::{FMT_TYPE, HEAD, HEAD_LEN};
+
+/// Layouts that are kept at most; a log has fewer than 256, and a hostile one shall not fill the memory.
+pub const MAX_DEFINITIONS: usize = 4096;
+
+/// No layout, and several.
+const NONE: u16 = u16::MAX;
+const SEVERAL: u16 = u16::MAX - 1;
+
+/// All layouts of a log.
+#[derive(Debug, Clone)]
+pub struct Definitions {
+    layouts: Vec<Arc<Layout>>,
+    /// Index of the layout of each type, [`NONE`] or [`SEVERAL`].
+    only: [u16; 256],
+    /// Type, offset from which it holds, index; sorted. Of the types with several layouts.
+    several: Vec<(u8, u64, u16)>,
+    /// Where each layout was found.
+    offsets: Vec<u64>,
+}
+
+impl Default for Definitions {
+    fn default() -> Self {
+        let mut definitions = Self {
+            layouts: Vec::new(),
+            only: [NONE; 256],
+            several: Vec::new(),
+            offsets: Vec::new(),
+        };
+        definitions.add(Layout::of_fmt(), 0);
+        definitions
+    }
+}
+
+impl Definitions {
+    /// Only what every log has: the layout of FMT itself.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes in all FMT records in `bytes`, which stand at `offset` in the log, wherever they are: damage around them
+    /// does not matter. Stretches of a log must come in order and overlap by [`FMT_LAYOUT_LEN`] - 1 bytes.
+    pub fn collect(&mut self, bytes: &[u8], offset: u64) {
+        let head = [HEAD[0], HEAD[1], FMT_TYPE];
+        for at in memmem::find_iter(bytes, &head) {
+            let Some(body) = bytes.get(at + HEAD_LEN..at + FMT_LAYOUT_LEN) else { break };
+            if let Ok(layout) = Layout::parse(body)
+                && layout.type_id != FMT_TYPE
+            {
+                self.add(layout, offset + at as u64);
+            }
+        }
+    }
+
+    /// Adds a layout that was found at `offset`, behind those that were added before.
+    pub fn add(&mut self, layout: Layout, offset: u64) {
+        let type_id = layout.type_id;
+        let before = self.index_at(type_id, u64::MAX);
+        let known = before.and_then(|index| self.layouts.get(usize::from(index)));
+        if known.is_some_and(|known| **known == layout) || self.layouts.len() >= MAX_DEFINITIONS {
+            return;
+        }
+        let index = self.layouts.len() as u16;
+        self.layouts.push(Arc::new(layout));
+        self.offsets.push(offset);
+        let Some(before) = before else {
+            self.only[usize::from(type_id)] = index;
+            return;
+        };
+        if self.only[usize::from(type_id)] != SEVERAL {
+            self.insert(type_id, 0, before);
+            self.only[usize::from(type_id)] = SEVERAL;
+        }
+        self.insert(type_id, offset, index);
+    }
+
+    fn insert(&mut self, type_id: u8, offset: u64, index: u16) {
+        let place = (type_id, offset, index);
+        let at = self.several.partition_point(|entry| *entry < place);
+        self.several.insert(at, place);
+    }
+
+    /// Index of the layout for a record of a type at a place in the log.
+    #[inline]
+    pub fn index_at(&self, type_id: u8, offset: u64) -> Option<u16> {
+        match self.only[usize::from(type_id)] {
+            NONE => None,
+            SEVERAL => self.index_of_several(type_id, offset),
+            index => Some(index),
+        }
+    }
+
+    fn index_of_several(&self, type_id: u8, offset: u64) -> Option<u16> {
+        let end = self.several.partition_point(|entry| *entry <= (type_id, offset, u16::MAX));
+        let (found, _, index) = *self.several.get(end.checked_sub(1)?)?;
+        (found == type_id).then_some(index)
+    }
+
+    /// Index and length of a record of a type at a place in the log.
+    #[inline]
+    pub(super) fn record(&self, type_id: u8, offset: u64) -> Option<(u16, usize)> {
+        let index = self.index_at(type_id, offset)?;
+        Some((index, usize::from(self.layouts.get(usize::from(index))?.len)))
+    }
+
+    /// All layouts, in the order in which they were found; FMT's own is the first.
+    pub fn layouts(&self) -> &[Arc<Layout>] {
+        &self.layouts
+    }
+
+    /// Where each layout was found.
+    pub fn offsets(&self) -> &[u64] {
+        &self.offsets
+    }
+}

@@ -1,0 +1,208 @@
+//! What a FMT record says: name, length and fields of a record type.
+
+use thiserror::Error;
+
+use super::field::{FieldKind, Value, value};
+use super::{FMT_TYPE, HEAD_LEN};
+
+/// Bytes of a FMT record.
+pub const FMT_LAYOUT_LEN: usize = 89;
+
+const NAME_LEN: usize = 4;
+const FORMAT_LEN: usize = 16;
+
+/// A field of a record type.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Field {
+    /// The column's name.
+    pub name: String,
+    /// How it is stored.
+    pub kind: FieldKind,
+    /// Where it stands in the record's body.
+    pub offset: u8,
+}
+
+/// What the time field of a record counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// `TimeUS`: microseconds since start.
+    Micros,
+    /// `TimeMS`: milliseconds since start.
+    Millis,
+}
+
+/// Why a FMT record describes no type.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum LayoutError {
+    /// A format character without a meaning.
+    #[error("Unsupported format char: '{character}' in message {name}")]
+    UnknownKind {
+        /// The character.
+        character: char,
+        /// The type's name.
+        name: String,
+    },
+    /// The fields do not fit into the length.
+    #[error("message {name} is said to have {len} bytes, but its fields need {needed}")]
+    TooShort {
+        /// The type's name.
+        name: String,
+        /// The length that the record gives.
+        len: u8,
+        /// Bytes of head and fields.
+        needed: usize,
+    },
+    /// No name, or no whole FMT record.
+    #[error("no FMT record")]
+    Malformed,
+}
+
+/// A record type.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layout {
+    /// The type's number.
+    pub type_id: u8,
+    /// Bytes of a record, head included.
+    pub len: u8,
+    /// The type's name.
+    pub name: String,
+    /// The format, a character for each field.
+    pub format: String,
+    /// Names of all columns, even of those without a format character.
+    pub columns: Vec<String>,
+    /// Fields that have a name and a format character.
+    pub fields: Vec<Field>,
+    /// Index and unit of the field that holds the time.
+    pub time: Option<(usize, TimeUnit)>,
+}
+
+impl Layout {
+    /// A type by its parts. `len` 0 stands for the length that the fields need.
+    ///
+    /// # Errors
+    /// Unknown format characters, and fields that do not fit into `len`.
+    pub fn new(
+        type_id: u8,
+        len: u8,
+        name: String,
+        format: String,
+        columns: Vec<String>,
+    ) -> Result<Self, LayoutError> {
+        let kinds = kinds(&name, &format)?;
+        let needed = HEAD_LEN + kinds.iter().map(|kind| kind.size()).sum::<usize>();
+        let len = if len == 0 { u8::try_from(needed).unwrap_or(0) } else { len };
+        if usize::from(len) < needed {
+            return Err(LayoutError::TooShort { name, len, needed });
+        }
+        let fields = fields(&columns, &kinds);
+        let time = time_field(&name, &fields);
+        Ok(Self { type_id, len, name, format, columns, fields, time })
+    }
+
+    /// Reads the body of a FMT record.
+    ///
+    /// # Errors
+    /// What makes it no description of a type.
+    pub fn parse(body: &[u8]) -> Result<Self, LayoutError> {
+        let (&[type_id, len], rest) = body.split_first_chunk().ok_or(LayoutError::Malformed)?;
+        let (name, rest) = rest.split_at_checked(NAME_LEN).ok_or(LayoutError::Malformed)?;
+        let (format, columns) = rest.split_at_checked(FORMAT_LEN).ok_or(LayoutError::Malformed)?;
+        let name = log_text(name);
+        if name.is_empty() || usize::from(len) < HEAD_LEN {
+            return Err(LayoutError::Malformed);
+        }
+        Self::new(type_id, len, name, log_text(format), split_columns(&log_text(columns)))
+    }
+
+    /// The layout of FMT records themselves.
+    pub fn of_fmt() -> Self {
+        let columns = split_columns("Type,Length,Name,Format,Columns");
+        let kinds = "BBnNZ".bytes().filter_map(FieldKind::from_char).collect::<Vec<_>>();
+        Self {
+            type_id: FMT_TYPE,
+            len: FMT_LAYOUT_LEN as u8,
+            name: "FMT".into(),
+            format: "BBnNZ".into(),
+            fields: fields(&columns, &kinds),
+            columns,
+            time: None,
+        }
+    }
+
+    /// Index of the field called `name`, the last one if there are several.
+    pub fn field_index(&self, name: &str) -> Option<usize> {
+        self.fields.iter().rposition(|field| field.name == name)
+    }
+
+    /// The stored value of a field.
+    #[inline]
+    pub fn value<'a>(&self, index: usize, body: &'a [u8]) -> Option<Value<'a>> {
+        let field = self.fields.get(index)?;
+        Some(value(field.kind, body, usize::from(field.offset)))
+    }
+
+    /// The stored value of the field called `name`.
+    pub fn named<'a>(&self, name: &str, body: &'a [u8]) -> Option<Value<'a>> {
+        self.value(self.field_index(name)?, body)
+    }
+
+    /// Seconds since start, for types that carry a time.
+    #[inline]
+    pub fn seconds(&self, body: &[u8]) -> Option<f64> {
+        let (index, unit) = self.time?;
+        let field = self.fields.get(index)?;
+        let stored = value(field.kind, body, usize::from(field.offset)).as_f64()?;
+        let stored = if field.kind.scale().is_some() { field.kind.scaled(stored) } else { stored };
+        Some(stored * if unit == TimeUnit::Micros { 1e-6 } else { 1e-3 })
+    }
+}
+
+fn kinds(name: &str, format: &str) -> Result<Vec<FieldKind>, LayoutError> {
+    let kind = |character: char| {
+        let byte = u8::try_from(character).ok();
+        byte.and_then(FieldKind::from_char)
+            .ok_or_else(|| LayoutError::UnknownKind { character, name: name.to_owned() })
+    };
+    format.chars().map(kind).collect()
+}
+
+fn fields(columns: &[String], kinds: &[FieldKind]) -> Vec<Field> {
+    let mut offset = 0;
+    let field = |(name, &kind): (&String, &FieldKind)| {
+        let field = Field { name: name.clone(), kind, offset: offset as u8 };
+        offset += kind.size();
+        field
+    };
+    columns.iter().zip(kinds).map(field).collect()
+}
+
+/// `TimeUS` wherever it stands, else `TimeMS` in front; the latter is no time of logging in the batches of raw samples
+/// that `ACC1` and `GYR1` hold.
+fn time_field(name: &str, fields: &[Field]) -> Option<(usize, TimeUnit)> {
+    if let Some(index) = fields.iter().rposition(|field| field.name == "TimeUS") {
+        return Some((index, TimeUnit::Micros));
+    }
+    let samples = name.starts_with("ACC") || name.starts_with("GYR");
+    (fields.first()?.name == "TimeMS" && !samples).then_some((0, TimeUnit::Millis))
+}
+
+/// Names of columns, separated by commas.
+pub(super) fn split_columns(columns: &str) -> Vec<String> {
+    if columns.is_empty() {
+        return Vec::new();
+    }
+    columns.split(',').map(str::to_owned).collect()
+}
+
+/// The text in a field that a NUL ends; bytes that are no UTF-8 are shown as `\xff`.
+pub fn log_text(bytes: &[u8]) -> String {
+    let bytes = &bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())];
+    let mut text = String::with_capacity(bytes.len());
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(chunk.valid());
+        for byte in chunk.invalid() {
+            text.push_str(&format!("\\x{byte:02x}"));
+        }
+    }
+    text
+}

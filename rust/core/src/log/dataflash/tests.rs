@@ -1,0 +1,190 @@
+//! Tests of the binary and the text form.
+
+use super::*;
+
+fn fmt(type_id: u8, len: u8, name: &str, format: &str, columns: &str) -> Vec<u8> {
+    let mut record = vec![HEAD[0], HEAD[1], FMT_TYPE, type_id, len];
+    for (text, size) in [(name, 4), (format, 16), (columns, 64)] {
+        let mut bytes = text.as_bytes().to_vec();
+        bytes.resize(size, 0);
+        record.extend(bytes);
+    }
+    record
+}
+
+fn record(type_id: u8, body: &[u8]) -> Vec<u8> {
+    [&HEAD[..], &[type_id], body].concat()
+}
+
+fn all(log: &[u8]) -> (Vec<(u64, String)>, u64) {
+    let mut definitions = Definitions::new();
+    definitions.collect(log, 0);
+    let mut records = Vec::new();
+    let (end, junk) = index(log, 0, usize::MAX, &definitions, true, |entry, _| {
+        let layout = &definitions.layouts()[usize::from(entry.layout)];
+        records.push((entry.offset, layout.name.clone()));
+    });
+    assert_eq!(end, log.len());
+    (records, junk)
+}
+
+fn sample() -> Vec<u8> {
+    let mut log = fmt(1, 5, "A", "BB", "X,Y");
+    log.extend(fmt(2, 11, "B", "Q", "TimeUS"));
+    for number in 0..20 {
+        log.extend(record(1, &[number, 7]));
+        log.extend(record(2, &u64::from(number).to_le_bytes()));
+    }
+    log
+}
+
+#[test]
+fn every_cut_leaves_the_records_around_it() {
+    let log = sample();
+    let (whole, junk) = all(&log);
+    assert_eq!((whole.len(), junk), (42, 0));
+    for from in 178..log.len() {
+        for gone in [1, 2, 3, 5, 8, 13] {
+            let to = (from + gone).min(log.len());
+            let cut = [&log[..from], &log[to..]].concat();
+            let (left, _) = all(&cut);
+            for (offset, name) in &whole {
+                let len = if name == "A" { 5 } else { 11 };
+                let (start, end) = (*offset as usize, *offset as usize + len);
+                let place = if start >= to { offset - (to - from) as u64 } else { *offset };
+                if name != "FMT" && (end <= from || start >= to) {
+                    assert!(left.contains(&(place, name.clone())), "{offset} without {from}..{to}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn any_stretches_give_the_same_index() {
+    let mut log = sample();
+    log.splice(190..193, []);
+    log.splice(260..260, [0, HEAD[0], HEAD[1], 99, 1]);
+    let mut definitions = Definitions::new();
+    definitions.collect(&log, 0);
+    let mut whole = Vec::new();
+    let (_, junk) = index(&log, 0, usize::MAX, &definitions, true, |entry, _| whole.push(entry));
+    for stretch in [1, 2, 7, 64, 300] {
+        let (mut at, mut pieces, mut lost) = (0, Vec::new(), 0);
+        while at < log.len() {
+            let end = (at + stretch + MAX_RECORD_LEN + 2).min(log.len());
+            let bytes = &log[at..end];
+            let push = |entry, _: &[u8]| pieces.push(entry);
+            let last = end == log.len();
+            let (next, junk) = index(bytes, at as u64, stretch, &definitions, last, push);
+            assert!(next > 0);
+            at += next;
+            lost += junk;
+        }
+        assert_eq!((&pieces, lost), (&whole, junk), "stretches of {stretch}");
+    }
+}
+
+#[test]
+fn a_type_may_be_described_again() {
+    let mut log = record(3, &[1, 2]);
+    log.extend(fmt(3, 5, "OLD", "BB", "X,Y"));
+    log.extend(record(3, &[1, 2]));
+    log.extend(fmt(3, 7, "NEW", "HH", "X,Y"));
+    log.extend(record(3, &[1, 2, 3, 4]));
+    let (records, junk) = all(&log);
+    let names: Vec<_> = records.iter().map(|(_, name)| name.as_str()).collect();
+    assert_eq!((names, junk), (vec!["OLD", "FMT", "OLD", "FMT", "NEW"], 0));
+}
+
+#[test]
+fn layouts_that_lie_describe_nothing() {
+    for (len, format) in [(4, "BB"), (0, "BB"), (2, ""), (5, "By"), (255, "ZZZZ")] {
+        let record = fmt(9, len, "BAD", format, "X,Y");
+        assert!(Layout::parse(&record[HEAD_LEN..]).is_err(), "{len} {format}");
+    }
+    let mut definitions = Definitions::new();
+    for number in 0..=u16::MAX {
+        definitions.collect(&fmt(9, 255, "MANY", "", &number.to_string()), u64::from(number) * 89);
+    }
+    assert_eq!(definitions.layouts().len(), MAX_DEFINITIONS);
+}
+
+#[test]
+fn garbage_takes_linear_time() {
+    let mut definitions = Definitions::new();
+    definitions.collect(&fmt(1, 255, "LONG", "", ""), 0);
+    for pattern in [&[0xA3][..], &[0xA3, 0x95], &[0xA3, 0x95, 1], &[0xA3, 0x95, 1, 0], &[0]] {
+        let garbage: Vec<u8> = pattern.iter().copied().cycle().take(3_000_000).collect();
+        let mut count = 0_u64;
+        index(&garbage, 0, usize::MAX, &definitions, true, |entry, _| {
+            count += u64::from(entry.len)
+        });
+        assert!(count <= 3_000_000);
+    }
+}
+
+#[test]
+fn values_of_every_kind() {
+    let layout = Layout::new(
+        7,
+        0,
+        "KIND".into(),
+        "bBhHiIqQgfdnM".into(),
+        "a,b,c,d,e,f,g,h,i,j,k,l,m".split(',').map(str::to_owned).collect(),
+    )
+    .expect("a layout");
+    let mut body = vec![0xFF, 0xFF];
+    body.extend([0xFF; 28]);
+    body.extend(0x3E00_u16.to_le_bytes());
+    body.extend(1.5_f32.to_le_bytes());
+    body.extend((-2.5_f64).to_le_bytes());
+    body.extend(b"ab\0c\xFE");
+    let values: Vec<_> = (0..13).filter_map(|index| layout.value(index, &body)).collect();
+    use Value::{Float, Integer, Text, Unsigned};
+    assert_eq!(
+        values,
+        [
+            Integer(-1),
+            Integer(255),
+            Integer(-1),
+            Integer(65535),
+            Integer(-1),
+            Integer(4_294_967_295),
+            Integer(-1),
+            Unsigned(u64::MAX),
+            Float(1.5),
+            Float(1.5),
+            Float(-2.5),
+            Text(b"ab\0c"),
+            Integer(-2),
+        ]
+    );
+    assert_eq!(usize::from(layout.len), HEAD_LEN + body.len());
+    assert_eq!(layout.value(7, &body[..20]), Some(Unsigned(0)), "a body that is too short");
+}
+
+#[test]
+fn half_precision() {
+    let cases =
+        [(0, 0.0), (1, 5.960_464_477_539_063e-8), (0x3C00, 1.0), (0xC000, -2.0), (0x7BFF, 65504.0)];
+    for (bits, expected) in cases {
+        assert_eq!(value(FieldKind::F16, &u16::to_le_bytes(bits), 0), Value::Float(expected));
+    }
+    assert_eq!(value(FieldKind::F16, &[0, 0xFC], 0), Value::Float(f64::NEG_INFINITY));
+}
+
+#[test]
+fn lines() {
+    use text::{Delimiter, layout, nth_value, values};
+    let delimiter = Delimiter::of(b"junk\nFMT, 128, 89, FMT, BBnNZ, Type\n");
+    assert_eq!(delimiter, Delimiter::CommaSpace);
+    assert_eq!(Delimiter::of(b"FMT,128"), Delimiter::Comma);
+    let found = layout("FMT, 162, 18, IMU, QBf, TimeUS,I,AccX", delimiter).expect("a layout");
+    assert_eq!((found.len, found.fields.len(), found.time), (18, 3, Some((0, TimeUnit::Micros))));
+    assert!(layout("FMT, 162, 18", delimiter).is_err());
+    assert!(layout("FMT, x, 18, IMU, QBf, TimeUS", delimiter).is_err());
+    assert_eq!(values("IMU, 1, 2, a,b", delimiter, "IMU"), ["1", "2", "a,b"]);
+    assert_eq!(nth_value(b"IMU, 1, 2, a,b", delimiter, 2), Some(&b"a,b"[..]));
+    assert_eq!(nth_value(b"IMU, 1", delimiter, 1), None);
+}

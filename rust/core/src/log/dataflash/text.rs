@@ -1,0 +1,104 @@
+//! The text form of a dataflash log: a line for each record, `NAME, VALUE, VALUE`.
+
+use super::layout::{Layout, LayoutError, split_columns};
+
+/// Bytes of the longest line that is looked at; whatever is longer is no record.
+pub const MAX_LINE_LEN: usize = 64 * 1024;
+
+/// The fields of a FMT line before the names of its columns, which have commas between them.
+const FMT_FIELDS: usize = 5;
+
+/// What stands between values: a comma and a space, or a comma alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Delimiter {
+    /// `, `
+    CommaSpace,
+    /// `,`
+    Comma,
+}
+
+impl Delimiter {
+    /// What the first FMT line in the head of a log uses.
+    pub fn of(head: &[u8]) -> Self {
+        let first = memchr::memmem::find(head, b"FMT,").and_then(|at| head.get(at + 4));
+        if first.is_none_or(|&byte| byte == b' ') { Self::CommaSpace } else { Self::Comma }
+    }
+
+    /// The delimiter itself.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::CommaSpace => ", ",
+            Self::Comma => ",",
+        }
+    }
+}
+
+/// A line as text: UTF-8, or Latin-1 where it is none.
+pub fn decode_line(line: &[u8]) -> String {
+    match std::str::from_utf8(line) {
+        Ok(text) => text.to_owned(),
+        Err(_) => line.iter().copied().map(char::from).collect(),
+    }
+}
+
+/// A line without the white space at its end.
+pub fn trimmed(line: &[u8]) -> &[u8] {
+    let end = line.iter().rposition(|byte| !byte.is_ascii_whitespace());
+    &line[..end.map_or(0, |end| end + 1)]
+}
+
+/// The values of a line behind its name, for a type with so many columns; `None` where there are fewer values.
+///
+/// The last column of FMT has the rest of the line.
+pub fn values<'a>(line: &'a str, delimiter: Delimiter, name: &str) -> Vec<&'a str> {
+    if name == "FMT" {
+        return line.splitn(FMT_FIELDS + 1, delimiter.text()).skip(1).collect();
+    }
+    line.split(delimiter.text()).skip(1).collect()
+}
+
+/// The name in front of a line.
+pub fn name(line: &[u8], delimiter: Delimiter) -> &[u8] {
+    let end = memchr::memmem::find(line, delimiter.text().as_bytes());
+    &line[..end.unwrap_or(line.len())]
+}
+
+/// The value at `index` of a line's values, with the spaces around it.
+#[inline]
+pub fn nth_value(line: &[u8], delimiter: Delimiter, index: usize) -> Option<&[u8]> {
+    let separator = delimiter.text().as_bytes();
+    let mut rest = line;
+    for _ in 0..=index {
+        let at = memchr::memmem::find(rest, separator)?;
+        rest = &rest[at + separator.len()..];
+    }
+    Some(&rest[..memchr::memmem::find(rest, separator).unwrap_or(rest.len())])
+}
+
+/// Reads a FMT line.
+///
+/// # Errors
+/// What makes it no description of a type.
+pub fn layout(line: &str, delimiter: Delimiter) -> Result<Layout, LayoutError> {
+    let values = values(line, delimiter, "FMT");
+    let &[type_id, len, name, format, columns] = values.as_slice() else {
+        return Err(LayoutError::Malformed);
+    };
+    let number = |text: &str| text.trim().parse::<u8>().map_err(|_| LayoutError::Malformed);
+    let (type_id, len) = (number(type_id)?, number(len)?);
+    if name.is_empty() {
+        return Err(LayoutError::Malformed);
+    }
+    if name == "FMT" {
+        return Ok(Layout::of_fmt());
+    }
+    // The length is that of the binary record; here it binds nothing.
+    let mut layout =
+        Layout::new(type_id, 0, name.to_owned(), format.to_owned(), split_columns(columns))
+            .or_else(|error| match error {
+                LayoutError::TooShort { .. } => Err(LayoutError::Malformed),
+                other => Err(other),
+            })?;
+    layout.len = len;
+    Ok(layout)
+}

@@ -1,0 +1,76 @@
+//! What the fields are measured in, and which of them tells instances apart: UNIT, MULT and FMTU records.
+
+use std::collections::BTreeMap;
+
+use super::field::Value;
+use super::layout::{Layout, log_text};
+
+/// The id of the unit that marks the instance field.
+const INSTANCE: char = '#';
+
+/// Units and multipliers by their ids, and the ids of each type's fields.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Units {
+    /// Ids of units and their labels, in the order of the log.
+    pub labels: Vec<(char, String)>,
+    /// Ids of multipliers and their factors, in the order of the log.
+    pub multipliers: Vec<(char, f64)>,
+    /// Type -> ids of units, ids of multipliers; a character for each field.
+    pub fields: BTreeMap<u8, (String, String)>,
+}
+
+impl Units {
+    /// Takes in a binary record of any type; true if it said something new about the fields of a type.
+    pub fn add(&mut self, layout: &Layout, body: &[u8]) -> bool {
+        self.add_values(&layout.name, |name| match layout.named(name, body)? {
+            Value::Integer(number) => Some(number.to_string()),
+            Value::Unsigned(number) => Some(number.to_string()),
+            Value::Float(number) => Some(number.to_string()),
+            Value::Text(bytes) => Some(log_text(bytes)),
+            Value::Array(_) => None,
+        })
+    }
+
+    /// The same for a record whose values `value` gives as text, by the names of the columns.
+    pub fn add_values(&mut self, name: &str, value: impl Fn(&str) -> Option<String>) -> bool {
+        let id = || Some(char::from(value("Id")?.trim().parse::<u8>().ok()?));
+        match name {
+            "UNIT" => {
+                put(&mut self.labels, id().zip(value("Label")));
+                false
+            }
+            "MULT" => {
+                let factor = value("Mult").and_then(|factor| factor.trim().parse().ok());
+                put(&mut self.multipliers, id().zip(factor));
+                false
+            }
+            "FMTU" => self.add_fields(value).is_some(),
+            _ => false,
+        }
+    }
+
+    fn add_fields(&mut self, value: impl Fn(&str) -> Option<String>) -> Option<()> {
+        let type_id = value("FmtType")?.trim().parse().ok()?;
+        let ids = (value("UnitIds")?, value("MultIds")?);
+        if self.fields.get(&type_id) == Some(&ids) {
+            return None;
+        }
+        self.fields.insert(type_id, ids);
+        Some(())
+    }
+
+    /// Index of the field that tells the instances of a type apart.
+    pub fn instance_field(&self, layout: &Layout) -> Option<usize> {
+        let (ids, _) = self.fields.get(&layout.type_id)?;
+        ids.chars().position(|id| id == INSTANCE).filter(|&index| index < layout.fields.len())
+    }
+}
+
+/// Adds an entry, or renews the one with its id. There are at most 256 ids.
+fn put<T>(entries: &mut Vec<(char, T)>, entry: Option<(char, T)>) {
+    let Some((id, value)) = entry else { return };
+    match entries.iter_mut().find(|(known, _)| *known == id) {
+        Some(known) => known.1 = value,
+        None => entries.push((id, value)),
+    }
+}

@@ -1,0 +1,154 @@
+//! A binary dataflash log file: what it describes, what it holds, and its records one after the other.
+//!
+//! The file is read through a window and never mapped or held. What lies behind the length that it had when it was
+//! opened is not looked at.
+
+use std::io;
+use std::path::Path;
+
+use mavwire_core::log::dataflash::{
+    Definitions, FMT_LAYOUT_LEN, Found, HEAD_LEN, Layout, MAX_RECORD_LEN, RecordEntry, Units,
+    index, look,
+};
+
+use crate::tally::Tally;
+use crate::window::FileWindow;
+
+pub use crate::tally::Contents;
+
+/// Bytes that are looked at in one go.
+const STRETCH: usize = 256 * 1024;
+
+/// Bytes that decide about any record.
+const LOOK: usize = 2 * MAX_RECORD_LEN + 2;
+
+/// An open log.
+#[derive(Debug)]
+pub struct DataflashFile {
+    window: FileWindow,
+    len: u64,
+    definitions: Definitions,
+}
+
+impl DataflashFile {
+    /// Opens a file and reads what it describes.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        let mut window = FileWindow::open(path)?;
+        let len = window.len()?;
+        let mut definitions = Definitions::new();
+        let mut at = 0;
+        while at < len {
+            let bytes = window.at(at, STRETCH)?;
+            definitions.collect(bytes, at);
+            if bytes.len() < STRETCH {
+                break;
+            }
+            at += (bytes.len() - (FMT_LAYOUT_LEN - 1)) as u64;
+        }
+        Ok(Self { window, len, definitions })
+    }
+
+    /// Bytes of the file when it was opened.
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// The file had no bytes.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The layouts of the records.
+    pub fn definitions(&self) -> &Definitions {
+        &self.definitions
+    }
+
+    /// The first record at or behind `offset`, and its bytes; `None` at the end of the log.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    #[inline]
+    pub fn record_at(&mut self, offset: u64) -> io::Result<Option<(RecordEntry, &[u8])>> {
+        let mut at = offset;
+        let entry = loop {
+            let (bytes, last) = bytes_at(&mut self.window, self.len, at)?;
+            match look(bytes, at, &self.definitions, last) {
+                Found::Record { len, layout } => {
+                    break RecordEntry { offset: at, layout, len: len as u8 };
+                }
+                Found::Junk { len } => at += len as u64,
+                Found::Incomplete => return Ok(None),
+            }
+            if at >= self.len {
+                return Ok(None);
+            }
+        };
+        let bytes = self.window.buffered(entry.offset);
+        Ok(bytes.get(..usize::from(entry.len)).map(|bytes| (entry, bytes)))
+    }
+
+    /// Goes through the whole log. `progress` is told the offset now and then; `false` from it ends the run.
+    ///
+    /// # Errors
+    /// What the operating system says; `Interrupted` where `progress` ended it.
+    pub fn contents(&mut self, progress: &mut dyn FnMut(u64) -> bool) -> io::Result<Contents> {
+        let units = Units::default();
+        let (contents, late) = self.contents_with(units, progress)?;
+        if !late {
+            return Ok(contents);
+        }
+        // Units that stand behind what they describe: the instances of that are found in a second run.
+        Ok(self.contents_with(contents.units, progress)?.0)
+    }
+
+    fn contents_with(
+        &mut self,
+        units: Units,
+        progress: &mut dyn FnMut(u64) -> bool,
+    ) -> io::Result<(Contents, bool)> {
+        let Self { window, len, definitions } = self;
+        let mut tally = Tally::new(definitions.layouts(), units);
+        let mut at = 0;
+        while at < *len {
+            let bytes = window.at(at, STRETCH + LOOK)?;
+            let left = usize::try_from(*len - at).unwrap_or(usize::MAX);
+            let bytes = &bytes[..bytes.len().min(left)];
+            let last = bytes.len() < STRETCH + LOOK || bytes.len() == left;
+            let add = |entry: RecordEntry, record: &[u8]| {
+                let body = &record[HEAD_LEN..];
+                tally.add(
+                    entry,
+                    |units, layout| units.add(layout, body),
+                    |layout, field| field_bytes(layout, field, body),
+                );
+            };
+            let (done, junk) = index(bytes, at, STRETCH, definitions, last, add);
+            tally.contents.junk += junk;
+            if done == 0 {
+                break;
+            }
+            at += done as u64;
+            if !progress(at) {
+                return Err(io::ErrorKind::Interrupted.into());
+            }
+        }
+        Ok((tally.contents, tally.late))
+    }
+}
+
+fn bytes_at(window: &mut FileWindow, len: u64, offset: u64) -> io::Result<(&[u8], bool)> {
+    let left = usize::try_from(len.saturating_sub(offset)).unwrap_or(usize::MAX);
+    let bytes = window.at(offset, LOOK)?;
+    let last = bytes.len() >= left || bytes.len() < LOOK;
+    Ok((&bytes[..bytes.len().min(left)], last))
+}
+
+/// The bytes of a field.
+fn field_bytes<'a>(layout: &Layout, field: usize, body: &'a [u8]) -> &'a [u8] {
+    let Some(field) = layout.fields.get(field) else { return &[] };
+    let start = usize::from(field.offset);
+    body.get(start..start + field.kind.size()).unwrap_or_default()
+}

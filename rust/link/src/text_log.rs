@@ -1,0 +1,245 @@
+//! A dataflash log in its text form: a line for each record.
+
+use std::collections::{BTreeMap, HashMap};
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+use mavwire_core::log::dataflash::text::{
+    Delimiter, MAX_LINE_LEN, decode_line, layout, name, nth_value, trimmed,
+};
+use mavwire_core::log::dataflash::{Layout, MAX_DEFINITIONS, RecordEntry, Units};
+
+use crate::tally::{Contents, Tally};
+use crate::window::FileWindow;
+
+/// Bytes at the start that show how values are separated.
+const PROBE: usize = 8000;
+
+/// Different names that are counted at most, and the characters that tell them apart.
+const MAX_KEYS: usize = 4096;
+const KEY_LEN: usize = 4;
+
+/// An open log.
+#[derive(Debug)]
+pub struct TextLogFile {
+    window: FileWindow,
+    len: u64,
+    delimiter: Delimiter,
+    layouts: Vec<Arc<Layout>>,
+    /// Name -> offsets from which layouts hold, and their indices, in the order of the log.
+    by_name: HashMap<Vec<u8>, Vec<(u64, u16)>>,
+    /// First characters of a line up to the comma -> where such lines start.
+    keys: BTreeMap<String, Vec<u64>>,
+    lines: u64,
+}
+
+/// A line of the log.
+struct Line {
+    /// Where it starts.
+    offset: u64,
+    /// Where the next one starts.
+    next: u64,
+    /// It is longer than anything that is read.
+    too_long: bool,
+    /// Bytes without the line's end.
+    len: usize,
+}
+
+impl TextLogFile {
+    /// Opens a file and reads what it describes.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        let mut window = FileWindow::open(path)?;
+        let len = window.len()?;
+        let head = window.at(0, PROBE)?;
+        let delimiter = Delimiter::of(&head[..head.len().min(PROBE)]);
+        let mut log = Self {
+            window,
+            len,
+            delimiter,
+            layouts: Vec::new(),
+            by_name: HashMap::new(),
+            keys: BTreeMap::new(),
+            lines: 0,
+        };
+        log.add_layout(Layout::of_fmt(), 0);
+        log.collect()?;
+        Ok(log)
+    }
+
+    /// Goes through all lines for FMT, and counts the others.
+    fn collect(&mut self) -> io::Result<()> {
+        let mut at = 0;
+        while let Some(line) = self.line_at(at)? {
+            at = line.next;
+            let bytes = &self.window.buffered(line.offset)[..line.len];
+            if line.too_long || trimmed(bytes).is_empty() {
+                continue;
+            }
+            let key = &bytes[..bytes.len().min(KEY_LEN)];
+            let key = &key[..memchr::memchr(b',', key).unwrap_or(key.len())];
+            let (key, is_fmt) = (decode_line(key), key == b"FMT");
+            let found = is_fmt.then(|| layout(&decode_line(trimmed(bytes)), self.delimiter));
+            self.lines += 1;
+            if self.keys.len() < MAX_KEYS || self.keys.contains_key(&key) {
+                self.keys.entry(key).or_default().push(line.offset);
+            }
+            if let Some(Ok(layout)) = found {
+                self.add_layout(layout, line.offset);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_layout(&mut self, layout: Layout, offset: u64) {
+        let places = self.by_name.entry(layout.name.as_bytes().to_vec()).or_default();
+        let known = places.last().map(|&(_, index)| &self.layouts[usize::from(index)]);
+        if known.is_some_and(|known| **known == layout) || self.layouts.len() >= MAX_DEFINITIONS {
+            return;
+        }
+        let from = if places.is_empty() { 0 } else { offset };
+        places.push((from, self.layouts.len() as u16));
+        self.layouts.push(Arc::new(layout));
+    }
+
+    /// Bytes of the file when it was opened.
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// The file had no bytes.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// What stands between values.
+    pub fn delimiter(&self) -> Delimiter {
+        self.delimiter
+    }
+
+    /// The layouts of the records.
+    pub fn layouts(&self) -> &[Arc<Layout>] {
+        &self.layouts
+    }
+
+    /// Where lines start, by their first characters up to the comma.
+    pub fn keys(&self) -> &BTreeMap<String, Vec<u64>> {
+        &self.keys
+    }
+
+    /// Lines that are not empty.
+    pub fn lines(&self) -> u64 {
+        self.lines
+    }
+
+    fn line_at(&mut self, offset: u64) -> io::Result<Option<Line>> {
+        if offset >= self.len {
+            return Ok(None);
+        }
+        let (len, end) = self.line_len(offset)?;
+        if let Some(len) = len {
+            let next = offset + len as u64 + 1;
+            return Ok(Some(Line { offset, next, too_long: false, len }));
+        }
+        if end < MAX_LINE_LEN {
+            let next = offset + end as u64;
+            return Ok((end > 0).then_some(Line { offset, next, too_long: false, len: end }));
+        }
+        let next = self.end_of_long_line(offset + end as u64)?;
+        Ok(Some(Line { offset, next, too_long: true, len: 0 }))
+    }
+
+    /// Bytes up to the next line feed, and how many bytes there are at all, at most [`MAX_LINE_LEN`].
+    fn line_len(&mut self, offset: u64) -> io::Result<(Option<usize>, usize)> {
+        let found = memchr::memchr(b'\n', self.window.buffered(offset));
+        if let Some(len) = found.filter(|&len| len < MAX_LINE_LEN) {
+            return Ok((Some(len), 0));
+        }
+        let bytes = self.window.at(offset, MAX_LINE_LEN)?;
+        let bytes = &bytes[..bytes.len().min(MAX_LINE_LEN)];
+        Ok((memchr::memchr(b'\n', bytes), bytes.len()))
+    }
+
+    fn end_of_long_line(&mut self, mut offset: u64) -> io::Result<u64> {
+        loop {
+            let bytes = self.window.at(offset, MAX_LINE_LEN)?;
+            if let Some(len) = memchr::memchr(b'\n', bytes) {
+                return Ok(offset + len as u64 + 1);
+            }
+            if bytes.is_empty() {
+                return Ok(offset.max(self.len));
+            }
+            offset += bytes.len() as u64;
+        }
+    }
+
+    /// The layout of a line that has all the values it should have.
+    fn layout_of(&self, line: &[u8], offset: u64) -> Option<u16> {
+        let places = self.by_name.get(name(line, self.delimiter))?;
+        let (_, index) = places.iter().rev().find(|(from, _)| *from <= offset)?;
+        let fields = self.layouts.get(usize::from(*index))?.columns.len();
+        let complete = fields == 0 || nth_value(line, self.delimiter, fields - 1).is_some();
+        complete.then_some(*index)
+    }
+
+    /// The first record at or behind `offset`, its line, and where the next line starts; `None` at the end of the log.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn record_at(&mut self, offset: u64) -> io::Result<Option<(RecordEntry, &[u8], u64)>> {
+        let mut at = offset;
+        while let Some(line) = self.line_at(at)? {
+            at = line.next;
+            let bytes = trimmed(&self.window.buffered(line.offset)[..line.len]);
+            if let Some(layout) = self.layout_of(bytes, line.offset) {
+                let entry = RecordEntry { offset: line.offset, layout, len: 0 };
+                let len = bytes.len();
+                return Ok(Some((entry, &self.window.buffered(line.offset)[..len], at)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Goes through the whole log.
+    ///
+    /// # Errors
+    /// What the operating system says; `Interrupted` where `progress` ended it.
+    pub fn contents(&mut self, progress: &mut dyn FnMut(u64) -> bool) -> io::Result<Contents> {
+        let (contents, late) = self.contents_with(Units::default(), progress)?;
+        if !late {
+            return Ok(contents);
+        }
+        Ok(self.contents_with(contents.units, progress)?.0)
+    }
+
+    fn contents_with(
+        &mut self,
+        units: Units,
+        progress: &mut dyn FnMut(u64) -> bool,
+    ) -> io::Result<(Contents, bool)> {
+        let (layouts, delimiter) = (self.layouts.clone(), self.delimiter);
+        let mut tally = Tally::new(&layouts, units);
+        let (mut at, mut told) = (0, 0);
+        while let Some((entry, line, next)) = self.record_at(at)? {
+            let value = |index| nth_value(line, delimiter, index).unwrap_or_default();
+            let named =
+                |layout: &Layout, name: &str| Some(decode_line(value(layout.field_index(name)?)));
+            tally.add(
+                entry,
+                |units, layout| units.add_values(&layout.name, |name| named(layout, name)),
+                |_, field| value(field),
+            );
+            at = next;
+            if at - told > MAX_LINE_LEN as u64 {
+                told = at;
+                if !progress(at) {
+                    return Err(io::ErrorKind::Interrupted.into());
+                }
+            }
+        }
+        Ok((tally.contents, tally.late))
+    }
+}

@@ -1,0 +1,10 @@
+//! Dataflash logs as Python objects: `DFMessage`, what makes it cheap, and the reader below `DFReader`'s classes.
+
+pub(crate) mod clock;
+pub(crate) mod message;
+pub(crate) mod reader;
+mod render;
+pub(crate) mod shape;
+mod source;
+mod state;
+mod value;

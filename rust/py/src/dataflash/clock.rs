@@ -1,0 +1,123 @@
+//! Times of messages, and the clock of logs with `TimeUS`, kept where the reader can use it without calling Python.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use mavwire_core::log::dataflash::TimeUnit;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyInt, PyTuple};
+
+/// Seconds, or one of two NaNs that no arithmetic makes: nothing yet, and the int 0, which programs see as the time of
+/// what was logged before any time was known.
+pub(crate) struct Seconds(AtomicU64);
+
+const NOTHING: u64 = 0xFFF8_DEAD_0000_0000;
+const INT_ZERO: u64 = 0xFFF8_DEAD_0000_0001;
+
+impl Seconds {
+    pub(crate) const fn nothing() -> Self {
+        Self(AtomicU64::new(NOTHING))
+    }
+
+    const fn int_zero() -> Self {
+        Self(AtomicU64::new(INT_ZERO))
+    }
+
+    #[inline]
+    pub(crate) fn set(&self, seconds: f64) {
+        self.0.store(seconds.to_bits(), Relaxed);
+    }
+
+    /// Takes over what another one holds.
+    #[inline]
+    pub(crate) fn copy(&self, other: &Self) {
+        self.0.store(other.0.load(Relaxed), Relaxed);
+    }
+
+    /// Seconds, to reckon with.
+    #[inline]
+    fn number(&self) -> f64 {
+        match self.0.load(Relaxed) {
+            INT_ZERO | NOTHING => 0.0,
+            bits => f64::from_bits(bits),
+        }
+    }
+
+    /// What programs see; `None` for nothing.
+    pub(crate) fn object<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        match self.0.load(Relaxed) {
+            NOTHING => None,
+            INT_ZERO => Some(PyInt::new(py, 0_u8).into_any()),
+            bits => Some(pyo3::types::PyFloat::new(py, f64::from_bits(bits)).into_any()),
+        }
+    }
+
+    /// `TypeError` for what is no number.
+    pub(crate) fn set_object(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let seconds: f64 = value.extract()?;
+        if seconds == 0.0 && value.is_exact_instance_of::<PyInt>() {
+            self.0.store(INT_ZERO, Relaxed);
+        } else {
+            self.set(seconds);
+        }
+        Ok(())
+    }
+}
+
+impl Clone for Seconds {
+    fn clone(&self) -> Self {
+        Self(AtomicU64::new(self.0.load(Relaxed)))
+    }
+}
+
+/// Seconds: where the log's time begins, and the newest time.
+#[pyclass(frozen, subclass, module = "mavwire._native")]
+pub(crate) struct MicrosClock {
+    timebase: Seconds,
+    timestamp: Seconds,
+}
+
+impl MicrosClock {
+    /// Gives a message its time, from the seconds since start in its record; without those it is that of the message
+    /// before. Only microseconds may go back; the milliseconds that some old types count are less sure.
+    #[inline]
+    pub(crate) fn stamp(&self, message: &Seconds, seconds: Option<f64>, unit: Option<TimeUnit>) {
+        if let Some(seconds) = seconds {
+            let time = self.timebase.number() + seconds;
+            if unit == Some(TimeUnit::Micros) || time > self.timestamp.number() {
+                self.timestamp.set(time);
+            }
+        }
+        message.copy(&self.timestamp);
+    }
+}
+
+#[pymethods]
+impl MicrosClock {
+    #[new]
+    #[pyo3(signature = (*_args, **_kwargs))]
+    fn new(_args: &Bound<'_, PyTuple>, _kwargs: Option<&Bound<'_, PyDict>>) -> Self {
+        Self { timebase: Seconds::int_zero(), timestamp: Seconds::int_zero() }
+    }
+
+    /// Unix time of the log's start.
+    #[getter]
+    fn timebase<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.timebase.object(py)
+    }
+
+    #[setter(timebase)]
+    fn set_timebase_seconds(&self, seconds: Bound<'_, PyAny>) -> PyResult<()> {
+        self.timebase.set_object(&seconds)
+    }
+
+    /// Time of the newest message that had one.
+    #[getter]
+    fn timestamp<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.timestamp.object(py)
+    }
+
+    #[setter]
+    fn set_timestamp(&self, seconds: Bound<'_, PyAny>) -> PyResult<()> {
+        self.timestamp.set_object(&seconds)
+    }
+}

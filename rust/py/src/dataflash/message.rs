@@ -1,0 +1,397 @@
+//! `DFMessage`: a record of a dataflash log. A field is decoded when it is read.
+
+use std::sync::Arc;
+
+use mavwire_core::log::dataflash::text::decode_line;
+use mavwire_core::log::dataflash::text::{Delimiter, values};
+use pyo3::exceptions::{PyAttributeError, PyIndexError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyList, PyString};
+use pyo3::{PyTraverseError, PyVisit, ffi, intern};
+
+use super::clock::Seconds;
+use super::shape::{self, Names};
+use super::{render, value};
+use crate::frame_bytes::FrameBytes;
+use crate::lock::Lock;
+
+/// Where a message's values are.
+pub(crate) enum Origin {
+    /// In the body of a binary record.
+    Body,
+    /// In a line of a text log.
+    Line(Delimiter),
+    /// Nowhere but in the list of elements.
+    Made,
+}
+
+/// What was put into a message, or asked for.
+#[derive(Default)]
+struct Written {
+    /// `_elements`, once somebody saw it: from then on the values are in there.
+    elements: Option<Py<PyList>>,
+    /// Attributes that are no columns.
+    attributes: Option<Py<PyDict>>,
+}
+
+/// One record of a dataflash log: its columns are attributes.
+#[pyclass(frozen, weakref, module = "mavwire.DFReader")]
+pub(crate) struct DFMessage {
+    pub(crate) names: Arc<Names>,
+    bytes: FrameBytes,
+    origin: Origin,
+    pub(super) timestamp: Seconds,
+    written: Lock<Option<Box<Written>>>,
+    fmt: Py<PyAny>,
+    parent: Option<Py<PyAny>>,
+    /// Stored integers are scaled when they are read.
+    apply_multiplier: bool,
+}
+
+impl DFMessage {
+    /// A message around the bytes of a record.
+    #[inline]
+    pub(crate) fn read(
+        names: Arc<Names>,
+        bytes: FrameBytes,
+        delimiter: Option<Delimiter>,
+        fmt: Py<PyAny>,
+        parent: Py<PyAny>,
+    ) -> Self {
+        let apply_multiplier = delimiter.is_none();
+        Self {
+            names,
+            bytes,
+            origin: delimiter.map_or(Origin::Body, Origin::Line),
+            timestamp: Seconds::nothing(),
+            written: Lock::new(None),
+            fmt,
+            parent: Some(parent),
+            apply_multiplier,
+        }
+    }
+
+    /// Body of the record, if the values are still those in there.
+    pub(super) fn body(&self, py: Python<'_>) -> Option<&[u8]> {
+        let as_read = self.elements_set(py).is_none();
+        (as_read && matches!(self.origin, Origin::Body)).then_some(&*self.bytes)
+    }
+
+    fn elements_set<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyList>> {
+        let written = self.written.lock(py);
+        Some(written.as_ref()?.elements.as_ref()?.bind(py).clone())
+    }
+
+    /// The value of a column.
+    #[inline]
+    pub(crate) fn value<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyAny>> {
+        let Some(field) = self.names.layout.fields.get(index) else {
+            return Err(PyIndexError::new_err("list index out of range"));
+        };
+        let raw_bytes = self.names.raw_bytes;
+        if let Some(elements) = self.elements_set(py) {
+            let element = elements.get_item(index)?;
+            return value::from_object(&element, field.kind, self.apply_multiplier, raw_bytes);
+        }
+        match self.origin {
+            Origin::Body => {
+                let offset = usize::from(field.offset);
+                value::from_body(py, field.kind, &self.bytes, offset, raw_bytes)
+            }
+            Origin::Line(delimiter) => {
+                value::from_line(py, field.kind, &self.bytes, delimiter, index)
+            }
+            Origin::Made => Err(PyIndexError::new_err("list index out of range")),
+        }
+    }
+
+    /// `_elements`: the stored values, which are the message's from now on.
+    fn elements<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        if let Some(elements) = self.elements_set(py) {
+            return Ok(elements);
+        }
+        let list = PyList::empty(py);
+        match self.origin {
+            Origin::Body => {
+                let layout = &self.names.layout;
+                for index in 0..layout.fields.len() {
+                    if let Some(stored) = layout.value(index, &self.bytes) {
+                        list.append(value::stored(py, stored)?)?;
+                    }
+                }
+            }
+            Origin::Line(delimiter) => {
+                let line = decode_line(&self.bytes);
+                for value in values(&line, delimiter, &self.names.layout.name) {
+                    list.append(value)?;
+                }
+            }
+            Origin::Made => {}
+        }
+        let mut written = self.written.lock(py);
+        written.get_or_insert_default().elements = Some(list.clone().unbind());
+        Ok(list)
+    }
+
+    /// Attributes that are no columns, if there are any.
+    fn attributes_set<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyDict>> {
+        let written = self.written.lock(py);
+        Some(written.as_ref()?.attributes.as_ref()?.bind(py).clone())
+    }
+
+    fn attributes<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
+        if let Some(attributes) = self.attributes_set(py) {
+            return attributes;
+        }
+        let attributes = PyDict::new(py);
+        let mut written = self.written.lock(py);
+        written.get_or_insert_default().attributes = Some(attributes.clone().unbind());
+        attributes
+    }
+
+    /// Index of the column that setting an attribute changes: one whose name begins with a capital letter.
+    fn settable(&self, name: &Bound<'_, PyString>) -> PyResult<Option<usize>> {
+        let capital = name.to_str()?.chars().next().is_some_and(char::is_uppercase);
+        if capital { self.names.field(name) } else { Ok(None) }
+    }
+}
+
+/// `object.__getattribute__`.
+fn generic<'py>(
+    slf: &Bound<'py, DFMessage>,
+    name: &Bound<'py, PyString>,
+) -> PyResult<Bound<'py, PyAny>> {
+    // SAFETY: two live objects; the call returns a new reference or sets an exception.
+    unsafe {
+        let value = ffi::PyObject_GenericGetAttr(slf.as_ptr(), name.as_ptr());
+        Bound::from_owned_ptr_or_err(slf.py(), value)
+    }
+}
+
+/// A function of the package's for messages.
+fn helper<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import(intern!(py, "mavwire._dataflash.messages"))?.getattr(name)
+}
+
+#[pymethods]
+impl DFMessage {
+    /// A message of the type that `fmt` describes, from the stored values of its columns.
+    #[new]
+    fn new(
+        fmt: &Bound<'_, PyAny>,
+        elements: Bound<'_, PyAny>,
+        apply_multiplier: bool,
+        parent: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let elements = match elements.cast::<PyList>() {
+            Ok(list) => list.clone(),
+            Err(_) => {
+                let items = elements.try_iter()?.collect::<PyResult<Vec<_>>>()?;
+                PyList::new(fmt.py(), items)?
+            }
+        };
+        let written = Written { elements: Some(elements.unbind()), attributes: None };
+        Ok(Self {
+            names: shape::of_format(fmt)?,
+            bytes: FrameBytes::empty(),
+            origin: Origin::Made,
+            timestamp: Seconds::nothing(),
+            written: Lock::new(Some(Box::new(written))),
+            fmt: fmt.clone().unbind(),
+            parent,
+            apply_multiplier,
+        })
+    }
+
+    fn __getattribute__<'py>(
+        slf: &Bound<'py, Self>,
+        name: &Bound<'py, PyString>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (py, this) = (slf.py(), slf.get());
+        if let Some(attributes) = this.attributes_set(py)
+            && let Some(value) = attributes.get_item(name)?
+        {
+            return Ok(value);
+        }
+        if let Some(index) = this.names.field(name)? {
+            return this.value(py, index);
+        }
+        generic(slf, name).map_err(|error| {
+            if error.is_instance_of::<PyAttributeError>(py) {
+                return PyAttributeError::new_err(name.clone().unbind());
+            }
+            error
+        })
+    }
+
+    fn __setattr__(
+        slf: &Bound<'_, Self>,
+        name: &Bound<'_, PyString>,
+        value: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let (py, this) = (slf.py(), slf.get());
+        if let Some(index) = this.settable(name)? {
+            let scale = this.names.layout.fields[index].kind.scale();
+            let elements = this.elements(py)?;
+            return match scale.filter(|_| this.apply_multiplier) {
+                Some(scale) => elements.set_item(index, value.div(scale)?),
+                None => elements.set_item(index, value),
+            };
+        }
+        if name.to_str()? == "_timestamp" && this.timestamp.set_object(value).is_ok() {
+            return Ok(());
+        }
+        this.attributes(py).set_item(name, value)
+    }
+
+    fn __delattr__(&self, name: &Bound<'_, PyString>) -> PyResult<()> {
+        let error = || PyAttributeError::new_err(name.clone().unbind());
+        let attributes = self.attributes_set(name.py()).ok_or_else(error)?;
+        attributes.del_item(name).map_err(|_| error())
+    }
+
+    /// Seconds: Unix time, or since start where the log does not tell.
+    #[getter]
+    fn _timestamp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.timestamp.object(py).ok_or_else(|| PyAttributeError::new_err("_timestamp"))
+    }
+
+    /// Attributes that were set and are no columns.
+    #[getter]
+    fn __dict__<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
+        self.attributes(py)
+    }
+
+    /// The type's `DFFormat`.
+    #[getter]
+    fn fmt(&self, py: Python<'_>) -> Py<PyAny> {
+        self.fmt.clone_ref(py)
+    }
+
+    #[getter]
+    fn _parent(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.parent.as_ref().map(|parent| parent.clone_ref(py))
+    }
+
+    #[getter]
+    fn _apply_multiplier(&self) -> bool {
+        self.apply_multiplier
+    }
+
+    #[getter]
+    fn _elements<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        self.elements(py)
+    }
+
+    #[getter]
+    fn _fieldnames(&self) -> Vec<&str> {
+        self.get_fieldnames()
+    }
+
+    /// The type's name.
+    fn get_type(&self, py: Python<'_>) -> Py<PyString> {
+        self.names.name.clone_ref(py)
+    }
+
+    /// Names of the columns.
+    fn get_fieldnames(&self) -> Vec<&str> {
+        self.names.layout.fields.iter().map(|field| field.name.as_str()).collect()
+    }
+
+    /// `mavpackettype` and the values of all columns.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        dict.set_item(intern!(py, "mavpackettype"), &self.names.name)?;
+        for (index, field) in self.names.layout.fields.iter().enumerate() {
+            dict.set_item(&field.name, self.value(py, index)?)?;
+        }
+        Ok(dict)
+    }
+
+    /// The bytes of the record, encoded anew if a value was set; None where a value does not fit.
+    fn get_msgbuf<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, this) = (slf.py(), slf.get());
+        if let Some(body) = this.body(py) {
+            let head = [0xA3, 0x95, this.names.layout.type_id];
+            return Ok(PyBytes::new(py, &[&head[..], body].concat()).into_any());
+        }
+        helper(py, "get_msgbuf")?.call1((slf,))
+    }
+
+    /// Writes a line for each column, with units and what the log's documentation says, to the file `f`.
+    fn dump_verbose(slf: &Bound<'_, Self>, f: &Bound<'_, PyAny>) -> PyResult<()> {
+        helper(slf.py(), "dump_verbose")?.call1((slf, f)).map(drop)
+    }
+
+    /// Writes the bits of the value `val` of column `c` as `field_metadata` describes them.
+    fn dump_verbose_bitmask(
+        slf: &Bound<'_, Self>,
+        f: &Bound<'_, PyAny>,
+        c: &Bound<'_, PyAny>,
+        val: &Bound<'_, PyAny>,
+        field_metadata: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let arguments = (slf, f, c, val, field_metadata);
+        helper(slf.py(), "dump_verbose_bitmask")?.call1(arguments).map(drop)
+    }
+
+    /// The newest message of another instance of this type. IndexError if there is none.
+    fn __getitem__<'py>(
+        slf: &Bound<'py, Self>,
+        key: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (py, this) = (slf.py(), slf.get());
+        let Some(parent) = &this.parent else {
+            return Err(PyAttributeError::new_err("'NoneType' object has no attribute 'messages'"));
+        };
+        let messages = parent.bind(py).getattr(intern!(py, "messages"))?;
+        let name = format!("{}[{}]", this.names.layout.name, key.str()?);
+        messages.get_item(name).map_err(|_| PyIndexError::new_err(()))
+    }
+
+    fn __str__(&self, py: Python<'_>) -> PyResult<String> {
+        render::text(self, py)
+    }
+
+    fn __copy__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Self>> {
+        let (py, this) = (slf.py(), slf.get());
+        let elements =
+            this.elements_set(py).map(|list| PyList::new(py, list.iter())).transpose()?;
+        let attributes = this.attributes_set(py).map(|dict| dict.copy()).transpose()?;
+        let written = Written {
+            elements: elements.map(Bound::unbind),
+            attributes: attributes.map(Bound::unbind),
+        };
+        let origin = match this.origin {
+            Origin::Body => Origin::Body,
+            Origin::Line(delimiter) => Origin::Line(delimiter),
+            Origin::Made => Origin::Made,
+        };
+        Bound::new(
+            py,
+            Self {
+                names: Arc::clone(&this.names),
+                bytes: this.bytes.clone(),
+                origin,
+                timestamp: this.timestamp.clone(),
+                written: Lock::new(Some(Box::new(written))),
+                fmt: this.fmt.clone_ref(py),
+                parent: this.parent.as_ref().map(|parent| parent.clone_ref(py)),
+                apply_multiplier: this.apply_multiplier,
+            },
+        )
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        visit.call(&self.fmt)?;
+        visit.call(&self.parent)?;
+        // SAFETY: the garbage collector runs attached.
+        if let Some(written) = unsafe { self.written.try_lock() }
+            && let Some(written) = written.as_ref()
+        {
+            visit.call(&written.elements)?;
+            visit.call(&written.attributes)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,410 @@
+//! The reader below `DFReader`'s classes: finds, filters and makes messages; Python is called for the few types that
+//! change a vehicle's state.
+
+use std::path::PathBuf;
+
+use mavwire_link::dataflash::Contents;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyString, PyTuple};
+use pyo3::{PyTraverseError, PyVisit, intern};
+
+use super::clock::MicrosClock;
+use super::message::DFMessage;
+use super::shape;
+use super::source::Source;
+use super::state::{Kind, Search, State, Taken};
+use crate::lock::Lock;
+
+/// Records that are passed over before the user's wish to stop is heeded.
+const BUDGET: u32 = 1 << 16;
+
+/// Types whose messages change the state of the vehicle, and are read whichever type is asked for.
+const STATE_TYPES: [&str; 6] = ["MODE", "MSG", "PARM", "STAT", "ORGN", "VER"];
+
+/// Base of the readers of dataflash logs.
+#[pyclass(frozen, subclass, weakref, module = "mavwire._native")]
+pub(crate) struct DataflashReader {
+    state: Lock<State>,
+}
+
+/// `recv_match`'s argument `type`.
+enum Types<'py> {
+    Any,
+    Of(Vec<Bound<'py, PyString>>),
+}
+
+impl<'py> Types<'py> {
+    fn new(types: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
+        let Some(types) = types else { return Ok(Self::Any) };
+        if let Ok(name) = types.cast::<PyString>() {
+            return Ok(Self::Of(vec![name.clone()]));
+        }
+        let Ok(items) = types.try_iter() else {
+            return Err(PyTypeError::new_err("type must be a name or a collection of names"));
+        };
+        let names = items.filter_map(|name| name.map(|name| name.cast_into().ok()).transpose());
+        Ok(Self::Of(names.collect::<PyResult<_>>()?))
+    }
+
+    fn has(&self, name: &Bound<'_, PyString>) -> PyResult<bool> {
+        let Self::Of(names) = self else { return Ok(true) };
+        if names.iter().any(|one| one.is(name)) {
+            return Ok(true);
+        }
+        for one in names {
+            if one.as_any().eq(name)? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}
+
+impl DataflashReader {
+    /// The next message, posted; `None` at the end.
+    fn next<'py>(
+        slf: &Bound<'py, Self>,
+        latched: bool,
+    ) -> PyResult<Option<(Bound<'py, DFMessage>, usize)>> {
+        let py = slf.py();
+        loop {
+            let found = slf.get().state.lock(py).next(slf.as_any(), latched, BUDGET)?;
+            match found {
+                Search::Found(taken) => {
+                    let kind = taken.kind;
+                    return Ok(Some((Self::post(slf, taken)?, kind)));
+                }
+                Search::Paused => py.check_signals()?,
+                Search::End => return Ok(None),
+            }
+        }
+    }
+
+    /// Stamps a message and takes it into `messages` and the state.
+    fn post<'py>(slf: &Bound<'py, Self>, taken: Taken<'py>) -> PyResult<Bound<'py, DFMessage>> {
+        let py = slf.py();
+        let Taken { message, kind, key, stamped } = taken;
+        if !stamped {
+            slf.call_method1(intern!(py, "_set_time"), (&message,))?;
+        }
+        let (messages, tracked) = {
+            let state = slf.get().state.lock(py);
+            (state.messages.bind(py).clone(), state.kinds[kind].tracked)
+        };
+        messages.set_item(&message.get().names.name, &message)?;
+        match key {
+            None => {}
+            Some(Ok(key)) => messages.set_item(key, &message)?,
+            Some(Err(bytes)) => {
+                let key = Self::instance_key(slf, &message, kind)?;
+                messages.set_item(&key, &message)?;
+                slf.get().state.lock(py).remember_key(kind, bytes, key.unbind());
+            }
+        }
+        if tracked {
+            slf.call_method1(intern!(py, "_track"), (&message,))?;
+        }
+        Ok(message)
+    }
+
+    fn instance_key<'py>(
+        slf: &Bound<'py, Self>,
+        message: &Bound<'py, DFMessage>,
+        kind: usize,
+    ) -> PyResult<Bound<'py, PyString>> {
+        let py = slf.py();
+        let instance = slf.get().state.lock(py).kinds[kind].instance.unwrap_or_default();
+        let value = message.get().value(py, instance)?;
+        let name = &message.get().names.layout.name;
+        Ok(PyString::new(py, &format!("{name}[{}]", value.str()?.to_string_lossy())))
+    }
+
+    /// Fixes which layouts filtered reads visit, unless that is fixed already.
+    fn latch(&self, py: Python<'_>, types: &Types<'_>, strict: bool) -> PyResult<()> {
+        let mut state = self.state.lock(py);
+        if state.latched.is_some() {
+            return Ok(());
+        }
+        let wants = |kind: &Kind| -> PyResult<bool> {
+            let layout = &kind.names.layout;
+            let by_state = !strict && STATE_TYPES.contains(&layout.name.as_str());
+            Ok(by_state || types.has(kind.names.name.bind(py))?)
+        };
+        let wanted = state.kinds.iter().map(wants).collect::<PyResult<_>>()?;
+        state.latched = Some(wanted);
+        Ok(())
+    }
+}
+
+#[pymethods]
+impl DataflashReader {
+    #[new]
+    #[pyo3(signature = (*_args, **_kwargs))]
+    fn new(
+        py: Python<'_>,
+        _args: &Bound<'_, PyTuple>,
+        _kwargs: Option<&Bound<'_, PyDict>>,
+    ) -> Self {
+        Self { state: Lock::new(State::new(py)) }
+    }
+
+    /// Opens a log and returns its layouts: (offset, type, length, name, format, columns) of each.
+    fn _open<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        text: bool,
+    ) -> PyResult<Bound<'py, PyList>> {
+        let source = py.detach(|| Source::open(&path, text))?;
+        let layouts = PyList::empty(py);
+        for layout in source.layouts() {
+            let columns = PyList::new(py, &layout.columns)?;
+            let row = (layout.type_id, layout.len, &layout.name, &layout.format, columns);
+            layouts.append(row)?;
+        }
+        let mut state = self.state.lock(py);
+        state.len = source.len();
+        state.offset = 0;
+        state.latched = None;
+        state.kinds.clear();
+        state.source = Some(source);
+        Ok(layouts)
+    }
+
+    /// Goes through the log and returns what is in it: `counts` and `first` by layout, offsets of the first message of
+    /// each of the `instances`, offset of the `last` record, bytes of `junk`, and the units: `labels`, `multipliers`,
+    /// and (unit ids, multiplier ids) of `fields`. `progress` is called with each new whole percent.
+    fn _contents<'py>(
+        &self,
+        py: Python<'py>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let mut state = self.state.lock(py);
+        let len = state.len.max(1);
+        let Some(mut source) = state.source.take() else { return Ok(PyDict::new(py)) };
+        drop(state);
+        let (mut percent, mut failed) = (0, None);
+        let progress = progress.map(Bound::unbind);
+        let contents = py.detach(|| {
+            source.contents(&mut |at| {
+                let now = at * 100 / len;
+                let tell = now != percent;
+                percent = now;
+                let told = Python::attach(|py| {
+                    py.check_signals()?;
+                    match progress.as_ref().filter(|_| tell) {
+                        Some(progress) => progress.call1(py, (now,)).map(drop),
+                        None => Ok(()),
+                    }
+                });
+                told.map_err(|error| failed = Some(error)).is_ok()
+            })
+        });
+        self.state.lock(py).source = Some(source);
+        if let Some(error) = failed {
+            return Err(error);
+        }
+        as_dict(py, &contents?)
+    }
+
+    /// Sets what messages of each layout need: its `DFFormat` and the index of its instance field.
+    fn _set_kinds(
+        &self,
+        py: Python<'_>,
+        kinds: Vec<(Bound<'_, PyAny>, Option<usize>)>,
+    ) -> PyResult<()> {
+        let mut made = Vec::new();
+        for (format, instance) in kinds {
+            let names = shape::of_format(&format)?;
+            let name = names.layout.name.as_str();
+            let tracked = STATE_TYPES.contains(&name) && name != "ORGN";
+            made.push(Kind::new(names, format.unbind(), instance, tracked));
+        }
+        self.state.lock(py).kinds = made;
+        Ok(())
+    }
+
+    /// Lets the messages' times come from `clock` without calling Python; None to call `_set_time`.
+    fn _set_native_clock(&self, py: Python<'_>, clock: Option<Py<MicrosClock>>) {
+        self.state.lock(py).clock = clock;
+    }
+
+    /// The text between values of a text log.
+    fn _delimiter(&self, py: Python<'_>) -> Option<&'static str> {
+        let state = self.state.lock(py);
+        state.source.as_ref()?.delimiter().map(|delimiter| delimiter.text())
+    }
+
+    /// Where the lines of a text log start by their first characters, and how many lines there are.
+    fn _lines<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyDict>, u64)> {
+        let state = self.state.lock(py);
+        let keys = PyDict::new(py);
+        let Some(Source::Text(file)) = &state.source else { return Ok((keys, 0)) };
+        let mut found: Vec<_> = file.keys().iter().collect();
+        found.sort_by_key(|(_, offsets)| offsets.first());
+        for (key, offsets) in found {
+            keys.set_item(key, offsets)?;
+        }
+        Ok((keys, file.lines()))
+    }
+
+    /// Offsets of all records, by layout.
+    fn _offsets(&self, py: Python<'_>) -> PyResult<Vec<Vec<u64>>> {
+        let mut state = self.state.lock(py);
+        let mut offsets = vec![Vec::new(); state.kinds.len()];
+        let Some(source) = state.source.as_mut() else { return Ok(offsets) };
+        let mut at = 0;
+        while let Some(record) = source.record_at(at)? {
+            offsets[record.layout].push(record.offset);
+            at = record.next;
+        }
+        Ok(offsets)
+    }
+
+    /// Lets go of the file.
+    fn _close(&self, py: Python<'_>) {
+        self.state.lock(py).source = None;
+    }
+
+    /// Reads from the start again, of any types.
+    fn _restart(&self, py: Python<'_>) {
+        let mut state = self.state.lock(py);
+        state.offset = 0;
+        state.latched = None;
+        state.skipped_to = None;
+    }
+
+    /// Layouts that filtered reads visit, None before the first after a rewind.
+    fn _latched(&self, py: Python<'_>) -> Option<Vec<usize>> {
+        let state = self.state.lock(py);
+        let wanted = state.latched.as_ref()?;
+        Some(wanted.iter().enumerate().filter(|(_, wanted)| **wanted).map(|(n, _)| n).collect())
+    }
+
+    /// The newest message of each type and instance, and the reader as `MAV`.
+    #[getter]
+    fn messages(&self, py: Python<'_>) -> Py<PyDict> {
+        self.state.lock(py).messages.clone_ref(py)
+    }
+
+    #[setter]
+    fn set_messages(&self, messages: Bound<'_, PyDict>) {
+        let py = messages.py();
+        let before = std::mem::replace(&mut self.state.lock(py).messages, messages.unbind());
+        drop(before);
+    }
+
+    /// Where the next record is looked for.
+    #[getter]
+    fn offset(&self, py: Python<'_>) -> u64 {
+        self.state.lock(py).offset
+    }
+
+    #[setter]
+    fn set_offset(&self, py: Python<'_>, offset: u64) {
+        self.state.lock(py).offset = offset;
+    }
+
+    /// Bytes of the log when it was opened.
+    #[getter]
+    fn data_len(&self, py: Python<'_>) -> u64 {
+        self.state.lock(py).len
+    }
+
+    /// The next message, None at the end.
+    fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, DFMessage>>> {
+        Ok(Self::next(slf, false)?.map(|(message, _)| message))
+    }
+
+    /// The next message of the given types (a name or a collection of names) for which `condition` holds; None at the
+    /// end.
+    ///
+    /// The types of the first call after a rewind are the ones that later calls visit. Types that tell the state of the
+    /// vehicle are read as well unless `strict`. `blocking` means nothing for a log.
+    #[pyo3(signature = (condition=None, r#type=None, blocking=false, strict=false))]
+    fn recv_match<'py>(
+        slf: &Bound<'py, Self>,
+        condition: Option<Bound<'py, PyAny>>,
+        r#type: Option<Bound<'py, PyAny>>,
+        blocking: bool,
+        strict: bool,
+    ) -> PyResult<Option<Bound<'py, DFMessage>>> {
+        let _ = blocking;
+        let py = slf.py();
+        let types = Types::new(r#type.as_ref())?;
+        let filtered = matches!(types, Types::Of(_));
+        if filtered {
+            slf.get().latch(py, &types, strict)?;
+        }
+        while let Some((message, _)) = Self::next(slf, filtered)? {
+            if !types.has(message.get().names.name.bind(py))? {
+                continue;
+            }
+            match &condition {
+                None => return Ok(Some(message)),
+                Some(condition) => {
+                    let holds = slf.call_method1(intern!(py, "check_condition"), (condition,))?;
+                    if holds.is_truthy()? {
+                        return Ok(Some(message));
+                    }
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Moves to the next record of one of the types, or to the end; to the one behind it where it was moved to already.
+    #[pyo3(signature = (r#type, strict=false))]
+    fn skip_to_type(&self, py: Python<'_>, r#type: Bound<'_, PyAny>, strict: bool) -> PyResult<()> {
+        self.latch(py, &Types::new(Some(&r#type))?, strict)?;
+        loop {
+            py.check_signals()?;
+            let mut guard = self.state.lock(py);
+            let state = &mut *guard;
+            let (Some(source), Some(wanted)) = (state.source.as_mut(), &state.latched) else {
+                return Ok(());
+            };
+            for _ in 0..BUDGET {
+                let Some(record) = source.record_at(state.offset)? else {
+                    state.offset = state.len;
+                    return Ok(());
+                };
+                let been_there = state.skipped_to == Some(record.offset);
+                if wanted[record.layout] && !been_there {
+                    state.offset = record.offset;
+                    state.skipped_to = Some(record.offset);
+                    return Ok(());
+                }
+                state.offset = record.next;
+            }
+        }
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        // SAFETY: the garbage collector runs attached.
+        let Some(state) = (unsafe { self.state.try_lock() }) else { return Ok(()) };
+        visit.call(&state.messages)?;
+        visit.call(&state.clock)?;
+        for kind in &state.kinds {
+            visit.call(&kind.format)?;
+        }
+        Ok(())
+    }
+}
+
+fn as_dict<'py>(py: Python<'py>, contents: &Contents) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("counts", &contents.counts)?;
+    dict.set_item("first", &contents.first)?;
+    dict.set_item("instances", &contents.instances)?;
+    dict.set_item("last", contents.last)?;
+    dict.set_item("junk", contents.junk)?;
+    let units = &contents.units;
+    let labels = units.labels.iter().map(|(id, label)| (id.to_string(), label));
+    dict.set_item("labels", labels.collect::<Vec<_>>())?;
+    let factors = units.multipliers.iter().map(|(id, factor)| (id.to_string(), factor));
+    dict.set_item("multipliers", factors.collect::<Vec<_>>())?;
+    dict.set_item("fields", &units.fields)?;
+    Ok(dict)
+}

@@ -1,0 +1,90 @@
+//! A record type as messages need it: its layout, and its names as interned Python strings.
+
+use std::sync::Arc;
+
+use mavwire_core::log::dataflash::{Layout, LayoutError};
+use pyo3::exceptions::{PyException, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+use super::message::DFMessage;
+
+/// A layout and its names.
+pub(crate) struct Names {
+    pub(crate) layout: Arc<Layout>,
+    pub(crate) name: Py<PyString>,
+    /// Of the fields that attribute access finds; `None` where the class has an attribute of that name.
+    fields: Vec<Option<Py<PyString>>>,
+    /// Field name -> index, of the same fields.
+    index: Py<PyDict>,
+    /// `Z` fields hold any bytes: those of the type FILE.
+    pub(crate) raw_bytes: bool,
+}
+
+impl Names {
+    pub(crate) fn new(py: Python<'_>, layout: Arc<Layout>) -> PyResult<Self> {
+        let class = py.get_type::<DFMessage>();
+        let index = PyDict::new(py);
+        let mut fields = Vec::new();
+        for (number, field) in layout.fields.iter().enumerate() {
+            let name = PyString::intern(py, &field.name);
+            if class.hasattr(&name)? {
+                fields.push(None);
+                continue;
+            }
+            index.set_item(&name, number)?;
+            fields.push(Some(name.unbind()));
+        }
+        let name = PyString::intern(py, &layout.name).unbind();
+        let raw_bytes = layout.name == "FILE";
+        Ok(Self { layout, name, fields, index: index.unbind(), raw_bytes })
+    }
+
+    /// Index of the field of this name, the last if there are several.
+    #[inline]
+    pub(crate) fn field(&self, name: &Bound<'_, PyString>) -> PyResult<Option<usize>> {
+        let is_it = |field: &Option<Py<PyString>>| field.as_ref().is_some_and(|own| own.is(name));
+        if let Some(index) = self.fields.iter().rposition(is_it) {
+            return Ok(Some(index));
+        }
+        // Interned strings differ only if their objects do, but not every name is interned.
+        match self.index.bind(name.py()).get_item(name)? {
+            Some(index) => Ok(Some(index.extract()?)),
+            None => Ok(None),
+        }
+    }
+}
+
+/// What a `DFFormat` keeps for its messages.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct DataflashShape {
+    pub(crate) names: Arc<Names>,
+}
+
+#[pymethods]
+impl DataflashShape {
+    /// A record type by the parts of its FMT record.
+    ///
+    /// `Exception` for an unknown format character, `ValueError` for fields that do not fit into a record.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        type_id: u8,
+        name: String,
+        format: String,
+        columns: Vec<String>,
+    ) -> PyResult<Self> {
+        let layout =
+            Layout::new(type_id, 0, name, format, columns).map_err(|error| match error {
+                LayoutError::UnknownKind { .. } => PyException::new_err(error.to_string()),
+                _ => PyValueError::new_err(error.to_string()),
+            })?;
+        Ok(Self { names: Arc::new(Names::new(py, Arc::new(layout))?) })
+    }
+}
+
+/// The shape of a `DFFormat`, which its attribute `_shape` holds.
+pub(crate) fn of_format(format: &Bound<'_, PyAny>) -> PyResult<Arc<Names>> {
+    let shape = format.getattr(pyo3::intern!(format.py(), "_shape"))?;
+    Ok(Arc::clone(&shape.cast::<DataflashShape>()?.get().names))
+}

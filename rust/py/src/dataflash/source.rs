@@ -1,0 +1,94 @@
+//! The open log below a reader, binary or text.
+
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+use mavwire_core::log::dataflash::text::{Delimiter, nth_value};
+use mavwire_core::log::dataflash::{HEAD_LEN, Layout, TimeUnit};
+use mavwire_link::dataflash::{Contents, DataflashFile};
+use mavwire_link::text_log::TextLogFile;
+
+/// A log.
+pub(super) enum Source {
+    Binary(Box<DataflashFile>),
+    Text(Box<TextLogFile>),
+}
+
+/// A record: where it is, its layout, its body or line, and where to look for the next.
+pub(super) struct Record<'a> {
+    pub(super) offset: u64,
+    pub(super) layout: usize,
+    pub(super) bytes: &'a [u8],
+    pub(super) next: u64,
+}
+
+impl Source {
+    pub(super) fn open(path: &Path, text: bool) -> io::Result<Self> {
+        Ok(if text {
+            Self::Text(Box::new(TextLogFile::open(path)?))
+        } else {
+            Self::Binary(Box::new(DataflashFile::open(path)?))
+        })
+    }
+
+    pub(super) fn len(&self) -> u64 {
+        match self {
+            Self::Binary(file) => file.len(),
+            Self::Text(file) => file.len(),
+        }
+    }
+
+    pub(super) fn delimiter(&self) -> Option<Delimiter> {
+        match self {
+            Self::Binary(_) => None,
+            Self::Text(file) => Some(file.delimiter()),
+        }
+    }
+
+    pub(super) fn layouts(&self) -> &[Arc<Layout>] {
+        match self {
+            Self::Binary(file) => file.definitions().layouts(),
+            Self::Text(file) => file.layouts(),
+        }
+    }
+
+    pub(super) fn contents(
+        &mut self,
+        progress: &mut dyn FnMut(u64) -> bool,
+    ) -> io::Result<Contents> {
+        match self {
+            Self::Binary(file) => file.contents(progress),
+            Self::Text(file) => file.contents(progress),
+        }
+    }
+
+    /// The first record at or behind `offset`.
+    #[inline]
+    pub(super) fn record_at(&mut self, offset: u64) -> io::Result<Option<Record<'_>>> {
+        match self {
+            Self::Binary(file) => Ok(file.record_at(offset)?.map(|(entry, bytes)| Record {
+                offset: entry.offset,
+                layout: usize::from(entry.layout),
+                bytes: &bytes[HEAD_LEN..],
+                next: entry.offset + u64::from(entry.len),
+            })),
+            Self::Text(file) => Ok(file.record_at(offset)?.map(|(entry, bytes, next)| Record {
+                offset: entry.offset,
+                layout: usize::from(entry.layout),
+                bytes,
+                next,
+            })),
+        }
+    }
+}
+
+/// Seconds since start, for records that carry a time.
+#[inline]
+pub(super) fn seconds(layout: &Layout, bytes: &[u8], delimiter: Option<Delimiter>) -> Option<f64> {
+    let Some(delimiter) = delimiter else { return layout.seconds(bytes) };
+    let (index, unit) = layout.time?;
+    let text = std::str::from_utf8(nth_value(bytes, delimiter, index)?).ok()?;
+    let number: f64 = text.trim().parse().ok()?;
+    Some(number * if unit == TimeUnit::Micros { 1e-6 } else { 1e-3 })
+}

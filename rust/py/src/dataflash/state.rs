@@ -1,0 +1,161 @@
+//! What a reader keeps: the log, where it stands, which types are wanted, the newest messages.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+use super::clock::MicrosClock;
+use super::message::DFMessage;
+use super::shape::Names;
+use super::source::{self, Source};
+use crate::frame_bytes::FrameBytes;
+
+/// Keys of instances that are remembered for a type; more are spelled anew each time.
+const MAX_KEYS: usize = 4096;
+
+/// A record type of the log.
+pub(super) struct Kind {
+    pub(super) names: Arc<Names>,
+    /// The `DFFormat`.
+    pub(super) format: Py<PyAny>,
+    /// Index of the field that tells instances apart.
+    pub(super) instance: Option<usize>,
+    /// The reader's state changes with messages of this type.
+    pub(super) tracked: bool,
+    /// Value of the instance field as stored -> key in `messages`.
+    keys: HashMap<Box<[u8]>, Py<PyString>>,
+}
+
+impl Kind {
+    pub(super) fn new(
+        names: Arc<Names>,
+        format: Py<PyAny>,
+        instance: Option<usize>,
+        tracked: bool,
+    ) -> Self {
+        Self { names, format, instance, tracked, keys: HashMap::new() }
+    }
+
+    /// Stored bytes of the instance field of a binary record.
+    fn instance_bytes<'a>(&self, bytes: &'a [u8]) -> Option<&'a [u8]> {
+        let field = self.names.layout.fields.get(self.instance?)?;
+        let start = usize::from(field.offset);
+        bytes.get(start..start + field.kind.size())
+    }
+}
+
+/// See the module.
+pub(super) struct State {
+    pub(super) source: Option<Source>,
+    pub(super) kinds: Vec<Kind>,
+    pub(super) offset: u64,
+    /// Length of the log when it was opened.
+    pub(super) len: u64,
+    /// Layouts that a filtered read visits; `None` before the first after a rewind.
+    pub(super) latched: Option<Vec<bool>>,
+    /// Where `skip_to_type` went: asked again it goes on from there.
+    pub(super) skipped_to: Option<u64>,
+    pub(super) messages: Py<PyDict>,
+    /// The clock, if Python need not be asked for the time.
+    pub(super) clock: Option<Py<MicrosClock>>,
+}
+
+/// A message that was read, and what is left to do with it.
+pub(super) struct Taken<'py> {
+    pub(super) message: Bound<'py, DFMessage>,
+    /// Index of its kind.
+    pub(super) kind: usize,
+    /// Key of its instance in `messages`; `Err` if that has to be made of the field's value.
+    pub(super) key: Option<Result<Py<PyString>, Box<[u8]>>>,
+    /// Its time is set.
+    pub(super) stamped: bool,
+}
+
+/// How a search ended.
+pub(super) enum Search<'py> {
+    Found(Taken<'py>),
+    /// Enough was looked at for once.
+    Paused,
+    End,
+}
+
+impl State {
+    pub(super) fn new(py: Python<'_>) -> Self {
+        Self {
+            source: None,
+            kinds: Vec::new(),
+            offset: 0,
+            len: 0,
+            latched: None,
+            skipped_to: None,
+            messages: PyDict::new(py).unbind(),
+            clock: None,
+        }
+    }
+
+    /// Reads the next record of the wanted layouts, looking at `budget` records at most.
+    pub(super) fn next<'py>(
+        &mut self,
+        owner: &Bound<'py, PyAny>,
+        latched: bool,
+        mut budget: u32,
+    ) -> PyResult<Search<'py>> {
+        let py = owner.py();
+        let Some(source) = self.source.as_mut() else {
+            return Err(pyo3::exceptions::PyValueError::new_err("the log is closed"));
+        };
+        let wanted = self.latched.as_ref().filter(|_| latched);
+        let delimiter = source.delimiter();
+        loop {
+            let Some(record) = source.record_at(self.offset)? else {
+                self.offset = self.len;
+                return Ok(Search::End);
+            };
+            self.offset = record.next;
+            if wanted.is_some_and(|wanted| !wanted[record.layout]) {
+                budget -= 1;
+                if budget == 0 {
+                    return Ok(Search::Paused);
+                }
+                continue;
+            }
+            let kind = &self.kinds[record.layout];
+            let layout = &kind.names.layout;
+            let message = DFMessage::read(
+                Arc::clone(&kind.names),
+                FrameBytes::from(record.bytes),
+                delimiter,
+                kind.format.clone_ref(py),
+                owner.clone().unbind(),
+            );
+            if let Some(clock) = &self.clock {
+                let seconds = source::seconds(layout, record.bytes, delimiter);
+                let unit = layout.time.map(|(_, unit)| unit);
+                clock.get().stamp(&message.timestamp, seconds, unit);
+            }
+            let key = kind.instance.map(|_| {
+                let bytes = kind.instance_bytes(record.bytes).filter(|_| delimiter.is_none());
+                let known = bytes.and_then(|bytes| kind.keys.get(bytes));
+                known.map(|key| key.clone_ref(py)).ok_or_else(|| bytes.unwrap_or_default().into())
+            });
+            return Ok(Search::Found(Taken {
+                message: Bound::new(py, message)?,
+                kind: record.layout,
+                key,
+                stamped: self.clock.is_some(),
+            }));
+        }
+    }
+
+    /// Remembers the key of an instance.
+    pub(super) fn remember_key(&mut self, kind: usize, bytes: Box<[u8]>, key: Py<PyString>) {
+        if let Some(kind) = self.kinds.get_mut(kind)
+            && !bytes.is_empty()
+            && kind.keys.len() < MAX_KEYS
+        {
+            kind.keys.insert(bytes, key);
+        }
+    }
+}

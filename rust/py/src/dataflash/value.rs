@@ -1,0 +1,115 @@
+//! Field values as Python objects: from a record's bytes, from a line of a text log, or from an object somebody set.
+
+use mavwire_core::log::dataflash::text::{Delimiter, decode_line, nth_value};
+use mavwire_core::log::dataflash::{FieldKind, Value, value};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyFloat, PyInt, PyString};
+
+/// The text of a field: up to its NUL, UTF-8, or Latin-1 where it is none.
+pub(super) fn text_of(bytes: &[u8]) -> String {
+    decode_line(&bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())])
+}
+
+/// The value as it is stored; texts as bytes with all their NULs.
+pub(super) fn stored<'py>(py: Python<'py>, value: Value<'_>) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::Integer(number) => number.into_pyobject(py)?.into_any(),
+        Value::Unsigned(number) => number.into_pyobject(py)?.into_any(),
+        Value::Float(number) => PyFloat::new(py, number).into_any(),
+        Value::Text(bytes) | Value::Array(bytes) => PyBytes::new(py, bytes).into_any(),
+    })
+}
+
+/// The value of a field in a record's body.
+#[inline]
+pub(super) fn from_body<'py>(
+    py: Python<'py>,
+    kind: FieldKind,
+    body: &[u8],
+    offset: usize,
+    raw_bytes: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    match value(kind, body, offset) {
+        Value::Integer(number) if kind.scale().is_some() => {
+            Ok(PyFloat::new(py, kind.scaled(number as f64)).into_any())
+        }
+        Value::Text(bytes) if !(raw_bytes && bytes.len() == 64) => {
+            let bytes = &bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())];
+            match std::str::from_utf8(bytes) {
+                Ok(text) => Ok(PyString::new(py, text).into_any()),
+                Err(_) => Ok(PyString::new(py, &decode_line(bytes)).into_any()),
+            }
+        }
+        Value::Array(bytes) => array(py, bytes),
+        other => stored(py, other),
+    }
+}
+
+/// `array.array('h')` of little-endian numbers.
+fn array<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
+    let numbers: Vec<i16> =
+        bytes.as_chunks::<2>().0.iter().map(|pair| i16::from_le_bytes(*pair)).collect();
+    py.import(intern!(py, "array"))?.getattr(intern!(py, "array"))?.call1(("h", numbers))
+}
+
+/// The value of a field in a line of a text log.
+pub(super) fn from_line<'py>(
+    py: Python<'py>,
+    kind: FieldKind,
+    line: &[u8],
+    delimiter: Delimiter,
+    index: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let bytes = nth_value(line, delimiter, index).unwrap_or_default();
+    if kind.is_float()
+        && let Some(number) = std::str::from_utf8(bytes).ok().and_then(|text| text.parse().ok())
+    {
+        return Ok(PyFloat::new(py, number).into_any());
+    }
+    if !kind.is_float()
+        && !matches!(kind, FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode)
+        && let Some(number) = std::str::from_utf8(bytes).ok().and_then(|text| text.parse().ok())
+    {
+        let number: i64 = number;
+        return Ok(number.into_pyobject(py)?.into_any());
+    }
+    from_object(PyString::new(py, &decode_line(bytes)).as_any(), kind, false, false)
+}
+
+/// The value of a field whose element is any object: as Python converts it to the field's type.
+///
+/// What Python raises where it does not convert.
+pub(super) fn from_object<'py>(
+    element: &Bound<'py, PyAny>,
+    kind: FieldKind,
+    scale: bool,
+    raw_bytes: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = element.py();
+    match kind {
+        FieldKind::Text(len) => Ok(match element.cast::<PyBytes>() {
+            Ok(_) if raw_bytes && len == 64 => element.clone(),
+            Ok(bytes) => PyString::new(py, &text_of(bytes.as_bytes())).into_any(),
+            Err(_) => element.str()?.into_any(),
+        }),
+        FieldKind::Array => match element.cast::<PyBytes>() {
+            Ok(bytes) => array(py, bytes.as_bytes()),
+            Err(_) => Ok(element.clone()),
+        },
+        // Text logs have the mode's name.
+        FieldKind::Mode if element.is_instance_of::<PyString>() => Ok(element.clone()),
+        _ if kind.is_float() => {
+            let number = py.get_type::<PyFloat>().call1((element,))?;
+            if !scale || kind.scale().is_none() {
+                return Ok(number);
+            }
+            Ok(PyFloat::new(py, kind.scaled(number.extract()?)).into_any())
+        }
+        _ => int(element),
+    }
+}
+
+fn int<'py>(element: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    element.py().get_type::<PyInt>().call1((element,))
+}

@@ -1,0 +1,69 @@
+"""Dataflash logs read through both packages in every way give the same transcript.
+
+Generated logs always; real ones from the directory that MAVWIRE_LOGS names (the default is `logs`
+in a directory `shared` beside the checkout), without which those tests are skipped.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from itertools import zip_longest
+from pathlib import Path
+
+import pytest
+from differential.dataflash_logs import generated
+from differential.dataflash_transcript import WAYS
+
+ROOT = Path(__file__).parents[3]
+LOGS = Path(os.environ.get("MAVWIRE_LOGS", ROOT.parent / "shared" / "logs"))
+REAL = sorted([*LOGS.glob("*.BIN"), *LOGS.glob("*.log")])
+NOTICE = f"no dataflash logs in {LOGS}: set MAVWIRE_LOGS to a directory of .BIN files"
+NAMES = [
+    "kinds0.bin", "kinds1.bin", "kinds2.bin", "flight.bin", "no_units.bin", "no_fix.bin",
+    "back.bin", "text0.log", "text1.log",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The generated logs."""
+    made = tmp_path_factory.mktemp("dataflash")
+    assert [path.name for path in generated(made)] == NAMES
+    return made
+
+
+def transcript(package: str, way: str, path: Path) -> list[str]:
+    """The lines of one package, in a process and a home of its own."""
+    keep = {k: v for k, v in os.environ.items() if not k.startswith(("MAV", "MDEF"))}
+    keep["PYTHONPATH"] = os.pathsep.join(
+        filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")])
+    )
+    keep |= {"HOME": str(Path(__file__).parent), "PYTHONIOENCODING": "utf-8:backslashreplace"}
+    command = [sys.executable, "-m", "differential.dataflash_transcript", package, way, str(path)]
+    run = subprocess.run(command, capture_output=True, env=keep, timeout=250, check=False)
+    assert run.returncode == 0, run.stderr.decode()[-2000:]
+    return run.stdout.decode().splitlines()
+
+
+def compare(subject: str, oracle: str, way: str, path: Path) -> None:
+    ours, theirs = transcript(subject, way, path), transcript(oracle, way, path)
+    for number, (our, their) in enumerate(zip_longest(ours, theirs), 1):
+        assert our == their, f"line {number} of {path.name} read with {way}"
+    assert len(ours) > 3
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("way", WAYS)
+def test_generated_log(name: str, way: str, directory: Path, subject: str, oracle: str) -> None:
+    if way == "condition" and not name.startswith(("flight", "no_fix")):
+        pytest.skip("conditions need types that this log does not have")
+    compare(subject, oracle, way, directory / name)
+
+
+@pytest.mark.skipif(not REAL, reason=NOTICE)
+@pytest.mark.parametrize("path", REAL, ids=lambda path: path.name)
+@pytest.mark.parametrize("way", WAYS)
+def test_real_log(path: Path, way: str, subject: str, oracle: str) -> None:
+    compare(subject, oracle, way, path)
