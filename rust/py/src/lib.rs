@@ -79,6 +79,7 @@ mod _native {
     use crate::columns::{LogColumns, empty_table, log_summary};
     #[pymodule_export]
     use crate::convert::{Converter, write_table};
+    #[pymodule_export]
     use crate::dataflash::clock::MicrosClock;
     #[pymodule_export]
     use crate::dataflash::message::DFMessage;

@@ -2,9 +2,8 @@
 //!
 //! Four readers for four needs. [`parse_record`] looks at one place. [`index_chunk`] hops from record to record by
 //! their lengths, the fastest way and pymavlink's. [`RecordScanner`] checks checksums and finds every good frame of a
-//! damaged log in linear time, with the time stamp that stands in front of it. [`recordable`] is for writers.
 //! damaged log in linear time, with the time stamp that stands in front of it. [`find_runs`] looks at any stretch of a log
-//! by itself, so that many can do so side by side, for a [`RecordScanner`] to put together.
+//! by itself, so that many can do so side by side, for a [`RecordScanner`] to put together. [`recordable`] is for writers.
 
 mod index;
 mod recordable;
