@@ -1,4 +1,4 @@
-//! The parameters that PARAM_VALUE messages tell, by the component that has them.
+//! The parameters that `PARAM_VALUE` messages tell, by the component that has them.
 
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ pub(crate) const PARAM_VALUE: &str = "PARAM_VALUE";
 /// Parameters kept per component, since whoever sends chooses their names.
 const MAX_PARAMS: usize = 16384;
 
-/// Takes a PARAM_VALUE into `link.param_state`.
+/// Takes a `PARAM_VALUE` into `link.param_state`.
 pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
     let py = link.py();
     let source = source_of(message)?;
