@@ -1,9 +1,9 @@
 """`make bench-large`: what a message of a long log costs, and the memory that reading it takes.
 
-Logs of the size asked for, a tenth and a hundredth of it are written by `mavwire.traffic` into a
-temporary folder. Each is read in a process of its own, in CPU time, through `recv_msg()` of what
-`mavlink_connection` opens (which indexes the log first) and through `open_log`. A reader that does
-not see every message makes the run fail.
+Logs of the size asked for, a tenth and a hundredth of it are written into a temporary folder: one
+flight of `mavwire.traffic`, over and over. Each is read in processes of their own, in CPU time,
+through `recv_msg()` of what `mavlink_connection` opens (which indexes the log first) and through
+`open_log`. A reader that does not see every message makes the run fail.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from typing import Any
 import mavwire
 from mavwire import mavutil, traffic
 
-# What share of the bytes asked for each log has.
-SHARES = (0.01, 0.1, 1)
+# How often the flight is repeated in each log.
+FLIGHTS = (1, 10, 100)
 # Messages that tell how long a record is on average.
 SAMPLE = 10_000
 HEADINGS = (
@@ -65,30 +65,27 @@ def peak_rss() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
 
 
-def measure(reader: str, log: Path, written: traffic.Written, runs: int) -> dict[str, float]:
+def measure(reader: str, log: Path, messages: int, runs: int) -> dict[str, float]:
     """Medians over processes, in microseconds a message and MiB."""
     answers = []
     for _ in range(runs):
         command = [sys.executable, __file__, "--read", reader, str(log)]
         output = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
         answers.append(json.loads(output))
-    for answer in answers:
-        if answer["messages"] != written.messages:
-            raise SystemExit(f"{reader} saw {answer['messages']} of {written.messages} messages")
+        if answers[-1]["messages"] != messages:
+            raise SystemExit(f"{reader} saw {answers[-1]['messages']} of {messages} messages")
     seconds = {
         name: median(answer.get(name, 0.0) for answer in answers) for name in ("open", "read")
     }
-    per_message = {name: value / written.messages * 1e6 for name, value in seconds.items()}
+    per_message = {name: value / messages * 1e6 for name, value in seconds.items()}
     return per_message | {"rss": median(answer["rss"] for answer in answers) / 2**20}
 
 
-def row(folder: Path, size: float, record: float, runs: int) -> list[str]:
-    """Writes a log of about `size` bytes and reads it."""
-    log = folder / "log.tlog"
-    written = traffic.generate(log, max(int(size / record), 1))
-    link, plain = (measure(reader, log, written, runs) for reader in READERS)
+def row(log: Path, messages: int, runs: int) -> list[str]:
+    """What reading the log costs."""
+    link, plain = (measure(reader, log, messages, runs) for reader in READERS)
     return [
-        f"{written.bytes / 1e6:,.1f} MB", f"{written.messages:,}", f"{link['open']:.3f}",
+        f"{log.stat().st_size / 1e6:,.1f} MB", f"{messages:,}", f"{link['open']:.3f}",
         f"{link['read']:.3f}", f"{link['rss']:.0f}", f"{plain['read']:.3f}", f"{plain['rss']:.0f}",
     ]  # fmt: skip
 
@@ -106,12 +103,15 @@ def main() -> None:
         return
     print(f"| {' | '.join(HEADINGS)} |\n|{' --- |' * len(HEADINGS)}")
     with TemporaryDirectory() as name:
-        folder = Path(name)
-        record = traffic.generate(folder / "sample.tlog", SAMPLE).bytes / SAMPLE
-        for share in SHARES:
-            print(
-                f"| {' | '.join(row(folder, args.bytes * share, record, args.runs))} |", flush=True
-            )
+        flight, log = Path(name) / "flight.tlog", Path(name) / "log.tlog"
+        record = traffic.generate(flight, SAMPLE).bytes / SAMPLE
+        written = traffic.generate(flight, max(int(args.bytes / FLIGHTS[-1] / record), 1))
+        content = flight.read_bytes()
+        for flights in FLIGHTS:
+            with log.open("wb") as file:
+                file.writelines(content for _ in range(flights))
+            cells = row(log, flights * written.messages, args.runs)
+            print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from mavwire.mavftp_op import (
 from . import log
 from .channel import MAX_PAYLOAD, OPERATIONS, Channel, Pending, answers, decode_result
 from .download import Download
-from .listing import MAX_ENTRIES, InvalidEntry, parse_entries, split_entries
+from .listing import MAX_ENTRIES, InvalidEntry, parse_entries, split_entries, writable
 from .local import Destination, LocalFile, Memory, local_name
 from .params import extract_params, ftp_param_decode, missionplanner_sort, save_params
 from .result import DirectoryEntry, FtpError, MAVFTPReturn
@@ -120,7 +120,7 @@ class MAVFTP:
             try:
                 found += parse_entries(raw)
             except InvalidEntry as error:
-                log.error("Invalid file entry: F%s", error)
+                log.error("Invalid file entry: F%s", writable(str(error)))
                 return MAVFTPReturn("ListDirectory", FtpError.InvalidDataSize)
             count += len(raw)
         self.list_result = sorted(found, key=lambda entry: (not entry.is_dir, entry.name))

@@ -28,6 +28,11 @@ def parse_entries(raw: list[bytes]) -> Iterator[DirectoryEntry]:
             yield entry
 
 
+def writable(text: str) -> str:
+    """A text for logs: files take them as UTF-8, which a stray byte of a name is none of."""
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
 def _parse(kind: str, rest: str) -> DirectoryEntry | None:
     if kind == "D":
         return DirectoryEntry(rest, True, 0)
@@ -37,7 +42,7 @@ def _parse(kind: str, rest: str) -> DirectoryEntry | None:
     if not tab:
         raise InvalidEntry(rest)
     if not size.isascii() or not size.isdigit():
-        log.error("Invalid file size: %s", size)
+        log.error("Invalid file size: %s", writable(size))
         size = "0"
     return DirectoryEntry(name, False, int(size[:20]))
 

@@ -27,7 +27,6 @@ class Tracking:
     mav: Any
     sysid: int
     sysid_state: dict[int, mavfile_state]
-    param_state: dict[tuple[int, int], param_state]
     target_system: Any
     target_component: Any
     _fix_home: Callable[[int], None]

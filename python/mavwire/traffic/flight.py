@@ -16,6 +16,7 @@ METRES_PER_DEGREE = 111_319.49
 CRUISE_HEIGHT = 30.0
 CLIMB_SECONDS = 15.0
 TRACK = (120.0, 80.0)  # half extent of the track in metres, north and east
+BATTERY_MAH = 5200.0
 OMEGA = (0.050, 0.075)  # angular speed along the track in rad/s, north and east
 
 
@@ -39,7 +40,7 @@ class Flight:
         """Move to a time in seconds since boot, which must not be before the last one."""
         before = getattr(self, "seconds", 0.0)
         self.seconds, self.step = seconds, max(seconds - before, 0.0)
-        self.ms = int(seconds * 1e3)
+        self.ms = int(seconds * 1e3) & 0xFFFFFFFF  # starts anew after 50 days, as on vehicles
         self.us = int(seconds * 1e6)
         self.ticks += 1
         gauss = self.random.gauss
@@ -86,10 +87,10 @@ class Flight:
         self.mag = (int(0.5 * field * cos), int(-0.5 * field * sin), int(0.8 * field))
 
     def _energy(self) -> None:
-        """A battery that drains, motors that work against weight and climb."""
+        """A battery that drains and is changed in flight, motors that work against weight and climb."""
         self.current = 18.0 + 3.0 * self.climb + abs(self.noise[7])
-        self.consumed_mah += self.current * self.step / 3.6
-        self.remaining = max(0, 100 - int(self.consumed_mah / 52.0))
+        self.consumed_mah = (self.consumed_mah + self.current * self.step / 3.6) % BATTERY_MAH
+        self.remaining = 100 - int(self.consumed_mah / BATTERY_MAH * 100)
         self.voltage = 16.8 - 0.0004 * self.consumed_mah - 0.01 * self.current
         self.throttle = min(100, int(40 + 5 * self.climb))
         self.motors = [

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from .flight import Flight
+from .flight import BATTERY_MAH, Flight
 
 Values = Callable[[Flight], tuple[Any, ...]]
 
@@ -24,7 +24,7 @@ PARAMETERS = (
     (b"ATC_ANG_RLL_P", 4.5),
     (b"ATC_RAT_PIT_P", 0.135),
     (b"ATC_RAT_RLL_P", 0.135),
-    (b"BATT_CAPACITY", 5200.0),
+    (b"BATT_CAPACITY", BATTERY_MAH),
     (b"COMPASS_OFS_X", 5.0),
     (b"EK3_ENABLE", 1.0),
     (b"FENCE_ENABLE", 0.0),

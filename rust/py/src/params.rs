@@ -1,4 +1,4 @@
-//! The parameters that PARAM_VALUE messages tell, by the component that has them.
+//! The parameters that `PARAM_VALUE` messages tell, by the component that has them.
 
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -16,7 +16,7 @@ const MAX_PARAMS: usize = 16384;
 /// Parameters kept of all that a link hears; those of its target are kept beyond it.
 const MAX_LINK_PARAMS: usize = 262_144;
 
-/// Takes a PARAM_VALUE into `link.param_state`.
+/// Takes a `PARAM_VALUE` into `link.param_state`.
 pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
     let py = link.py();
     let source = source_of(message)?;

@@ -205,18 +205,45 @@ def test_what_was_read_ahead_is_shown_to_a_new_parser(both: list[Ours]) -> None:
     assert agree(both, scenario) == ([0, 1, 2], [1, 2])
 
 
-def test_a_partial_frame_is_dropped_and_the_replaced_method_stays(tmp_path: Path) -> None:
-    """mavwire's own: a seek forgets half a frame, and nothing else about the parser."""
-    mavutil = importlib.import_module("mavwire.mavutil")
-    path = tmp_path / "one.tlog"
-    path.write_bytes(2 * record(heartbeat()))
-    log = mavutil.mavlogfile(str(path))
-    log.recv_msg()  # which settles the wire protocol, and so the parser
+@pytest.fixture
+def own(tmp_path: Path) -> Iterator[Ours]:
+    """mavwire, for what is its own."""
+    from mavwire import mavutil
+
+    mavutil.set_wire_protocol("2.0")
+    yield Ours("mavwire", tmp_path)
+    mavutil.set_wire_protocol(None)
+    mavutil.set_dialect("all")
+
+
+def test_a_method_of_the_class_replaced_later_is_for_later_links(
+    own: Ours, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And `buf_len`, which pymavlink's parser calls, is not called."""
+    earlier = own.open("mavlogfile")
+    asked = spy(earlier.mav, "buf_len")
+    calls: list[Any] = []
+    original = own.mavlink.MAVLink.decode
+
+    def replacement(mav: Any, frame: Any) -> Any:
+        calls.append(mav)
+        return original(mav, frame)
+
+    monkeypatch.setattr(own.mavlink.MAVLink, "decode", replacement)
+    later = own.open("mavlogfile")
+    assert name_of(earlier.recv_msg()) == name_of(later.recv_msg()) == "HEARTBEAT"
+    assert (calls, asked) == ([later.mav], [])
+
+
+def test_a_partial_frame_is_dropped_and_the_replaced_method_stays(own: Ours) -> None:
+    """A peer that is gone leaves half a frame behind, which is forgotten, and nothing else is."""
+    log = own.open("mavlogfile")
+    log.recv_msg()
     before = log.mav.total_bytes_received
     calls = spy(log.mav, "parse_char")
     log.mav.parse_char(heartbeat()[:9])
     log._drop_partial()
     assert (log.mav.buf_len(), log.mav.total_bytes_received) == (0, before)
     calls.clear()
-    assert log.recv_msg().get_type() == "HEARTBEAT"
+    assert log.recv_msg().get_type() == "ATTITUDE"
     assert calls

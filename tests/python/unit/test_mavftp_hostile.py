@@ -155,6 +155,15 @@ def test_an_entry_without_a_size_is_an_error() -> None:
     assert entries(b"Fname\0").error_code == FtpError.InvalidDataSize
 
 
+@pytest.mark.parametrize("data", [b"Fname\t\xff\0", b"Fname\xff\0", b"F..\xff/\t1\0"])
+def test_what_is_logged_of_a_listing_can_be_written(
+    data: bytes, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Files take logs as UTF-8, which a stray byte of a name is none of."""
+    entries(data)
+    assert "\\udcff" in caplog.text.encode("utf-8").decode()
+
+
 def test_an_endless_directory_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     from mavwire._ftp import client as module
 

@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 from mavwire import traffic
+from mavwire.traffic.flight import Flight
+from mavwire.traffic.telemetry import GROUND_STATION, VEHICLE
 
 
 @pytest.fixture(scope="module")
@@ -121,3 +123,14 @@ def test_version_1_traffic(dialect: ModuleType) -> None:
 def test_options_out_of_range_are_named(options: dict[str, Any], named: str) -> None:
     with pytest.raises(ValueError, match=named):
         traffic.Options(**options)
+
+
+def test_a_flight_of_two_months_fits_its_fields(dialect: ModuleType) -> None:
+    """A log of 10 GB takes a month; the clock since boot starts anew, batteries are changed."""
+    flight = Flight(seed=0)
+    mav = dialect.MAVLink(None)
+    for seconds in range(0, 60 * 24 * 3600, 1777):
+        flight.advance(float(seconds))
+        assert flight.voltage > 14 and 0 < flight.remaining <= 100
+        for name, _period, values in (*VEHICLE, *GROUND_STATION):
+            getattr(dialect, f"MAVLink_{name.lower()}_message")(*values(flight)).pack(mav)
