@@ -25,7 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--out", required=True, help="folder for the files")
     parser.add_argument("--format", choices=list(FORMATS), default="parquet")
     parser.add_argument(
-        "--compression", choices=COMPRESSIONS, help="default: zstd for parquet, none for the others"
+        "--compression",
+        choices=sorted({one for some in COMPRESSIONS.values() for one in some}),
+        help="default: zstd for parquet, none for the others",
     )
     parser.add_argument("--types", help="message types, separated by commas (default: all)")
     parser.add_argument("--systems", help="system ids, separated by commas (default: all)")

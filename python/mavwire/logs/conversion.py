@@ -20,7 +20,7 @@ from mavwire._native import Converter
 
 from .query import Query
 from .reading import check_readable, native_dialect
-from .table import default_compression
+from .telemetry import LogFormatError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -28,7 +28,13 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 FORMATS = {"parquet": ".parquet", "csv": ".csv", "jsonl": ".jsonl", "arrow": ".arrow"}
-COMPRESSIONS = ("none", "zstd", "snappy", "gzip")
+COMPRESSIONS = {
+    "parquet": ("zstd", "snappy", "none"),
+    "csv": ("none", "gzip", "zstd"),
+    "jsonl": ("none", "gzip", "zstd"),
+    "arrow": ("none", "zstd"),
+}
+"""What each format may be compressed with, the default first."""
 TEXT_SUFFIXES = {"zstd": ".zst", "gzip": ".gz"}
 MANIFEST = "manifest.json"
 VERSION = 1
@@ -80,10 +86,10 @@ def convert(
     """
     if format not in FORMATS:
         raise ValueError(f"format must be one of {', '.join(FORMATS)}, not {format!r}")
-    compression = compression or default_compression(format)
-    if compression not in COMPRESSIONS:
-        choices = ", ".join(COMPRESSIONS)
-        raise ValueError(f"compression must be one of {choices}, not {compression!r}")
+    compression = compression or COMPRESSIONS[format][0]
+    if compression not in COMPRESSIONS[format]:
+        choices = ", ".join(COMPRESSIONS[format])
+        raise ValueError(f"{format} is compressed with one of {choices}, not {compression!r}")
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, None, start, end)
     query.batch_rows, query.batch_bytes = BATCH_ROWS, BATCH_BYTES
@@ -136,7 +142,9 @@ class _Job:
                 position = converter.progress()[0]
                 if self.progress is not None and row.size:
                     self.progress(path, min(100.0, 100.0 * position / row.size))
-            _, row.bad_bytes, row.error = converter.progress()
+            position, row.bad_bytes, row.error = converter.progress()
+            if position and row.bad_bytes == position:
+                raise LogFormatError(f"no telemetry log, there is no record in it: {path!r}")
             for written, rows in converter.commit():
                 row.files[os.path.relpath(written, self.out)] = rows
                 row.rows += rows

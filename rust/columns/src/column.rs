@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use arrow::array::{
-    Array, ArrayRef, BinaryBuilder, FixedSizeListArray, Float64Array, PrimitiveArray, StringBuilder,
-    TimestampMicrosecondArray,
+    Array, ArrayRef, BinaryBuilder, FixedSizeListArray, Float64Array, PrimitiveArray,
+    StringBuilder, TimestampMicrosecondArray,
 };
 use arrow::buffer::ScalarBuffer;
 use arrow::datatypes::{

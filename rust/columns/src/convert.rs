@@ -3,9 +3,9 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
+use arrow::array::UInt32Array;
 use arrow::array::{Array, ArrayRef, FixedSizeListArray, RecordBatch, RecordBatchOptions};
 use arrow::compute::take;
-use arrow::array::UInt32Array;
 use arrow::csv::WriterBuilder as CsvBuilder;
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
 use arrow::ipc::CompressionType;
@@ -215,7 +215,9 @@ fn flat(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, Error> {
 /// The elements at one place of all lists.
 fn element_of(lists: &FixedSizeListArray, element: i32) -> Result<ArrayRef, Error> {
     let places: UInt32Array = (0..lists.len())
-        .map(|row| lists.is_valid(row).then(|| (lists.value_offset_at(row) + element as usize) as u32))
+        .map(|row| {
+            lists.is_valid(row).then(|| (lists.value_offset_at(row) + element as usize) as u32)
+        })
         .collect();
     Ok(take(lists.values(), &places, None)?)
 }

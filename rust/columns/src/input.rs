@@ -21,7 +21,11 @@ const PROBE: usize = 64 << 10;
 /// What reading says.
 pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
     let mut magic = [0; 4];
-    let len = fill(&mut source, &mut magic)?;
+    let mut failed = None;
+    let len = fill(&mut source, &mut magic, &mut failed)?;
+    if let Some(error) = failed {
+        return Err(error);
+    }
     let whole = io::Cursor::new(magic[..len].to_vec()).chain(source);
     Ok(match magic {
         [0x1F, 0x8B, 8, _] => Box::new(flate2::read::MultiGzDecoder::new(whole)),
@@ -30,15 +34,27 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     })
 }
 
-/// Reads until `into` is full or the source is at its end.
-fn fill(source: &mut dyn Read, into: &mut [u8]) -> io::Result<usize> {
+/// Reads until `into` is full or the source is at its end. An error behind the first byte is kept in `failed` for the next
+/// time.
+fn fill(
+    source: &mut dyn Read,
+    into: &mut [u8],
+    failed: &mut Option<io::Error>,
+) -> io::Result<usize> {
+    if let Some(error) = failed.take() {
+        return Err(error);
+    }
     let mut filled = 0;
     while filled < into.len() {
         match source.read(&mut into[filled..]) {
             Ok(0) => break,
             Ok(len) => filled += len,
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return if filled == 0 { Err(error) } else { Ok(filled) },
+            Err(error) if filled == 0 => return Err(error),
+            Err(error) => {
+                *failed = Some(error);
+                break;
+            }
         }
     }
     Ok(filled)
@@ -53,10 +69,11 @@ struct Buffer {
 }
 
 impl Buffer {
-    fn read(&mut self, source: &mut dyn Read, block: usize) -> io::Result<usize> {
+    fn read(&mut self, source: &mut Source, block: usize) -> io::Result<usize> {
         self.bytes.resize(HEADROOM + block, 0);
         self.start = HEADROOM;
-        let filled = fill(source, &mut self.bytes[HEADROOM..]);
+        let into = &mut self.bytes[HEADROOM..];
+        let filled = fill(&mut *source.inner, into, &mut source.failed);
         self.bytes.truncate(HEADROOM + filled.as_ref().copied().unwrap_or(0));
         filled
     }
@@ -77,9 +94,16 @@ impl Buffer {
     }
 }
 
+/// Where bytes come from.
+struct Source {
+    inner: Box<dyn Read + Send>,
+    /// Why the next read fails.
+    failed: Option<io::Error>,
+}
+
 /// A log being read.
 pub struct Blocks {
-    source: Box<dyn Read + Send>,
+    source: Source,
     block: usize,
     now: Buffer,
     next: Buffer,
@@ -100,6 +124,7 @@ impl Blocks {
     /// The same of any size, and without decompressing.
     pub fn of_size(source: Box<dyn Read + Send>, block: usize) -> Self {
         let (now, next) = Default::default();
+        let source = Source { inner: source, failed: None };
         Self { source, block, now, next, ahead: None, damage: None }
     }
 
@@ -108,7 +133,7 @@ impl Blocks {
     /// # Errors
     /// What reading says.
     pub fn with_framing(mut self, registry: &Registry) -> io::Result<(Self, Framing)> {
-        let filled = self.next.read(&mut *self.source, self.block);
+        let filled = self.next.read(&mut self.source, self.block);
         self.ahead = Some(Ok(self.judge(filled)?));
         let head = self.next.unread();
         let framing = Framing::of(&head[..head.len().min(PROBE)], registry);
@@ -131,7 +156,7 @@ impl Blocks {
     ) -> io::Result<Option<T>> {
         let filled = match self.ahead.take() {
             Some(filled) => filled,
-            None => self.next.read(&mut *self.source, self.block),
+            None => self.next.read(&mut self.source, self.block),
         };
         let filled = self.judge(filled)?;
         let left = self.now.unread();

@@ -132,7 +132,8 @@ fn all_columns(
         plain("compid", Source::Compid, DataType::UInt8),
         plain("seq", Source::Seq, DataType::UInt8),
     ];
-    let mut taken: HashSet<String> = columns.iter().map(|(column, _)| column.name.clone()).collect();
+    let mut taken: HashSet<String> =
+        columns.iter().map(|(column, _)| column.name.clone()).collect();
     let mut unique = |mut name: String| {
         while !taken.insert(name.clone()) {
             name.push('_');

@@ -8,7 +8,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use mavwire_core::frame::Header;
-use mavwire_core::log::tlog::{FoundRecord, Located, RecordScanner, Runs, STAMP_LEN, Stamp, find_runs};
+use mavwire_core::log::tlog::{
+    FoundRecord, Located, RecordScanner, Runs, STAMP_LEN, Stamp, find_runs,
+};
 use mavwire_core::registry::Registry;
 use rayon::prelude::*;
 

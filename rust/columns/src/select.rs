@@ -35,7 +35,8 @@ impl Wanted {
     }
 
     fn wants_record(&self, block: &[u8], lead: usize, scanned: &Scanned, record: &Located) -> bool {
-        let from = |sysid: u8| self.systems.as_ref().is_none_or(|wanted| wanted[usize::from(sysid)]);
+        let from =
+            |sysid: u8| self.systems.as_ref().is_none_or(|wanted| wanted[usize::from(sysid)]);
         let time = scanned.time(block, record.at) as f64 * 1.0e-6;
         let in_time = lead == 0 || (time >= self.start && time < self.end);
         in_time && header_at(block, record.at, lead).is_some_and(|header| from(header.sysid))

@@ -78,7 +78,8 @@ const UNITS: &[(&str, &str, f64, f64)] = &[
 
 /// The multiplier of a definition: a number or a fraction.
 fn multiplier(text: &str) -> Option<Scale> {
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v != 0.0);
+    let number =
+        |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v != 0.0);
     if let Some((times, over)) = text.split_once('/') {
         return Some(Scale { times: number(times)?, over: number(over)? });
     }
@@ -105,8 +106,7 @@ mod tests {
 
     fn scaled(units: Option<&str>, multiplier: Option<&str>, value: f64) -> Option<(f64, String)> {
         let text = |text: Option<&str>| text.map(str::to_owned);
-        let field =
-            Field { units: text(units), multiplier: text(multiplier), ..Field::default() };
+        let field = Field { units: text(units), multiplier: text(multiplier), ..Field::default() };
         let (scale, unit) = to_si(&field)?;
         Some((scale.apply(value), unit.unwrap_or_default().to_owned()))
     }

@@ -57,13 +57,11 @@ pub(crate) fn align_tables(
         (None, Some(step)) if step > 0 => Clock::Step(step),
         _ => return Err(PyValueError::new_err("either a table to align on or a rate")),
     };
-    let whole = |(name, table): (String, PyRef<'_, RecordBatches>)| {
-        Ok((name, table.whole(py)?.clone()))
-    };
+    let whole =
+        |(name, table): (String, PyRef<'_, RecordBatches>)| Ok((name, table.whole(py)?.clone()));
     let tables = tables.into_iter().map(whole).collect::<PyResult<Vec<_>>>()?;
-    let aligned = py.detach(|| {
-        align(&tables, clock.ticks(&tables)?, method, tolerance.unwrap_or(u64::MAX))
-    });
+    let aligned =
+        py.detach(|| align(&tables, clock.ticks(&tables)?, method, tolerance.unwrap_or(u64::MAX)));
     let aligned = aligned.map_err(|error| columns_error(error.into()))?;
     Ok(RecordBatches::new(aligned.schema(), vec![aligned]))
 }

@@ -38,9 +38,10 @@ pub(crate) struct Query {
 impl Query {
     fn wanted(&self, dialect: &Dialect) -> Wanted {
         let messages = &dialect.registry.dialect().messages;
-        let types = self.types.as_ref().map(|ids| {
-            messages.iter().map(|message| ids.contains(&message.id)).collect()
-        });
+        let types = self
+            .types
+            .as_ref()
+            .map(|ids| messages.iter().map(|message| ids.contains(&message.id)).collect());
         let systems = self.systems.as_ref().map(|ids| {
             let mut systems = Box::new([false; 256]);
             for &id in ids {

@@ -132,9 +132,8 @@ impl Converter {
     fn step(&self, py: Python<'_>) -> PyResult<bool> {
         py.check_signals()?;
         let dialect = self.dialect.get();
-        let step = |work: &mut Option<Work>| {
-            work.as_mut().map_or(Ok(false), |work| work.step(dialect))
-        };
+        let step =
+            |work: &mut Option<Work>| work.as_mut().map_or(Ok(false), |work| work.step(dialect));
         py.detach(|| self.with(step)).map_err(columns_error)
     }
 

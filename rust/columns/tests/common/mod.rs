@@ -18,7 +18,8 @@ pub struct Noise(pub u64);
 impl Noise {
     /// The next number below `end`.
     pub fn below(&mut self, end: u64) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) % end
     }
 
@@ -31,7 +32,8 @@ impl Noise {
 /// A frame of HEARTBEAT, ATTITUDE, STATUSTEXT or an id that nobody has.
 pub fn frame_of(registry: &Registry, noise: &mut Noise, seq: u8) -> Vec<u8> {
     let msgid = [0, 30, 253, 0xABCD][noise.below(4) as usize];
-    let version = if msgid < 256 && noise.below(4) == 0 { WireVersion::V1 } else { WireVersion::V2 };
+    let version =
+        if msgid < 256 && noise.below(4) == 0 { WireVersion::V1 } else { WireVersion::V2 };
     let header = Header {
         version,
         payload_len: 0,
