@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import time
 
@@ -65,9 +66,16 @@ def _dump_column(message: Any, f: TextIO, column: str, described: Any) -> None:
     unit = message.fmt.get_unit(column)
     note = _note(value, described)
     shown = "qnan" if is_quiet_nan(value) else value
-    f.write(f"    {column}: {shown}{note} {unit}\n")
+    f.write(f"    {column}: {shown}{note} {unit}{_in_degrees(value, unit)}\n")
     if described is not None:
         message.dump_verbose_bitmask(f, column, value, described)
+
+
+def _in_degrees(value: Any, unit: str) -> str:
+    """An angle in radians, or a rate of one, in degrees too."""
+    if not unit.startswith("rad") or not isinstance(value, int | float):
+        return ""
+    return f" ({math.degrees(value)} deg{unit.removeprefix('rad')})"
 
 
 def _note(value: Any, described: Any) -> str:

@@ -107,7 +107,8 @@ fn layouts_that_lie_describe_nothing() {
     for number in 0..=u16::MAX {
         definitions.collect(&fmt(9, 255, "MANY", "", &number.to_string()), u64::from(number) * 89);
     }
-    assert_eq!(definitions.layouts().len(), MAX_DEFINITIONS);
+    definitions.collect(&fmt(10, 255, "LAST", "", ""), u64::MAX);
+    assert_eq!(definitions.layouts().len(), 1 + MAX_DEFINITIONS / 256 + 1);
 }
 
 #[test]
