@@ -306,6 +306,7 @@ COLUMN_READERS: dict[str, Callable[[Side, str], Any]] = {
     "pymavlog": _columns_by_pymavlog,
 }
 
+
 def dataflash(
     side: Side, corpus: Corpus, look: Callable[[Any], object] | None = None, **how: Any
 ) -> Job:

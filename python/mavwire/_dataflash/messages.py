@@ -38,7 +38,7 @@ def _stored(element: Any, character: str, scaled: bool) -> Any:
         return element.encode() if isinstance(element, str) else element
     if factor is None:
         return kind(element)
-    return int(element) if scaled else int(float(element) / factor)
+    return round(float(element)) if scaled else round(float(element) / factor)
 
 
 def dump_verbose(message: Any, f: TextIO) -> None:
@@ -95,7 +95,7 @@ def dump_verbose_bitmask(_message: Any, f: TextIO, _c: str, val: Any, field_meta
     if field_metadata is None or not isinstance(val, int):
         return
     for bit in field_metadata.iterfind("bitmask/bit"):
-        mask = int(bit.findtext("value") or 0, 0)
+        mask = int(bit.findtext("value") or "0", 0)
         if mask and val & mask:
             described = (bit.findtext("description") or "").strip()
             f.write(f"      {bit.get('name')}{': ' + described if described else ''}\n")

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from dump_logs import environment, oracle_dump
 from differential.dataflash_logs import flight
+from dump_logs import environment, oracle_dump
 from mavwire import cli
 
 FORMATS = """\

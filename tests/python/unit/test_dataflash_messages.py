@@ -18,7 +18,6 @@ from mavwire import DFReader, mavutil
 from mavwire.CSVReader import CSVReader
 
 
-
 @pytest.fixture
 def log(tmp_path: Path) -> Any:
     """The sample, open."""
@@ -33,7 +32,9 @@ def test_a_set_column_is_the_messages(log: Any) -> None:
     message.Status = 6
     assert (message.Lat, message.Status) == (2.5, 6)
     assert message._elements == [5_000_000, 0, 6, 100_000, 2200, 25_000_000.0]
-    assert message.get_msgbuf() == before[:12] + b"\x06" + before[13:-4] + (25_000_000).to_bytes(4, "little")
+    assert message.get_msgbuf() == before[:12] + b"\x06" + before[13:-4] + (25_000_000).to_bytes(
+        4, "little"
+    )
     message.Status = 300
     assert message.get_msgbuf() is None
     message.note = "mine"
@@ -83,6 +84,7 @@ def test_readers_and_messages_are_freed(tmp_path: Path) -> None:
 
 def test_what_is_read_while_conditions_change_the_reader(log: Any) -> None:
     """A condition may rewind, close or replace what it is asked about."""
+
     class Rewinding(type(log)):  # type: ignore[misc]
         def check_condition(self, condition: str) -> bool:
             self.messages = {}
@@ -147,7 +149,9 @@ def test_seeking(log: Any) -> None:
 
 
 def test_progress_is_told_and_may_raise(tmp_path: Path) -> None:
-    path = Log().define("X", "Q", "TimeUS").raw(record(1, "Q", 7) * 200_000).write(tmp_path / "x.bin")
+    path = (
+        Log().define("X", "Q", "TimeUS").raw(record(1, "Q", 7) * 200_000).write(tmp_path / "x.bin")
+    )
     told: list[int] = []
     DFReader.DFReader_binary(path, progress_callback=told.append).close()
     assert told == sorted(set(told))
@@ -168,20 +172,26 @@ def test_an_empty_file_is_refused(tmp_path: Path) -> None:
         mavutil.mavlink_connection(str(tmp_path / "none.bin"))
 
 
-def test_units_in_degrees_and_documentation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_units_in_degrees_and_documentation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     home = tmp_path / ".pymavlink" / "LogMessages"
     home.mkdir(parents=True)
     (home / "Copter.xml").write_text(
         '<loggermessagefile><logformat name="GYR"><description>Rates</description><fields>'
         '<field name="R" units="rad/s"><description>a rate</description></field>'
         '<field name="F"><bitmask><bit name="ONE"><value>1</value></bit><bit name="TWO"><value>2'
-        '</value><description>the second</description></bit></bitmask></field>'
+        "</value><description>the second</description></bit></bitmask></field>"
         '<field name="E"><enum><element name="HOT"><value>3</value></element></enum></field>'
         "</fields></logformat></loggermessagefile>"
     )
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("LOCALAPPDATA", str(tmp_path))
-    log = Log().define("UNIT", "QbZ", "TimeUS,Id,Label", 150).define("MSG", "QZ", "TimeUS,Message", 151)
+    log = (
+        Log()
+        .define("UNIT", "QbZ", "TimeUS,Id,Label", 150)
+        .define("MSG", "QZ", "TimeUS,Message", 151)
+    )
     log.define("FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", 152)
     log.define("GYR", "fBB", "R,F,E", 153).add("UNIT", 1, ord("r"), "rad/s")
     log.add("FMTU", 1, 153, "r--", "---").add("MSG", 2, "ArduCopter").add("GYR", 0.5, 2, 3)
