@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use mavwire_core::log::dataflash::text::Delimiter;
 use mavwire_link::dataflash::Contents;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -238,7 +239,7 @@ impl DataflashReader {
     /// The text between values of a text log.
     fn _delimiter(&self, py: Python<'_>) -> Option<&'static str> {
         let state = self.state.lock(py);
-        state.source.as_ref()?.delimiter().map(|delimiter| delimiter.text())
+        state.source.as_ref()?.delimiter().map(Delimiter::text)
     }
 
     /// Where the lines of a text log start by their first characters, and how many lines there are.
