@@ -354,6 +354,50 @@ COLUMN_READERS: dict[str, Callable[[Side, str], Any]] = {
     "pymavlog": _columns_by_pymavlog,
 }
 
+
+def dataflash(
+    side: Side, corpus: Corpus, look: Callable[[Any], object] | None = None, **how: Any
+) -> Job:
+    """Reading a dataflash log to its end, opening it not counted; `look` is called with each
+    message.
+    """
+
+    def opened() -> Any:
+        return side.mavutil.mavlink_connection(corpus.dataflash)
+
+    def run(one: Any) -> int:
+        read, count = one.recv_match, 0
+        while (msg := read(**how)) is not None:
+            count += 1
+            if look is not None:
+                look(msg)
+        return count
+
+    def digest() -> str:
+        one = opened()
+        messages = iter(lambda: one.recv_match(**how), None)
+        text = "\n".join(f"{msg._timestamp!r} {msg}" for msg in messages)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    return Job(corpus.messages, run, run(opened()), digest, opened)
+
+
+def dataflash_open(side: Side, corpus: Corpus) -> Job:
+    """Opening a dataflash log: what is in it, its clock, and the first message of each type."""
+
+    def run(_: None) -> int:
+        count: int = side.mavutil.mavlink_connection(corpus.dataflash)._count
+        return count
+
+    expect = run(None)
+    return Job(corpus.messages, run, expect, lambda: expect)
+
+
+def columns_of(msg: Any) -> list[Any]:
+    """All values of a dataflash message."""
+    return [getattr(msg, name) for name in msg.get_fieldnames()]
+
+
 # Name -> how to make the job; the table's rows and goals are in goals.py.
 CASES: dict[str, Callable[[Side, Corpus], Job]] = {
     "stream-64k": lambda s, c: stream(s, c.raw("stream"), 1 << 16),
@@ -375,6 +419,11 @@ CASES: dict[str, Callable[[Side, Corpus], Job]] = {
     "index": index,
     "columns": columns,
     "parquet": parquet,
+    "bin-open": dataflash_open,
+    "bin-recv_match": dataflash,
+    "bin-filter": lambda s, c: dataflash(s, c, type="ATT"),
+    "bin-fields": lambda s, c: dataflash(s, c, columns_of),
+    "bin-str": lambda s, c: dataflash(s, c, str),
     "pack": pack,
     "send": send,
     "pack-signed": lambda s, c: pack(s, c, signed=True),

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import dataflash_log
+
 ROOT = Path(__file__).parents[2]
 KEY = bytes(range(32))
 FILES: dict[str, dict[str, Any]] = {
@@ -43,6 +45,11 @@ class Corpus:
         """Path of a log of one message, to take the start of a program off its running time."""
         return str(self.folder / "single.tlog")
 
+    @property
+    def dataflash(self) -> str:
+        """Path of the dataflash log."""
+        return str(self.folder / "flight.BIN")
+
     def raw(self, name: str) -> bytes:
         """Bytes of a stream without timestamps: `stream`, `version1`, `corrupt` or `signed`."""
         return (self.folder / f"{name}.raw").read_bytes()
@@ -56,7 +63,8 @@ def chunks(data: bytes, size: int) -> list[bytes]:
 def prepare(messages: int, package: str) -> Corpus:
     """The corpus of this length, made now where it is not there yet."""
     sources = sorted((ROOT / "python" / "mavwire" / "traffic").glob("*.py"))
-    digest = hashlib.sha256(b"".join(one.read_bytes() for one in [*sources, Path(__file__)]))
+    own = [Path(__file__), Path(dataflash_log.__file__)]
+    digest = hashlib.sha256(b"".join(one.read_bytes() for one in [*sources, *own]))
     folder = ROOT / "target" / "bench" / f"{messages}-{digest.hexdigest()[:12]}"
     if not (folder / "complete").exists():
         folder.mkdir(parents=True, exist_ok=True)
@@ -79,6 +87,7 @@ def make(folder: Path, package: str, messages: int) -> None:
         with (folder / f"{name}.raw").open("wb") as file:
             for _, frame, _ in traffic.records(options, dialect):
                 file.write(frame)
+    dataflash_log.write(folder / "flight.BIN", messages)
     (folder / "complete").write_text(json.dumps({"messages": messages}))
 
 

@@ -64,4 +64,9 @@ ROWS = (
     Row("send-signed", "G10", "x_send(...), signed", Goal(None, 0.9), Goal(None, 1.8)),
     Row("signed-no-key", "G11", "parse_buffer, signed, no key"),
     Row("verify", "G11", "parse_buffer, signed and verified", Goal(74, 2.5), Goal(None, 4)),
+    Row("bin-open", "G15", "dataflash: open"),
+    Row("bin-recv_match", "G15", "dataflash: recv_match()", Goal(27, 2), Goal(None, 5)),
+    Row("bin-filter", "G15", "dataflash: one type of 10", Goal(None, 15), Goal(None, 30)),
+    Row("bin-fields", "G15", "dataflash: read all columns"),
+    Row("bin-str", "G15", "dataflash: read and str()"),
 )

@@ -20,6 +20,7 @@ from mavwire._stubs.columns import (
     log_summary,
     write_table,
 )
+from mavwire._stubs.dataflash import DataflashReader, DataflashShape, DFMessage, MicrosClock
 from mavwire._stubs.links import (
     Link,
     LiveLink,
@@ -34,6 +35,9 @@ from mavwire._stubs.logs import LogLink, LogScan, dump_log
 __all__ = [
     "ColumnView",
     "Converter",
+    "DFMessage",
+    "DataflashReader",
+    "DataflashShape",
     "DefinitionError",
     "Dialect",
     "FieldGetter",
@@ -46,6 +50,7 @@ __all__ = [
     "Message",
     "MessageInfo",
     "MetaAttr",
+    "MicrosClock",
     "OddField",
     "RecordBatches",
     "Signing",

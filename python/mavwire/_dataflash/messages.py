@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import time
 
@@ -37,7 +38,7 @@ def _stored(element: Any, character: str, scaled: bool) -> Any:
         return element.encode() if isinstance(element, str) else element
     if factor is None:
         return kind(element)
-    return int(element) if scaled else int(float(element) / factor)
+    return round(float(element)) if scaled else round(float(element) / factor)
 
 
 def dump_verbose(message: Any, f: TextIO) -> None:
@@ -65,9 +66,16 @@ def _dump_column(message: Any, f: TextIO, column: str, described: Any) -> None:
     unit = message.fmt.get_unit(column)
     note = _note(value, described)
     shown = "qnan" if is_quiet_nan(value) else value
-    f.write(f"    {column}: {shown}{note} {unit}\n")
+    f.write(f"    {column}: {shown}{note} {unit}{_in_degrees(value, unit)}\n")
     if described is not None:
         message.dump_verbose_bitmask(f, column, value, described)
+
+
+def _in_degrees(value: Any, unit: str) -> str:
+    """An angle in radians, or a rate of one, in degrees too."""
+    if not unit.startswith("rad") or not isinstance(value, int | float):
+        return ""
+    return f" ({math.degrees(value)} deg{unit.removeprefix('rad')})"
 
 
 def _note(value: Any, described: Any) -> str:
@@ -87,7 +95,7 @@ def dump_verbose_bitmask(_message: Any, f: TextIO, _c: str, val: Any, field_meta
     if field_metadata is None or not isinstance(val, int):
         return
     for bit in field_metadata.iterfind("bitmask/bit"):
-        mask = int(bit.findtext("value") or 0, 0)
+        mask = int(bit.findtext("value") or "0", 0)
         if mask and val & mask:
             described = (bit.findtext("description") or "").strip()
             f.write(f"      {bit.get('name')}{': ' + described if described else ''}\n")

@@ -37,8 +37,7 @@ _VEHICLE_TEXTS = (
 )  # fmt: skip
 # Build types of VER messages -> MAV_TYPE.
 _VEHICLE_BUILDS = {1: 10, 2: 2, 3: 1, 4: 5, 7: 12, 12: 7, 13: 4}
-# Types that tell the state of the vehicle, and those that tell the time.
-_STATE_TYPES = ("MODE", "MSG", "PARM", "STAT", "ORGN", "VER")
+# Types that tell the time, and PARM, which is to be known early.
 _TIME_TYPES = (*GPS_TYPES, "TIME", "PARM")
 
 
@@ -171,15 +170,23 @@ class DFReader(_native.DataflashReader):
     def init_clock(self) -> None:
         """Find out which clock the log has, and its time base."""
         self._rewind(keep_messages=True)
-        if not self._init_clock_by_gps() and not self._init_clock_by_fields():
-            clock = DFReaderClock_gps_interpolated()
-            self.clock = clock
-            self.init_clock_gps_interpolated(clock)
+        if not self._init_clock_by_gps():
+            if not self._init_clock_by_fields():
+                clock = DFReaderClock_gps_interpolated()
+                self.clock = clock
+                self.init_clock_gps_interpolated(clock)
+            self._read_to_the_end()
         self._rewind(keep_messages=True)
         for name, m in list(self.messages.items()):
             if name not in ("MAV", "__MAV__"):
                 self.clock.set_message_timestamp(m)
         self.clock.rewind_event()
+
+    def _read_to_the_end(self) -> None:
+        """See every message, as looking for a GPS fix in vain does."""
+        self._rewind(keep_messages=True)
+        while self.recv_msg() is not None:
+            pass
 
     def _init_clock_by_gps(self) -> bool:
         """Look for a GPS message that tells the time; parameters are kept on the way."""
@@ -200,9 +207,6 @@ class DFReader(_native.DataflashReader):
             elif "GPSTime" in names and px4_time is not None and m.GPSTime:
                 self.init_clock_px4(px4_time, m)
                 return True
-        self._rewind(keep_messages=True)
-        while self.recv_match(type=_STATE_TYPES) is not None:
-            pass
         return False
 
     def _init_clock_by_fields(self) -> bool:

@@ -142,6 +142,7 @@ def summarise(log: Any, path: str, progress: Progress | None = None) -> Summary:
             summary.types[kind] += 1
         if progress is not None and number % PROGRESS_EVERY == 0:
             progress.update(getattr(log, "percent", 0.0))
+    summary.bad_bytes += getattr(log, "junk_bytes", 0)
     summary.seconds = time.perf_counter() - began
     return summary
 

@@ -91,7 +91,10 @@ def names(
 
 @pytest.mark.parametrize("case", CASES)
 def test_golden_case(case: str, names: dict[str, Any], subject: str) -> None:
-    code, expected = CASES[case]["code"].replace(*EDITS.get(case, ("", ""))), CASES[case]["expected"]
+    code, expected = (
+        CASES[case]["code"].replace(*EDITS.get(case, ("", ""))),
+        CASES[case]["expected"],
+    )
     if case in DIFFERENCES and subject == "mavwire":
         expected = DIFFERENCES[case][0]
     with contextlib.redirect_stderr(io.StringIO()):

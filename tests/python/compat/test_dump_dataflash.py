@@ -1,21 +1,16 @@
-"""`mavwire dump` over a dataflash log prints what mavlogdump.py prints.
-
-The reader is pymavlink's own, so that only the dump is compared here.
-"""
+"""`mavwire dump` over a dataflash log, text or binary, prints what mavlogdump.py prints."""
 
 from __future__ import annotations
 
-import importlib
 import shlex
 import time
-from argparse import Namespace
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from differential.dataflash_logs import flight
 from dump_logs import environment, oracle_dump
 from mavwire import cli
-from mavwire.cli import dump
 
 FORMATS = """\
 FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns
@@ -43,8 +38,18 @@ CASES = (
 
 
 @pytest.fixture
-def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, oracle: str) -> Iterator[str]:
-    """A text log, opened by pymavlink's reader."""
+def clocks(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """This process shows times as the other one does."""
+    with monkeypatch.context() as patch:
+        patch.setenv("TZ", environment()["TZ"])
+        time.tzset()
+        yield
+    time.tzset()
+
+
+@pytest.fixture
+def log(tmp_path: Path, clocks: None, oracle: str) -> str:
+    """A text log."""
     lines = [FORMATS, "PARM, 1000, RATE_MAX, 1.5\n", "MSG, 1500, hello, world\n"]
     for number in range(40):
         micros = 2000 + number * 10_000
@@ -54,27 +59,34 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, oracle: str) -> Iterato
             lines.append(f"ERR, {micros + 200}, 5, 1\n")
     path = tmp_path / "flight.log"
     path.write_text("".join(lines))
-    mavutil = importlib.import_module(f"{oracle}.mavutil")
-
-    def opened(args: Namespace, _progress: object) -> object:
-        return mavutil.mavlink_connection(args.log, zero_time_base=args.zero_time_base)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(dump, "_open", opened)
-        patch.setenv("TZ", environment()["TZ"])
-        time.tzset()
-        yield str(path)
-    time.tzset()
+    return str(path)
 
 
-@pytest.mark.parametrize("options", CASES)
-def test_lines(options: str, log: str, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.fixture
+def binary(tmp_path: Path, clocks: None, oracle: str) -> str:
+    """A binary log with units, instances and a GPS fix."""
+    return flight(11).write(tmp_path / "flight.bin")
+
+
+def assert_same_lines(options: str, log: str, capsys: pytest.CaptureFixture[str]) -> None:
     theirs, code = oracle_dump(*shlex.split(options), log)
     assert code == 0
     capsys.readouterr()
     assert cli.main(["dump", *shlex.split(options), log]) == 0
     assert capsys.readouterr().out.split("\n") == theirs
     assert (len(theirs) > 5) == (options != "--quiet")
+
+
+@pytest.mark.parametrize("options", [one for one in CASES if "ERR" not in one])
+def test_lines_of_a_binary_log(
+    options: str, binary: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert_same_lines(options, binary, capsys)
+
+
+@pytest.mark.parametrize("options", CASES)
+def test_lines(options: str, log: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert_same_lines(options, log, capsys)
 
 
 @pytest.mark.parametrize("options", ["--types ATT", "--parms --condition False", "--parms"])

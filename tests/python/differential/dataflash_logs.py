@@ -52,14 +52,18 @@ def flight(seed: int, *, units: bool = True, fix: bool = True, back: bool = Fals
     """A flight with instances, mode changes, and times that may go back."""
     rng, log = random.Random(seed), Log()
     if units:
-        log.define("UNIT", "QbZ", "TimeUS,Id,Label", 150).define("MULT", "Qbd", "TimeUS,Id,Mult", 151)
+        log.define("UNIT", "QbZ", "TimeUS,Id,Label", 150).define(
+            "MULT", "Qbd", "TimeUS,Id,Mult", 151
+        )
         log.define("FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", 152)
     log.define("IMU", "QBfff", "TimeUS,I,AccX,AccY,AccZ", 40)
     log.define("BAT", "QNf", "TimeUS,Name,Volt", 41)
     log.define("GPS", "QBBIHBLLe", GPS_COLUMNS, 42)
     log.define("ATT", "Qcc", "TimeUS,Roll,Pitch", 43).define("OLD", "IB", "TimeMS,X", 44)
     log.define("MODE", "QMBB", "TimeUS,Mode,ModeNum,Rsn", 45).define("EV", "BB", "Id,X", 46)
-    log.define("MSG", "QZ", "TimeUS,Message", 47).define("PARM", "QNff", "TimeUS,Name,Value,Default", 48)
+    log.define("MSG", "QZ", "TimeUS,Message", 47).define(
+        "PARM", "QNff", "TimeUS,Name,Value,Default", 48
+    )
     log.define("STAT", "QB", "TimeUS,MainState", 49).define("ACC1", "IB", "TimeMS,X", 50)
     if units:
         for unit_id, label in ("s", "s"), ("#", "instance"), ("o", "m/s/s"), ("d", "deg"):
@@ -77,7 +81,18 @@ def flight(seed: int, *, units: bool = True, fix: bool = True, back: bool = Fals
         log.add("IMU", time, number % 3, rng.random(), -rng.random(), -9.8)
         choice = rng.randrange(9)
         if choice == 0:
-            log.add("GPS", time, number % 2, 3, 100_000 + time // 1000, 2200 * fix, 9, 473_977_418, -85_455_939, 12_345)
+            log.add(
+                "GPS",
+                time,
+                number % 2,
+                3,
+                100_000 + time // 1000,
+                2200 * fix,
+                9,
+                473_977_418,
+                -85_455_939,
+                12_345,
+            )
         elif choice == 1:
             log.add("MODE", time, number % 7, number % 7, 1)
         elif choice == 2:

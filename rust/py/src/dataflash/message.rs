@@ -16,6 +16,7 @@ use crate::frame_bytes::FrameBytes;
 use crate::lock::Lock;
 
 /// Where a message's values are.
+#[derive(Clone, Copy)]
 pub(crate) enum Origin {
     /// In the body of a binary record.
     Body,
@@ -335,7 +336,7 @@ impl DFMessage {
         helper(slf.py(), "dump_verbose_bitmask")?.call1(arguments).map(drop)
     }
 
-    /// The newest message of another instance of this type. IndexError if there is none.
+    /// The newest message of another instance of this type. `IndexError` if there is none.
     fn __getitem__<'py>(
         slf: &Bound<'py, Self>,
         key: &Bound<'py, PyAny>,
@@ -362,17 +363,12 @@ impl DFMessage {
             elements: elements.map(Bound::unbind),
             attributes: attributes.map(Bound::unbind),
         };
-        let origin = match this.origin {
-            Origin::Body => Origin::Body,
-            Origin::Line(delimiter) => Origin::Line(delimiter),
-            Origin::Made => Origin::Made,
-        };
         Bound::new(
             py,
             Self {
                 names: Arc::clone(&this.names),
                 bytes: this.bytes.clone(),
-                origin,
+                origin: this.origin,
                 timestamp: this.timestamp.clone(),
                 written: Lock::new(Some(Box::new(written))),
                 fmt: this.fmt.clone_ref(py),

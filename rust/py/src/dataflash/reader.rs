@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use mavwire_core::log::dataflash::text::Delimiter;
 use mavwire_link::dataflash::Contents;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -18,6 +19,9 @@ use crate::lock::Lock;
 
 /// Records that are passed over before the user's wish to stop is heeded.
 const BUDGET: u32 = 1 << 16;
+
+/// Keys of `messages` beyond which no further instances are added.
+const MAX_MESSAGES: usize = 1 << 16;
 
 /// Types whose messages change the state of the vehicle, and are read whichever type is asked for.
 const STATE_TYPES: [&str; 6] = ["MODE", "MSG", "PARM", "STAT", "ORGN", "VER"];
@@ -98,7 +102,9 @@ impl DataflashReader {
             Some(Ok(key)) => messages.set_item(key, &message)?,
             Some(Err(bytes)) => {
                 let key = Self::instance_key(slf, &message, kind)?;
-                messages.set_item(&key, &message)?;
+                if messages.len() < MAX_MESSAGES || messages.contains(&key)? {
+                    messages.set_item(&key, &message)?;
+                }
                 slf.get().state.lock(py).remember_key(kind, bytes, key.unbind());
             }
         }
@@ -233,7 +239,7 @@ impl DataflashReader {
     /// The text between values of a text log.
     fn _delimiter(&self, py: Python<'_>) -> Option<&'static str> {
         let state = self.state.lock(py);
-        state.source.as_ref()?.delimiter().map(|delimiter| delimiter.text())
+        state.source.as_ref()?.delimiter().map(Delimiter::text)
     }
 
     /// Where the lines of a text log start by their first characters, and how many lines there are.

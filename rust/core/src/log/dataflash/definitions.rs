@@ -10,8 +10,11 @@ use memchr::memmem;
 use super::layout::{FMT_LAYOUT_LEN, Layout};
 use super::{FMT_TYPE, HEAD, HEAD_LEN};
 
-/// Layouts that are kept at most; a log has fewer than 256, and a hostile one shall not fill the memory.
-pub const MAX_DEFINITIONS: usize = 4096;
+/// Layouts of one type that are kept at most, the first ones: a hostile log shall not fill the memory.
+const MAX_FOR_TYPE: usize = 16;
+
+/// Layouts of a log that are kept at most.
+pub const MAX_DEFINITIONS: usize = 256 * MAX_FOR_TYPE;
 
 /// No layout, and several.
 const NONE: u16 = u16::MAX;
@@ -67,7 +70,7 @@ impl Definitions {
         let type_id = layout.type_id;
         let before = self.index_at(type_id, u64::MAX);
         let known = before.and_then(|index| self.layouts.get(usize::from(index)));
-        if known.is_some_and(|known| **known == layout) || self.layouts.len() >= MAX_DEFINITIONS {
+        if known.is_some_and(|known| **known == layout) || self.count(type_id) >= MAX_FOR_TYPE {
             return;
         }
         let index = self.layouts.len() as u16;
@@ -82,6 +85,11 @@ impl Definitions {
             self.only[usize::from(type_id)] = SEVERAL;
         }
         self.insert(type_id, offset, index);
+    }
+
+    /// Layouts of a type, where there are several.
+    fn count(&self, type_id: u8) -> usize {
+        self.several.iter().filter(|(known, _, _)| *known == type_id).count()
     }
 
     fn insert(&mut self, type_id: u8, offset: u64, index: u16) {

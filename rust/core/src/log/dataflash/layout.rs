@@ -1,5 +1,7 @@
 //! What a FMT record says: name, length and fields of a record type.
 
+use std::fmt::Write;
+
 use thiserror::Error;
 
 use super::field::{FieldKind, Value, value};
@@ -201,7 +203,7 @@ pub fn log_text(bytes: &[u8]) -> String {
     for chunk in bytes.utf8_chunks() {
         text.push_str(chunk.valid());
         for byte in chunk.invalid() {
-            text.push_str(&format!("\\x{byte:02x}"));
+            let _ = write!(text, "\\x{byte:02x}");
         }
     }
     text

@@ -93,12 +93,8 @@ pub fn layout(line: &str, delimiter: Delimiter) -> Result<Layout, LayoutError> {
         return Ok(Layout::of_fmt());
     }
     // The length is that of the binary record; here it binds nothing.
-    let mut layout =
-        Layout::new(type_id, 0, name.to_owned(), format.to_owned(), split_columns(columns))
-            .or_else(|error| match error {
-                LayoutError::TooShort { .. } => Err(LayoutError::Malformed),
-                other => Err(other),
-            })?;
+    let columns = split_columns(columns);
+    let mut layout = Layout::new(type_id, 0, name.to_owned(), format.to_owned(), columns)?;
     layout.len = len;
     Ok(layout)
 }

@@ -1,0 +1,168 @@
+"""Damaged and hostile dataflash logs: nothing intact is lost, nothing hangs, memory stays bounded."""
+
+from __future__ import annotations
+
+import random
+import struct
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from dataflash_writer import FMT, HEAD, Log, fmt, record, sample
+from mavwire import mavutil
+from mavwire.DFReader import DFReader_binary, DFReader_text
+
+RECORDS = [record(1, "QB", number, number % 7) for number in range(40)]
+DESCRIPTION = FMT + fmt(1, "CNT", "QB", "TimeUS,N")
+
+
+def read(path: Path, data: bytes) -> list[str]:
+    """The texts of all messages of a log."""
+    path.write_bytes(data)
+    with DFReader_binary(str(path)) as log:
+        messages = [str(message) for message in iter(log.recv_msg, None)]
+        assert log.offset == len(data)
+        assert len(messages) == log._count
+    return messages
+
+
+def text_of(number: int) -> str:
+    return f"CNT {{TimeUS : {number}, N : {number % 7}}}"
+
+
+@pytest.mark.parametrize("gone", [1, 2, 3, 5, 11, 12, 13, 30])
+def test_every_cut_leaves_the_intact_records(tmp_path: Path, gone: int) -> None:
+    body = b"".join(RECORDS)
+    size = len(RECORDS[0])
+    for start in range(4 * size):
+        data = DESCRIPTION + body[:start] + body[start + gone :]
+        found = read(tmp_path / "cut.bin", data)
+        for number in range(len(RECORDS)):
+            first, last = number * size, (number + 1) * size
+            if last <= start or first >= start + gone:
+                assert text_of(number) in found, f"record {number}, {gone} bytes gone at {start}"
+
+
+def test_junk_between_records(tmp_path: Path) -> None:
+    rng = random.Random(1)
+    pieces = [HEAD, b"\xa3", HEAD + b"\x63", b"\0" * 700, b"\xff" * 3, rng.randbytes(99)]
+    data = DESCRIPTION + b"".join(one + rng.choice(pieces) for one in RECORDS)
+    assert set(map(text_of, range(len(RECORDS)))) <= set(read(tmp_path / "junk.bin", data))
+    with DFReader_binary(str(tmp_path / "junk.bin")) as log:
+        assert 0 < log.junk_bytes < len(data)
+
+
+def test_any_mutation_is_read_to_its_end(tmp_path: Path) -> None:
+    rng = random.Random(2)
+    whole = bytes(sample().data)
+    for _ in range(150):
+        data = bytearray(whole)
+        for _ in range(rng.randint(1, 8)):
+            data[rng.randrange(len(data))] = rng.randrange(256)
+        del data[rng.randrange(len(data)) :]
+        path = tmp_path / "mutated.bin"
+        path.write_bytes(bytes(data) or b"x")
+        with mavutil.mavlink_connection(str(path)) as log:
+            for message in iter(log.recv_msg, None):
+                assert str(message)
+                assert message.to_dict()["mavpackettype"] == message.get_type()
+            log.flightmode_list()
+
+
+def test_definitions_that_lie_hide_nothing_else(tmp_path: Path) -> None:
+    lies = [
+        fmt(9, "BAD", "BB", "X,Y", length) for length in (0, 1, 2, 3, 4)
+    ] + [
+        HEAD + b"\x80" + struct.pack("<BB4s16s64s", 10, 9, b"ODD", b"Q\xff?", b"A,B"),
+        fmt(11, b"", "BB", "X,Y"),
+        fmt(128, "FMT", "BB", "X,Y"),
+    ]  # fmt: skip
+    data = DESCRIPTION + b"".join(lies) + b"".join(RECORDS)
+    found = read(tmp_path / "lies.bin", data)
+    assert found[-len(RECORDS) :] == [text_of(number) for number in range(len(RECORDS))]
+
+
+def test_a_longer_record_than_its_fields(tmp_path: Path) -> None:
+    data = FMT + fmt(9, "LNG", "BB", "X,Y", 8) + (HEAD + b"\x09\x01\x02???") * 3
+    assert read(tmp_path / "long.bin", data)[-1] == "LNG {X : 1, Y : 2}"
+
+
+def test_columns_without_a_format_and_the_other_way_round(tmp_path: Path) -> None:
+    log = Log().define("FEW", "B", "X,Y", 1).define("MNY", "BBB", "X", 2).define("NON", "", "", 3)
+    log.add("FEW", 1).add("MNY", 2, 3, 4).add("NON")
+    found = read(tmp_path / "odd.bin", bytes(log.data))
+    assert found[-3:] == ["FEW {X : 1}", "MNY {X : 2}", "NON {}"]
+
+
+def test_a_type_described_again_and_before_it_is_described(tmp_path: Path) -> None:
+    data = FMT + record(5, "BB", 1, 2) + fmt(5, "OLD", "BB", "X,Y") + record(5, "BB", 3, 4)
+    data += fmt(5, "NEW", "HH", "P,Q") + record(5, "HH", 5, 6)
+    found = [text for text in read(tmp_path / "again.bin", data) if not text.startswith("FMT")]
+    assert found == ["OLD {X : 1, Y : 2}", "OLD {X : 3, Y : 4}", "NEW {P : 5, Q : 6}"]
+
+
+def test_all_types_and_equal_names(tmp_path: Path) -> None:
+    data = FMT + b"".join(fmt(n, "SAME", "B", "X") for n in range(256) if n != 128)
+    data += b"".join(record(n, "B", n) for n in range(256) if n != 128)
+    path = tmp_path / "types.bin"
+    path.write_bytes(data)
+    with DFReader_binary(str(path)) as log:
+        messages = list(iter(lambda: log.recv_match(type="SAME"), None))
+        assert [message.X for message in messages] == [n for n in range(256) if n != 128]
+        assert log.find_unused_format() is None
+
+
+def test_many_descriptions_and_instances_stay_bounded(tmp_path: Path) -> None:
+    log = Log()
+    for number in range(6000):
+        log.raw(fmt(7, "MANY", "H", f"C{number}"))
+    log.define("FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", 20).define("X", "I", "I", 21)
+    log.add("FMTU", 1, 21, "#", "-")
+    for number in range(70_000):
+        log.add("X", number)
+    path = log.write(tmp_path / "many.bin")
+    with DFReader_binary(path) as reader:
+        assert reader._count == 1 + 6000 + 2 + 1 + 70_000
+        assert [fmt.name for fmt in reader._layouts] == ["FMT", *["MANY"] * 16, "FMTU", "X"]
+        while reader.recv_msg() is not None:
+            pass
+        assert len(reader.messages) == 1 << 16
+
+
+def test_a_file_that_shrinks_while_it_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "shrinks.bin"
+    path.write_bytes(DESCRIPTION + b"".join(RECORDS) * 2000)
+    log = DFReader_binary(str(path))
+    assert log.recv_msg() is not None
+    path.write_bytes(b"")
+    while log.recv_msg() is not None:
+        pass
+    assert log.recv_match(type="CNT") is None
+    log.filehandle.close()
+
+
+def test_text_that_is_no_log(tmp_path: Path) -> None:
+    path = tmp_path / "odd.log"
+    head = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 1, 9, A, QZ, TimeUS,T\n"
+    lines = [
+        b"A, 1, good\n", b"A, 2\n", b"A\n", b"\n", b", , ,\n", b"A, x, words\n", b"\xff\xfe, 1\n",
+        b"A, 3, caf\xc3\xa9\n", b"A, 4, caf\xe9\n", b"Z" * 300_000 + b"\n", b"A, " * 90_000 + b"\n",
+        b"FMT, 300, 1, B, Q, X\n", b"FMT, 2, 9, B, y, X\n", b"FMT, 2\n", b"A, 5, end",
+    ]  # fmt: skip
+    path.write_bytes(head.encode() + b"".join(lines))
+    with DFReader_text(str(path)) as log:
+        messages = [m for m in iter(log.recv_msg, None) if m.get_type() == "A"]
+        assert [m.T for m in messages] == ["good", "words", "café", "café", "end"]
+        with pytest.raises(ValueError, match="invalid literal"):
+            messages[1].TimeUS  # noqa: B018
+        assert log.offset == path.stat().st_size
+
+
+def test_text_lines_around_bad_ones_come_once(tmp_path: Path) -> None:
+    path = tmp_path / "twice.log"
+    rows = "".join(f"A, {n}, x\nA, {n}\n" for n in range(50))
+    path.write_text("header, x\nFMT, 1, 9, A, QZ, TimeUS,T\n" + rows)
+    with DFReader_text(str(path)) as log:
+        times = [message.TimeUS for message in iter(lambda: log.recv_match(type="A"), None)]
+    assert times == list(range(50))
+    assert max(Counter(times).values()) == 1

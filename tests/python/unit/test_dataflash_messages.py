@@ -1,0 +1,236 @@
+"""Messages and readers of dataflash logs as objects: attributes, copies, memory, errors."""
+
+from __future__ import annotations
+
+import copy
+import gc
+import io
+import json
+import subprocess
+import sys
+import weakref
+from pathlib import Path
+from typing import Any
+
+import pytest
+from dataflash_writer import Log, record, sample
+from mavwire import DFReader, mavutil
+from mavwire.CSVReader import CSVReader
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Any:
+    """The sample, open."""
+    with mavutil.mavlink_connection(sample().write(tmp_path / "t.bin")) as reader:
+        yield reader
+
+
+def test_a_set_column_is_the_messages(log: Any) -> None:
+    message = log.recv_match(type="GPS")
+    before = message.get_msgbuf()
+    message.Lat = 2.5
+    message.Status = 6
+    assert (message.Lat, message.Status) == (2.5, 6)
+    assert message._elements == [5_000_000, 0, 6, 100_000, 2200, 25_000_000.0]
+    assert message.get_msgbuf() == before[:12] + b"\x06" + before[13:-4] + (25_000_000).to_bytes(
+        4, "little"
+    )
+    message.Status = 300
+    assert message.get_msgbuf() is None
+    message.note = "mine"
+    assert (message.note, vars(message)) == ("mine", {"note": "mine"})
+    del message.note
+    assert not hasattr(message, "note")
+    with pytest.raises(AttributeError, match="^Nope$"):
+        message.Nope  # noqa: B018
+
+
+def test_names_that_are_not_interned_are_found(log: Any) -> None:
+    message = log.recv_match(type="IMU")
+    name = "".join(["Acc", "X"])
+    assert getattr(message, name) == message.AccX == 1.5
+
+
+def test_columns_do_not_hide_what_every_message_has(tmp_path: Path) -> None:
+    log = Log().define("ODD", "BBB", "fmt,get_type,_timestamp").add("ODD", 1, 2, 3)
+    with mavutil.mavlink_connection(log.write(tmp_path / "odd.bin")) as reader:
+        message = reader.recv_match(type="ODD")
+        assert message.get_type() == "ODD"
+        assert message.fmt.name == "ODD"
+        assert message.to_dict() == {
+            "mavpackettype": "ODD", "fmt": 1, "get_type": 2, "_timestamp": 3
+        }  # fmt: skip
+
+
+def test_copies_are_apart(log: Any) -> None:
+    message = log.recv_match(type="IMU")
+    twin = copy.copy(message)
+    twin.AccX = 9.0
+    assert (message.AccX, twin.AccX, twin._timestamp) == (1.5, 9.0, message._timestamp)
+
+
+def test_readers_and_messages_are_freed(tmp_path: Path) -> None:
+    reader = mavutil.mavlink_connection(sample().write(tmp_path / "t.bin"))
+    messages = list(iter(reader.recv_msg, None))
+    messages[3].extra = reader
+    watch, message_watch = weakref.ref(reader), weakref.ref(messages[3])
+    mavutil.mavfile_global = None
+    reader.filehandle.close()
+    del reader, messages
+    gc.collect()
+    assert watch() is None
+    assert message_watch() is None
+
+
+def test_what_is_read_while_conditions_change_the_reader(log: Any) -> None:
+    """A condition may rewind, close or replace what it is asked about."""
+
+    class Rewinding(type(log)):  # type: ignore[misc]
+        def check_condition(self, condition: str) -> bool:
+            self.messages = {}
+            return super().check_condition("1 > 0")  # type: ignore[no-any-return]
+
+    other = Rewinding(log.filehandle.name)
+    assert other.recv_match(condition="x", type="IMU").AccX == 1.5
+    assert other.messages == {}
+    other.close()
+    with pytest.raises(ValueError, match="closed"):
+        other.recv_msg()
+
+
+def test_a_clock_of_ones_own(log: Any) -> None:
+    class Clock(DFReader.DFReaderClock_usec):
+        def set_message_timestamp(self, m: Any) -> None:
+            m._timestamp = 42.0
+
+    log.rewind()
+    log.clock = Clock()
+    assert log.recv_msg()._timestamp == 42.0
+    log.clock = DFReader.DFReaderClock_usec()
+    log.clock.set_timebase(100)
+    assert log.recv_match(type="GPS", strict=True)._timestamp == 105.0
+
+
+def test_messages_made_from_scratch() -> None:
+    fmt = DFReader.DFFormat(1, "TST", 0, "QBcZ", "TimeUS,I,C,T")
+    message = DFReader.DFMessage(fmt, [1, 2, 300, "abc"], True, None)
+    assert str(message) == "TST {TimeUS : 1, I : 2, C : 3.0, T : abc}"
+    assert message.get_msgbuf() == record(1, "QBcZ", 1, 2, 300, "abc")
+    with pytest.raises(IndexError):
+        str(DFReader.DFMessage(fmt, [1], True, None))
+    with pytest.raises(AttributeError):
+        message._timestamp  # noqa: B018
+    with pytest.raises(Exception, match="Unsupported format char: 'y' in message BAD"):
+        DFReader.DFFormat(1, "BAD", 0, "y", "A")
+    with pytest.raises(ValueError, match="300 bytes|needs? 259|fields need"):
+        DFReader.DFFormat(1, "BIG", 0, "ZZZZ", "A,B,C,D")
+
+
+def test_records_can_be_written_for_the_log(log: Any) -> None:
+    fmt = log.add_format(DFReader.DFFormat(0, "NEW", 0, "QBf", "TimeUS,I,V"))
+    assert fmt.type == 254
+    described = log.make_format_msgbuf(fmt)
+    assert described[:5] == b"\xa3\x95\x80\xfe\x10"
+    assert log.make_msgbuf(fmt, (1, 2, 3.5)) == record(254, "QBf", 1, 2, 3.5)
+
+
+def test_seeking(log: Any) -> None:
+    log.offset = log.offsets[162][1]
+    assert log.recv_msg().I == 1
+    log.rewind()
+    log.skip_to_type({"IMU"}, strict=True)
+    assert log.offset == log.offsets[162][0]
+    assert log.recv_msg().get_type() == "IMU"
+    log.skip_to_type({"IMU"})
+    log.skip_to_type({"IMU"})
+    assert log.offset == log.offsets[162][2]
+    assert log.type_nums == [162]
+    assert log.counts[162] == 3
+
+
+def test_progress_is_told_and_may_raise(tmp_path: Path) -> None:
+    path = (
+        Log().define("X", "Q", "TimeUS").raw(record(1, "Q", 7) * 200_000).write(tmp_path / "x.bin")
+    )
+    told: list[int] = []
+    DFReader.DFReader_binary(path, progress_callback=told.append).close()
+    assert told == sorted(set(told))
+    assert told[-1] == 100
+
+    def stop(percent: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        DFReader.DFReader_binary(path, progress_callback=stop)
+
+
+def test_an_empty_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "e.bin").write_bytes(b"")
+    with pytest.raises(ValueError, match="cannot mmap an empty file"):
+        mavutil.mavlink_connection(str(tmp_path / "e.bin"))
+    with pytest.raises(FileNotFoundError):
+        mavutil.mavlink_connection(str(tmp_path / "none.bin"))
+
+
+def test_units_in_degrees_and_documentation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home = tmp_path / ".pymavlink" / "LogMessages"
+    home.mkdir(parents=True)
+    (home / "Copter.xml").write_text(
+        '<loggermessagefile><logformat name="GYR"><description>Rates</description><fields>'
+        '<field name="R" units="rad/s"><description>a rate</description></field>'
+        '<field name="F"><bitmask><bit name="ONE"><value>1</value></bit><bit name="TWO"><value>2'
+        "</value><description>the second</description></bit></bitmask></field>"
+        '<field name="E"><enum><element name="HOT"><value>3</value></element></enum></field>'
+        "</fields></logformat></loggermessagefile>"
+    )
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path))
+    log = (
+        Log()
+        .define("UNIT", "QbZ", "TimeUS,Id,Label", 150)
+        .define("MSG", "QZ", "TimeUS,Message", 151)
+    )
+    log.define("FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", 152)
+    log.define("GYR", "fBB", "R,F,E", 153).add("UNIT", 1, ord("r"), "rad/s")
+    log.add("FMTU", 1, 153, "r--", "---").add("MSG", 2, "ArduCopter").add("GYR", 0.5, 2, 3)
+    with mavutil.mavlink_connection(log.write(tmp_path / "g.bin")) as reader:
+        text = io.StringIO()
+        reader.recv_match(type="GYR").dump_verbose(text)
+        assert text.getvalue().split("\n")[1:] == [
+            "    R: 0.5 rad/s (28.64788975654116 deg/s)",
+            "    F: 2 (0x2) ",
+            "      TWO: the second",
+            "    E: 3 (HOT) ",
+            "",
+        ]
+        assert reader.metadata.get_description("GYR") == "Rates"
+        assert reader.metadata.get_description("XXX") == ""
+
+
+def test_the_alias_gives_the_same_modules() -> None:
+    code = (
+        "import mavwire; mavwire.install_as_pymavlink(); from pymavlink import DFReader, CSVReader;"
+        "import mavwire.DFReader, mavwire.CSVReader;"
+        "assert DFReader is mavwire.DFReader and CSVReader is mavwire.CSVReader"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
+
+
+def test_csv_rows(tmp_path: Path) -> None:
+    path = tmp_path / "f.csv"
+    path.write_text("T;A;B\n1;2.5;x\n\n2;nan\n3;0x10;y;z\n")
+    with mavutil.mavlink_connection(f"csv:{path}") as log:
+        rows = list(iter(log.recv_msg, None))
+        assert [str(row) for row in rows] == [
+            "CSV {T : 1.0, A : 2.5, B : x, }", "CSV {T : 2.0, A : nan, }",
+            "CSV {T : 3.0, A : 0x10, B : y, }",
+        ]  # fmt: skip
+        assert rows[0].to_dict() == {"mavpackettype": "CSV", "T": 1.0, "A": 2.5, "B": "x"}
+        assert log._count == 4
+        assert log.recv_match(condition="CSV.T>2").T == 3.0
+        assert json.dumps(rows[0].line) == '[1.0, 2.5, "x"]'
+    (tmp_path / "empty.csv").write_text("")
+    with pytest.raises(ValueError, match="no headings"):
+        CSVReader(str(tmp_path / "empty.csv"))
