@@ -1,0 +1,188 @@
+"""The tables of logs, as `mavwire._native` has them: there is no module of this name at run time."""
+
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+from typing import Any, Protocol, final
+
+from typing_extensions import Buffer
+
+from mavwire._native import Dialect
+
+__all__ = [
+    "ColumnView",
+    "Converter",
+    "LogColumns",
+    "RecordBatches",
+    "align_tables",
+    "empty_table",
+    "log_summary",
+    "write_table",
+]
+
+class _Query(Protocol):
+    """What to read into tables; None stands for all. See `mavwire.logs.query.Query`."""
+
+    types: list[int] | None
+    systems: list[int] | None
+    start: float | None
+    end: float | None
+    columns: list[str] | None
+    si: bool
+    enum_names: bool
+    batch_rows: int | None
+    batch_bytes: int | None
+
+@final
+class LogColumns:
+    """One pass over a telemetry log or raw stream, an iterator of tables."""
+
+    def __new__(cls, path: str | PathLike[str], dialect: Dialect, query: _Query) -> LogColumns: ...
+    def __iter__(self) -> LogColumns: ...
+    def __next__(self) -> list[tuple[str, RecordBatches]]:
+        """What is ready after another block of the log: message names and tables, perhaps none."""
+
+    @property
+    def position(self) -> int:
+        """Bytes of the log, decompressed, that are dealt with."""
+
+    @property
+    def bad_bytes(self) -> int:
+        """How many of them belong to no record."""
+
+    @property
+    def damage(self) -> str | None:
+        """What is wrong with the compressed file."""
+
+    @property
+    def stamped(self) -> bool:
+        """Whether records have times."""
+
+@final
+class RecordBatches:
+    """A table: a schema and batches of rows."""
+
+    @staticmethod
+    def from_stream(table: Any) -> RecordBatches:
+        """A table of anything that has `__arrow_c_stream__`; the data is shared."""
+
+    @staticmethod
+    def joined(tables: list[RecordBatches]) -> RecordBatches:
+        """Tables one behind the other; ValueError where their columns differ."""
+
+    @staticmethod
+    def from_ipc(bytes: bytes) -> RecordBatches:
+        """The table in the bytes of an Arrow file."""
+
+    @property
+    def num_rows(self) -> int:
+        """Rows of all batches."""
+
+    @property
+    def num_batches(self) -> int:
+        """How many batches there are."""
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the values."""
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns."""
+
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """`{column: {key: value}}`."""
+
+    def types(self) -> dict[str, str]:
+        """`{column: Arrow's name of its type}`."""
+
+    def column(self, name: str) -> ColumnView:
+        """A column in one piece; KeyError if there is none of that name."""
+
+    def without_empty(self, names: list[str]) -> RecordBatches:
+        """The same without those of the named columns that hold nothing but nulls."""
+
+    def select(self, names: list[str]) -> RecordBatches:
+        """Some of the columns, in the order given; KeyError if there is none of a name."""
+
+    def slice(self, start: int, rows: int) -> RecordBatches:
+        """Some of the rows."""
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object: ...
+    def __arrow_c_schema__(self) -> object: ...
+    def __len__(self) -> int: ...
+
+@final
+class ColumnView(Buffer):
+    """One column: a read-only buffer of numbers, or a list of texts."""
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether the buffer protocol shows it."""
+
+    @property
+    def null_count(self) -> int:
+        """Rows without a value."""
+
+    @property
+    def is_time(self) -> bool:
+        """Whether its numbers are microseconds since 1970."""
+
+    def valid(self) -> list[bool] | None:
+        """For each row, whether there is a value; None where all rows have one."""
+
+    def to_list(self) -> list[Any]:
+        """The texts or bytes, None for rows without; BufferError for numbers."""
+
+    def __len__(self) -> int: ...
+
+@final
+class Converter:
+    """Writes the tables of a log to `folder/MESSAGE/file`."""
+
+    def __new__(
+        cls,
+        path: str | PathLike[str],
+        dialect: Dialect,
+        query: _Query,
+        folder: str | PathLike[str],
+        file: str,
+        format: str,
+        compression: str,
+    ) -> Converter: ...
+    def step(self) -> bool:
+        """Converts another block of the log; false at its end."""
+
+    def commit(self) -> list[tuple[Path, int]]:
+        """Gives the files their names: paths and rows."""
+
+    def abandon(self) -> None:
+        """Removes what was written and not committed."""
+
+    def progress(self) -> tuple[int, int, str | None]:
+        """Bytes dealt with, bytes that belong to no record, what is wrong with a compressed file."""
+
+def write_table(
+    table: RecordBatches, path: str | PathLike[str], format: str, compression: str
+) -> None:
+    """Writes a table to a file, which appears when it is complete."""
+
+def empty_table(dialect: Dialect, msgid: int, query: _Query) -> RecordBatches:
+    """A table without rows of a message; ValueError if there is none of that id."""
+
+def align_tables(
+    tables: list[tuple[str, RecordBatches]],
+    on: RecordBatches | None,
+    step: int | None,
+    method: str,
+    tolerance: int | None,
+) -> RecordBatches:
+    """One table of several, on the times of `on` or every `step` microseconds."""
+
+def log_summary(
+    path: str | PathLike[str],
+    dialect: Dialect,
+    gap: int,
+    pulse: Callable[[int], object] | None,
+) -> dict[str, Any]:
+    """What is in a log; `gap` in microseconds. See `mavwire.logs.summary`."""
