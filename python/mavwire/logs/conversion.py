@@ -32,7 +32,7 @@ COMPRESSIONS = {
     "parquet": ("zstd", "snappy", "none"),
     "csv": ("none", "gzip", "zstd"),
     "jsonl": ("none", "gzip", "zstd"),
-    "arrow": ("none", "zstd"),
+    "arrow": ("none",),
 }
 """What each format may be compressed with, the default first."""
 TEXT_SUFFIXES = {"zstd": ".zst", "gzip": ".gz"}

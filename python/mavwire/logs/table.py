@@ -150,8 +150,8 @@ class Table:
     ) -> None:
         """Write a file: Parquet, CSV, JSON lines or Arrow, by the suffix of `path` or `format`.
 
-        It appears when it is complete. `compression`: "zstd", "none", for Parquet also "snappy",
-        for text also "gzip"; by default "zstd" for Parquet and none for the others.
+        It appears when it is complete. `compression`: for Parquet "zstd" (the default), "snappy" or
+        "none", for text "none", "gzip" or "zstd", for Arrow "none".
         """
         path = os.fspath(path)
         kind = format or SUFFIXES.get(os.path.splitext(path)[1].lower())

@@ -5,11 +5,10 @@ use std::sync::Arc;
 
 use arrow::array::UInt32Array;
 use arrow::array::{Array, ArrayRef, FixedSizeListArray, RecordBatch, RecordBatchOptions};
-use arrow::compute::take;
+use arrow::compute::{cast, take};
 use arrow::csv::WriterBuilder as CsvBuilder;
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
-use arrow::ipc::CompressionType;
-use arrow::ipc::writer::{FileWriter, IpcWriteOptions};
+use arrow::ipc::writer::FileWriter;
 use arrow::json::LineDelimitedWriter;
 use flate2::write::GzEncoder;
 use parquet::arrow::ArrowWriter;
@@ -28,7 +27,7 @@ pub enum Format {
     Csv,
     /// A JSON object on each line.
     JsonLines,
-    /// Arrow IPC file.
+    /// Arrow IPC file, whose memory others can map.
     Arrow,
 }
 
@@ -49,7 +48,8 @@ impl Format {
     /// Whether it can be compressed like this.
     pub fn takes(self, compression: Compression) -> bool {
         match compression {
-            Compression::None | Compression::Zstd => true,
+            Compression::None => true,
+            Compression::Zstd => self != Self::Arrow,
             Compression::Snappy => self == Self::Parquet,
             Compression::Gzip => matches!(self, Self::Csv | Self::JsonLines),
         }
@@ -100,11 +100,7 @@ impl<W: Write + Send> Sink<W> {
             Format::JsonLines => {
                 Writer::JsonLines(LineDelimitedWriter::new(Squeeze::new(out, compression)?))
             }
-            Format::Arrow => {
-                let zstd = (compression == Compression::Zstd).then_some(CompressionType::ZSTD);
-                let options = IpcWriteOptions::default().try_with_compression(zstd)?;
-                Writer::Arrow(Box::new(FileWriter::try_new_with_options(out, schema, options)?))
-            }
+            Format::Arrow => Writer::Arrow(Box::new(FileWriter::try_new(out, schema)?)),
         };
         Ok(Self { writer, rows: 0 })
     }
@@ -125,7 +121,7 @@ impl<W: Write + Send> Sink<W> {
                 writer.flush()?;
             }
             Writer::Csv(writer, schema) => writer.write(&flat(batch, schema)?)?,
-            Writer::JsonLines(writer) => writer.write(batch)?,
+            Writer::JsonLines(writer) => writer.write(&with_plain_times(batch)?)?,
             Writer::Arrow(writer) => writer.write(batch)?,
         }
         self.rows += batch.num_rows() as u64;
@@ -190,13 +186,39 @@ fn flat_schema(schema: &Schema) -> SchemaRef {
                 Field::new(name, item.data_type().clone(), true)
             }));
         } else {
-            fields.push(field.as_ref().clone());
+            fields.push(plain_time(field));
         }
     }
     Arc::new(Schema::new(fields))
 }
 
+/// A field of times in UTC by its offset: the text writers know no names of zones.
+fn plain_time(field: &Field) -> Field {
+    match field.data_type() {
+        DataType::Timestamp(unit, Some(_)) => {
+            let by_offset = DataType::Timestamp(*unit, Some("+00:00".into()));
+            field.clone().with_data_type(by_offset)
+        }
+        _ => field.clone(),
+    }
+}
+
+fn with_plain_times(batch: &RecordBatch) -> Result<RecordBatch, Error> {
+    let fields: Vec<Field> = batch.schema().fields().iter().map(|f| plain_time(f)).collect();
+    let arrays = batch.columns().iter().zip(&fields).map(|(array, field)| {
+        if array.data_type() == field.data_type() {
+            Ok(Arc::clone(array))
+        } else {
+            cast(array, field.data_type())
+        }
+    });
+    let arrays = arrays.collect::<Result<Vec<_>, _>>()?;
+    let options = RecordBatchOptions::new().with_row_count(Some(batch.num_rows()));
+    Ok(RecordBatch::try_new_with_options(Arc::new(Schema::new(fields)), arrays, &options)?)
+}
+
 fn flat(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, Error> {
+    let batch = with_plain_times(batch)?;
     let mut arrays: Vec<ArrayRef> = Vec::new();
     for array in batch.columns() {
         match array.as_any().downcast_ref::<FixedSizeListArray>() {

@@ -63,8 +63,8 @@ def test_duckdb_queries_a_table(flight):
     duckdb = pytest.importorskip("duckdb")
     pytest.importorskip("pyarrow")
     attitude = mavwire.open_log(flight)["ATTITUDE"]
-    found = duckdb.sql("select count(*), max(roll) from attitude").fetchone()
-    assert found == (len(attitude), attitude["roll"].max())
+    found = duckdb.sql("select count(*), max(roll) from attitude").fetchall()
+    assert found == [(len(attitude), attitude["roll"].max())]
 
 
 @pytest.mark.parametrize("compression", ["zstd", "snappy", "none"])
@@ -77,13 +77,8 @@ def test_parquet_is_read_back(every, tmp_path, compression):
         read = pq.read_table(file)
         expected = table.to_arrow()
         found = read.select(expected.column_names).cast(expected.schema)
-        for column in expected.column_names:
-            assert (
-                found[column].to_pylist()
-                == pytest.approx(expected[column].to_pylist(), nan_ok=True)
-                if "list" not in str(expected[column].type)
-                else len(found[column]) == 4
-            ), column
+        # As text, in which not-a-number equals itself.
+        assert str(found.to_pylist()) == str(expected.to_pylist()), name
         groups = pq.ParquetFile(file).metadata
         assert groups.row_group(0).column(0).statistics.has_min_max
 
@@ -105,7 +100,7 @@ def test_scan_polars_pushes_down(flight):
     lazy = mavwire.scan_polars(flight, "ATTITUDE")
     assert lazy.collect().equals(frame)
     middle = frame["timestamp"][len(frame) // 2]
-    condition = (pl.col("timestamp") >= middle) & (pl.col("roll") > 0)
+    condition = (pl.col("timestamp") >= middle) & (pl.col("roll") != frame["roll"][-1])
     found = lazy.filter(condition).select("pitch").collect()
     assert found.equals(frame.filter(condition).select("pitch"))
     assert 0 < len(found) < len(frame)
@@ -133,7 +128,7 @@ def test_convert_csv_and_json_lines(flight, tmp_path):
 
 def test_convert_arrow(flight, tmp_path):
     pa = pytest.importorskip("pyarrow")
-    convert([flight], tmp_path, format="arrow", types="ATTITUDE", compression="zstd")
+    convert([flight], tmp_path, format="arrow", types="ATTITUDE")
     with pa.ipc.open_file(tmp_path / "ATTITUDE" / "flight.arrow") as file:
         found = file.read_all()
     assert found.equals(mavwire.read(flight)["ATTITUDE"].to_arrow())
