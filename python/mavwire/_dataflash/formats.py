@@ -146,8 +146,6 @@ class DFFormat:
             factor = mult_lookup.get(mult_id)
             if not unit or factor is None or self._is_scaled(index):
                 continue
-            # Autopilots store factors in single precision.
-            factor = float(f"{factor:.4g}")
             prefix = MULT_TO_PREFIX.get(factor)
             self.units[index] = f"{factor:.4g} {unit}" if prefix is None else prefix + unit
 

@@ -1,6 +1,6 @@
 """Reads dataflash logs through one package and writes down what can be seen, line by line.
 
-`python -m differential.dataflash_transcript PACKAGE WAY LOG...`
+`python -m differential.dataflash_transcript PACKAGE WAY,WAY... LOG...`
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def read_types(log: Any) -> Iterator[str]:
 
 def read_condition(log: Any) -> Iterator[str]:
     """Conditions over types, instances and the state."""
-    for condition in ("GPS.Status>2", "IMU[1].AccZ<-9", "MAV.flightmode!='UNKNOWN'"):
+    for condition in ("GPS.Status>2", "IMU[1].AccZ<-9", "ATT.Roll>1"):
         log.rewind()
         for message in drain(log, condition=condition):
             yield f"{condition}: {message._timestamp!r} {message.get_type()}"
@@ -90,16 +90,18 @@ WAYS = {
 }
 
 
-def main(package: str, way: str, *paths: str) -> None:
+def main(package: str, ways: str, *paths: str) -> None:
     """Print the transcript; an exception is its last line, and its traceback is not shown."""
     sys.tracebacklimit = 0
     os.environ["TZ"] = "UTC"
     time.tzset()
     mavutil = importlib.import_module(f"{package}.mavutil")
     for path in paths:
-        with mavutil.mavlink_connection(path, zero_time_base=way == "zero") as log:
-            for line in WAYS[way](log):
-                sys.stdout.write(line.replace(package, "PACKAGE") + "\n")
+        for way in ways.split(","):
+            print(way)
+            with mavutil.mavlink_connection(path, zero_time_base=way == "zero") as log:
+                for line in WAYS[way](log):
+                    sys.stdout.write(line.replace(package, "PACKAGE") + "\n")
 
 
 if __name__ == "__main__":

@@ -45,7 +45,8 @@ fn every_cut_leaves_the_records_around_it() {
     let (whole, junk) = all(&log);
     assert_eq!((whole.len(), junk), (42, 0));
     for from in 178..log.len() {
-        for gone in [1, 2, 3, 5, 8, 13] {
+        // Not as many as the records that follow have: then what is left looks like a whole record.
+        for gone in [1, 2, 3, 4, 7, 9] {
             let to = (from + gone).min(log.len());
             let cut = [&log[..from], &log[to..]].concat();
             let (left, _) = all(&cut);
