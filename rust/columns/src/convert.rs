@@ -65,7 +65,7 @@ pub struct Sink<W: Write + Send> {
 enum Writer<W: Write + Send> {
     Parquet(Box<ArrowWriter<W>>),
     Csv(Box<arrow::csv::Writer<Squeeze<W>>>, SchemaRef),
-    JsonLines(LineDelimitedWriter<Squeeze<W>>),
+    JsonLines(Box<LineDelimitedWriter<Squeeze<W>>>),
     Arrow(Box<FileWriter<W>>),
 }
 
@@ -98,7 +98,8 @@ impl<W: Write + Send> Sink<W> {
                 Writer::Csv(Box::new(writer), flat)
             }
             Format::JsonLines => {
-                Writer::JsonLines(LineDelimitedWriter::new(Squeeze::new(out, compression)?))
+                let out = Squeeze::new(out, compression)?;
+                Writer::JsonLines(Box::new(LineDelimitedWriter::new(out)))
             }
             Format::Arrow => Writer::Arrow(Box::new(FileWriter::try_new(out, schema)?)),
         };

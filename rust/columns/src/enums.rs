@@ -12,7 +12,7 @@ use mavwire_schema::Enum;
 #[derive(Debug, Clone)]
 pub struct Names {
     bitmask: bool,
-    names: HashMap<i128, String>,
+    by_value: HashMap<i128, String>,
     /// Entries of single bits, lowest first.
     bits: Vec<(i128, String)>,
 }
@@ -20,23 +20,23 @@ pub struct Names {
 impl Names {
     /// Of an enum; the first of two entries with one value counts.
     pub fn new(definition: &Enum, bitmask: bool) -> Self {
-        let mut names = HashMap::new();
+        let mut by_value = HashMap::new();
         for entry in &definition.entries {
-            names.entry(entry.value).or_insert_with(|| entry.name.clone());
+            by_value.entry(entry.value).or_insert_with(|| entry.name.clone());
         }
         let single = |value: i128| u64::try_from(value).is_ok_and(u64::is_power_of_two);
-        let mut bits: Vec<_> = names
+        let mut bits: Vec<_> = by_value
             .iter()
             .filter(|(value, _)| single(**value))
             .map(|(value, name)| (*value, name.clone()))
             .collect();
         bits.sort();
-        Self { bitmask: bitmask || definition.bitmask, names, bits }
+        Self { bitmask: bitmask || definition.bitmask, by_value, bits }
     }
 
     /// The entry with a value, the entries of a bit mask joined by `|`; what has no name is a number.
     pub fn text(&self, value: i128) -> String {
-        if let Some(name) = self.names.get(&value) {
+        if let Some(name) = self.by_value.get(&value) {
             return name.clone();
         }
         if !self.bitmask || value <= 0 {

@@ -106,7 +106,7 @@ impl Reader {
     ///
     /// # Errors
     /// What reading says.
-    pub fn next(&mut self) -> Result<Option<Vec<Batch>>, Error> {
+    pub fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error> {
         let Self { blocks, scanner, framing, wanted, options, tables, .. } = self;
         let read = blocks.next(|block, at_end| {
             let scanned = scanner.scan(block, at_end);

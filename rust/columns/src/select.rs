@@ -34,7 +34,7 @@ impl Wanted {
         self.systems.is_none() && self.start == f64::NEG_INFINITY && self.end == f64::INFINITY
     }
 
-    fn wants_record(&self, block: &[u8], lead: usize, scanned: &Scanned, record: &Located) -> bool {
+    fn wants_record(&self, block: &[u8], lead: usize, scanned: &Scanned, record: Located) -> bool {
         let from =
             |sysid: u8| self.systems.as_ref().is_none_or(|wanted| wanted[usize::from(sysid)]);
         let time = scanned.time(block, record.at) as f64 * 1.0e-6;
@@ -64,7 +64,7 @@ impl Grouped {
         let simple = wanted.by_type_alone();
         let wants = |record: &&Located| {
             wanted.wants_type(record.index)
-                && (simple || wanted.wants_record(block, lead, scanned, record))
+                && (simple || wanted.wants_record(block, lead, scanned, **record))
         };
         let chosen: Vec<&Located> = scanned.records.iter().filter(wants).collect();
         let mut starts = vec![0; types + 1];

@@ -112,9 +112,9 @@ impl Summary {
         let mut sum = Self { stamped: framing == Framing::Stamped, types, ..Self::default() };
         loop {
             let next = blocks.next(|block, at_end| {
-                let scanned = scanner.scan(block, at_end);
-                sum.add(block, framing.lead(), &scanned, gap, &boot_offsets);
-                (scanned.consumed, ())
+                let found = scanner.scan(block, at_end);
+                sum.add(block, framing.lead(), &found, gap, &boot_offsets);
+                (found.consumed, ())
             });
             if next.map_err(Error::from)?.is_none() {
                 sum.damage = blocks.damage().map(str::to_owned);

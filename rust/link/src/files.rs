@@ -17,7 +17,7 @@ pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
 pub struct Draft {
     file: Option<BufWriter<File>>,
     path: PathBuf,
-    draft: PathBuf,
+    part: PathBuf,
 }
 
 impl Draft {
@@ -31,9 +31,9 @@ impl Draft {
         }
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(".part");
-        let draft = path.with_file_name(name);
-        let file = BufWriter::with_capacity(64 << 10, File::create(&draft)?);
-        Ok(Self { file: Some(file), path: path.to_owned(), draft })
+        let part = path.with_file_name(name);
+        let file = BufWriter::with_capacity(64 << 10, File::create(&part)?);
+        Ok(Self { file: Some(file), path: path.to_owned(), part })
     }
 
     /// Gives the file its name, in place of any that has it.
@@ -45,9 +45,9 @@ impl Draft {
         let file = file.into_inner().map_err(io::IntoInnerError::into_error);
         let renamed = file
             .and_then(|file| file.sync_data())
-            .and_then(|()| std::fs::rename(&self.draft, &self.path));
+            .and_then(|()| std::fs::rename(&self.part, &self.path));
         if renamed.is_err() {
-            let _ = std::fs::remove_file(&self.draft);
+            let _ = std::fs::remove_file(&self.part);
         }
         renamed
     }
@@ -66,7 +66,7 @@ impl Write for Draft {
 impl Drop for Draft {
     fn drop(&mut self) {
         if self.file.take().is_some() {
-            let _ = std::fs::remove_file(&self.draft);
+            let _ = std::fs::remove_file(&self.part);
         }
     }
 }

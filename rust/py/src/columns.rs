@@ -113,7 +113,7 @@ impl LogColumns {
     /// The tables that are ready after another block of the log, `[(message, table), ...]`, perhaps none.
     fn __next__(&self, py: Python<'_>) -> PyResult<Option<Vec<(String, RecordBatches)>>> {
         py.check_signals()?;
-        let batches = py.detach(|| self.with(Reader::next)).map_err(columns_error)?;
+        let batches = py.detach(|| self.with(Reader::advance)).map_err(columns_error)?;
         Ok(batches.map(|batches| {
             batches.into_iter().filter_map(|batch| self.table(vec![batch])).collect()
         }))

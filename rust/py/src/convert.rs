@@ -66,7 +66,7 @@ impl Work {
 
     /// Another block of the log; false at its end.
     fn step(&mut self, dialect: &Dialect) -> Result<bool, Error> {
-        let Some(batches) = self.reader.next()? else { return Ok(false) };
+        let Some(batches) = self.reader.advance()? else { return Ok(false) };
         for batch in &batches {
             let name = &dialect.registry.message(batch.index).name;
             self.write(batch, name)?;
