@@ -7,7 +7,7 @@ import struct
 from pathlib import Path
 
 CODES = {"Q": "Q", "B": "B", "h": "h", "H": "H", "I": "I", "f": "f", "c": "h", "C": "H", "L": "i", "e": "i",
-         "N": "16s", "M": "b"}  # fmt: skip
+         "n": "4s", "N": "16s", "Z": "64s", "M": "b"}  # fmt: skip
 # Name, format, columns, records of a hundred.
 TYPES = (
     ("IMU", "QBffffffIIfBBHH", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T,GH,AH,GHz,AHz", 30),
