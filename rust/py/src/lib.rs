@@ -6,6 +6,14 @@
 
 use pyo3::prelude::*;
 
+#[cfg(unix)]
+mod bridge;
+#[cfg(unix)]
+mod bridge_batch;
+#[cfg(unix)]
+mod bridge_options;
+#[cfg(unix)]
+mod bridge_stats;
 mod classes;
 mod components;
 mod create;
@@ -60,6 +68,12 @@ mod x25;
 mod _native {
     use pyo3::prelude::*;
 
+    #[cfg(unix)]
+    #[pymodule_export]
+    use crate::bridge::{BridgeCore, BridgeError, BridgeTap};
+    #[cfg(unix)]
+    #[pymodule_export]
+    use crate::bridge_batch::FrameBatch;
     #[pymodule_export]
     use crate::classes::message_class;
     #[pymodule_export]
