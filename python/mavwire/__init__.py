@@ -6,11 +6,13 @@ Importing the package is nearly free; each name below is fetched when it is firs
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from mavwire._alias import install_as_pymavlink, uninstall_as_pymavlink
+    from mavwire.bridge import Bridge
     from mavwire.logs import LogFormatError, open_log
 
-__all__ = ["LogFormatError", "install_as_pymavlink", "open_log", "uninstall_as_pymavlink"]
+__all__ = ["Bridge", "LogFormatError", "install_as_pymavlink", "open_log", "uninstall_as_pymavlink"]
 
 _LAZY = {
+    "Bridge": "mavwire.bridge",
     "LogFormatError": "mavwire.logs",
     "open_log": "mavwire.logs",
     "install_as_pymavlink": "mavwire._alias",

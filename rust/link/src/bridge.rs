@@ -128,9 +128,11 @@ impl Bridge {
     ///
     /// # Errors
     /// It cannot be opened, its name is taken, or there are too many.
-    pub fn add(&self, spec: LinkSpec) -> Result<(), BridgeError> {
-        let failed = |error| BridgeError::Io { link: spec.name.clone(), error };
-        let opened = spec.endpoint.open().map_err(failed)?;
+    pub fn add(&self, mut spec: LinkSpec) -> Result<(), BridgeError> {
+        let opened = match spec.endpoint.open() {
+            Ok(opened) => opened,
+            Err(error) => return Err(BridgeError::Io { link: spec.name, error }),
+        };
         self.ask(|answer| Command::Add(Box::new(spec), opened, answer))?
     }
 

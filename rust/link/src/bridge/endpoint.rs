@@ -32,7 +32,7 @@ pub enum Endpoint {
     UdpServer {
         /// The address to listen on.
         host: String,
-        /// The port to listen on.
+        /// The port to listen on; 0 for any that is free.
         port: u16,
     },
     /// Datagrams to a broadcast address; answers come back to the port that they left from.
@@ -167,9 +167,29 @@ pub(super) enum Opened {
     Dialled(Option<Stream>),
 }
 
+impl Opened {
+    /// The port that a server listens on.
+    fn server_port(&self) -> io::Result<Option<u16>> {
+        let address = match self {
+            Self::DatagramServer(socket) => socket.local_addr()?,
+            Self::Listener(listener) => listener.local_addr()?,
+            Self::Datagrams(_) | Self::Dialled(_) => return Ok(None),
+        };
+        Ok(Some(address.port()))
+    }
+}
+
 impl Endpoint {
-    /// Opens what opens at once.
-    pub(super) fn open(&self) -> io::Result<Opened> {
+    /// Opens what opens at once. A server that was to listen on any port, 0, has its own from then on.
+    pub(super) fn open(&mut self) -> io::Result<Opened> {
+        let opened = self.opened()?;
+        if let Self::UdpServer { port, .. } | Self::TcpServer { port, .. } = self {
+            *port = opened.server_port()?.unwrap_or(*port);
+        }
+        Ok(opened)
+    }
+
+    fn opened(&self) -> io::Result<Opened> {
         match self {
             Self::UdpClient { host, port } => {
                 let socket = udp_to(host, *port, UdpSocket::connect)?;

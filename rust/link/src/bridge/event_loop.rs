@@ -28,6 +28,8 @@ use crate::clock;
 use crate::datagrams::{BATCH, Inbox};
 use crate::readiness::poll;
 
+/// What the link is called that frames of the program around the bridge come over.
+const PROGRAM_NAME: &str = "program";
 /// Peers of a UDP server, and connections to a TCP server.
 const MAX_PEERS: usize = 64;
 /// Batches of datagrams, and reads of a stream, that one link gets in a round.
@@ -110,7 +112,7 @@ impl EventLoop {
         waker: Waker,
         wake: UnixStream,
     ) -> Self {
-        hub.name_link(PROGRAM, "program");
+        hub.name_link(PROGRAM, PROGRAM_NAME);
         Self {
             switch,
             links: BTreeMap::new(),
@@ -477,7 +479,8 @@ impl EventLoop {
     }
 
     fn add(&mut self, spec: LinkSpec, opened: Opened) -> Result<(), BridgeError> {
-        if self.links.values().any(|link| link.spec.name == spec.name) {
+        let taken = self.links.values().any(|link| link.spec.name == spec.name);
+        if taken || spec.name == PROGRAM_NAME {
             return Err(BridgeError::NameTaken(spec.name));
         }
         let number = self.last_number + 1;
@@ -533,9 +536,17 @@ impl EventLoop {
     fn stats(&self) -> Stats {
         let now = self.switch.moment.now;
         let components = self.switch.router().components(now);
+        let program = LinkReport {
+            name: PROGRAM_NAME.to_owned(),
+            state: "up",
+            traffic: self.switch.traffic(self.switch.program()),
+            ..LinkReport::default()
+        };
+        let links = self.links.iter().flat_map(|(&n, link)| self.link_reports(n, link));
+        let links = links.chain([program]);
         Stats {
             uptime: now as f64 / 1e6,
-            links: self.links.iter().flat_map(|(&n, link)| self.link_reports(n, link)).collect(),
+            links: links.collect(),
             components: components
                 .map(|(sysid, compid, stats, links)| ComponentReport {
                     sysid,
@@ -553,7 +564,10 @@ impl EventLoop {
     fn names(&self, ports: LinkSet) -> Vec<String> {
         let of_port = self.switch.ports().filter(|port| ports.contains(port.id));
         let mut names: Vec<String> = of_port
-            .filter_map(|port| Some(self.links.get(&port.link)?.spec.name.clone()))
+            .map(|port| match self.links.get(&port.link) {
+                Some(link) => link.spec.name.clone(),
+                None => PROGRAM_NAME.to_owned(),
+            })
             .collect();
         names.dedup();
         names

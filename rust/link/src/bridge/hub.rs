@@ -206,11 +206,14 @@ pub struct Latest {
     pub info: FrameInfo,
     /// Its bytes.
     pub frame: Vec<u8>,
+    /// Frames that came before it: those of a round have the same time.
+    order: u64,
 }
 
 #[derive(Debug, Default)]
 struct State {
     latest: HashMap<(u32, u8, u8), Latest>,
+    count: u64,
     taps: Vec<Arc<TapShared>>,
     link_names: HashMap<u32, String>,
     stopped: bool,
@@ -222,18 +225,21 @@ pub struct Hub(Mutex<State>);
 
 impl Hub {
     pub(super) fn deliver(&self, frames: &Frames) {
-        let mut state = lock(&self.0);
+        let mut guard = lock(&self.0);
+        let state = &mut *guard;
         for (info, bytes) in frames.iter().filter(|(info, _)| info.index.is_some()) {
+            state.count += 1;
+            let order = state.count;
             let key = (info.msgid, info.sysid, info.compid);
             if let Some(latest) = state.latest.get_mut(&key) {
-                latest.info = *info;
+                (latest.info, latest.order) = (*info, order);
                 latest.frame.clear();
                 latest.frame.extend_from_slice(bytes);
             } else {
                 if state.latest.len() >= MAX_LATEST {
                     state.latest.clear(); // someone makes up addresses; what is real comes again
                 }
-                state.latest.insert(key, Latest { info: *info, frame: bytes.to_vec() });
+                state.latest.insert(key, Latest { info: *info, frame: bytes.to_vec(), order });
             }
         }
         state.taps.retain(|tap| !lock(&tap.waiting).closed);
@@ -266,7 +272,7 @@ impl Hub {
                 && sysid.is_none_or(|sysid| sysid == latest.info.sysid)
                 && compid.is_none_or(|compid| compid == latest.info.compid)
         });
-        matching.max_by_key(|latest| latest.info.time).cloned()
+        matching.max_by_key(|latest| latest.order).cloned()
     }
 
     /// A tap for what comes from now on.

@@ -9,7 +9,7 @@ use super::recorder::RecordingStats;
 pub struct Stats {
     /// Seconds since it started.
     pub uptime: f64,
-    /// Its links, and the peers of those that have several.
+    /// Its links, the peers of those that have several, and last the program around the bridge.
     pub links: Vec<LinkReport>,
     /// Everyone who was heard.
     pub components: Vec<ComponentReport>,

@@ -88,6 +88,11 @@ impl Switch {
         self.ports.iter().flatten()
     }
 
+    /// The port of the program around the bridge.
+    pub(super) fn program(&self) -> LinkId {
+        self.program
+    }
+
     pub(super) fn router(&self) -> &Router {
         &self.router
     }
