@@ -87,6 +87,11 @@ bench-live: $(VENV)/.requirements-test ## Receive from sockets at rising rates, 
 	@$(MAKE) --no-print-directory build PROFILE=release
 	@$(BIN)/python benches/live.py $(BENCH_FLAGS)
 
+.PHONY: bench-bridge
+bench-bridge: ## Forward through a bridge at rising rates, to many links, from many components
+	@$(MAKE) --no-print-directory build PROFILE=release
+	@$(BIN)/python benches/bridge.py $(BENCH_FLAGS)
+
 .PHONY: bench-rust
 bench-rust: ## Run the criterion benches of the core
 	cargo bench -p mavwire-core --locked

@@ -5,14 +5,16 @@ given as any bytes-like object or iterable of integers where `_BytesLike` stands
 where that stands.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from os import PathLike
 from typing import Any, Final, Literal, Protocol, TypeAlias, final
 
 from typing_extensions import Buffer, disjoint_base
 
-from mavwire.bridge.options import Link as BridgeLink
-from mavwire.bridge.options import Recording, Settings
+from mavwire._native_bridge import BridgeCore as BridgeCore
+from mavwire._native_bridge import BridgeError as BridgeError
+from mavwire._native_bridge import BridgeTap as BridgeTap
+from mavwire._native_bridge import FrameBatch as FrameBatch
 
 __all__ = [
     "BridgeCore",
@@ -705,81 +707,6 @@ class LogScan:
 
     def close(self) -> None:
         """Closes the file; the pass is at its end."""
-
-class BridgeError(RuntimeError):
-    """A bridge that cannot do what it was asked for: a name twice, no such link, stopped."""
-
-@final
-class BridgeCore:
-    """A running bridge."""
-
-    def __new__(
-        cls, dialect: Dialect, settings: Settings, recording: Recording | None
-    ) -> BridgeCore:
-        """Starts one without links. OSError for the recording."""
-
-    def add(self, link: BridgeLink) -> None:
-        """Adds a link. OSError with its name if it cannot be opened, BridgeError."""
-
-    def remove(self, name: str) -> None:
-        """Removes a link. BridgeError if there is none of that name."""
-
-    def stats(self) -> dict[str, Any]:
-        """Everything that is counted, as dictionaries and lists. BridgeError if it has stopped."""
-
-    def send(self, frames: bytes) -> None:
-        """Routes whole frames as if they came over a link of their own. BridgeError."""
-
-    def latest(self, msgid: int, sysid: int | None, compid: int | None) -> Message | None:
-        """The newest message of an id, from a system and a component or from any."""
-
-    def tap(self, messages: list[int] | None, systems: list[int] | None) -> BridgeTap:
-        """The frames from now on, of some message ids and systems or of all."""
-
-    def stop(self) -> None:
-        """Stops the bridge and waits for that."""
-
-@final
-class BridgeTap:
-    """Frames of a bridge that come by."""
-
-    def next(self, max_batch: int, max_latency: float, timeout: float | None) -> FrameBatch | None:
-        """The next frames: empty after `timeout` seconds without any, None at the end."""
-
-    @property
-    def dropped(self) -> int:
-        """Frames that nobody fetched in time."""
-
-    def close(self) -> None:
-        """Ends it."""
-
-@final
-class FrameBatch:
-    """Frames in the order they came. Iterating gives messages."""
-
-    def __len__(self) -> int: ...
-    def __iter__(self) -> Iterator[Message]: ...
-    @property
-    def raw(self) -> bytes:
-        """All frames, one behind the other."""
-
-    @property
-    def times(self) -> list[float]:
-        """When each arrived; seconds since 1970."""
-
-    @property
-    def links(self) -> list[str]:
-        """Name of the link that each came over; `program` for what `send` sent."""
-
-    @property
-    def ids(self) -> list[tuple[int, int, int]]:
-        """`(system, component, message id)` of each."""
-
-    def frames(self) -> list[bytes]:
-        """The bytes of each frame."""
-
-    def messages(self) -> list[Message]:
-        """A message object for each frame, its time in `_timestamp`."""
 
 def add_message(messages: dict[str, Any], kind: str, message: Message) -> None:
     """Makes `message` the newest of its type, and of its instance where the type has instances."""

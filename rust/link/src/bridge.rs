@@ -90,6 +90,8 @@ pub struct Bridge {
     waker: Waker,
     hub: Arc<Hub>,
     thread: Mutex<Option<JoinHandle<()>>>,
+    /// The process that has the thread: a fork has a copy of this handle, and no thread to stop.
+    process: u32,
 }
 
 impl Bridge {
@@ -115,7 +117,8 @@ impl Bridge {
             EventLoop::new(switch, hub_of_loop, recorder, receiver, for_loop, wake).run();
         };
         let thread = std::thread::Builder::new().name("mavwire-bridge".into()).spawn(run)?;
-        Ok(Self { waker, hub, thread: Mutex::new(Some(thread)) })
+        let (thread, process) = (Mutex::new(Some(thread)), std::process::id());
+        Ok(Self { waker, hub, thread, process })
     }
 
     fn ask<T>(&self, command: impl FnOnce(SyncSender<T>) -> Command) -> Result<T, BridgeError> {
@@ -168,7 +171,9 @@ impl Bridge {
     /// Stops it: closes all links, ends all taps, writes what is left of a recording.
     pub fn stop(&self) {
         let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
-        if let Some(thread) = thread {
+        if self.process != std::process::id() {
+            std::mem::forget(thread);
+        } else if let Some(thread) = thread {
             let _ = self.waker.send(Command::Stop);
             let _ = thread.join();
         }

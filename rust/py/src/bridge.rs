@@ -2,9 +2,8 @@
 //!
 //! The bridge's thread never attaches to the interpreter: what Python wants to know is asked for or fetched in batches.
 
-use std::sync::Mutex;
-use std::sync::PoisonError;
-use std::time::Duration;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use mavwire_core::router::Settings;
 use mavwire_link::bridge::{Bridge, BridgeError as Error, Tap, TapFilter};
@@ -137,6 +136,26 @@ pub(crate) struct BridgeTap {
     tap: Mutex<Option<Tap>>,
 }
 
+impl BridgeTap {
+    fn tap(&self) -> MutexGuard<'_, Option<Tap>> {
+        self.tap.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until so many frames are there; true if they are, or nothing will come any more.
+    fn wait(&self, py: Python<'_>, wanted: usize, timeout: Option<Duration>) -> PyResult<bool> {
+        let began = Instant::now();
+        loop {
+            let left = timeout.map(|timeout| timeout.saturating_sub(began.elapsed()));
+            let slice = left.map_or(WAIT_SLICE, |left| left.min(WAIT_SLICE));
+            let there = py.detach(|| self.tap().as_ref().is_none_or(|tap| tap.wait(wanted, slice)));
+            if there || left.is_some_and(|left| left <= slice) {
+                return Ok(there);
+            }
+            py.check_signals()?;
+        }
+    }
+}
+
 #[pymethods]
 impl BridgeTap {
     /// The next frames, empty after `timeout` seconds without any; `None` at the end. At most `max_batch` of them, the
@@ -149,35 +168,26 @@ impl BridgeTap {
         timeout: Option<f64>,
     ) -> PyResult<Option<FrameBatch>> {
         let latency = seconds("max_latency", max_latency)?;
-        let mut left = timeout.map(|timeout| seconds("timeout", timeout)).transpose()?;
-        loop {
-            let slice = left.map_or(WAIT_SLICE, |left| left.min(WAIT_SLICE));
-            let frames = py.detach(|| {
-                let tap = self.tap.lock().unwrap_or_else(PoisonError::into_inner);
-                tap.as_ref().and_then(|tap| tap.next(max_batch, latency, slice))
-            });
-            let Some(frames) = frames else { return Ok(None) };
-            left = left.map(|left| left.saturating_sub(slice));
-            if !frames.infos.is_empty() || left == Some(Duration::ZERO) {
-                let core = self.core.get();
-                let dialect = core.dialect.clone_ref(py);
-                return Ok(Some(FrameBatch::new(dialect, frames, core.bridge.hub())));
-            }
-            py.check_signals()?;
+        let timeout = timeout.map(|timeout| seconds("timeout", timeout)).transpose()?;
+        let max_batch = max_batch.max(1);
+        if self.wait(py, 1, timeout)? {
+            self.wait(py, max_batch, Some(latency))?;
         }
+        let Some(frames) = py.detach(|| self.tap().as_ref()?.take(max_batch)) else {
+            return Ok(None);
+        };
+        let core = self.core.get();
+        Ok(Some(FrameBatch::new(core.dialect.clone_ref(py), frames, core.bridge.hub())))
     }
 
     /// Frames that were dropped because nobody fetched them in time.
     #[getter]
     fn dropped(&self, py: Python<'_>) -> u64 {
-        py.detach(|| {
-            let tap = self.tap.lock().unwrap_or_else(PoisonError::into_inner);
-            tap.as_ref().map_or(0, Tap::dropped)
-        })
+        py.detach(|| self.tap().as_ref().map_or(0, Tap::dropped))
     }
 
     /// Ends it; a thread that waits in `next` gets what it waits for or its time runs out first.
     fn close(&self, py: Python<'_>) {
-        py.detach(|| *self.tap.lock().unwrap_or_else(PoisonError::into_inner) = None);
+        py.detach(|| *self.tap() = None);
     }
 }

@@ -28,6 +28,7 @@ from unit.bridge_tools import (
     port_of,
     read_exactly,
     receive,
+    report,
     udp_peer,
     wait_until,
 )
@@ -86,7 +87,8 @@ def test_two_bridges_in_a_ring() -> None:
         for name, kind in (("one", TCP), ("two", TCP)):
             right.add(kind, name=name)
             left.add(f"tcp:127.0.0.1:{port_of(right, name)}", name=name)
-            wait_until("the cable", lambda: peers(right, name))  # noqa: B023
+            wait_until("one end", lambda: peers(right, name))  # noqa: B023
+            wait_until("the other", lambda: report(left, name)["state"] == "up")  # noqa: B023
         right.add(f"udpout:127.0.0.1:{station.getsockname()[1]}", name="station")
         frames = [heartbeat(seq=n % 256, sysid=1 + n // 256) for n in range(600)]
         with udp_peer(left, "vehicle") as vehicle:
@@ -95,8 +97,8 @@ def test_two_bridges_in_a_ring() -> None:
                 assert receive(station) == frame, "each once, in order"
             total = sum(peer["received"] for name in ("one", "two") for peer in peers(right, name))
             assert total <= 2 * len(frames)
-            address = right.stats()["links"]
-            assert sum(one["duplicates"] for one in address) <= len(frames)
+            copies = sum(one["duplicates"] for one in right.stats()["links"])
+            assert copies <= len(frames)
             # Back to the vehicle over the ring.
             right.send(command(1))
             assert receive(vehicle) == command(1)

@@ -219,6 +219,24 @@ def test_filters_limits_and_duplicates() -> None:
             assert (stats["station"]["filtered_out"], stats["station"]["limited"]) == (1, 2)
 
 
+def test_a_server_that_is_not_there_yet_is_tried_again() -> None:
+    with socket.socket() as server, Bridge(["tcp:localhost:1"], dedup=0) as bridge:
+        server.bind(("127.0.0.1", 0))  # nobody else gets the port, and nobody listens
+        server.settimeout(LIMIT)
+        bridge.add(f"tcp:127.0.0.1:{server.getsockname()[1]}", name="server", retry=0.05)
+        told = wait_until("a refusal", lambda: report(bridge, "server")["error"])
+        assert "refused" in told and report(bridge, "server")["state"] == "connecting"
+        bridge.send(heartbeat())
+        wait_until("it", lambda: report(bridge, "server")["dropped"] == 1)
+        server.listen()
+        with server.accept()[0] as connection:
+            connection.settimeout(LIMIT)
+            wait_until("it", lambda: report(bridge, "server")["state"] == "up")
+            bridge.send(heartbeat(seq=1))
+            assert read_exactly(connection, 21) == heartbeat(seq=1), "and nothing old"
+            assert report(bridge, "server")["error"] is None
+
+
 def test_serial_ports() -> None:
     controller, device = os.openpty()
     try:
@@ -341,3 +359,47 @@ def test_a_bridge_that_is_forgotten_ends() -> None:
 def test_wrong_waits(arguments: tuple[int, float, float]) -> None:
     with Bridge() as bridge, pytest.raises(ValueError, match="number of seconds"):
         bridge._running().tap(None, None).next(*arguments)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
+def test_a_fork_leaves_the_bridge_to_its_parent() -> None:
+    import subprocess
+    import sys
+
+    program = """
+import os, warnings
+from mavwire import Bridge
+warnings.simplefilter("ignore")
+bridge = Bridge(["udpin:127.0.0.1:0"]).start()
+child = os.fork()
+if child == 0:
+    bridge.stop()
+    os._exit(0)
+assert os.waitpid(child, 0)[1] == 0
+assert bridge.stats()["links"][0]["state"] == "listening"
+bridge.stop()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True, text=True, timeout=3 * LIMIT, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+def test_waiting_for_a_batch_ends_with_a_signal() -> None:
+    """Ctrl-C ends a wait for the first frame, and one for the batch to fill (R65)."""
+    import signal
+
+    main_thread = threading.get_ident()
+    with Bridge() as bridge, bridge.frames(max_batch=100, max_latency=10 * LIMIT) as batches:
+        for frames in (b"", heartbeat()):
+            bridge.send(frames)
+            timer = threading.Timer(0.3, signal.pthread_kill, (main_thread, signal.SIGINT))
+            with pytest.raises(KeyboardInterrupt):
+                timer.start()
+                batches.next()
+            timer.join()
+        bridge.stop()
+        batch = batches.next()
+        assert batch is not None and batch.frames() == [heartbeat()], "nothing is lost by it"

@@ -16,7 +16,7 @@ use super::serial;
 /// How long a connection may take to come about.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// What a socket is asked to hold of what is not read yet, where the system lets it.
-static RECEIVE_BUFFER: libc::c_int = 4 << 20;
+static RECEIVE_BUFFER: libc::c_int = 8 << 20;
 
 /// Where a link leads. A host is a name or a numeric address.
 #[derive(Debug, Clone, PartialEq, Eq)]

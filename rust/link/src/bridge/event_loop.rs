@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
 
-use mavwire_core::router::{LinkId, LinkSet};
+use mavwire_core::router::{LinkId, LinkSet, MAX_LINKS};
 
 use super::endpoint::{LinkSpec, Opened, Stream};
 use super::hub::Hub;
@@ -75,6 +75,8 @@ struct Link {
     error: Option<String>,
     /// Of the peers that left.
     departed: Traffic,
+    /// A listener that cannot accept, for want of descriptors, is left alone until the next tick.
+    resting: bool,
 }
 
 /// What a ready descriptor stands for.
@@ -164,6 +166,7 @@ impl EventLoop {
         self.redial();
         if self.switch.moment.now >= self.next_tick {
             self.next_tick = self.switch.moment.now + TICK;
+            self.links.values_mut().for_each(|link| link.resting = false);
             self.forget_silent_peers();
         }
         self.flush();
@@ -186,10 +189,10 @@ impl EventLoop {
                 Kind::Datagrams(socket, _) | Kind::DatagramServer(socket, _) => {
                     add(socket.as_raw_fd(), libc::POLLIN, Token::Link(number));
                 }
-                Kind::Listener(listener) => {
+                Kind::Listener(listener) if !link.resting => {
                     add(listener.as_raw_fd(), libc::POLLIN, Token::Link(number));
                 }
-                Kind::Dialled(..) => {}
+                Kind::Listener(_) | Kind::Dialled(..) => {}
             }
         }
         for port in self.switch.ports() {
@@ -292,7 +295,15 @@ impl EventLoop {
         for _ in 0..TURNS {
             let Some(link) = self.links.get_mut(&number) else { return };
             let Kind::Listener(listener) = &link.kind else { return };
-            let Ok((stream, from)) = listener.accept() else { return };
+            let (stream, from) = match listener.accept() {
+                Ok(accepted) => accepted,
+                Err(error) => {
+                    use io::ErrorKind::{ConnectionAborted, Interrupted, WouldBlock};
+                    let passing = [ConnectionAborted, Interrupted, WouldBlock];
+                    link.resting = !passing.contains(&error.kind());
+                    return;
+                }
+            };
             let Ok(stream) = Stream::tcp(stream) else { continue };
             let count = self.switch.ports().filter(|port| port.link == number).count();
             let (options, queue) = (link.spec.options.clone(), link.spec.queue);
@@ -383,7 +394,8 @@ impl EventLoop {
             if let Some(stream) = &mut port.stream {
                 stream.clear();
             }
-            dialling.at = link.spec.retry.map(|_| self.switch.moment.now);
+            let pause = dialling.pause.as_micros() as u64;
+            dialling.at = link.spec.retry.map(|_| self.switch.moment.now + pause);
         } else {
             link.departed.add(&self.switch.remove(id));
         }
@@ -488,7 +500,8 @@ impl EventLoop {
         self.last_number = number;
         self.hub.name_link(number, &spec.name);
         let departed = Traffic::default();
-        self.links.insert(number, Link { spec, kind, refused: 0, error: None, departed });
+        self.links
+            .insert(number, Link { spec, kind, refused: 0, error: None, departed, resting: false });
         Ok(())
     }
 
@@ -544,6 +557,7 @@ impl EventLoop {
         };
         let links = self.links.iter().flat_map(|(&n, link)| self.link_reports(n, link));
         let links = links.chain([program]);
+        let names = self.names();
         Stats {
             uptime: now as f64 / 1e6,
             links: links.collect(),
@@ -553,23 +567,20 @@ impl EventLoop {
                     compid,
                     stats,
                     age: now.saturating_sub(stats.heard) as f64 / 1e6,
-                    links: self.names(links),
+                    links: unique(links.iter().filter_map(|id| names[id.index()])),
                 })
                 .collect(),
             recording: self.recorder.as_ref().map(Recorder::stats),
         }
     }
 
-    /// Names of the links that ports belong to.
-    fn names(&self, ports: LinkSet) -> Vec<String> {
-        let of_port = self.switch.ports().filter(|port| ports.contains(port.id));
-        let mut names: Vec<String> = of_port
-            .map(|port| match self.links.get(&port.link) {
-                Some(link) => link.spec.name.clone(),
-                None => PROGRAM_NAME.to_owned(),
-            })
-            .collect();
-        names.dedup();
+    /// Number of a port -> name of its link.
+    fn names(&self) -> Vec<Option<&str>> {
+        let mut names = vec![None; MAX_LINKS];
+        for port in self.switch.ports() {
+            let link = self.links.get(&port.link);
+            names[port.id.index()] = Some(link.map_or(PROGRAM_NAME, |link| &link.spec.name));
+        }
         names
     }
 
@@ -608,6 +619,16 @@ impl EventLoop {
         }
         reports
     }
+}
+
+fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut unique: Vec<String> = Vec::new();
+    for name in names {
+        if !unique.iter().any(|known| known == name) {
+            unique.push(name.to_owned());
+        }
+    }
+    unique
 }
 
 fn state_of(wire: &Wire, kind: &Kind) -> &'static str {

@@ -150,41 +150,31 @@ impl TapShared {
 }
 
 impl Tap {
-    /// The next frames, `max_batch` at most. Waits up to `timeout` for the first one, and after it up to `max_latency`
-    /// for the batch to fill. Empty when the time is up; `None` once the bridge has stopped and all is fetched.
-    pub fn next(
-        &self,
-        max_batch: usize,
-        max_latency: Duration,
-        timeout: Duration,
-    ) -> Option<Frames> {
-        let max_batch = max_batch.max(1);
-        let waiting = self.wait(lock(&self.0.waiting), 1, timeout);
-        let mut waiting =
-            if waiting.len() == 0 { waiting } else { self.wait(waiting, max_batch, max_latency) };
-        let ended = waiting.closed && waiting.len() == 0;
-        (!ended).then(|| waiting.take_front(max_batch))
-    }
-
-    /// Waits until so many frames are there, the time is up or nothing will come any more.
-    fn wait<'a>(
-        &self,
-        mut waiting: MutexGuard<'a, Waiting>,
-        wanted: usize,
-        timeout: Duration,
-    ) -> MutexGuard<'a, Waiting> {
+    /// Waits up to `timeout` until so many frames are there; true if they are, or if nothing will come any more.
+    pub fn wait(&self, wanted: usize, timeout: Duration) -> bool {
         let deadline = Instant::now() + timeout;
+        let mut waiting = lock(&self.0.waiting);
         waiting.wanted = wanted;
-        while waiting.len() < wanted && !waiting.closed {
+        let there = loop {
+            if waiting.closed || waiting.len() >= wanted {
+                break true;
+            }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                break;
+                break false;
             }
             let woken = self.0.arrived.wait_timeout(waiting, left);
             waiting = woken.unwrap_or_else(PoisonError::into_inner).0;
-        }
+        };
         waiting.wanted = 0;
-        waiting
+        there
+    }
+
+    /// The frames that are there, `max_batch` at most; `None` once the bridge has stopped and all is fetched.
+    pub fn take(&self, max_batch: usize) -> Option<Frames> {
+        let mut waiting = lock(&self.0.waiting);
+        let ended = waiting.closed && waiting.len() == 0;
+        (!ended).then(|| waiting.take_front(max_batch))
     }
 
     /// Frames that were dropped because nobody fetched them.
@@ -292,7 +282,6 @@ impl Hub {
 mod tests {
     use super::*;
 
-    const SOON: Duration = Duration::ZERO;
     const LONG: Duration = Duration::from_secs(60);
 
     fn frames(msgids: impl IntoIterator<Item = u32>) -> Frames {
@@ -314,18 +303,21 @@ mod tests {
         let hub = Hub::default();
         let wanted = TapFilter { messages: Some((0..100).collect()), systems: Some(vec![1]) };
         let tap = hub.tap(wanted);
-        assert_eq!(tap.next(10, SOON, SOON).map(|frames| ids(&frames)), Some(vec![]));
+        assert!(!tap.wait(1, Duration::ZERO));
+        assert_eq!(tap.take(10).map(|frames| ids(&frames)), Some(vec![]));
         hub.deliver(&frames(0..200));
+        assert!(tap.wait(100, Duration::ZERO) && !tap.wait(101, Duration::ZERO));
         for start in [0, 40, 80] {
-            let batch = tap.next(40, SOON, LONG).expect("the bridge runs");
+            let batch = tap.take(40).expect("the bridge runs");
             assert_eq!(ids(&batch), (start..100.min(start + 40)).collect::<Vec<_>>());
             assert!(batch.iter().all(|(info, bytes)| bytes == [info.msgid as u8; 20]));
         }
         hub.deliver(&frames([7]));
         hub.stop();
-        assert_eq!(tap.next(40, LONG, LONG).map(|frames| ids(&frames)), Some(vec![7]));
-        assert!(tap.next(40, LONG, LONG).is_none());
-        assert!(hub.tap(TapFilter::default()).next(1, LONG, LONG).is_none());
+        assert!(tap.wait(2, LONG), "nothing will come any more");
+        assert_eq!(tap.take(40).map(|frames| ids(&frames)), Some(vec![7]));
+        assert!(tap.take(40).is_none());
+        assert!(hub.tap(TapFilter::default()).take(1).is_none());
     }
 
     #[test]
@@ -337,8 +329,7 @@ mod tests {
         }
         let mut got = 0;
         let mut last = None;
-        while let Some(batch) = tap.next(1_000, SOON, SOON).filter(|batch| !batch.infos.is_empty())
-        {
+        while let Some(batch) = tap.take(1_000).filter(|batch| !batch.infos.is_empty()) {
             got += batch.infos.len();
             last = batch.infos.last().map(|info| info.msgid);
         }
