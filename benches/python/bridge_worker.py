@@ -53,13 +53,14 @@ def counts(bridge: Bridge) -> tuple[int, int, int]:
     return totals[0], totals[1], totals[2]
 
 
-def forward(rate: str, outs: str, components: str, seconds: str) -> dict[str, Any]:
+def forward(rate: str, outs: str, components: str, datagram: str, seconds: str) -> dict[str, Any]:
     sinks = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(int(outs))]
     # The same frames come round, and are no copies of each other.
     with Bridge(["udpin:127.0.0.1:0"]) as bridge:
         for sink in sinks:
             sink.bind(("127.0.0.1", 0))
-            bridge.add(f"udpout:127.0.0.1:{sink.getsockname()[1]}")
+            out = f"udpout:127.0.0.1:{sink.getsockname()[1]}"
+            bridge.add(out, datagram_bytes=int(datagram))
         port = bridge.stats()["links"][0]["endpoint"].rpartition(":")[2]
         command = [sys.executable, __file__, "send", port, rate, components, seconds]
         began = time.process_time()

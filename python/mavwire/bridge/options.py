@@ -100,6 +100,7 @@ class Link:
     message_rate: float | None = None
     message_rates: list[tuple[int, float]] = field(default_factory=list)
     queue: int = 256 * 1024
+    datagram: int = 0
     peer_timeout: float = 60.0
     retry: float | None = 8.0
 
@@ -113,7 +114,7 @@ def link_from(
     """
     known = {
         "name", "group", "private", "sniffer", "bytes_per_second", "rate", "rates", "queue_bytes",
-        "peer_timeout", "retry",
+        "datagram_bytes", "peer_timeout", "retry",
         *(f"{verb}_{what}_{way}" for verb in ("allow", "block") for what in _LISTS
           for way in _DIRECTIONS),
     }  # fmt: skip
@@ -134,6 +135,7 @@ def link_from(
         message_rate=_rate("rate", options.get("rate")),
         message_rates=_rates(options.get("rates"), message_id),
         queue=whole("queue_bytes", options.get("queue_bytes", Link.queue), 1 << 30, least=1024),
+        datagram=whole("datagram_bytes", options.get("datagram_bytes", 0), 65_507),
         peer_timeout=seconds("peer_timeout", options.get("peer_timeout", 60.0), least=1e-3),
         retry=_retry(options.get("retry", Link.retry)),
     )

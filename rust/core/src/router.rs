@@ -112,6 +112,8 @@ pub struct LinkStats {
 #[derive(Debug, Clone)]
 struct Port {
     options: LinkOptions,
+    /// Its inbound filter stops something.
+    has_inbound: bool,
     limiter: Option<Limiter>,
     /// The links of its group, itself among them.
     group: LinkSet,
@@ -168,7 +170,13 @@ impl Router {
         let free = self.ports.iter().position(Option::is_none).unwrap_or(self.ports.len());
         let id = LinkId(u8::try_from(free).ok()?);
         let limiter = (!options.limits.is_open()).then(|| Limiter::new(&options.limits));
-        let port = Port { options, limiter, group: LinkSet::EMPTY, stats: LinkStats::default() };
+        let port = Port {
+            has_inbound: !options.inbound.is_open(),
+            options,
+            limiter,
+            group: LinkSet::EMPTY,
+            stats: LinkStats::default(),
+        };
         if free == self.ports.len() {
             self.ports.push(Some(port));
         } else {
@@ -227,7 +235,7 @@ impl Router {
         let port = self.ports[source.index()].as_mut().expect("frames come from links there are");
         port.stats.received += 1;
         port.stats.received_bytes += frame.len() as u64;
-        if !port.options.inbound.accept(header) {
+        if port.has_inbound && !port.options.inbound.accept(header) {
             port.stats.filtered_in += 1;
             return Fate::Filtered;
         }
@@ -240,12 +248,13 @@ impl Router {
             return Fate::Withheld;
         }
         let group = port.group;
+        self.table.advance(now);
         let home = self.learn(frame, header, group, now);
-        let reached = self.reached(frame, header, entry, now);
+        let reached = self.reached(frame, header, entry);
         if reached.is_none() {
             self.count(source, |stats| stats.unroutable += 1);
         }
-        let links = (reached.unwrap_or_default() | self.sniffers(now)) - home - group;
+        let links = (reached.unwrap_or_default() | self.sniffers()) - home - group;
         if links.is_empty() && reached.is_none() {
             return Fate::Unroutable;
         }
@@ -259,25 +268,20 @@ impl Router {
         if sysid == 0 {
             return links; // no valid address
         }
-        self.table.count(Sender { sysid, compid, seq, len: frame.len() }, now);
+        let home = self.table.hear(Sender { sysid, compid, seq, len: frame.len() }, links, now);
         if msgid == SYSTEM_TIME {
             let boot_ms = [0, 1, 2, 3].map(|n| payload_byte(frame, header, BOOT_MS_OFFSET + n));
             if self.table.is_reboot(sysid, compid, u32::from_le_bytes(boot_ms)) {
                 self.table.forget_system(sysid);
+                return self.table.learn(sysid, compid, links);
             }
         }
-        self.table.learn(sysid, compid, links, now)
+        home
     }
 
     /// The links that a frame is meant for; `None` if nobody knows its target.
     #[inline]
-    fn reached(
-        &self,
-        frame: &[u8],
-        header: &Header,
-        entry: Option<Entry>,
-        now: u64,
-    ) -> Option<LinkSet> {
+    fn reached(&self, frame: &[u8], header: &Header, entry: Option<Entry>) -> Option<LinkSet> {
         let none = TargetOffsets { system: NONE, component: NONE };
         let offsets = entry.map_or(none, |entry| self.targets[usize::from(entry.index)]);
         let byte = |offset| match offset {
@@ -286,18 +290,18 @@ impl Router {
         };
         let links = match (byte(offsets.system), byte(offsets.component)) {
             (0, _) => return Some(self.broadcast),
-            (system, 0) => self.table.system(system, now),
-            (system, component) => self.table.component(system, component, now),
+            (system, 0) => self.table.system(system),
+            (system, component) => self.table.component(system, component),
         };
         (!links.is_empty()).then_some(links)
     }
 
     /// The links that get everything.
     #[inline]
-    fn sniffers(&self, now: u64) -> LinkSet {
+    fn sniffers(&self) -> LinkSet {
         match self.sniffer_sysid {
             0 => self.sniffers,
-            sysid => self.sniffers | self.table.system(sysid, now),
+            sysid => self.sniffers | self.table.system(sysid),
         }
     }
 

@@ -129,6 +129,7 @@ pub(crate) struct LinkOption {
     message_rate: Option<f64>,
     message_rates: Vec<(u32, f64)>,
     queue: usize,
+    datagram: usize,
     peer_timeout: f64,
     retry: Option<f64>,
 }
@@ -151,6 +152,7 @@ impl LinkOption {
                 },
             },
             queue: self.queue,
+            datagram: self.datagram,
             peer_timeout: seconds("peer_timeout", self.peer_timeout)?,
             retry: self.retry.map(|retry| seconds("retry", retry)).transpose()?,
         })

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -133,7 +133,9 @@ def test_a_flood_from_hostile_peers() -> None:
     stop = threading.Event()
 
     def flood(port: int) -> None:
-        with socket.create_connection(("127.0.0.1", port), LIMIT) as hostile:
+        address = ("127.0.0.1", port)
+        # Removing the link resets the connection.
+        with socket.create_connection(address, LIMIT) as hostile, suppress(OSError):
             while not stop.is_set():
                 hostile.sendall(junk + bytes(damaged) * 100 + addresses)
 
@@ -150,7 +152,7 @@ def test_a_flood_from_hostile_peers() -> None:
         try:
             wait_until("the flood", lambda: peers(bridge, "hostile"))
             with udp_peer(bridge, "vehicle") as vehicle:
-                for n in range(100):
+                for n in range(30):
                     attitude = mavlink.MAVLink_attitude_message(n, 0, 0, 0, 0, 0, 0)
                     vehicle.send(pack(attitude, n, 3))
                     assert receive(station) == pack(attitude, n, 3)

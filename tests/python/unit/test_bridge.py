@@ -191,6 +191,17 @@ def test_what_cannot_be_opened_is_an_os_error_that_names_it(tmp_path: Path) -> N
         Bridge(record=tmp_path / "file").start()
 
 
+def test_frames_that_wait_may_share_a_datagram() -> None:
+    with Bridge() as bridge, udp_peer() as station:
+        out = f"udpout:127.0.0.1:{station.getsockname()[1]}"
+        bridge.add(out, name="station", datagram_bytes=50)
+        frames = [heartbeat(seq=seq) for seq in range(5)]
+        bridge.send(b"".join(frames))
+        pairs = [frames[0] + frames[1], frames[2] + frames[3], frames[4]]
+        assert [receive(station) for _ in pairs] == pairs
+        wait_until("the count", lambda: report(bridge, "station")["sent"] == 5)
+
+
 def test_filters_limits_and_duplicates() -> None:
     with Bridge(dedup=LIMIT) as bridge, udp_peer() as station:
         station.settimeout(LIMIT)

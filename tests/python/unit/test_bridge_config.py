@@ -86,6 +86,7 @@ def test_any_text_is_an_endpoint_or_a_clear_error(text: str) -> None:
         ({"rates": 5}, "rates must map"),
         ({"bytes_per_second": True}, "bytes_per_second must be a number"),
         ({"queue_bytes": 1}, "queue_bytes must be a number from 1024"),
+        ({"datagram_bytes": 70_000}, "datagram_bytes must be a number from 0"),
         ({"peer_timeout": -1}, "peer_timeout must be"),
         ({"retry": "soon"}, "retry must be a number"),
         ({"name": ""}, "name must be a text"),

@@ -17,6 +17,11 @@ struct Seen {
     link: LinkId,
 }
 
+/// Frames with the same lower bits of their digest, newest first; one cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+struct Bucket([Seen; WAYS]);
+
 const NEVER: Seen = Seen { digest: 0, at: 0, link: LinkId(0) };
 
 /// The frames of a window of time.
@@ -25,8 +30,7 @@ pub(super) struct Dedup {
     /// Milliseconds; 0 switches it off.
     window: u32,
     seed: u64,
-    /// Of the frames with the same lower bits of their digest the last ones, newest first.
-    buckets: Box<[[Seen; WAYS]]>,
+    buckets: Box<[Bucket]>,
 }
 
 impl Dedup {
@@ -34,7 +38,7 @@ impl Dedup {
     pub(super) fn new(window: u64, seed: u64) -> Self {
         let window = u32::try_from(window.div_ceil(1000)).unwrap_or(u32::MAX / 2);
         let buckets = if window == 0 { 0 } else { BUCKETS };
-        Self { window, seed, buckets: vec![[NEVER; WAYS]; buckets].into() }
+        Self { window, seed, buckets: vec![Bucket([NEVER; WAYS]); buckets].into() }
     }
 
     /// Whether the frame came over another link within the window; if not, it is remembered. `now` in microseconds.
@@ -45,7 +49,7 @@ impl Dedup {
         }
         let digest = digest(frame, self.seed);
         let at = (now / 1000) as u32;
-        let bucket = &mut self.buckets[digest as usize % BUCKETS];
+        let Bucket(bucket) = &mut self.buckets[digest as usize % BUCKETS];
         for seen in bucket.iter() {
             if seen.digest == digest && at.wrapping_sub(seen.at) <= self.window {
                 return seen.link != link;

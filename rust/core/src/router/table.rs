@@ -84,17 +84,26 @@ pub(super) struct Table {
     systems: Vec<Option<System>>,
     /// Microseconds.
     epoch_len: u64,
+    epoch: u32,
+    /// When this epoch ends: dividing for every frame would cost as much as finding its sender.
+    epoch_end: u64,
 }
 
 impl Table {
     /// Routes are forgotten between `max_age` and twice that after their owner was heard; microseconds.
     pub(super) fn new(max_age: u64) -> Self {
-        Self { systems: (0..256).map(|_| None).collect(), epoch_len: max_age.max(1) }
+        let epoch_len = max_age.max(1);
+        let systems = (0..256).map(|_| None).collect();
+        Self { systems, epoch_len, epoch: 0, epoch_end: epoch_len }
     }
 
+    /// Moves on to a moment; everything below is about that.
     #[inline]
-    fn epoch(&self, now: u64) -> u32 {
-        (now / self.epoch_len) as u32
+    pub(super) fn advance(&mut self, now: u64) {
+        if now >= self.epoch_end {
+            self.epoch = (now / self.epoch_len) as u32;
+            self.epoch_end = (now / self.epoch_len + 1).saturating_mul(self.epoch_len);
+        }
     }
 
     /// The entries of a system and one of its components.
@@ -109,19 +118,19 @@ impl Table {
     }
 
     /// Notes that a system and component are heard over `links`; returns all the links the component lives at.
-    #[inline]
-    pub(super) fn learn(&mut self, sysid: u8, compid: u8, links: LinkSet, now: u64) -> LinkSet {
-        let epoch = self.epoch(now);
+    pub(super) fn learn(&mut self, sysid: u8, compid: u8, links: LinkSet) -> LinkSet {
+        let epoch = self.epoch;
         let (system, component) = self.entries(sysid, compid);
         system.learn(links, epoch);
         component.route.learn(links, epoch);
         component.route.links(epoch)
     }
 
-    /// Counts a frame and what is missing before it.
+    /// The same for a frame, which is counted, and what is missing before it.
     #[inline]
-    pub(super) fn count(&mut self, sender: Sender, now: u64) {
-        let (_, component) = self.entries(sender.sysid, sender.compid);
+    pub(super) fn hear(&mut self, sender: Sender, links: LinkSet, now: u64) -> LinkSet {
+        let epoch = self.epoch;
+        let (system, component) = self.entries(sender.sysid, sender.compid);
         let missing = sender.seq.wrapping_sub(component.next_seq);
         if component.stats.frames > 0 && missing < 128 {
             component.stats.lost += u64::from(missing);
@@ -130,19 +139,22 @@ impl Table {
         component.stats.frames += 1;
         component.stats.bytes += sender.len as u64;
         component.stats.heard = now;
+        system.learn(links, epoch);
+        component.route.learn(links, epoch);
+        component.route.links(epoch)
     }
 
     /// Links over which a system was heard.
     #[inline]
-    pub(super) fn system(&self, sysid: u8, now: u64) -> LinkSet {
+    pub(super) fn system(&self, sysid: u8) -> LinkSet {
         let system = self.systems[usize::from(sysid)].as_ref();
-        system.map_or(LinkSet::EMPTY, |system| system.route.links(self.epoch(now)))
+        system.map_or(LinkSet::EMPTY, |system| system.route.links(self.epoch))
     }
 
     /// Links over which a component was heard; those of its system as long as it has not been heard itself.
     #[inline]
-    pub(super) fn component(&self, sysid: u8, compid: u8, now: u64) -> LinkSet {
-        let epoch = self.epoch(now);
+    pub(super) fn component(&self, sysid: u8, compid: u8) -> LinkSet {
+        let epoch = self.epoch;
         let Some(system) = self.systems[usize::from(sysid)].as_ref() else {
             return LinkSet::EMPTY;
         };
@@ -189,7 +201,7 @@ impl Table {
         &self,
         now: u64,
     ) -> impl Iterator<Item = (u8, u8, ComponentStats, LinkSet)> {
-        let epoch = self.epoch(now);
+        let epoch = (now / self.epoch_len) as u32;
         let systems = (0..=u8::MAX).zip(&self.systems);
         systems.filter_map(|(sysid, system)| Some((sysid, system.as_ref()?))).flat_map(
             move |(sysid, system)| {
@@ -216,42 +228,49 @@ mod tests {
     #[test]
     fn routes_age_and_come_back() {
         let mut table = Table::new(AGE);
-        assert_eq!(table.learn(1, 1, link(3), 500), link(3));
-        assert_eq!(table.learn(1, 1, link(4), 900), link(3) | link(4));
-        assert_eq!(table.system(1, 1_900), link(3) | link(4), "at least its age");
-        assert_eq!(table.learn(1, 1, link(4), 1_950), link(3) | link(4));
-        assert_eq!(table.component(1, 1, 2_000), link(4), "link 3 is quiet for too long");
-        assert_eq!(table.component(1, 1, 3_999), LinkSet::EMPTY);
-        assert_eq!(table.learn(1, 1, link(5), 9_000), link(5));
+        table.advance(500);
+        assert_eq!(table.learn(1, 1, link(3)), link(3));
+        assert_eq!(table.learn(1, 1, link(4)), link(3) | link(4));
+        table.advance(1_900);
+        assert_eq!(table.system(1), link(3) | link(4), "at least its age");
+        assert_eq!(table.learn(1, 1, link(4)), link(3) | link(4));
+        table.advance(2_000);
+        assert_eq!(table.component(1, 1), link(4), "link 3 is quiet for too long");
+        table.advance(3_999);
+        assert_eq!(table.component(1, 1), LinkSet::EMPTY);
+        table.advance(9_000);
+        assert_eq!(table.learn(1, 1, link(5)), link(5));
+        table.advance(u64::MAX);
+        assert_eq!(table.learn(1, 1, link(6)), link(6));
     }
 
     #[test]
     fn a_component_that_is_not_known_is_looked_for_at_its_system() {
         let mut table = Table::new(AGE);
-        table.learn(1, 1, link(0), 0);
-        table.learn(1, 2, link(1), 0);
-        assert_eq!(table.component(1, 1, 0), link(0));
-        assert_eq!(table.component(1, 2, 0), link(1));
-        assert_eq!(table.component(1, 9, 0), link(0) | link(1));
-        assert_eq!(table.component(2, 1, 0), LinkSet::EMPTY);
+        table.learn(1, 1, link(0));
+        table.learn(1, 2, link(1));
+        assert_eq!(table.component(1, 1), link(0));
+        assert_eq!(table.component(1, 2), link(1));
+        assert_eq!(table.component(1, 9), link(0) | link(1));
+        assert_eq!(table.component(2, 1), LinkSet::EMPTY);
     }
 
     #[test]
     fn r17_missing_numbers_are_counted() {
         let mut table = Table::new(AGE);
         for seq in [250, 251, 254, 3, 1, 2, 4] {
-            table.count(Sender { sysid: 1, compid: 1, seq, len: 20 }, 7);
+            table.hear(Sender { sysid: 1, compid: 1, seq, len: 20 }, link(0), 7);
         }
         let expected = ComponentStats { frames: 7, bytes: 140, lost: 2 + 4 + 1, heard: 7 };
         let listed: Vec<_> = table.components(7).collect();
-        assert_eq!(listed, [(1, 1, expected, LinkSet::EMPTY)]);
+        assert_eq!(listed, [(1, 1, expected, link(0))]);
     }
 
     #[test]
     fn a_restart_shows_in_the_time_since_boot() {
         let mut table = Table::new(AGE);
         assert!(!table.is_reboot(1, 1, 90_000), "nobody knows it");
-        table.learn(1, 1, link(0), 0);
+        table.learn(1, 1, link(0));
         for (boot_ms, restarted) in
             [(60_000, false), (61_000, false), (60_500, false), (900, true), (1_000, false)]
         {
@@ -263,12 +282,12 @@ mod tests {
     fn systems_and_links_are_forgotten() {
         let mut table = Table::new(AGE);
         for sysid in 1..=2 {
-            table.learn(sysid, 1, link(0), 0);
-            table.learn(sysid, 1, link(1), 0);
+            table.learn(sysid, 1, link(0));
+            table.learn(sysid, 1, link(1));
         }
         table.forget_system(1);
         table.forget_link(LinkId(0));
-        assert_eq!(table.component(1, 1, 0), LinkSet::EMPTY);
-        assert_eq!((table.system(2, 0), table.component(2, 1, 0)), (link(1), link(1)));
+        assert_eq!(table.component(1, 1), LinkSet::EMPTY);
+        assert_eq!((table.system(2), table.component(2, 1)), (link(1), link(1)));
     }
 }

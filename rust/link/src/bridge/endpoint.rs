@@ -103,6 +103,8 @@ pub struct LinkSpec {
     pub options: LinkOptions,
     /// Bytes that may wait to leave, for each peer.
     pub queue: usize,
+    /// Frames that wait together share a datagram up to so many bytes; 0 for one frame in each.
+    pub datagram: usize,
     /// A peer of a UDP server is forgotten after this long without a good frame.
     pub peer_timeout: Duration,
     /// Longest pause between two attempts to connect again; `None` gives up after the first connection ends.

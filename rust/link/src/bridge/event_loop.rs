@@ -17,6 +17,7 @@ use mavwire_core::router::{LinkId, LinkSet, MAX_LINKS};
 
 use super::endpoint::{LinkSpec, Opened, Stream};
 use super::hub::Hub;
+use super::outbox::Outbox;
 use super::port::Wire;
 use super::recorder::Recorder;
 use super::stats::{ComponentReport, LinkReport, Stats, Traffic};
@@ -32,7 +33,7 @@ use crate::readiness::poll;
 const PROGRAM_NAME: &str = "program";
 /// Peers of a UDP server, and connections to a TCP server.
 const MAX_PEERS: usize = 64;
-/// Batches of datagrams, and reads of a stream, that one link gets in a round.
+/// Batches of datagrams that are read from one socket in a round, and connections that are taken.
 const TURNS: usize = 8;
 /// How often peers are looked at that say nothing any more.
 const TICK: u64 = 1_000_000;
@@ -277,9 +278,9 @@ impl EventLoop {
             return None;
         }
         let wire = Wire::Datagrams(Rc::clone(socket), Some(from));
-        let (options, queue) = (link.spec.options.clone(), link.spec.queue);
+        let (options, outbox) = (link.spec.options.clone(), outbox_of(&link.spec));
         let room = peers.len() < MAX_PEERS;
-        let added = room.then(|| self.switch.add(number, wire, options, queue)).flatten();
+        let added = room.then(|| self.switch.add(number, wire, options, outbox)).flatten();
         let Some(port) = added else {
             link.refused += 1;
             return None;
@@ -306,10 +307,10 @@ impl EventLoop {
             };
             let Ok(stream) = Stream::tcp(stream) else { continue };
             let count = self.switch.ports().filter(|port| port.link == number).count();
-            let (options, queue) = (link.spec.options.clone(), link.spec.queue);
+            let (options, outbox) = (link.spec.options.clone(), outbox_of(&link.spec));
             let wire = Wire::Stream(stream);
             let added = (count < MAX_PEERS)
-                .then(|| self.switch.add(number, wire, options, queue))
+                .then(|| self.switch.add(number, wire, options, outbox))
                 .flatten();
             match added.and_then(|port| self.switch.port(port)) {
                 Some(port) => port.peer = Some(from.to_string()),
@@ -318,31 +319,18 @@ impl EventLoop {
         }
     }
 
+    /// Reads once: that is some thousand frames, and what is left comes in the next round.
     fn read_port(&mut self, id: LinkId) {
-        let mut buffer = std::mem::take(&mut self.buffer);
-        for _ in 0..TURNS {
-            let Some(port) = self.switch.port(id) else { break };
-            let Wire::Stream(stream) = &mut port.wire else { break };
-            match stream.read(&mut buffer) {
-                Ok(0) => {
-                    self.hang_up(id, None);
-                    break;
-                }
-                Ok(len) => {
-                    self.switch.feed(id, &buffer[..len]);
-                    if len < buffer.len() {
-                        break;
-                    }
-                }
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => {
-                    self.hang_up(id, Some(error));
-                    break;
-                }
-            }
+        let Some(port) = self.switch.port(id) else { return };
+        let Wire::Stream(stream) = &mut port.wire else { return };
+        match stream.read(&mut self.buffer) {
+            Ok(0) => self.hang_up(id, None),
+            Ok(len) => self.switch.feed(id, &self.buffer[..len]),
+            Err(error) => match error.kind() {
+                io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted => {}
+                _ => self.hang_up(id, Some(error)),
+            },
         }
-        self.buffer = buffer;
     }
 
     // -- writing
@@ -507,7 +495,7 @@ impl EventLoop {
 
     fn kind(&mut self, number: u32, spec: &LinkSpec, opened: Opened) -> Result<Kind, BridgeError> {
         let mut add = |wire| {
-            let port = self.switch.add(number, wire, spec.options.clone(), spec.queue);
+            let port = self.switch.add(number, wire, spec.options.clone(), outbox_of(spec));
             port.ok_or(BridgeError::TooManyLinks)
         };
         Ok(match opened {
@@ -619,6 +607,10 @@ impl EventLoop {
         }
         reports
     }
+}
+
+fn outbox_of(spec: &LinkSpec) -> Outbox {
+    Outbox::new(spec.queue, spec.datagram)
 }
 
 fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {

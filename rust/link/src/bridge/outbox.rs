@@ -16,20 +16,24 @@ pub(super) struct Outbox {
     /// The rest of a frame that a stream took the beginning of: it has to follow, or the stream is broken.
     rest: Vec<u8>,
     limit: usize,
+    /// Frames share a datagram up to this length.
+    datagram: usize,
     pub(super) sent: u64,
     pub(super) sent_bytes: u64,
     pub(super) dropped: u64,
 }
 
 impl Outbox {
-    /// `limit` in bytes; one frame always has room.
-    pub(super) fn new(limit: usize) -> Self {
+    /// `limit` in bytes; one frame always has room. Frames that wait together share a datagram up to `datagram` bytes;
+    /// 0 for one in each.
+    pub(super) fn new(limit: usize, datagram: usize) -> Self {
         Self {
             bytes: Vec::new(),
             start: 0,
             lens: VecDeque::new(),
             rest: Vec::new(),
             limit: limit.max(MAX_FRAME_LEN),
+            datagram,
             sent: 0,
             sent_bytes: 0,
             dropped: 0,
@@ -118,21 +122,36 @@ impl Outbox {
         }
     }
 
-    /// Hands the oldest frames, `at_most` of them, to a call that says how many it took.
+    /// How many of the waiting frames share each datagram, and how long it is.
+    fn datagrams(&self) -> impl Iterator<Item = (usize, usize)> {
+        let mut lens = self.lens.iter().map(|&len| usize::from(len)).peekable();
+        let longest = self.datagram;
+        std::iter::from_fn(move || {
+            let (mut frames, mut len) = (1, lens.next()?);
+            while let Some(next) = lens.next_if(|next| len + next <= longest) {
+                (frames, len) = (frames + 1, len + next);
+            }
+            Some((frames, len))
+        })
+    }
+
+    /// Hands the oldest frames as datagrams, `at_most` of them, to a call that says how many it took.
     pub(super) fn send_with(
         &mut self,
         at_most: usize,
         send: impl FnOnce(&mut dyn Iterator<Item = &[u8]>) -> io::Result<usize>,
     ) -> io::Result<()> {
-        let mut at = self.start;
-        let bytes = &self.bytes;
-        let mut frames = self.lens.iter().take(at_most).map(|&len| {
-            let from = at;
-            at += usize::from(len);
-            &bytes[from..at]
-        });
-        let count = send(&mut frames)?;
-        for _ in 0..count {
+        let count = {
+            let mut at = self.start;
+            let mut datagrams = self.datagrams().take(at_most).map(|(_, len)| {
+                let from = at;
+                at += len;
+                &self.bytes[from..at]
+            });
+            send(&mut datagrams)?
+        };
+        let frames: usize = self.datagrams().take(count).map(|(frames, _)| frames).sum();
+        for _ in 0..frames {
             self.sent_bytes += self.take_front() as u64;
             self.sent += 1;
         }
@@ -171,7 +190,7 @@ mod tests {
     #[test]
     fn a_stream_gets_whole_frames_in_order_however_it_takes_them() {
         for chunk in [1, 7, 99, 100, 101, 250, 10_000] {
-            let mut outbox = Outbox::new(10_000);
+            let mut outbox = Outbox::new(10_000, 0);
             let expected: Vec<u8> = (0..20).flat_map(frame).collect();
             (0..20).for_each(|n| outbox.push(&frame(n)));
             assert_eq!(drain(&mut outbox, chunk), expected, "{chunk}");
@@ -182,7 +201,7 @@ mod tests {
 
     #[test]
     fn r63_the_oldest_go_but_never_half_a_frame() {
-        let mut outbox = Outbox::new(1_000);
+        let mut outbox = Outbox::new(1_000, 0);
         (0..5).for_each(|n| outbox.push(&frame(n)));
         let mut begun = Vec::new();
         let mut room = 150;
@@ -203,7 +222,7 @@ mod tests {
 
     #[test]
     fn datagrams_leave_as_many_as_were_taken() {
-        let mut outbox = Outbox::new(1_000);
+        let mut outbox = Outbox::new(1_000, 0);
         (0..5).for_each(|n| outbox.push(&frame(n)));
         let mut seen = Vec::new();
         outbox
@@ -219,5 +238,22 @@ mod tests {
         outbox.clear();
         outbox.drop_front();
         assert_eq!((outbox.sent, outbox.dropped, outbox.queued()), (4, 2, 0));
+    }
+
+    #[test]
+    fn frames_share_a_datagram_as_far_as_it_is_long_enough() {
+        for (longest, lens) in [(0, vec![100; 5]), (199, vec![100; 5]), (250, vec![200, 200, 100])]
+        {
+            let mut outbox = Outbox::new(1_000, longest);
+            (0..5).for_each(|n| outbox.push(&frame(n)));
+            let mut seen = Vec::new();
+            let all = |datagrams: &mut dyn Iterator<Item = &[u8]>| {
+                seen.extend(datagrams.map(<[u8]>::len));
+                Ok(seen.len())
+            };
+            outbox.send_with(10, all).unwrap();
+            assert_eq!((seen, outbox.sent, outbox.sent_bytes), (lens, 5, 500));
+            assert!(outbox.is_empty());
+        }
     }
 }

@@ -46,14 +46,14 @@ pub(super) struct Port {
 }
 
 impl Port {
-    pub(super) fn new(id: LinkId, link: u32, wire: Wire, queue: usize, now: u64) -> Self {
+    pub(super) fn new(id: LinkId, link: u32, wire: Wire, outbox: Outbox, now: u64) -> Self {
         Self {
             id,
             link,
             peer: None,
             wire,
             stream: Some(Box::new(FrameStream::new(Resync::Rescan))),
-            outbox: Outbox::new(queue),
+            outbox,
             heard: now,
             blocked: false,
             traffic: Traffic::default(),

@@ -1,4 +1,4 @@
-//! Sending datagrams many at a time: one frame in each, so that a lost datagram costs one frame.
+//! Sending datagrams many at a time.
 
 use std::io;
 use std::net::UdpSocket;
@@ -8,7 +8,7 @@ use crate::address::Address;
 /// Datagrams that one call sends at most.
 pub(super) const BATCH: usize = 64;
 
-/// Sends each frame as a datagram, to the socket's peer if there is no `to`; how many were taken, [`BATCH`] at most.
+/// Sends each piece as a datagram, to the socket's peer if there is no `to`; how many were taken, [`BATCH`] at most.
 ///
 /// # Errors
 /// `WouldBlock` if the socket takes none now, else what the operating system says of the first one.

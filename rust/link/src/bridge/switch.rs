@@ -8,6 +8,7 @@ use mavwire_core::router::{Fate, LinkId, LinkOptions, LinkSet, MAX_LINKS, Router
 use mavwire_core::scan::{Found, Resync, Scanner};
 
 use super::hub::{FrameInfo, Frames};
+use super::outbox::Outbox;
 use super::port::{Port, Wire};
 use super::stats::Traffic;
 
@@ -49,7 +50,7 @@ impl Switch {
             moment: Moment::default(),
         };
         let options = LinkOptions { private: true, ..LinkOptions::default() };
-        if let Some(program) = switch.add(PROGRAM, Wire::Program, options, 0) {
+        if let Some(program) = switch.add(PROGRAM, Wire::Program, options, Outbox::new(0, 0)) {
             switch.program = program;
         }
         switch
@@ -61,10 +62,10 @@ impl Switch {
         link: u32,
         wire: Wire,
         options: LinkOptions,
-        queue: usize,
+        outbox: Outbox,
     ) -> Option<LinkId> {
         let id = self.router.add_link(options)?;
-        self.ports[id.index()] = Some(Port::new(id, link, wire, queue, self.moment.now));
+        self.ports[id.index()] = Some(Port::new(id, link, wire, outbox, self.moment.now));
         Some(id)
     }
 

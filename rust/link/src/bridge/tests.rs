@@ -26,6 +26,7 @@ fn link(name: &str, endpoint: Endpoint) -> LinkSpec {
         endpoint,
         options: LinkOptions::default(),
         queue: 64 << 10,
+        datagram: 0,
         peer_timeout: LIMIT,
         retry: Some(Duration::from_secs(1)),
     }
