@@ -6,9 +6,11 @@ Importing the package is nearly free; each name below is fetched when it is firs
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from mavwire._alias import install_as_pymavlink, uninstall_as_pymavlink
+    from mavwire.bridge import Bridge
     from mavwire.logs import LogFormatError, open_log, read, scan, scan_polars
 
 __all__ = [
+    "Bridge",
     "LogFormatError",
     "install_as_pymavlink",
     "open_log",
@@ -19,6 +21,7 @@ __all__ = [
 ]
 
 _LAZY = {
+    "Bridge": "mavwire.bridge",
     "LogFormatError": "mavwire.logs",
     "open_log": "mavwire.logs",
     "read": "mavwire.logs",

@@ -10,6 +10,7 @@ from typing import Any, Final, Literal, TypeAlias, final
 
 from typing_extensions import Buffer, disjoint_base
 
+from mavwire._stubs.bridge import BridgeCore, BridgeError, BridgeTap, FrameBatch
 from mavwire._stubs.columns import (
     ColumnView,
     Converter,
@@ -33,6 +34,9 @@ from mavwire._stubs.links import (
 from mavwire._stubs.logs import LogLink, LogScan, dump_log
 
 __all__ = [
+    "BridgeCore",
+    "BridgeError",
+    "BridgeTap",
     "ColumnView",
     "Converter",
     "DFMessage",
@@ -41,6 +45,7 @@ __all__ = [
     "DefinitionError",
     "Dialect",
     "FieldGetter",
+    "FrameBatch",
     "Link",
     "LiveLink",
     "LogColumns",

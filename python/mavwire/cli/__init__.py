@@ -23,6 +23,8 @@ COMMANDS = {
     "dump": ("mavwire.cli.dump", "print the messages of a log as text, JSON or CSV"),
     "convert": ("mavwire.cli.convert", "telemetry logs to Parquet, CSV, JSON lines or Arrow files"),
     "sim": ("mavwire.cli.sim", "fly simulated vehicles for a ground station or a test"),
+    "bridge": ("mavwire.cli.bridge", "route MAVLink between serial ports, UDP and TCP; record it"),
+    "replay": ("mavwire.cli.replay", "send the frames of a log again, at their pace or faster"),
     "gen": ("mavwire.cli.gen", "generate a Python dialect module from XML definitions"),
     "definitions": ("mavwire.cli.definitions", "store upstream XML for its descriptions"),
     "run": ("mavwire.cli.run", "run a program that imports pymavlink on mavwire"),

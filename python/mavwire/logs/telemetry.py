@@ -70,7 +70,7 @@ class TelemetryLog:
             raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
         self.path = os.fspath(path)
         self.resync = resync
-        self.dialect = _dialect_module(dialect)
+        self.dialect = dialect_module(dialect)
         self.closed = False
         self.compressed = False
         self._counted: tuple[int, int] | None = None
@@ -241,7 +241,7 @@ def _other_format(head: bytes) -> str | None:
     return None
 
 
-def _dialect_module(dialect: str | ModuleType) -> Any:
+def dialect_module(dialect: str | ModuleType) -> Any:
     if not isinstance(dialect, str):
         return dialect
     from importlib import import_module

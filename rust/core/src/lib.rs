@@ -5,8 +5,8 @@
 //! one implementation of the protocol.
 //!
 //! The path of a received byte: [`scan::Scanner`] finds frames in a byte stream ([`stream::FrameStream`] when it arrives
-//! in pieces), [`registry::Registry`] knows the messages of a dialect, [`signing`] says whether a frame is genuine, and
-//! [`codec`] turns a payload into values.
+//! in pieces), [`registry::Registry`] knows the messages of a dialect, [`signing`] says whether a frame is genuine,
+//! [`router`] where it goes, and [`codec`] turns a payload into values.
 
 #![forbid(unsafe_code)]
 
@@ -16,6 +16,7 @@ pub mod frame;
 pub mod log;
 pub mod pyfloat;
 pub mod registry;
+pub mod router;
 pub mod scan;
 pub mod sequence;
 pub mod signing;

@@ -8,6 +8,12 @@ use std::net::{Ipv4Addr, Ipv6Addr};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Address(SocketAddr);
 
+impl From<SocketAddr> for Address {
+    fn from(address: SocketAddr) -> Self {
+        Self(address)
+    }
+}
+
 impl Address {
     /// The address with these parts; `None` unless `host` is a numeric address. `flow` and `scope` are IPv6's.
     pub fn new(host: &str, port: u16, flow: u32, scope: u32) -> Option<Self> {
@@ -33,6 +39,45 @@ impl Address {
             SocketAddr::V4(_) => None,
             SocketAddr::V6(address) => Some((address.flowinfo(), address.scope_id())),
         }
+    }
+
+    /// The address for the operating system, and how long it is.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn to_os(self) -> (libc::sockaddr_storage, libc::socklen_t) {
+        // SAFETY: all zero is a valid address of no family.
+        let mut storage: libc::sockaddr_storage = unsafe { std::mem::zeroed() };
+        let start = &raw mut storage;
+        let len = match self.0 {
+            SocketAddr::V4(address) => {
+                let name = libc::sockaddr_in {
+                    sin_family: libc::AF_INET as libc::sa_family_t,
+                    sin_port: address.port().to_be(),
+                    sin_addr: libc::in_addr { s_addr: u32::from(*address.ip()).to_be() },
+                    sin_zero: [0; 8],
+                };
+                // SAFETY: `sockaddr_storage` is large enough and aligned for the addresses of all families.
+                unsafe { start.cast::<libc::sockaddr_in>().write(name) };
+                size_of::<libc::sockaddr_in>()
+            }
+            SocketAddr::V6(address) => {
+                let name = libc::sockaddr_in6 {
+                    sin6_family: libc::AF_INET6 as libc::sa_family_t,
+                    sin6_port: address.port().to_be(),
+                    sin6_flowinfo: address.flowinfo(),
+                    sin6_addr: libc::in6_addr { s6_addr: address.ip().octets() },
+                    sin6_scope_id: address.scope_id(),
+                };
+                // SAFETY: as above.
+                unsafe { start.cast::<libc::sockaddr_in6>().write(name) };
+                size_of::<libc::sockaddr_in6>()
+            }
+        };
+        (storage, len as libc::socklen_t)
+    }
+
+    /// The address as the standard library has it.
+    pub fn socket_addr(&self) -> SocketAddr {
+        self.0
     }
 
     /// What the operating system wrote; `None` for addresses of other families.

@@ -4,6 +4,8 @@
 //! are read here on systems with POSIX descriptors; elsewhere that is `Unsupported`, and Python reads them.
 
 pub mod address;
+#[cfg(unix)]
+pub mod bridge;
 pub mod bytes;
 pub mod clock;
 pub mod dataflash;

@@ -12,18 +12,27 @@ use std::time::Duration;
 /// `Interrupted` if a signal arrived; what the operating system says for a descriptor that is none.
 #[cfg(unix)]
 pub fn ready(fd: i32, writable: bool, timeout: Duration) -> io::Result<bool> {
-    // Rounded up: a poll that ends early would be asked again and again for the rest of a millisecond.
-    let milliseconds = timeout.as_micros().div_ceil(1000).min(i32::MAX as u128) as i32;
     let events = if writable { libc::POLLIN | libc::POLLOUT } else { libc::POLLIN };
     let mut watched = libc::pollfd { fd, events, revents: 0 };
-    // SAFETY: one entry is passed, and it lives until the call returns.
-    let ready = unsafe { libc::poll(&raw mut watched, 1, milliseconds) };
-    match ready {
+    match poll(std::slice::from_mut(&mut watched), timeout)? {
         0 => Ok(false),
-        1 if watched.revents & libc::POLLNVAL != 0 => Err(io::ErrorKind::NotFound.into()),
-        1 => Ok(true),
-        _ => Err(io::Error::last_os_error()),
+        _ if watched.revents & libc::POLLNVAL != 0 => Err(io::ErrorKind::NotFound.into()),
+        _ => Ok(true),
     }
+}
+
+/// Waits for several descriptors at a time; says how many of them have something in `revents`.
+///
+/// # Errors
+/// `Interrupted` if a signal arrived.
+#[cfg(unix)]
+pub(crate) fn poll(watched: &mut [libc::pollfd], timeout: Duration) -> io::Result<usize> {
+    // Rounded up: a poll that ends early would be asked again and again for the rest of a millisecond.
+    let milliseconds = timeout.as_micros().div_ceil(1000).min(i32::MAX as u128) as i32;
+    let count = watched.len() as libc::nfds_t;
+    // SAFETY: the entries are as many as the call is told, and live until it returns.
+    let ready = unsafe { libc::poll(watched.as_mut_ptr(), count, milliseconds) };
+    usize::try_from(ready).map_err(|_| io::Error::last_os_error())
 }
 
 /// Not on this system.

@@ -144,6 +144,25 @@ impl Dialect {
         let message = Message::received(Some(class.info), frame, Origin::Decoded);
         create::pooled(class.class.bind(py), message)
     }
+
+    /// A message object around a frame that was received at a time; `index` is `None` for an unknown id.
+    pub(crate) fn stamped<'py>(
+        &self,
+        py: Python<'py>,
+        index: Option<u16>,
+        frame: FrameBytes,
+        seconds: f64,
+        link: u8,
+    ) -> PyResult<Bound<'py, Message>> {
+        let Some(index) = index else {
+            let class = self.global(py, "MAVLink_unknown")?.cast_into::<PyType>()?;
+            let message = Message::received(None, frame, Origin::Unknown);
+            return create::create(&class, message.stamped(seconds, link));
+        };
+        let class = self.class(py, index)?;
+        let message = Message::received(Some(class.info), frame, Origin::Decoded);
+        create::pooled(class.class.bind(py), message.stamped(seconds, link))
+    }
 }
 
 #[pymethods]

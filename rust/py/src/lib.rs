@@ -7,6 +7,14 @@
 use pyo3::prelude::*;
 
 mod align;
+#[cfg(unix)]
+mod bridge;
+#[cfg(unix)]
+mod bridge_batch;
+#[cfg(unix)]
+mod bridge_options;
+#[cfg(unix)]
+mod bridge_stats;
 mod classes;
 mod column_view;
 mod columns;
@@ -71,6 +79,12 @@ mod _native {
 
     #[pymodule_export]
     use crate::align::align_tables;
+    #[cfg(unix)]
+    #[pymodule_export]
+    use crate::bridge::{BridgeCore, BridgeError, BridgeTap};
+    #[cfg(unix)]
+    #[pymodule_export]
+    use crate::bridge_batch::FrameBatch;
     #[pymodule_export]
     use crate::classes::message_class;
     #[pymodule_export]

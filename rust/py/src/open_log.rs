@@ -12,14 +12,13 @@ use mavwire_core::registry::Entry;
 use mavwire_core::scan::Resync;
 use mavwire_link::records::AtOffset;
 use pyo3::prelude::*;
-use pyo3::types::PyType;
 
 use crate::create;
 use crate::dialect::Dialect;
 use crate::frame_bytes::FrameBytes;
 use crate::lock::Lock;
 use crate::log_reader::LogReader;
-use crate::message::{Message, Origin};
+use crate::message::Message;
 use crate::parser::{Parser, Step};
 
 /// Messages of a batch, and records that are looked at for one before the user's wish to stop is heeded.
@@ -295,15 +294,7 @@ impl LogScan {
             ready.accept(next);
             (next, frame)
         };
-        let dialect = self.dialect.get();
-        let Some(index) = next.index else {
-            let class = dialect.global(py, "MAVLink_unknown")?.cast_into::<PyType>()?;
-            let message = Message::received(None, frame, Origin::Unknown);
-            return create::create(&class, message.stamped(next.time, next.link)).map(Some);
-        };
-        let class = dialect.class(py, index)?;
-        let message = Message::received(Some(class.info), frame, Origin::Decoded);
-        create::pooled(class.class.bind(py), message.stamped(next.time, next.link)).map(Some)
+        self.dialect.get().stamped(py, next.index, frame, next.time, next.link).map(Some)
     }
 }
 

@@ -1,0 +1,26 @@
+"""A MAVLink router inside your program: links of any kind, filters, limits, recording, statistics.
+
+`Bridge` runs on a thread that never holds the interpreter's lock. See docs/bridge.md.
+"""
+
+from __future__ import annotations
+
+from .bridge import Bridge
+from .config import Config, load_config
+from .endpoints import parse_endpoint
+from .errors import BridgeError, ConfigError
+from .frames import FrameBatches
+from .options import Endpoint, Link, Recording
+
+__all__ = [
+    "Bridge",
+    "BridgeError",
+    "Config",
+    "ConfigError",
+    "Endpoint",
+    "FrameBatches",
+    "Link",
+    "Recording",
+    "load_config",
+    "parse_endpoint",
+]

@@ -1,0 +1,233 @@
+"""`Bridge`: links with a router between them, embedded in a program."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from .endpoints import parse_endpoint
+from .errors import BridgeError, ConfigError
+from .frames import FrameBatches
+from .options import Endpoint, Link, Recording, Settings, link_from, numbered, whole
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterable
+    from types import ModuleType
+    from typing import Any, Self
+
+    from mavwire._native import BridgeCore
+
+    from .config import Config
+
+
+class Bridge:
+    """A MAVLink router. Frames that arrive over one link leave over those that they are meant for.
+
+    `links` are endpoints (`"udpin:0.0.0.0:14550"`) or `Link` objects; `record` a directory for
+    telemetry logs or a `Recording`. `dedup`: copies that arrive over another link within so many
+    seconds are dropped, 0 for none. `max_age`: how long a system is known at a link after it was
+    heard. `sniffer_sysid`: links where this system is heard get every frame. `dialect`: where the
+    targets of messages stand. `source_system` and `source_component`: who `send` sends as.
+
+    ConfigError (a ValueError) for an option; `start` opens what they name.
+    """
+
+    def __init__(
+        self,
+        links: Iterable[str | Endpoint | Link] = (),
+        *,
+        record: str | os.PathLike[str] | Recording | None = None,
+        dedup: float = 0.5,
+        max_age: float = 60.0,
+        sniffer_sysid: int = 0,
+        dialect: str | ModuleType = "all",
+        source_system: int = 255,
+        source_component: int = 190,
+    ) -> None:
+        self.dialect: Any = _module(dialect)
+        self._settings = Settings(dedup, max_age, sniffer_sysid)
+        self._recording = (
+            record if record is None or isinstance(record, Recording) else Recording(record)
+        )
+        self._mav: Any = self.dialect.MAVLink(
+            None,
+            whole("source_system", source_system, 255, least=1),
+            whole("source_component", source_component, 255, least=1),
+        )
+        self._groups: list[str] = []
+        self._links = [self._link(link, {}) for link in links]
+        self._core: BridgeCore | None = None
+
+    @classmethod
+    def from_config(cls, path: str | os.PathLike[str]) -> Self:
+        """A bridge as a file says: mavlink-router's format, or TOML. ConfigError, OSError."""
+        from .config import load_config
+
+        return cls.from_options(load_config(path))
+
+    @classmethod
+    def from_options(cls, config: Config) -> Self:
+        """A bridge as a loaded file says."""
+        try:
+            bridge = cls(record=config.recording, dialect=config.dialect, **config.settings)
+        except ConfigError as error:
+            raise ConfigError(f"{config.path}: {error}" if config.path else str(error)) from None
+        for where, endpoint, options in config.links:
+            try:
+                bridge._links.append(bridge._link(endpoint, options))
+            except ConfigError as error:
+                raise ConfigError(f"{where}: {error}") from None
+        return bridge
+
+    # -- running
+
+    def start(self) -> Self:
+        """Open all links and begin to route. OSError names the link that cannot be opened."""
+        if self._core is not None:
+            raise BridgeError("the bridge is running already")
+        core_class = _core_class()
+        core = core_class(self._native_dialect(), self._settings, self._recording)
+        try:
+            for link in self._links:
+                core.add(link)
+        except BaseException:
+            core.stop()
+            raise
+        self._core = core
+        return self
+
+    def stop(self) -> None:
+        """Close all links and finish the recording. Does nothing to a bridge that is not running."""
+        core, self._core = self._core, None
+        if core is not None:
+            core.stop()
+
+    def __enter__(self) -> Self:
+        return self if self._core is not None else self.start()
+
+    def __exit__(self, *exception: object) -> None:
+        self.stop()
+
+    @property
+    def running(self) -> bool:
+        """It was started and not stopped."""
+        return self._core is not None
+
+    # -- links
+
+    def add(self, endpoint: str | Endpoint | Link, **options: Any) -> str:
+        """Add a link, with the options of docs/bridge.md; returns its name.
+
+        ConfigError for an option, BridgeError for a name that is taken, OSError if it cannot be
+        opened. Before `start` the link is opened by `start`.
+        """
+        link = self._link(endpoint, options)
+        if self._core is not None:
+            self._core.add(link)
+        self._links.append(link)
+        return link.name
+
+    def remove(self, name: str) -> None:
+        """Remove a link and close it. BridgeError if there is none of that name."""
+        if self._core is not None:
+            self._core.remove(name)
+        elif all(link.name != name for link in self._links):
+            raise BridgeError(f'there is no link called "{name}"')
+        self._links = [link for link in self._links if link.name != name]
+
+    def _link(self, endpoint: str | Endpoint | Link, options: dict[str, Any]) -> Link:
+        if isinstance(endpoint, Link):
+            link = endpoint
+        else:
+            if isinstance(endpoint, str):
+                endpoint = parse_endpoint(endpoint)
+            link = link_from(endpoint, options, self._message_id)
+        if link.group is not None and link.group not in self._groups:
+            self._groups.append(link.group)
+        return dataclasses.replace(link, group_number=numbered(self._groups, link.group))
+
+    # -- frames
+
+    def send(self, message: Any) -> None:
+        """Send to whom it is meant for: whole frames in bytes, which leave as they are, or a
+        message, which is packed as from `source_system`.
+        """
+        if isinstance(message, bytes | bytearray | memoryview):
+            frames = bytes(message)
+        else:
+            frames = bytes(message.pack(self._mav))
+            self._mav.seq = (self._mav.seq + 1) % 256
+        self._running().send(frames)
+
+    def latest(
+        self, type: str | int, system: int | None = None, component: int | None = None
+    ) -> Any:
+        """The newest message of a type, from a system and component or from any; None if none came."""
+        return self._running().latest(self._message_id(type), system, component)
+
+    def frames(
+        self,
+        types: Iterable[str | int] | None = None,
+        systems: Iterable[int] | None = None,
+        *,
+        max_batch: int = 1024,
+        max_latency: float = 0.05,
+    ) -> FrameBatches:
+        """The frames from now on in batches, of some types and systems or of all.
+
+        Frames that `send` sent are among them; duplicates and what a filter stopped are not.
+        """
+        messages = None if types is None else [self._message_id(one) for one in types]
+        wanted = None if systems is None else [whole("systems", one, 255) for one in systems]
+        tap = self._running().tap(messages, wanted)
+        return FrameBatches(tap, max_batch, max_latency)
+
+    # -- what it tells
+
+    def stats(self) -> dict[str, Any]:
+        """Counters of links and components, and of the recording: what docs/bridge.md lists."""
+        return self._running().stats()
+
+    def __repr__(self) -> str:
+        state = "running" if self.running else "stopped"
+        return f"<Bridge of {len(self._links)} links, {state}>"
+
+    def _running(self) -> BridgeCore:
+        if self._core is None:
+            raise BridgeError("the bridge is not running")
+        return self._core
+
+    def _native_dialect(self) -> Any:
+        return self._mav._dialect
+
+    def _message_id(self, name: object) -> int:
+        if isinstance(name, int) and not isinstance(name, bool):
+            return whole("a message id", name, 2**24 - 1)
+        if not isinstance(name, str):
+            raise ConfigError(f"{name!r} is neither name nor id of a message")
+        if name.isdecimal():
+            return whole("a message id", int(name), 2**24 - 1)
+        msgid = getattr(self.dialect, f"MAVLINK_MSG_ID_{name}", None)
+        if msgid is None:
+            raise ConfigError(f"the dialect has no message {name!r}")
+        return int(msgid)
+
+
+def _core_class() -> type[BridgeCore]:
+    try:
+        from mavwire._native import BridgeCore
+    except ImportError:
+        raise OSError("bridges need a system with POSIX sockets") from None
+    return BridgeCore
+
+
+def _module(dialect: str | ModuleType) -> Any:
+    if not isinstance(dialect, str):
+        return dialect
+    from mavwire.logs.telemetry import dialect_module
+
+    try:
+        return dialect_module(dialect)
+    except ValueError as error:
+        raise ConfigError(f"dialect: {error}") from None

@@ -1,0 +1,216 @@
+"""mavlink-router's configuration file: sections of `Key = Value` lines, names in any case."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from .config import Config
+from .errors import ConfigError
+from .options import DEFAULT_BAUD, Endpoint, Recording, whole
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+DEFAULT_TCP_PORT = 5760
+FIRST_UDP_PORT = 14550
+_FILTERS = {
+    f"{verb}{theirs}{way}".lower(): f"{verb.lower()}_{ours}_{way.lower()}"
+    for verb in ("Allow", "Block")
+    for theirs, ours in (("MsgId", "messages"), ("SrcSys", "systems"), ("SrcComp", "components"))
+    for way in ("In", "Out")
+}
+# What mavlink-router has and a bridge does otherwise or not at all.
+_NO_EFFECT = {
+    "reportstats": "use --json, --status or --metrics",
+    "debugloglevel": "there are no levels",
+    "mavlinkdialect": "all dialects are known",
+    "logmode": "telemetry is recorded always",
+    "logsystemid": "telemetry of all systems is recorded",
+    "minfreespace": "logs are not deleted",
+    "maxlogfiles": "logs are not deleted",
+}
+_GENERAL = {
+    "tcpserverport", "deduplicationperiod", "sniffersysid", "log", "logtelemetry", *_NO_EFFECT,
+}  # fmt: skip
+_COMMON = {"group", *_FILTERS}
+_KEYS = {
+    "general": _GENERAL,
+    "uartendpoint": {"device", "baud", "flowcontrol", *_COMMON},
+    "udpendpoint": {"mode", "address", "port", "filter", *_COMMON},
+    "tcpendpoint": {"address", "port", "retrytimeout", *_COMMON},
+}
+
+
+@dataclass
+class _Section:
+    kind: str
+    name: str
+    where: str
+    entries: dict[str, tuple[str, str]] = field(default_factory=dict)
+    """Key -> value, and where it stands."""
+
+    def get(self, key: str) -> str | None:
+        return self.entries[key][0] if key in self.entries else None
+
+    def need(self, key: str, shown: str) -> str:
+        value = self.get(key)
+        if value is None:
+            raise ConfigError(f"{self.where}: [{self.name}] lacks {shown}")
+        return value
+
+    def read(self, key: str, default: Any, convert: Callable[[str, str], Any]) -> Any:
+        """A value, converted; the error says on which line it stands."""
+        if key not in self.entries:
+            return default
+        value, where = self.entries[key]
+        try:
+            return convert(key, value)
+        except ConfigError as error:
+            raise ConfigError(f"{where}: {error}") from None
+
+
+def parse_main_conf(name: str, text: str) -> Config:
+    """The bridge that a file describes. ConfigError names file and line."""
+    config = Config(path=name)
+    general = _Section("general", "General", name)
+    endpoints: list[_Section] = []
+    for section in _sections(name, text):
+        if section.kind == "general":
+            general.entries.update(section.entries)
+        else:
+            endpoints.append(section)
+    _apply_general(config, general)
+    ports = iter(range(FIRST_UDP_PORT, 65536))
+    for section in endpoints:
+        _add(config, section, ports)
+    return config
+
+
+def _sections(name: str, text: str) -> list[_Section]:
+    sections: list[_Section] = []
+    for number, raw in enumerate(text.splitlines(), 1):
+        line, where = raw.strip(), f"{name}:{number}"
+        if not line or line[0] in "#;":
+            continue
+        header = re.fullmatch(r"\[\s*([^\s\]]+)(?:\s+([^\]]*?))?\s*\]", line)
+        if header is not None:
+            kind = header[1].lower()
+            if kind not in _KEYS:
+                raise ConfigError(f"{where}: unknown section [{header[1]}]")
+            sections.append(_Section(kind, header[2] or header[1], where))
+            continue
+        key, equals, value = line.partition("=")
+        if not equals or line[0] == "[":
+            raise ConfigError(f"{where}: neither [Section] nor Key = Value: {line!r}")
+        if not sections:
+            raise ConfigError(f"{where}: stands before the first [Section]")
+        _enter(sections[-1], key.strip(), value.strip(), where)
+    return sections
+
+
+def _enter(section: _Section, key: str, value: str, where: str) -> None:
+    known = _KEYS[section.kind]
+    if key.lower() not in known:
+        from difflib import get_close_matches
+
+        close = get_close_matches(key.lower(), known, n=1)
+        hint = f"; did you mean {close[0]}?" if close else ""
+        raise ConfigError(f"{where}: unknown option {key}{hint}")
+    section.entries[key.lower()] = (value, where)
+
+
+def _apply_general(config: Config, general: _Section) -> None:
+    for key, why in _NO_EFFECT.items():
+        if key in general.entries:
+            config.warnings.append(f"{general.entries[key][1]}: no effect here: {why}")
+    period = general.read("deduplicationperiod", None, _whole)
+    if period is not None:
+        config.settings["dedup"] = period / 1000
+    sniffer = general.read("sniffersysid", None, lambda key, text: _whole(key, text, 255))
+    if sniffer is not None:
+        config.settings["sniffer_sysid"] = sniffer
+    port = general.read("tcpserverport", DEFAULT_TCP_PORT, _port)
+    if port:
+        where = general.entries.get("tcpserverport", ("", general.where))[1]
+        config.links.append((where, Endpoint("tcpin", "0.0.0.0", port), {}))
+    directory, telemetry = general.get("log"), general.read("logtelemetry", False, _flag)
+    if directory and telemetry:
+        config.recording = Recording(directory)
+    elif directory:
+        config.warnings.append(
+            f"{general.entries['log'][1]}: no effect here without LogTelemetry = true: "
+            "flight stack logs are not stored"
+        )
+
+
+def _add(config: Config, section: _Section, ports: Any) -> None:
+    options: dict[str, Any] = {"name": section.name}
+    if section.get("group"):
+        options["group"] = section.get("group")
+    for key, option in _FILTERS.items():
+        ids = section.read(key, [], _ids)
+        if ids:
+            options[option] = ids
+    endpoint = {"uartendpoint": _uart, "udpendpoint": _udp, "tcpendpoint": _tcp}[section.kind]
+    config.links.append((section.where, endpoint(config, section, options, ports), options))
+
+
+def _uart(config: Config, section: _Section, options: dict[str, Any], ports: Any) -> Endpoint:
+    bauds = section.read("baud", [DEFAULT_BAUD], _ids)
+    if len(bauds) > 1:
+        where = section.entries["baud"][1]
+        config.warnings.append(f"{where}: only the first speed is used: {bauds[0]}")
+    flow_control = section.read("flowcontrol", False, _flag)
+    device = section.need("device", "Device")
+    return Endpoint("serial", device, baud=(bauds or [DEFAULT_BAUD])[0], flow_control=flow_control)
+
+
+def _udp(config: Config, section: _Section, options: dict[str, Any], ports: Any) -> Endpoint:
+    mode = section.need("mode", "Mode").lower()
+    address = section.need("address", "Address").strip("[]")
+    allowed = section.read("filter", [], _ids)
+    if allowed:  # an older name of AllowMsgIdOut
+        options.setdefault("allow_messages_out", allowed)
+    if mode == "normal":
+        port = section.read("port", None, _port) or next(ports)
+        return Endpoint("udpout", address, port)
+    if mode not in ("server", "eavesdropping"):
+        where = section.entries["mode"][1]
+        raise ConfigError(f"{where}: Mode must be Normal or Server, not {mode!r}")
+    section.need("port", "Port")
+    return Endpoint("udpin", address, section.read("port", 0, _port))
+
+
+def _tcp(config: Config, section: _Section, options: dict[str, Any], ports: Any) -> Endpoint:
+    address = section.need("address", "Address").strip("[]")
+    section.need("port", "Port")
+    options["retry"] = section.read("retrytimeout", 5, _whole)
+    return Endpoint("tcp", address, section.read("port", 0, _port))
+
+
+# -- values
+
+
+def _whole(key: str, text: str, most: int = 2**31 - 1) -> int:
+    # The length is looked at first: numbers with thousands of digits take time to read.
+    if len(text) > 20 or not text.isascii() or not text.isdecimal():
+        raise ConfigError(f"{key} must be a number, not {text[:40]!r}")
+    return whole(key, int(text), most)
+
+
+def _port(key: str, text: str) -> int:
+    return _whole(key, text, 65535)
+
+
+def _ids(key: str, text: str) -> list[int]:
+    return [_whole(key, part.strip()) for part in text.split(",") if part.strip()]
+
+
+def _flag(key: str, text: str) -> bool:
+    values = {"true": True, "1": True, "false": False, "0": False}
+    if text.lower() not in values:
+        raise ConfigError(f"{key} must be true or false, not {text!r}")
+    return values[text.lower()]

@@ -1,0 +1,230 @@
+"""The options of a bridge, checked where they are given. The native side reads these objects."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+
+from .errors import ConfigError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Iterable, Mapping
+    from typing import Any
+
+KINDS = ("udpout", "udpin", "udpbcast", "tcp", "tcpin", "serial")
+DEFAULT_BAUD = 115200
+_DIRECTIONS = ("in", "out")
+_LISTS = ("messages", "systems", "components")
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """Where a link leads. `address` is a host, or the path of a serial port."""
+
+    kind: str
+    address: str
+    port: int = 0
+    baud: int = DEFAULT_BAUD
+    flow_control: bool = False
+
+    def __str__(self) -> str:
+        if self.kind == "serial":
+            return f"{self.kind}:{self.address}:{self.baud}"
+        host = f"[{self.address}]" if ":" in self.address else self.address
+        return f"{self.kind}:{host}:{self.port}"
+
+
+@dataclass(frozen=True)
+class Filter:
+    """What may pass in one direction, by ids; None allows all."""
+
+    allow_messages: list[int] | None = None
+    block_messages: list[int] = field(default_factory=list)
+    allow_systems: list[int] | None = None
+    block_systems: list[int] = field(default_factory=list)
+    allow_components: list[int] | None = None
+    block_components: list[int] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How frames are routed; times in seconds."""
+
+    dedup: float = 0.5
+    max_age: float = 60.0
+    sniffer_sysid: int = 0
+
+    def __post_init__(self) -> None:
+        seconds("dedup", self.dedup)
+        seconds("max_age", self.max_age, least=1e-3)
+        whole("sniffer_sysid", self.sniffer_sysid, 255)
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Recording into telemetry logs in `directory`.
+
+    A new log begins when one has `max_bytes` or is `max_age` seconds old; what came is handed to
+    the operating system after `flush_interval` seconds at the latest.
+    """
+
+    directory: str | os.PathLike[str]
+    max_bytes: int | None = None
+    max_age: float | None = None
+    flush_interval: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.max_bytes is not None:
+            whole("max_bytes", self.max_bytes, 2**63 - 1, least=1)
+        if self.max_age is not None:
+            seconds("max_age", self.max_age, least=1.0)
+        seconds("flush_interval", self.flush_interval, least=1e-3)
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link of a bridge; `link_from` makes one of the options that users write."""
+
+    name: str
+    endpoint: Endpoint
+    group: str | None = None
+    group_number: int | None = None
+    private: bool = False
+    sniffer: bool = False
+    inbound: Filter = Filter()
+    outbound: Filter = Filter()
+    bytes_per_second: float | None = None
+    message_rate: float | None = None
+    message_rates: list[tuple[int, float]] = field(default_factory=list)
+    queue: int = 256 * 1024
+    datagram: int = 0
+    peer_timeout: float = 60.0
+    retry: float | None = 8.0
+
+
+def link_from(
+    endpoint: Endpoint, options: Mapping[str, Any], message_id: Callable[[object], int]
+) -> Link:
+    """A link with the options of docs/bridge.md. ConfigError names the one that is wrong.
+
+    `message_id` turns a name or number of a message into its id, or raises ConfigError.
+    """
+    known = {
+        "name", "group", "private", "sniffer", "bytes_per_second", "rate", "rates", "queue_bytes",
+        "datagram_bytes", "peer_timeout", "retry",
+        *(f"{verb}_{what}_{way}" for verb in ("allow", "block") for what in _LISTS
+          for way in _DIRECTIONS),
+    }  # fmt: skip
+    for option in options:
+        if option not in known:
+            close = get_close_matches(option, known, n=1)
+            hint = f"; did you mean {close[0]!r}?" if close else ""
+            raise ConfigError(f"unknown option {option!r}{hint}")
+    return Link(
+        name=_text("name", options.get("name", str(endpoint))),
+        endpoint=endpoint,
+        group=None if options.get("group") is None else _text("group", options["group"]),
+        private=_flag("private", options.get("private", False)),
+        sniffer=_flag("sniffer", options.get("sniffer", False)),
+        inbound=_filter(options, "in", message_id),
+        outbound=_filter(options, "out", message_id),
+        bytes_per_second=_rate("bytes_per_second", options.get("bytes_per_second")),
+        message_rate=_rate("rate", options.get("rate")),
+        message_rates=_rates(options.get("rates"), message_id),
+        queue=whole("queue_bytes", options.get("queue_bytes", Link.queue), 1 << 30, least=1024),
+        datagram=whole("datagram_bytes", options.get("datagram_bytes", 0), 65_507),
+        peer_timeout=seconds("peer_timeout", options.get("peer_timeout", 60.0), least=1e-3),
+        retry=_retry(options.get("retry", Link.retry)),
+    )
+
+
+def _filter(options: Mapping[str, Any], way: str, message_id: Callable[[object], int]) -> Filter:
+    def ids(verb: str, what: str) -> list[int] | None:
+        name = f"{verb}_{what}_{way}"
+        values = options.get(name)
+        if values is None:
+            return None
+        if isinstance(values, str | bytes) or not hasattr(values, "__iter__"):
+            raise ConfigError(f"{name} must be a list, not {values!r}")
+        if what == "messages":
+            return [_named(name, message_id, value) for value in values]
+        return [whole(name, value, 255) for value in values]
+
+    return Filter(
+        ids("allow", "messages"), ids("block", "messages") or [],
+        ids("allow", "systems"), ids("block", "systems") or [],
+        ids("allow", "components"), ids("block", "components") or [],
+    )  # fmt: skip
+
+
+def _rates(
+    rates: Mapping[object, object] | None, message_id: Callable[[object], int]
+) -> list[tuple[int, float]]:
+    if rates is None:
+        return []
+    if not hasattr(rates, "items"):
+        raise ConfigError(f"rates must map messages to numbers, not {rates!r}")
+    pairs = ((_named("rates", message_id, name), name, rate) for name, rate in rates.items())
+    return [(msgid, _rate(f"rates: {name}", rate) or 0.0) for msgid, name, rate in pairs]
+
+
+def _named(option: str, message_id: Callable[[object], int], value: object) -> int:
+    try:
+        return message_id(value)
+    except ConfigError as error:
+        raise ConfigError(f"{option}: {error}") from None
+
+
+def _number(name: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ConfigError(f"{name} must be a number, not {value!r}")
+    return float(value)
+
+
+def seconds(name: str, value: object, least: float = 0.0) -> float:
+    """A number of seconds, `least` or more and less than some centuries."""
+    number = _number(name, value)
+    if not least <= number <= 1e10:
+        raise ConfigError(f"{name} must be {least:g} seconds or more, not {value!r}")
+    return number
+
+
+def whole(name: str, value: object, most: int, least: int = 0) -> int:
+    """A whole number in a range."""
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise ConfigError(f"{name} must be a number from {least} to {most}, not {value!r}")
+    return value
+
+
+def _rate(name: str, value: object) -> float | None:
+    if value is None:
+        return None
+    number = _number(name, value)
+    if number <= 0:
+        raise ConfigError(f"{name} must be more than 0 a second, not {value!r}")
+    return number
+
+
+def _retry(value: object) -> float | None:
+    """The longest pause between two attempts; 0 or None for no second connection."""
+    return None if not value else seconds("retry", value, least=1e-3)
+
+
+def _flag(name: str, value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ConfigError(f"{name} must be true or false, not {value!r}")
+    return value
+
+
+def _text(name: str, value: object) -> str:
+    if not isinstance(value, str) or not value:
+        raise ConfigError(f"{name} must be a text, not {value!r}")
+    return value
+
+
+def numbered(groups: Iterable[str], group: str | None) -> int | None:
+    """The number that stands for a group's name: its place among the names so far."""
+    return None if group is None else list(groups).index(group)

@@ -1,0 +1,194 @@
+"""Route MAVLink between serial ports, UDP and TCP; filter, record and count it.
+
+Endpoints are written as for mavlink_connection or as for mavp2p:
+  udpin:HOST:PORT (udps)      listen; answers go to each peer that sent a good frame
+  udpout:HOST:PORT (udpc)     send there, and listen to that peer
+  udpbcast:HOST:PORT (udpb)   send to a broadcast address
+  tcpin:HOST:PORT (tcps)      wait for connections
+  tcp:HOST:PORT (tcpc)        connect, again and again
+  serial:DEVICE:BAUD          a serial port; DEVICE,BAUD too
+
+examples:
+  mavwire bridge --master /dev/ttyACM0,115200 --out udpout:10.0.0.2:14550 --out tcpin:0.0.0.0:5760
+  mavwire bridge serial:/dev/ttyAMA0:57600 udps:0.0.0.0:5600 --record logs/
+  mavwire bridge --config main.conf --status
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from typing import TYPE_CHECKING, Any
+
+from mavwire.cli._errors import CommandError
+from mavwire.cli.sim import duration
+
+if TYPE_CHECKING:
+    from mavwire.bridge import Bridge
+    from mavwire.bridge.metrics import MetricsServer
+
+# How long the program sleeps at a time when there is nothing to show.
+PAUSE = 0.5
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """The options."""
+    parser.add_argument("endpoints", metavar="ENDPOINT", nargs="*", help="a link")
+    parser.add_argument(
+        "--master", metavar="ENDPOINT", action="append", default=[], help="a link, the same"
+    )
+    parser.add_argument(
+        "--out", metavar="ENDPOINT", action="append", default=[], help="a link, the same"
+    )
+    parser.add_argument(
+        "--config", metavar="FILE", help="links and options: TOML, or mavlink-router's main.conf"
+    )
+    routing = parser.add_argument_group("routing")
+    routing.add_argument(
+        "--dedup", type=duration, metavar="T",
+        help="drop copies that arrive over another link within this time; 0 for none [default: 500ms]",
+    )  # fmt: skip
+    record = parser.add_argument_group("recording")
+    record.add_argument("--record", metavar="DIR", help="record telemetry logs there")
+    record.add_argument(
+        "--record-size", type=size, metavar="SIZE", help="begin a new log at this size: 100M"
+    )
+    record.add_argument(
+        "--record-time", type=duration, metavar="T", help="begin a new log after this time: 1h"
+    )
+    record.add_argument(
+        "--record-flush", type=duration, default=1.0, metavar="T",
+        help="write what came after this time at the latest [default: 1s]",
+    )  # fmt: skip
+    show = parser.add_argument_group("watching")
+    show.add_argument("--status", action="store_true", help="a table that keeps up to date")
+    show.add_argument(
+        "--json", type=duration, metavar="T", help="print the counters as a line of JSON this often"
+    )
+    show.add_argument(
+        "--metrics", type=listen_address, metavar="[HOST]:PORT",
+        help="serve /metrics for Prometheus and /stats as JSON; HOST is 127.0.0.1 if not given",
+    )  # fmt: skip
+    parser.add_argument("--duration", type=duration, metavar="T", help="end after this time")
+
+
+def main(args: Namespace) -> int:
+    """Run until interrupted, or for `--duration`."""
+    bridge = _bridge(args)
+    try:
+        bridge.start()
+    except OSError as error:
+        raise CommandError(_describe(error)) from None
+    except RuntimeError as error:
+        raise CommandError(str(error)) from None
+    server: MetricsServer | None = None
+    try:
+        if args.metrics is not None:
+            server = _metrics(bridge, *args.metrics)
+        print(_announcement(bridge, server), file=sys.stderr, flush=True)
+        _watch(bridge, args)
+    except KeyboardInterrupt:
+        pass  # the usual way to end it
+    finally:
+        if server is not None:
+            server.close()
+        last = bridge.stats() if args.json is not None else None
+        bridge.stop()
+    if last is not None:
+        print(json.dumps(last), flush=True)
+    return 0
+
+
+def _bridge(args: Namespace) -> Bridge:
+    from mavwire.bridge import Bridge, Config, ConfigError, Recording, load_config, parse_endpoint
+
+    try:
+        config = load_config(args.config) if args.config else Config()
+        for warning in config.warnings:
+            print(f"mavwire bridge: warning: {warning}", file=sys.stderr)
+        for text in [*args.master, *args.out, *args.endpoints]:
+            config.links.append((repr(text), parse_endpoint(text), {}))
+        if not config.links:
+            raise CommandError("nothing to route: name endpoints, or --config FILE", 2)
+        if args.dedup is not None:
+            config.settings["dedup"] = args.dedup
+        if args.record is not None:
+            config.recording = Recording(
+                args.record, args.record_size, args.record_time, args.record_flush
+            )
+        return Bridge.from_options(config)
+    except ConfigError as error:
+        raise CommandError(str(error), 2) from None
+    except OSError as error:
+        raise CommandError(_describe(error)) from None
+
+
+def _describe(error: OSError) -> str:
+    return f"{error.filename}: {error.strerror}" if error.filename else str(error)
+
+
+def _metrics(bridge: Bridge, host: str, port: int) -> MetricsServer:
+    from mavwire.bridge.metrics import MetricsServer
+
+    try:
+        return MetricsServer(bridge, host, port)
+    except OSError as error:
+        raise CommandError(f"--metrics {host}:{port}: {error.strerror or error}") from None
+
+
+def _announcement(bridge: Bridge, server: MetricsServer | None) -> str:
+    stats = bridge.stats()
+    links = dict.fromkeys(one["endpoint"] for one in stats["links"] if one["endpoint"])
+    text = f"routing between {', '.join(links)}"
+    if stats["recording"]:
+        text += f"; recording to {stats['recording']['path']}"
+    if server is not None:
+        text += f"; metrics on port {server.port}"
+    return f"{text}; Ctrl-C ends it"
+
+
+def _watch(bridge: Bridge, args: Namespace) -> None:
+    end = None if args.duration is None else time.monotonic() + args.duration
+    show = _shower(bridge, args)
+    interval = args.json or PAUSE
+    try:
+        while end is None or time.monotonic() < end:
+            left = interval if end is None else min(interval, end - time.monotonic())
+            time.sleep(max(left, 0.0))
+            show()
+    finally:
+        getattr(show, "close", lambda: None)()
+
+
+def _shower(bridge: Bridge, args: Namespace) -> Any:
+    if args.status:
+        from mavwire.cli._bridge_status import StatusTable
+
+        return StatusTable(bridge)
+    if args.json is not None:
+        return lambda: print(json.dumps(bridge.stats()), flush=True)
+    return lambda: None
+
+
+# -- values of options
+
+
+def size(text: str) -> int:
+    """1000, 500k, 100M, 2G."""
+    units = {"k": 10**3, "m": 10**6, "g": 10**9}
+    number, unit = (
+        (text[:-1], units[text[-1:].lower()]) if text[-1:].lower() in units else (text, 1)
+    )
+    if not (number.isascii() and number.isdecimal() and len(number) < 15 and int(number)):
+        raise ArgumentTypeError(f"not a size: {text!r}; say 500k, 100M or 2G")
+    return int(number) * unit
+
+
+def listen_address(text: str) -> tuple[str, int]:
+    """[HOST]:PORT."""
+    host, _, port = text.rpartition(":")
+    if not (port.isascii() and port.isdecimal() and len(port) < 6 and int(port) < 65536):
+        raise ArgumentTypeError(f"not [HOST]:PORT: {text!r}")
+    return host.strip("[]") or "127.0.0.1", int(port)

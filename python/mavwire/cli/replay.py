@@ -1,0 +1,138 @@
+"""Send the frames of a telemetry log as they were received, at their pace or faster.
+
+examples:
+  mavwire replay flight.tlog                          to 127.0.0.1:14550
+  mavwire replay flight.tlog --speed 10 --out tcpin:0.0.0.0:5760
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from typing import TYPE_CHECKING, Any
+
+from mavwire.cli._errors import CommandError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from mavwire.bridge import Bridge
+
+DEFAULT_OUT = "udpout:127.0.0.1:14550"
+# What may wait for a slow peer: some minutes of a radio's traffic.
+QUEUE = 16 << 20
+# Frames of this many seconds leave together; a gap in the log longer than the other is cut short.
+STEP = 0.005
+LONGEST_GAP = 10.0
+# How long the last frames may take to leave.
+LINGER = 10.0
+BATCH_BYTES = 32 << 10
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """The options."""
+    parser.add_argument("log", metavar="LOG", help="a telemetry log")
+    parser.add_argument(
+        "--out", metavar="ENDPOINT", action="append",
+        help=f"where to, as for `mavwire bridge`; may be repeated [default: {DEFAULT_OUT}]",
+    )  # fmt: skip
+    parser.add_argument(
+        "--speed", type=factor, default=1.0, metavar="X", help="times real time [default: 1]"
+    )
+    parser.add_argument("--types", metavar="LIST", help="only these messages: ATTITUDE,GPS_RAW_INT")
+
+
+def main(args: Namespace) -> int:
+    """Replay until the end of the log, or until interrupted."""
+    from mavwire import open_log
+    from mavwire.bridge import Bridge, ConfigError
+
+    types = [one for one in (args.types or "").split(",") if one] or None
+    bridge = Bridge(dedup=0)
+    try:
+        log = open_log(args.log)
+        frames = ((msg._timestamp, bytes(msg.get_msgbuf())) for msg in log.messages(types=types))
+        for out in args.out or [DEFAULT_OUT]:
+            # A sniffer gets everything, whoever it was meant for.
+            bridge.add(out, sniffer=True, queue_bytes=QUEUE)
+        bridge.start()
+    except ConfigError as error:
+        raise CommandError(str(error), 2) from None
+    except (ValueError, RuntimeError) as error:
+        raise CommandError(str(error)) from None
+    with bridge:
+        wait_for_peers(bridge)
+        count = replay(frames, bridge.send, args.speed)
+        lost = drain(bridge)
+    print(f"{count} frames" + (f", {lost} of them dropped" if lost else ""), file=sys.stderr)
+    return 0
+
+
+def replay(
+    frames: Iterable[tuple[float, bytes]],
+    send: Callable[[bytes], Any],
+    speed: float,
+    clock: Callable[[], float] = time.monotonic,
+    sleep: Callable[[float], Any] = time.sleep,
+) -> int:
+    """Hand frames to `send` at their times, `speed` times as fast; how many there were.
+
+    Times that go back, as where logs were joined, and gaps of more than ten seconds make no pause.
+    """
+    count = 0
+    last: float | None = None
+    due = clock()
+    waiting = bytearray()
+    for stamp, frame in frames:
+        gap = 0.0 if last is None else stamp - last
+        last = stamp
+        due += gap / speed if 0 <= gap <= LONGEST_GAP else 0.0
+        ahead = due - clock()
+        if waiting and (ahead > STEP or len(waiting) > BATCH_BYTES):
+            send(bytes(waiting))
+            waiting.clear()
+        if ahead > STEP:
+            sleep(ahead)
+        waiting += frame
+        count += 1
+    if waiting:
+        send(bytes(waiting))
+    return count
+
+
+def wait_for_peers(bridge: Bridge) -> None:
+    """Wait until each link has someone at its other end."""
+    told = False
+    while waiting := alone(bridge.stats()):
+        if not told:
+            print(f"waiting for {', '.join(waiting)}", file=sys.stderr, flush=True)
+            told = True
+        time.sleep(0.05)
+
+
+def alone(stats: dict[str, Any]) -> list[str]:
+    """Names of the links without anyone at the other end."""
+    up = {one["name"] for one in stats["links"] if one["state"] == "up"}
+    return list(dict.fromkeys(one["name"] for one in stats["links"] if one["name"] not in up))
+
+
+def drain(bridge: Bridge) -> int:
+    """Wait until everything has left; how many frames did not."""
+    end = time.monotonic() + LINGER
+    while True:
+        links = bridge.stats()["links"]
+        if not any(one["queued_bytes"] for one in links) or time.monotonic() > end:
+            return sum(one["dropped"] for one in links)
+        time.sleep(0.02)
+
+
+def factor(text: str) -> float:
+    """A positive number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < 1e6:
+        raise ArgumentTypeError(f"must be a number above 0: {text!r}")
+    return value

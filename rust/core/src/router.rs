@@ -1,0 +1,354 @@
+//! Which links a frame goes to: frame in, set of links out (MAVLink guide, "Routing").
+//!
+//! The rules, in the order they are asked:
+//!
+//! 1. What the source link's inbound filter stops, and a duplicate, counts as never received.
+//! 2. `SETUP_SIGNING` carries a key in clear and is not forwarded (R53).
+//! 3. The sender is now known at the source link, and at all links of its group.
+//! 4. A frame without a target, or of an unknown id, goes to every link that is not private. A frame with one goes to
+//!    the links where the target component was heard, or its system as long as the component was not; nowhere if
+//!    nobody knows it.
+//! 5. Sniffers get every frame. Nothing goes back to a link where its sender lives, or to the source's group.
+//! 6. Outbound filters and limits of each link take their share.
+//!
+//! Frames are never looked into further than to their target, and never altered. A system that restarts, which its
+//! `SYSTEM_TIME` shows, loses its routes. Time is an argument, in microseconds of a clock that does not go back.
+
+mod dedup;
+mod filter;
+mod limit;
+mod links;
+mod table;
+
+pub use filter::Filter;
+pub use limit::Limits;
+pub use links::{LinkId, LinkSet, MAX_LINKS};
+pub use table::ComponentStats;
+
+use crate::frame::Header;
+use crate::registry::{Entry, Registry};
+use dedup::Dedup;
+use limit::Limiter;
+use table::{Sender, Table};
+
+const SYSTEM_TIME: u32 = 2;
+const SETUP_SIGNING: u32 = 256;
+/// Offset of `time_boot_ms` in the payload of `SYSTEM_TIME`.
+const BOOT_MS_OFFSET: usize = 8;
+
+/// How a router works.
+#[derive(Debug, Clone, Copy)]
+pub struct Settings {
+    /// A route lasts between this long and twice as long after its owner was heard; microseconds.
+    pub max_age: u64,
+    /// Copies that arrive over another link within this long are dropped; microseconds, 0 for never.
+    pub dedup_window: u64,
+    /// Links where this system was heard get every frame; 0 for none.
+    pub sniffer_sysid: u8,
+    /// A number that senders cannot know, for the digests of frames.
+    pub seed: u64,
+}
+
+impl Settings {
+    /// Routes of a minute, duplicates of half a second.
+    pub fn new(seed: u64) -> Self {
+        Self { max_age: 60_000_000, dedup_window: 500_000, sniffer_sysid: 0, seed }
+    }
+}
+
+/// How a link takes part.
+#[derive(Debug, Clone, Default)]
+pub struct LinkOptions {
+    /// Links of a group lead to the same place, such as two radios to one vehicle: nothing goes from one to another.
+    pub group: Option<u16>,
+    /// Gets only what is addressed to a system that was heard there.
+    pub private: bool,
+    /// Gets everything.
+    pub sniffer: bool,
+    /// What may come in.
+    pub inbound: Filter,
+    /// What may go out.
+    pub outbound: Filter,
+    /// How much may go out.
+    pub limits: Limits,
+}
+
+/// What became of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fate {
+    /// It goes to these links; none where there is no other.
+    Forwarded(LinkSet),
+    /// The source's inbound filter stopped it.
+    Filtered,
+    /// It was there before, over another link.
+    Duplicate,
+    /// It carries a key.
+    Withheld,
+    /// Nobody knows where its target is.
+    Unroutable,
+}
+
+/// What a link's frames came to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LinkStats {
+    /// Frames that came in.
+    pub received: u64,
+    /// Their bytes.
+    pub received_bytes: u64,
+    /// Of these: stopped by the inbound filter,
+    pub filtered_in: u64,
+    /// copies of frames from other links,
+    pub duplicates: u64,
+    /// with a key in them,
+    pub withheld: u64,
+    /// to a target that nobody knows.
+    pub unroutable: u64,
+    /// Frames that did not go out for the outbound filter,
+    pub filtered_out: u64,
+    /// and for the limits.
+    pub limited: u64,
+}
+
+#[derive(Debug, Clone)]
+struct Port {
+    options: LinkOptions,
+    /// Its inbound filter stops something.
+    has_inbound: bool,
+    limiter: Option<Limiter>,
+    /// The links of its group, itself among them.
+    group: LinkSet,
+    stats: LinkStats,
+}
+
+/// Where in a payload the target stands; [`NONE`] for nowhere.
+#[derive(Debug, Clone, Copy)]
+struct TargetOffsets {
+    system: u8,
+    component: u8,
+}
+
+const NONE: u8 = u8::MAX;
+
+/// Routes frames between links.
+#[derive(Debug, Clone)]
+pub struct Router {
+    /// By message index.
+    targets: Box<[TargetOffsets]>,
+    table: Table,
+    dedup: Dedup,
+    sniffer_sysid: u8,
+    ports: Vec<Option<Port>>,
+    /// Links that get what has no target.
+    broadcast: LinkSet,
+    sniffers: LinkSet,
+    /// Links that have an outbound filter or limits.
+    screened: LinkSet,
+}
+
+impl Router {
+    /// A router without links. Frames are to come with entries of this `registry`.
+    pub fn new(registry: &Registry, settings: Settings) -> Self {
+        let messages = &registry.dialect().messages;
+        let offsets = messages.iter().map(|message| TargetOffsets {
+            system: message.target_system_offset.unwrap_or(NONE),
+            component: message.target_component_offset.unwrap_or(NONE),
+        });
+        Self {
+            targets: offsets.collect(),
+            table: Table::new(settings.max_age),
+            dedup: Dedup::new(settings.dedup_window, settings.seed),
+            sniffer_sysid: settings.sniffer_sysid,
+            ports: Vec::new(),
+            broadcast: LinkSet::EMPTY,
+            sniffers: LinkSet::EMPTY,
+            screened: LinkSet::EMPTY,
+        }
+    }
+
+    /// Adds a link; `None` if there are [`MAX_LINKS`] already.
+    pub fn add_link(&mut self, options: LinkOptions) -> Option<LinkId> {
+        let free = self.ports.iter().position(Option::is_none).unwrap_or(self.ports.len());
+        let id = LinkId(u8::try_from(free).ok()?);
+        let limiter = (!options.limits.is_open()).then(|| Limiter::new(&options.limits));
+        let port = Port {
+            has_inbound: !options.inbound.is_open(),
+            options,
+            limiter,
+            group: LinkSet::EMPTY,
+            stats: LinkStats::default(),
+        };
+        if free == self.ports.len() {
+            self.ports.push(Some(port));
+        } else {
+            self.ports[free] = Some(port);
+        }
+        self.regroup();
+        Some(id)
+    }
+
+    /// Removes a link, and all routes over it; returns what it came to.
+    pub fn remove_link(&mut self, link: LinkId) -> Option<LinkStats> {
+        let port = self.ports.get_mut(link.index())?.take()?;
+        self.table.forget_link(link);
+        self.regroup();
+        Some(port.stats)
+    }
+
+    /// Works out anew which links belong to what.
+    fn regroup(&mut self) {
+        let ids = || (0..=u8::MAX).map(LinkId);
+        let all: Vec<(LinkId, LinkOptions)> = ids()
+            .zip(&self.ports)
+            .filter_map(|(id, port)| Some((id, port.as_ref()?.options.clone())))
+            .collect();
+        let those = |wanted: &dyn Fn(LinkId, &LinkOptions) -> bool| {
+            all.iter().filter(|(id, options)| wanted(*id, options)).map(|&(id, _)| id).collect()
+        };
+        self.broadcast = those(&|_, options| !options.private);
+        self.sniffers = those(&|_, options| options.sniffer);
+        self.screened =
+            those(&|_, options| !options.outbound.is_open() || !options.limits.is_open());
+        for (id, port) in ids().zip(&mut self.ports) {
+            if let Some(port) = port {
+                let group = port.options.group;
+                port.group = those(&|other, options| {
+                    other == id || (group.is_some() && options.group == group)
+                });
+            }
+        }
+    }
+
+    /// Decides about a frame that arrived over `source`. `frame` is whole and good, `header` its header and `entry`
+    /// what the registry has for its id.
+    ///
+    /// # Panics
+    /// Where there is no link `source`.
+    #[inline]
+    pub fn route(
+        &mut self,
+        frame: &[u8],
+        header: &Header,
+        entry: Option<Entry>,
+        source: LinkId,
+        now: u64,
+    ) -> Fate {
+        let port = self.ports[source.index()].as_mut().expect("frames come from links there are");
+        port.stats.received += 1;
+        port.stats.received_bytes += frame.len() as u64;
+        if port.has_inbound && !port.options.inbound.accept(header) {
+            port.stats.filtered_in += 1;
+            return Fate::Filtered;
+        }
+        if self.dedup.is_duplicate(frame, source, now) {
+            port.stats.duplicates += 1;
+            return Fate::Duplicate;
+        }
+        if header.msgid == SETUP_SIGNING {
+            port.stats.withheld += 1;
+            return Fate::Withheld;
+        }
+        let group = port.group;
+        self.table.advance(now);
+        let home = self.learn(frame, header, group, now);
+        let reached = self.reached(frame, header, entry);
+        if reached.is_none() {
+            self.count(source, |stats| stats.unroutable += 1);
+        }
+        let links = (reached.unwrap_or_default() | self.sniffers()) - home - group;
+        if links.is_empty() && reached.is_none() {
+            return Fate::Unroutable;
+        }
+        Fate::Forwarded(self.screen(links, frame, header, now))
+    }
+
+    /// Notes where the sender is, and whether it was restarted; returns the links it lives at.
+    #[inline]
+    fn learn(&mut self, frame: &[u8], header: &Header, links: LinkSet, now: u64) -> LinkSet {
+        let &Header { sysid, compid, seq, msgid, .. } = header;
+        if sysid == 0 {
+            return links; // no valid address
+        }
+        let home = self.table.hear(Sender { sysid, compid, seq, len: frame.len() }, links, now);
+        if msgid == SYSTEM_TIME {
+            let boot_ms = [0, 1, 2, 3].map(|n| payload_byte(frame, header, BOOT_MS_OFFSET + n));
+            if self.table.is_reboot(sysid, compid, u32::from_le_bytes(boot_ms)) {
+                self.table.forget_system(sysid);
+                return self.table.learn(sysid, compid, links);
+            }
+        }
+        home
+    }
+
+    /// The links that a frame is meant for; `None` if nobody knows its target.
+    #[inline]
+    fn reached(&self, frame: &[u8], header: &Header, entry: Option<Entry>) -> Option<LinkSet> {
+        let none = TargetOffsets { system: NONE, component: NONE };
+        let offsets = entry.map_or(none, |entry| self.targets[usize::from(entry.index)]);
+        let byte = |offset| match offset {
+            NONE => 0,
+            offset => payload_byte(frame, header, offset.into()),
+        };
+        let links = match (byte(offsets.system), byte(offsets.component)) {
+            (0, _) => return Some(self.broadcast),
+            (system, 0) => self.table.system(system),
+            (system, component) => self.table.component(system, component),
+        };
+        (!links.is_empty()).then_some(links)
+    }
+
+    /// The links that get everything.
+    #[inline]
+    fn sniffers(&self) -> LinkSet {
+        match self.sniffer_sysid {
+            0 => self.sniffers,
+            sysid => self.sniffers | self.table.system(sysid),
+        }
+    }
+
+    /// Those of `links` whose outbound filter and limits let the frame pass.
+    #[inline]
+    fn screen(&mut self, links: LinkSet, frame: &[u8], header: &Header, now: u64) -> LinkSet {
+        let mut passed = links;
+        for link in (links & self.screened).iter() {
+            let Some(port) = &mut self.ports[link.index()] else { continue };
+            let nanoseconds = now.saturating_mul(1000);
+            if !port.options.outbound.accept(header) {
+                port.stats.filtered_out += 1;
+                passed.remove(link);
+            } else if let Some(limiter) = &mut port.limiter
+                && !limiter.admit(header, frame.len(), nanoseconds)
+            {
+                port.stats.limited += 1;
+                passed.remove(link);
+            }
+        }
+        passed
+    }
+
+    fn count(&mut self, link: LinkId, with: impl FnOnce(&mut LinkStats)) {
+        if let Some(port) = &mut self.ports[link.index()] {
+            with(&mut port.stats);
+        }
+    }
+
+    /// What a link's frames came to.
+    pub fn link_stats(&self, link: LinkId) -> Option<LinkStats> {
+        Some(self.ports.get(link.index())?.as_ref()?.stats)
+    }
+
+    /// Everyone who was heard: system, component, what came, and the links that lead there now.
+    pub fn components(&self, now: u64) -> impl Iterator<Item = (u8, u8, ComponentStats, LinkSet)> {
+        self.table.components(now)
+    }
+}
+
+/// A byte of the payload; 0 behind its end, where version 2 leaves zeros out.
+#[inline]
+fn payload_byte(frame: &[u8], header: &Header, offset: usize) -> u8 {
+    if offset < usize::from(header.payload_len) { frame[header.len() + offset] } else { 0 }
+}
+
+#[cfg(test)]
+mod properties;
+#[cfg(test)]
+mod tests;

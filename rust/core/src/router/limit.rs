@@ -1,0 +1,173 @@
+//! How much may leave through a link: messages a second of each type, bytes a second of all.
+//!
+//! Both count with the generic cell rate algorithm: one number, the time at which the stream would be back in its
+//! pace. What comes a little early passes, so that a stream at its limit loses nothing to jitter, and the mean rate is kept.
+
+use crate::frame::Header;
+
+/// Streams whose pace is remembered; with more at a time, one that shares its slot passes unlimited now and then.
+const SLOTS: usize = 1024;
+/// Bytes may run ahead of their rate by this long.
+const BURST: u64 = 250_000_000;
+const SECOND: f64 = 1e9;
+
+/// The limits of a link. By default there are none.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Limits {
+    /// Bytes a second of whole frames.
+    pub bytes_per_second: Option<f64>,
+    /// Messages a second of each type that `message_rates` does not name, from each component.
+    pub message_rate: Option<f64>,
+    /// Messages a second of a message id, from each component.
+    pub message_rates: Vec<(u32, f64)>,
+}
+
+impl Limits {
+    /// Everything may pass.
+    pub fn is_open(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// One message type from one component.
+#[derive(Debug, Clone, Copy)]
+struct Stream {
+    key: u64,
+    due: u64,
+}
+
+/// Keeps the limits of a link. Times are in nanoseconds.
+#[derive(Debug, Clone)]
+pub(super) struct Limiter {
+    /// Nanoseconds that a byte takes.
+    byte_time: Option<f64>,
+    /// When all bytes so far are through.
+    bytes_due: u64,
+    /// Shortest mean interval by message id, sorted.
+    intervals: Box<[(u32, u64)]>,
+    interval: Option<u64>,
+    streams: Box<[Stream]>,
+}
+
+/// The time that one of so many a second takes; a rate of 0 or less lets one pass in a lifetime.
+fn interval(rate: f64) -> u64 {
+    if rate > 0.0 { (SECOND / rate) as u64 } else { u64::MAX / 4 }
+}
+
+/// Whether something that takes `cost` may pass now, and if so, puts it on the account.
+fn pass(due: &mut u64, now: u64, cost: u64, early: u64) -> bool {
+    let passes = *due <= now.saturating_add(early);
+    if passes {
+        *due = (*due).max(now).saturating_add(cost);
+    }
+    passes
+}
+
+impl Limiter {
+    pub(super) fn new(limits: &Limits) -> Self {
+        let mut intervals: Vec<(u32, u64)> =
+            limits.message_rates.iter().map(|&(msgid, rate)| (msgid, interval(rate))).collect();
+        intervals.sort_by_key(|&(msgid, _)| msgid);
+        let limits_types = limits.message_rate.is_some() || !intervals.is_empty();
+        let slots = if limits_types { SLOTS } else { 0 };
+        Self {
+            byte_time: limits.bytes_per_second.map(|rate| SECOND / rate.max(1e-9)),
+            bytes_due: 0,
+            intervals: intervals.into(),
+            interval: limits.message_rate.map(interval),
+            streams: vec![Stream { key: u64::MAX, due: 0 }; slots].into(),
+        }
+    }
+
+    /// Whether a frame of `len` bytes may leave.
+    pub(super) fn admit(&mut self, header: &Header, len: usize, now: u64) -> bool {
+        // The bytes are asked first but counted last: a frame that its type holds back costs nothing.
+        let limited = self.byte_time.is_some();
+        if limited && self.bytes_due > now.saturating_add(BURST) {
+            return false;
+        }
+        if !self.admit_type(header, now) {
+            return false;
+        }
+        let cost = self.byte_time.map_or(0.0, |time| time * len as f64) as u64;
+        !limited || pass(&mut self.bytes_due, now, cost, BURST)
+    }
+
+    fn admit_type(&mut self, header: &Header, now: u64) -> bool {
+        let named = self.intervals.binary_search_by_key(&header.msgid, |&(msgid, _)| msgid);
+        let Some(interval) = named.map(|n| self.intervals[n].1).ok().or(self.interval) else {
+            return true;
+        };
+        let Header { msgid, sysid, compid, .. } = *header;
+        let key = u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid);
+        let slot = key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 54;
+        let stream = &mut self.streams[slot as usize % SLOTS];
+        if stream.key != key {
+            *stream = Stream { key, due: 0 };
+        }
+        pass(&mut stream.due, now, interval, interval / 2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::header;
+    use mavwire_schema::WireVersion::V2;
+
+    const MS: u64 = 1_000_000;
+
+    /// How many of `count` frames pass that come every `interval` nanoseconds.
+    fn passed(limits: &Limits, msgid: u32, count: u64, interval: u64) -> u64 {
+        let mut limiter = Limiter::new(limits);
+        let times = (0..count).map(|n| 1_000 * MS + n * interval);
+        times.filter(|&now| limiter.admit(&header(V2, msgid, 0), 50, now)).count() as u64
+    }
+
+    #[test]
+    fn a_type_is_held_to_its_rate() {
+        let limits = Limits { message_rates: vec![(30, 10.0), (0, 2.0)], ..Limits::default() };
+        let expected = [
+            (30, 500, 20 * MS, 100), // 50 Hz for 10 s
+            (30, 500, 19 * MS + 7, 95),
+            (30, 100, 100 * MS, 100), // at the limit
+            (30, 100, 300 * MS, 100), // below it
+            (0, 100, 100 * MS, 20),
+            (1, 500, MS, 500), // not named
+        ];
+        for (msgid, count, interval, wanted) in expected {
+            let got = passed(&limits, msgid, count, interval);
+            assert!(got.abs_diff(wanted) <= 1, "{msgid} every {interval}: {got}, not {wanted}");
+        }
+    }
+
+    #[test]
+    fn each_component_has_a_rate_of_its_own() {
+        let limits = Limits { message_rate: Some(1.0), ..Limits::default() };
+        let mut limiter = Limiter::new(&limits);
+        for sysid in 1..=100 {
+            let header = Header { sysid, ..header(V2, 30, 0) };
+            assert!(limiter.admit(&header, 50, 0));
+        }
+        assert!(!limiter.admit(&header(V2, 30, 1), 50, MS));
+        assert!(limiter.admit(&header(V2, 31, 1), 50, MS));
+    }
+
+    #[test]
+    fn bytes_are_held_to_their_rate_with_a_short_burst() {
+        let limits = Limits { bytes_per_second: Some(5_000.0), ..Limits::default() };
+        let got = passed(&limits, 30, 100_000, MS / 10); // 100 a second of 10,000, for 10 s
+        assert!((1_000..=1_027).contains(&got), "{got}");
+        assert_eq!(passed(&limits, 30, 1_000, 10 * MS), 1_000, "at the limit");
+    }
+
+    #[test]
+    fn odd_numbers_do_no_harm() {
+        for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE, 1e300] {
+            let limits = Limits { bytes_per_second: Some(rate), ..Limits::default() };
+            assert!(passed(&limits, 30, 10, MS) >= 1, "{rate}");
+            let limits = Limits { message_rate: Some(rate), ..Limits::default() };
+            assert!(passed(&limits, 30, 10, MS) >= 1, "{rate}");
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! A bridge: links of any kind with a router between them, on a thread of its own.
+//!
+//! [`Bridge`] is the handle. It opens what a link needs on the caller's thread, so that a port that is taken is told
+//! at once, and hands it to the event loop. Frames are copied from the read buffer into the queue of each link they go
+//! to, which for frames of 36 bytes costs less than counting references to them.
+//!
+//! | module | |
+//! |---|---|
+//! | `endpoint` | where a link leads, opening and dialling |
+//! | `event_loop` | waiting, reading, writing, connections that come and go |
+//! | `switch` | bytes to frames to queues |
+//! | `port`, `outbox`, `send` | one peer, its queue, many datagrams in a call |
+//! | `hub` | the newest frames, and taps for the program around the bridge |
+//! | `recorder` | telemetry logs |
+
+mod endpoint;
+mod event_loop;
+mod hub;
+mod outbox;
+mod port;
+mod recorder;
+mod send;
+mod serial;
+mod stats;
+mod switch;
+
+pub use endpoint::{Endpoint, LinkSpec};
+pub use hub::{FrameInfo, Frames, Hub, Latest, Tap, TapFilter};
+pub use recorder::{Recording, RecordingStats};
+pub use stats::{ComponentReport, LinkReport, Stats, Traffic};
+
+use std::io::{self, Write as _};
+use std::os::unix::net::UnixStream;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+use event_loop::{Command, EventLoop};
+use mavwire_core::registry::Registry;
+use mavwire_core::router::Settings;
+use recorder::Recorder;
+use switch::Switch;
+
+/// Commands that may wait; who has more waits too.
+const MAX_COMMANDS: usize = 1024;
+
+/// Why a bridge does not do what it was asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum BridgeError {
+    /// A link could not be opened.
+    #[error("{link}: {error}")]
+    Io {
+        /// Its name.
+        link: String,
+        /// What the operating system says.
+        error: io::Error,
+    },
+    /// Two links of one name.
+    #[error("there is a link called {0:?} already")]
+    NameTaken(String),
+    /// A name that no link has.
+    #[error("there is no link called {0:?}")]
+    NoSuchLink(String),
+    /// More links than a router can tell apart.
+    #[error("there are too many links and peers; 255 are the limit")]
+    TooManyLinks,
+    /// The bridge runs no more.
+    #[error("the bridge has stopped")]
+    Stopped,
+}
+
+/// Sends commands to the event loop, and wakes it.
+#[derive(Clone)]
+struct Waker {
+    commands: SyncSender<Command>,
+    signal: Arc<UnixStream>,
+}
+
+impl Waker {
+    fn send(&self, command: Command) -> Result<(), BridgeError> {
+        self.commands.send(command).map_err(|_| BridgeError::Stopped)?;
+        // A full pipe means that the loop is about to wake anyway.
+        let _ = (&*self.signal).write(&[0]);
+        Ok(())
+    }
+}
+
+/// A running bridge. Dropping it stops it.
+pub struct Bridge {
+    waker: Waker,
+    hub: Arc<Hub>,
+    thread: Mutex<Option<JoinHandle<()>>>,
+    /// The process that has the thread: a fork has a copy of this handle, and no thread to stop.
+    process: u32,
+}
+
+impl Bridge {
+    /// Starts a bridge without links.
+    ///
+    /// # Errors
+    /// What the operating system says of the recording, or of a new thread.
+    pub fn start(
+        registry: Arc<Registry>,
+        settings: Settings,
+        recording: Option<Recording>,
+    ) -> io::Result<Self> {
+        let recorder = recording.map(Recorder::start).transpose()?;
+        let (commands, receiver) = sync_channel(MAX_COMMANDS);
+        let (signal, wake) = UnixStream::pair()?;
+        signal.set_nonblocking(true)?;
+        wake.set_nonblocking(true)?;
+        let waker = Waker { commands, signal: Arc::new(signal) };
+        let hub = Arc::new(Hub::default());
+        let (for_loop, hub_of_loop) = (waker.clone(), Arc::clone(&hub));
+        let run = move || {
+            let switch = Switch::new(registry, settings);
+            EventLoop::new(switch, hub_of_loop, recorder, receiver, for_loop, wake).run();
+        };
+        let thread = std::thread::Builder::new().name("mavwire-bridge".into()).spawn(run)?;
+        let (thread, process) = (Mutex::new(Some(thread)), std::process::id());
+        Ok(Self { waker, hub, thread, process })
+    }
+
+    fn ask<T>(&self, command: impl FnOnce(SyncSender<T>) -> Command) -> Result<T, BridgeError> {
+        let (answer, receiver) = sync_channel(1);
+        self.waker.send(command(answer))?;
+        receiver.recv().map_err(|_| BridgeError::Stopped)
+    }
+
+    /// Adds a link.
+    ///
+    /// # Errors
+    /// It cannot be opened, its name is taken, or there are too many.
+    pub fn add(&self, mut spec: LinkSpec) -> Result<(), BridgeError> {
+        let opened = match spec.endpoint.open() {
+            Ok(opened) => opened,
+            Err(error) => return Err(BridgeError::Io { link: spec.name, error }),
+        };
+        self.ask(|answer| Command::Add(Box::new(spec), opened, answer))?
+    }
+
+    /// Removes a link and closes it.
+    ///
+    /// # Errors
+    /// There is none of that name.
+    pub fn remove(&self, name: &str) -> Result<(), BridgeError> {
+        self.ask(|answer| Command::Remove(name.to_owned(), answer))?
+    }
+
+    /// What came and went so far.
+    ///
+    /// # Errors
+    /// The bridge has stopped.
+    pub fn stats(&self) -> Result<Stats, BridgeError> {
+        self.ask(Command::Stats)
+    }
+
+    /// Routes frames as if they came over a link of their own.
+    ///
+    /// # Errors
+    /// The bridge has stopped.
+    pub fn send(&self, frames: Vec<u8>) -> Result<(), BridgeError> {
+        self.waker.send(Command::Send(frames))
+    }
+
+    /// What came by.
+    pub fn hub(&self) -> &Hub {
+        &self.hub
+    }
+
+    /// Stops it: closes all links, ends all taps, writes what is left of a recording.
+    pub fn stop(&self) {
+        let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if self.process != std::process::id() {
+            std::mem::forget(thread);
+        } else if let Some(thread) = thread {
+            let _ = self.waker.send(Command::Stop);
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Bridge {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+#[cfg(test)]
+mod tests;

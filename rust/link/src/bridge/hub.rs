@@ -1,0 +1,355 @@
+//! Where a bridge's frames meet the program around it: the newest frame of each kind, and taps that get a copy of what
+//! comes by. The event loop takes the lock once for all frames of a round.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Kinds of frames whose newest is kept: message ids times components.
+const MAX_LATEST: usize = 16_384;
+/// Bytes that a tap holds for a program that does not fetch them.
+const TAP_BYTES: usize = 16 << 20;
+
+/// A frame among others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FrameInfo {
+    /// Bytes of the frame.
+    pub len: u16,
+    /// Microseconds since 1970.
+    pub time: u64,
+    /// Number of the link that it came over; see [`Hub::link_name`].
+    pub link: u32,
+    /// System that sent it.
+    pub sysid: u8,
+    /// Component that sent it.
+    pub compid: u8,
+    /// Message id.
+    pub msgid: u32,
+    /// Index of the message in the dialect; `None` for an unknown id.
+    pub index: Option<u16>,
+}
+
+/// Frames one behind the other.
+#[derive(Debug, Clone, Default)]
+pub struct Frames {
+    /// Their bytes.
+    pub bytes: Vec<u8>,
+    /// What they are.
+    pub infos: Vec<FrameInfo>,
+}
+
+impl Frames {
+    #[inline]
+    pub(super) fn push(&mut self, frame: &[u8], info: FrameInfo) {
+        self.bytes.extend_from_slice(frame);
+        self.infos.push(info);
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.bytes.clear();
+        self.infos.clear();
+    }
+
+    /// Each with its bytes.
+    pub fn iter(&self) -> impl Iterator<Item = (&FrameInfo, &[u8])> {
+        let mut at = 0;
+        self.infos.iter().map(move |info| {
+            let from = at;
+            at += usize::from(info.len);
+            (info, &self.bytes[from..at])
+        })
+    }
+}
+
+/// Which frames a tap gets; `None` for all.
+#[derive(Debug, Clone, Default)]
+pub struct TapFilter {
+    /// Message ids.
+    pub messages: Option<Vec<u32>>,
+    /// System ids.
+    pub systems: Option<Vec<u8>>,
+}
+
+impl TapFilter {
+    fn wants(&self, info: &FrameInfo) -> bool {
+        self.messages.as_ref().is_none_or(|ids| ids.contains(&info.msgid))
+            && self.systems.as_ref().is_none_or(|ids| ids.contains(&info.sysid))
+    }
+}
+
+#[derive(Debug, Default)]
+struct Waiting {
+    frames: Frames,
+    /// How many of them, and of their bytes, are taken out already.
+    taken: usize,
+    taken_bytes: usize,
+    /// Frames that are waited for.
+    wanted: usize,
+    dropped: u64,
+    closed: bool,
+}
+
+impl Waiting {
+    fn len(&self) -> usize {
+        self.frames.infos.len() - self.taken
+    }
+
+    /// Takes out the first frames. What is taken stays in memory until it is the greater part, so that a long queue is
+    /// not moved for every batch.
+    fn take_front(&mut self, count: usize) -> Frames {
+        let end = self.taken + count.min(self.len());
+        let infos = self.frames.infos[self.taken..end].to_vec();
+        let len: usize = infos.iter().map(|info| usize::from(info.len)).sum();
+        let bytes = self.frames.bytes[self.taken_bytes..self.taken_bytes + len].to_vec();
+        (self.taken, self.taken_bytes) = (end, self.taken_bytes + len);
+        if self.taken > self.frames.infos.len() / 2 {
+            self.frames.infos.drain(..self.taken);
+            self.frames.bytes.drain(..self.taken_bytes);
+            (self.taken, self.taken_bytes) = (0, 0);
+        }
+        Frames { bytes, infos }
+    }
+}
+
+#[derive(Debug)]
+struct TapShared {
+    filter: TapFilter,
+    waiting: Mutex<Waiting>,
+    arrived: Condvar,
+}
+
+/// A copy of the frames that come by. Dropping it ends that.
+#[derive(Debug)]
+pub struct Tap(Arc<TapShared>);
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl TapShared {
+    fn deliver(&self, frames: &Frames) {
+        let mut waiting = lock(&self.waiting);
+        for (info, bytes) in frames.iter().filter(|(info, _)| self.filter.wants(info)) {
+            if waiting.frames.bytes.len() - waiting.taken_bytes + bytes.len() > TAP_BYTES {
+                // The older half, so that the cost for each frame stays small.
+                let count = waiting.len().div_ceil(2);
+                waiting.take_front(count);
+                waiting.dropped += count as u64;
+            }
+            waiting.frames.push(bytes, *info);
+        }
+        if waiting.wanted > 0 && waiting.len() >= waiting.wanted {
+            self.arrived.notify_all();
+        }
+    }
+
+    fn close(&self) {
+        lock(&self.waiting).closed = true;
+        self.arrived.notify_all();
+    }
+}
+
+impl Tap {
+    /// Waits up to `timeout` until so many frames are there; true if they are, or if nothing will come any more.
+    pub fn wait(&self, wanted: usize, timeout: Duration) -> bool {
+        let deadline = Instant::now() + timeout;
+        let mut waiting = lock(&self.0.waiting);
+        waiting.wanted = wanted;
+        let there = loop {
+            if waiting.closed || waiting.len() >= wanted {
+                break true;
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                break false;
+            }
+            let woken = self.0.arrived.wait_timeout(waiting, left);
+            waiting = woken.unwrap_or_else(PoisonError::into_inner).0;
+        };
+        waiting.wanted = 0;
+        there
+    }
+
+    /// The frames that are there, `max_batch` at most; `None` once the bridge has stopped and all is fetched.
+    pub fn take(&self, max_batch: usize) -> Option<Frames> {
+        let mut waiting = lock(&self.0.waiting);
+        let ended = waiting.closed && waiting.len() == 0;
+        (!ended).then(|| waiting.take_front(max_batch))
+    }
+
+    /// Frames that were dropped because nobody fetched them.
+    pub fn dropped(&self) -> u64 {
+        lock(&self.0.waiting).dropped
+    }
+}
+
+impl Drop for Tap {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
+
+/// The newest frame of its kind.
+#[derive(Debug, Clone)]
+pub struct Latest {
+    /// What it is.
+    pub info: FrameInfo,
+    /// Its bytes.
+    pub frame: Vec<u8>,
+    /// Frames that came before it: those of a round have the same time.
+    order: u64,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    latest: HashMap<(u32, u8, u8), Latest>,
+    count: u64,
+    taps: Vec<Arc<TapShared>>,
+    link_names: HashMap<u32, String>,
+    stopped: bool,
+}
+
+/// What event loop and program share.
+#[derive(Debug, Default)]
+pub struct Hub(Mutex<State>);
+
+impl Hub {
+    pub(super) fn deliver(&self, frames: &Frames) {
+        let mut guard = lock(&self.0);
+        let state = &mut *guard;
+        for (info, bytes) in frames.iter().filter(|(info, _)| info.index.is_some()) {
+            state.count += 1;
+            let order = state.count;
+            let key = (info.msgid, info.sysid, info.compid);
+            if let Some(latest) = state.latest.get_mut(&key) {
+                (latest.info, latest.order) = (*info, order);
+                latest.frame.clear();
+                latest.frame.extend_from_slice(bytes);
+            } else {
+                if state.latest.len() >= MAX_LATEST {
+                    state.latest.clear(); // someone makes up addresses; what is real comes again
+                }
+                state.latest.insert(key, Latest { info: *info, frame: bytes.to_vec(), order });
+            }
+        }
+        state.taps.retain(|tap| !lock(&tap.waiting).closed);
+        state.taps.iter().for_each(|tap| tap.deliver(frames));
+    }
+
+    pub(super) fn stop(&self) {
+        let mut state = lock(&self.0);
+        state.stopped = true;
+        state.taps.drain(..).for_each(|tap| tap.close());
+    }
+
+    pub(super) fn name_link(&self, number: u32, name: &str) {
+        lock(&self.0).link_names.insert(number, name.to_owned());
+    }
+
+    /// What the link with a number is called, or was.
+    pub fn link_name(&self, number: u32) -> Option<String> {
+        lock(&self.0).link_names.get(&number).cloned()
+    }
+
+    /// The newest frame with a message id, from a system and component or from any.
+    pub fn latest(&self, msgid: u32, sysid: Option<u8>, compid: Option<u8>) -> Option<Latest> {
+        let state = lock(&self.0);
+        if let (Some(sysid), Some(compid)) = (sysid, compid) {
+            return state.latest.get(&(msgid, sysid, compid)).cloned();
+        }
+        let matching = state.latest.values().filter(|latest| {
+            latest.info.msgid == msgid
+                && sysid.is_none_or(|sysid| sysid == latest.info.sysid)
+                && compid.is_none_or(|compid| compid == latest.info.compid)
+        });
+        matching.max_by_key(|latest| latest.order).cloned()
+    }
+
+    /// A tap for what comes from now on.
+    pub fn tap(&self, filter: TapFilter) -> Tap {
+        let mut state = lock(&self.0);
+        let waiting = Waiting { closed: state.stopped, ..Waiting::default() };
+        let (waiting, arrived) = (Mutex::new(waiting), Condvar::new());
+        let tap = Arc::new(TapShared { filter, waiting, arrived });
+        if !state.stopped {
+            state.taps.push(Arc::clone(&tap));
+        }
+        Tap(tap)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LONG: Duration = Duration::from_secs(60);
+
+    fn frames(msgids: impl IntoIterator<Item = u32>) -> Frames {
+        let mut frames = Frames::default();
+        for (n, msgid) in msgids.into_iter().enumerate() {
+            let (time, index) = (n as u64, (msgid < 1_000).then_some(0));
+            let info = FrameInfo { len: 20, time, link: 1, sysid: 1, compid: 1, msgid, index };
+            frames.push(&[msgid as u8; 20], info);
+        }
+        frames
+    }
+
+    fn ids(frames: &Frames) -> Vec<u32> {
+        frames.iter().map(|(info, _)| info.msgid).collect()
+    }
+
+    #[test]
+    fn a_tap_gets_what_it_wants_in_batches_until_the_end() {
+        let hub = Hub::default();
+        let wanted = TapFilter { messages: Some((0..100).collect()), systems: Some(vec![1]) };
+        let tap = hub.tap(wanted);
+        assert!(!tap.wait(1, Duration::ZERO));
+        assert_eq!(tap.take(10).map(|frames| ids(&frames)), Some(vec![]));
+        hub.deliver(&frames(0..200));
+        assert!(tap.wait(100, Duration::ZERO) && !tap.wait(101, Duration::ZERO));
+        for start in [0, 40, 80] {
+            let batch = tap.take(40).expect("the bridge runs");
+            assert_eq!(ids(&batch), (start..100.min(start + 40)).collect::<Vec<_>>());
+            assert!(batch.iter().all(|(info, bytes)| bytes == [info.msgid as u8; 20]));
+        }
+        hub.deliver(&frames([7]));
+        hub.stop();
+        assert!(tap.wait(2, LONG), "nothing will come any more");
+        assert_eq!(tap.take(40).map(|frames| ids(&frames)), Some(vec![7]));
+        assert!(tap.take(40).is_none());
+        assert!(hub.tap(TapFilter::default()).take(1).is_none());
+    }
+
+    #[test]
+    fn a_tap_that_nobody_reads_keeps_the_newest() {
+        let hub = Hub::default();
+        let tap = hub.tap(TapFilter::default());
+        for _ in 0..100 {
+            hub.deliver(&frames(0..10_000));
+        }
+        let mut got = 0;
+        let mut last = None;
+        while let Some(batch) = tap.take(1_000).filter(|batch| !batch.infos.is_empty()) {
+            got += batch.infos.len();
+            last = batch.infos.last().map(|info| info.msgid);
+        }
+        assert_eq!((got as u64 + tap.dropped(), last), (1_000_000, Some(9_999)));
+        assert!(got > TAP_BYTES / 20 / 3);
+    }
+
+    #[test]
+    fn the_newest_of_each_kind_is_kept() {
+        let hub = Hub::default();
+        let mut second = frames([30, 30]);
+        second.infos[1].compid = 9;
+        hub.deliver(&frames([30, 0, 30, 5_000]));
+        hub.deliver(&second);
+        let time = |sysid, compid| hub.latest(30, sysid, compid).map(|latest| latest.info.time);
+        assert_eq!((time(Some(1), Some(1)), time(None, None)), (Some(0), Some(1)));
+        assert_eq!(
+            (time(Some(1), None), time(None, Some(9)), time(Some(2), None)),
+            (Some(1), Some(1), None)
+        );
+        assert!(hub.latest(5_000, None, None).is_none(), "the dialect does not know it");
+    }
+}

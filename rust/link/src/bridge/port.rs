@@ -1,0 +1,132 @@
+//! One peer: what a link number of the router stands for.
+
+use std::io;
+use std::net::UdpSocket;
+use std::os::fd::{AsRawFd as _, RawFd};
+use std::rc::Rc;
+
+use mavwire_core::router::LinkId;
+use mavwire_core::scan::Resync;
+use mavwire_core::stream::FrameStream;
+
+use super::endpoint::Stream;
+use super::outbox::Outbox;
+use super::send::{self, send_batch};
+use super::stats::Traffic;
+use crate::address::Address;
+
+/// What a port's frames leave through.
+#[derive(Debug)]
+pub(super) enum Wire {
+    /// Nothing now.
+    Down,
+    Stream(Stream),
+    /// A socket, and the peer's address if the socket has no peer of its own.
+    Datagrams(Rc<UdpSocket>, Option<Address>),
+    /// Nowhere: frames of the program around the bridge come in here.
+    Program,
+}
+
+/// A peer, its half-read frame and its queue.
+#[derive(Debug)]
+pub(super) struct Port {
+    pub(super) id: LinkId,
+    /// Number of the link that it belongs to.
+    pub(super) link: u32,
+    pub(super) peer: Option<String>,
+    pub(super) wire: Wire,
+    /// Taken out while it is being fed.
+    pub(super) stream: Option<Box<FrameStream>>,
+    pub(super) outbox: Outbox,
+    /// When the last good frame came; microseconds.
+    pub(super) heard: u64,
+    /// It takes no more until it is ready again.
+    pub(super) blocked: bool,
+    pub(super) traffic: Traffic,
+}
+
+impl Port {
+    pub(super) fn new(id: LinkId, link: u32, wire: Wire, outbox: Outbox, now: u64) -> Self {
+        Self {
+            id,
+            link,
+            peer: None,
+            wire,
+            stream: Some(Box::new(FrameStream::new(Resync::Rescan))),
+            outbox,
+            heard: now,
+            blocked: false,
+            traffic: Traffic::default(),
+        }
+    }
+
+    /// Queues a frame, if there is anywhere to send it.
+    #[inline]
+    pub(super) fn push(&mut self, frame: &[u8]) {
+        match self.wire {
+            Wire::Down => self.outbox.dropped += 1,
+            Wire::Program => {}
+            Wire::Stream(_) | Wire::Datagrams(..) => self.outbox.push(frame),
+        }
+    }
+
+    /// The descriptor to wait for until the port takes more, if it is blocked.
+    pub(super) fn blocked_fd(&self) -> Option<RawFd> {
+        match &self.wire {
+            Wire::Stream(stream) if self.blocked => Some(stream.as_raw_fd()),
+            Wire::Datagrams(socket, _) if self.blocked => Some(socket.as_raw_fd()),
+            _ => None,
+        }
+    }
+
+    /// Sends what is queued, as far as it goes without waiting.
+    ///
+    /// # Errors
+    /// A stream is broken. What goes wrong with datagrams is counted, and nothing else.
+    pub(super) fn flush(&mut self) -> io::Result<()> {
+        match &mut self.wire {
+            Wire::Stream(stream) => {
+                self.blocked = !self.outbox.write_to(|bytes| stream.write(bytes))?;
+            }
+            Wire::Datagrams(socket, to) => {
+                let (socket, to) = (Rc::clone(socket), *to);
+                self.blocked = !self.flush_datagrams(&socket, to);
+            }
+            Wire::Down | Wire::Program => {}
+        }
+        Ok(())
+    }
+
+    /// True if everything is sent.
+    fn flush_datagrams(&mut self, socket: &UdpSocket, to: Option<Address>) -> bool {
+        let mut refused = false;
+        while !self.outbox.is_empty() {
+            let sent = self.outbox.send_with(send::BATCH, |frames| send_batch(socket, frames, to));
+            match sent {
+                Ok(()) => refused = false,
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => return false,
+                // What the socket says may be about an earlier datagram, which nobody wanted: this one is tried again.
+                Err(_) if !refused => {
+                    self.traffic.send_errors += 1;
+                    refused = true;
+                }
+                Err(_) => {
+                    self.traffic.send_errors += 1;
+                    self.outbox.drop_front();
+                    refused = false;
+                }
+            }
+        }
+        true
+    }
+
+    /// What became of its frames; `routed` stays empty.
+    pub(super) fn traffic(&self) -> Traffic {
+        Traffic {
+            sent: self.outbox.sent,
+            sent_bytes: self.outbox.sent_bytes,
+            dropped: self.outbox.dropped,
+            ..self.traffic
+        }
+    }
+}

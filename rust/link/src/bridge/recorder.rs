@@ -1,0 +1,290 @@
+//! Recording what a bridge passes as telemetry logs, on a thread of its own: a slow or full disk costs records, which are
+//! counted, and never a frame on a link.
+//!
+//! A log holds no key material: what carries a key does not come here, and signatures are taken off (R53, R54). It ends
+//! with a whole record whatever happens, and goes on when there is room again.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use mavwire_core::frame::{FrameRef, encode_unsigned};
+use mavwire_core::log::tlog::Stamp;
+use mavwire_core::x25;
+
+use super::hub::Frames;
+use crate::clock;
+
+/// Bytes that wait for the disk at most.
+const MAX_PENDING: usize = 16 << 20;
+/// More than this is written without waiting for the interval to end.
+const EAGER: usize = 256 << 10;
+/// Logs that can be begun in one second.
+const MAX_TRIES: u32 = 1_000;
+
+/// How to record.
+#[derive(Debug, Clone)]
+pub struct Recording {
+    /// The directory; made if it is not there.
+    pub directory: PathBuf,
+    /// A new log is begun when one is this long; bytes.
+    pub max_bytes: Option<u64>,
+    /// A new log is begun when one is this old.
+    pub max_age: Option<Duration>,
+    /// What was received is handed to the operating system after this long at the latest.
+    pub flush_interval: Duration,
+}
+
+/// What was recorded.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RecordingStats {
+    /// The log that is being written.
+    pub path: PathBuf,
+    /// Logs begun.
+    pub files: u64,
+    /// Records written.
+    pub records: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Records that were not written.
+    pub dropped: u64,
+    /// Why, for the last of them, until writing works again.
+    pub error: Option<String>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// Whole records.
+    pending: Vec<u8>,
+    records: u64,
+    stats: RecordingStats,
+    stopping: bool,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    state: Mutex<State>,
+    wake: Condvar,
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A recording under way; dropping it writes what is left.
+#[derive(Debug)]
+pub(super) struct Recorder {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Recorder {
+    /// Begins the first log.
+    ///
+    /// # Errors
+    /// What the operating system says of directory or file.
+    pub(super) fn start(recording: Recording) -> io::Result<Self> {
+        std::fs::create_dir_all(&recording.directory)?;
+        let log = Log::begin(&recording.directory)?;
+        let shared = Arc::new(Shared::default());
+        shared.state().stats =
+            RecordingStats { path: log.path.clone(), files: 1, ..Default::default() };
+        let writer = Writer { recording, shared: Arc::clone(&shared), log };
+        let thread = std::thread::Builder::new()
+            .name("mavwire-recorder".into())
+            .spawn(move || writer.run())?;
+        Ok(Self { shared, thread: Some(thread) })
+    }
+
+    pub(super) fn append(&self, frames: &Frames) {
+        let mut state = self.shared.state();
+        for (info, bytes) in frames.iter() {
+            if state.pending.len() > MAX_PENDING {
+                state.stats.dropped += 1;
+                continue;
+            }
+            state.pending.extend_from_slice(&Stamp::encode(info.time, 0));
+            append_recordable(&mut state.pending, bytes);
+            state.records += 1;
+        }
+        if state.pending.len() > EAGER {
+            self.shared.wake.notify_one();
+        }
+    }
+
+    pub(super) fn stats(&self) -> RecordingStats {
+        self.shared.state().stats.clone()
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        self.shared.state().stopping = true;
+        self.shared.wake.notify_one();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A frame as a log may hold it: without its signature.
+fn append_recordable(out: &mut Vec<u8>, bytes: &[u8]) {
+    match FrameRef::parse(bytes) {
+        Ok(frame) if frame.header().is_signed() => {
+            // The seed follows from the checksum, so that unknown messages can be stripped too.
+            let register = x25::checksum(frame.crc_region());
+            let seed = x25::implied_extra(register, frame.checksum()).unwrap_or(0);
+            encode_unsigned(out, &frame, seed);
+        }
+        _ => out.extend_from_slice(bytes),
+    }
+}
+
+#[derive(Debug)]
+struct Log {
+    path: PathBuf,
+    file: File,
+    begun: Instant,
+    /// Bytes up to the end of the last whole record.
+    len: u64,
+}
+
+impl Log {
+    /// A log that was not there before, named after the time.
+    fn begin(directory: &Path) -> io::Result<Self> {
+        let name = utc_name(clock::unix_seconds() as u64);
+        for n in 0..MAX_TRIES {
+            let suffix = if n == 0 { String::new() } else { format!("-{n}") };
+            let path = directory.join(format!("{name}{suffix}.tlog"));
+            match OpenOptions::new().write(true).create_new(true).open(&path) {
+                Ok(file) => return Ok(Self { path, file, begun: Instant::now(), len: 0 }),
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Err(io::ErrorKind::AlreadyExists.into())
+    }
+
+    /// Writes whole records, or leaves the log as it was.
+    fn write(&mut self, records: &[u8]) -> io::Result<()> {
+        if let Err(error) = self.file.write_all(records) {
+            let _ = self.file.set_len(self.len);
+            let _ = self.file.seek(SeekFrom::Start(self.len));
+            return Err(error);
+        }
+        self.len += records.len() as u64;
+        Ok(())
+    }
+}
+
+struct Writer {
+    recording: Recording,
+    shared: Arc<Shared>,
+    log: Log,
+}
+
+impl Writer {
+    fn run(mut self) {
+        loop {
+            let (records, count, stopping) = self.wait();
+            if !records.is_empty() {
+                let written = self.rotate().and_then(|()| self.log.write(&records));
+                let stats = &mut self.shared.state().stats;
+                stats.path.clone_from(&self.log.path);
+                match written {
+                    Ok(()) => {
+                        stats.records += count;
+                        stats.bytes += records.len() as u64;
+                        stats.error = None;
+                    }
+                    Err(error) => {
+                        stats.dropped += count;
+                        stats.error = Some(error.to_string());
+                    }
+                }
+            }
+            if stopping {
+                return;
+            }
+        }
+    }
+
+    /// Waits for the end of the interval, or for much to write.
+    fn wait(&self) -> (Vec<u8>, u64, bool) {
+        let deadline = Instant::now() + self.recording.flush_interval;
+        let mut state = self.shared.state();
+        while !state.stopping && state.pending.len() <= EAGER {
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                break;
+            }
+            let woken = self.shared.wake.wait_timeout(state, left);
+            state = woken.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        let records = std::mem::take(&mut state.pending);
+        (records, std::mem::take(&mut state.records), state.stopping)
+    }
+
+    /// Begins a new log if this one is long or old enough.
+    fn rotate(&mut self) -> io::Result<()> {
+        let Recording { max_bytes, max_age, directory, .. } = &self.recording;
+        let is_long = max_bytes.is_some_and(|most| self.log.len >= most);
+        let is_old = max_age.is_some_and(|most| self.log.begun.elapsed() >= most);
+        if self.log.len > 0 && (is_long || is_old) {
+            self.log = Log::begin(directory)?;
+            self.shared.state().stats.files += 1;
+        }
+        Ok(())
+    }
+}
+
+/// A time as part of a file name, such as `20260131-235959`; UTC.
+fn utc_name(seconds: u64) -> String {
+    let (mut year, mut day) = (1970, seconds / 86_400);
+    let is_leap = |year: u64| {
+        year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400))
+    };
+    loop {
+        let days = if is_leap(year) { 366 } else { 365 };
+        if day < days {
+            break;
+        }
+        day -= days;
+        year += 1;
+    }
+    let february = if is_leap(year) { 29 } else { 28 };
+    let mut month = 1;
+    for days in [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30] {
+        if day < days {
+            break;
+        }
+        day -= days;
+        month += 1;
+    }
+    let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
+    format!("{year:04}{month:02}{:02}-{hour:02}{minute:02}{second:02}", day + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_written_as_utc() {
+        for (seconds, name) in [
+            (0, "19700101-000000"),
+            (951_782_399, "20000228-235959"),
+            (951_782_400, "20000229-000000"),
+            (1_735_689_599, "20241231-235959"),
+            (1_767_225_600, "20260101-000000"),
+            (4_107_542_400, "21000301-000000"),
+        ] {
+            assert_eq!(utc_name(seconds), name);
+        }
+    }
+}

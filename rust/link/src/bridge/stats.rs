@@ -1,0 +1,106 @@
+//! What a bridge tells about itself.
+
+use mavwire_core::router::{ComponentStats, LinkStats};
+
+use super::recorder::RecordingStats;
+
+/// A bridge at one moment.
+#[derive(Debug, Clone, Default)]
+pub struct Stats {
+    /// Seconds since it started.
+    pub uptime: f64,
+    /// Its links, the peers of those that have several, and last the program around the bridge.
+    pub links: Vec<LinkReport>,
+    /// Everyone who was heard.
+    pub components: Vec<ComponentReport>,
+    /// What is recorded.
+    pub recording: Option<RecordingStats>,
+}
+
+/// What became of the frames of a link.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// What came in, and what the router made of it.
+    pub routed: LinkStats,
+    /// Frames that left.
+    pub sent: u64,
+    /// Their bytes.
+    pub sent_bytes: u64,
+    /// Frames that did not, because the link was down or too slow.
+    pub dropped: u64,
+    /// Attempts to send that the system refused.
+    pub send_errors: u64,
+    /// Frames that came damaged.
+    pub damaged: u64,
+    /// Bytes of these, and of what was no frame at all.
+    pub junk_bytes: u64,
+}
+
+impl Traffic {
+    /// Puts the numbers of a peer that left onto those of its link.
+    pub(super) fn add(&mut self, other: &Self) {
+        let LinkStats {
+            received,
+            received_bytes,
+            filtered_in,
+            duplicates,
+            withheld,
+            unroutable,
+            filtered_out,
+            limited,
+        } = other.routed;
+        self.routed.received += received;
+        self.routed.received_bytes += received_bytes;
+        self.routed.filtered_in += filtered_in;
+        self.routed.duplicates += duplicates;
+        self.routed.withheld += withheld;
+        self.routed.unroutable += unroutable;
+        self.routed.filtered_out += filtered_out;
+        self.routed.limited += limited;
+        self.sent += other.sent;
+        self.sent_bytes += other.sent_bytes;
+        self.dropped += other.dropped;
+        self.send_errors += other.send_errors;
+        self.damaged += other.damaged;
+        self.junk_bytes += other.junk_bytes;
+    }
+}
+
+/// A link, or one peer of it.
+#[derive(Debug, Clone, Default)]
+pub struct LinkReport {
+    /// Name of the link.
+    pub name: String,
+    /// Where it leads.
+    pub endpoint: String,
+    /// The peer, where the link has several or is connected to one. A server's own entry has none, and the traffic of
+    /// the peers that left.
+    pub peer: Option<String>,
+    /// `up`, `connecting`, `listening`, or `down` for good.
+    pub state: &'static str,
+    /// What became of its frames.
+    pub traffic: Traffic,
+    /// Bytes that wait to leave.
+    pub queued: usize,
+    /// Peers that were turned away because there were too many.
+    pub refused: u64,
+    /// Connections that came about.
+    pub connections: u64,
+    /// Why the last attempt to connect failed.
+    pub error: Option<String>,
+}
+
+/// A component that was heard.
+#[derive(Debug, Clone)]
+pub struct ComponentReport {
+    /// System id.
+    pub sysid: u8,
+    /// Component id.
+    pub compid: u8,
+    /// What came from it.
+    pub stats: ComponentStats,
+    /// Seconds since the last of it.
+    pub age: f64,
+    /// Names of the links that lead to it now.
+    pub links: Vec<String>,
+}

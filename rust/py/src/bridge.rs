@@ -1,0 +1,193 @@
+//! `BridgeCore`: a running bridge, and `BridgeTap`: the frames that come by. `mavwire.bridge` is their face.
+//!
+//! The bridge's thread never attaches to the interpreter: what Python wants to know is asked for or fetched in batches.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use mavwire_core::router::Settings;
+use mavwire_link::bridge::{Bridge, BridgeError as Error, Tap, TapFilter};
+use pyo3::create_exception;
+use pyo3::exceptions::{PyOSError, PyRuntimeError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::bridge_batch::FrameBatch;
+use crate::bridge_options::{LinkOption, RecordingOption, SettingsOption, seconds};
+use crate::bridge_stats;
+use crate::dialect::Dialect;
+use crate::frame_bytes::FrameBytes;
+use crate::message::Message;
+
+create_exception!(
+    mavwire._native,
+    BridgeError,
+    PyRuntimeError,
+    "A bridge that cannot do what it was asked for: a name twice, no such link, too many, stopped."
+);
+
+/// How long one wait may last before the user's signals are looked at.
+const WAIT_SLICE: Duration = Duration::from_millis(200);
+
+fn to_python(error: Error) -> PyErr {
+    match error {
+        Error::Io { link, error } => match error.raw_os_error() {
+            // Called with these, OSError makes the subclass that fits.
+            Some(errno) => {
+                let text = error.to_string();
+                let text = text.split(" (os error").next().unwrap_or(&text).to_owned();
+                PyOSError::new_err((errno, text, link))
+            }
+            None => PyOSError::new_err(format!("{link}: {error}")),
+        },
+        other => BridgeError::new_err(other.to_string()),
+    }
+}
+
+/// A bridge on a thread of its own.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct BridgeCore {
+    dialect: Py<Dialect>,
+    bridge: Bridge,
+}
+
+#[pymethods]
+impl BridgeCore {
+    /// Starts a bridge without links; the arguments are a dialect, `mavwire.bridge.options.Settings` and, to record,
+    /// `Recording`.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        dialect: Py<Dialect>,
+        settings: SettingsOption,
+        recording: Option<RecordingOption>,
+    ) -> PyResult<Self> {
+        let settings: Settings = settings.into_settings()?;
+        let recording = recording.map(RecordingOption::into_recording).transpose()?;
+        let registry = dialect.get().registry.clone();
+        let where_to = recording.as_ref().map(|recording| recording.directory.clone());
+        let bridge = py.detach(|| Bridge::start(registry, settings, recording));
+        let bridge = bridge.map_err(|error| {
+            let link = where_to.unwrap_or_default().display().to_string();
+            to_python(Error::Io { link, error })
+        })?;
+        Ok(Self { dialect, bridge })
+    }
+
+    /// Adds a link: `mavwire.bridge.options.Link`.
+    fn add(&self, py: Python<'_>, link: LinkOption) -> PyResult<()> {
+        let spec = link.into_spec()?;
+        py.detach(|| self.bridge.add(spec)).map_err(to_python)
+    }
+
+    /// Removes a link by its name.
+    fn remove(&self, py: Python<'_>, name: &str) -> PyResult<()> {
+        py.detach(|| self.bridge.remove(name)).map_err(to_python)
+    }
+
+    /// Everything that is counted, as dictionaries and lists.
+    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let stats = py.detach(|| self.bridge.stats()).map_err(to_python)?;
+        bridge_stats::to_dict(py, &stats)
+    }
+
+    /// Routes whole frames as if they came over a link of their own.
+    fn send(&self, py: Python<'_>, frames: Vec<u8>) -> PyResult<()> {
+        py.detach(|| self.bridge.send(frames)).map_err(to_python)
+    }
+
+    /// The newest message of an id, from a system and a component or from any; `None` if there was none.
+    fn latest<'py>(
+        &self,
+        py: Python<'py>,
+        msgid: u32,
+        sysid: Option<u8>,
+        compid: Option<u8>,
+    ) -> PyResult<Option<Bound<'py, Message>>> {
+        let Some(latest) = py.detach(|| self.bridge.hub().latest(msgid, sysid, compid)) else {
+            return Ok(None);
+        };
+        let frame = FrameBytes::from(&latest.frame[..]);
+        let time = latest.info.time as f64 / 1e6;
+        self.dialect.get().stamped(py, latest.info.index, frame, time, 0).map(Some)
+    }
+
+    /// The frames from now on, of some message ids and systems or of all.
+    fn tap(
+        slf: Bound<'_, Self>,
+        messages: Option<Vec<u32>>,
+        systems: Option<Vec<u8>>,
+    ) -> BridgeTap {
+        let filter = TapFilter { messages, systems };
+        let tap = slf.get().bridge.hub().tap(filter);
+        BridgeTap { core: slf.unbind(), tap: Mutex::new(Some(tap)) }
+    }
+
+    /// Stops the bridge and waits for that.
+    fn stop(&self, py: Python<'_>) {
+        py.detach(|| self.bridge.stop());
+    }
+}
+
+/// Frames that come by, until it is closed or the bridge stops.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct BridgeTap {
+    core: Py<BridgeCore>,
+    tap: Mutex<Option<Tap>>,
+}
+
+impl BridgeTap {
+    fn tap(&self) -> MutexGuard<'_, Option<Tap>> {
+        self.tap.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until so many frames are there; true if they are, or nothing will come any more.
+    fn wait(&self, py: Python<'_>, wanted: usize, timeout: Option<Duration>) -> PyResult<bool> {
+        let began = Instant::now();
+        loop {
+            let left = timeout.map(|timeout| timeout.saturating_sub(began.elapsed()));
+            let slice = left.map_or(WAIT_SLICE, |left| left.min(WAIT_SLICE));
+            let there = py.detach(|| self.tap().as_ref().is_none_or(|tap| tap.wait(wanted, slice)));
+            if there || left.is_some_and(|left| left <= slice) {
+                return Ok(there);
+            }
+            py.check_signals()?;
+        }
+    }
+}
+
+#[pymethods]
+impl BridgeTap {
+    /// The next frames, empty after `timeout` seconds without any; `None` at the end. At most `max_batch` of them, the
+    /// first of which waited for the others no longer than `max_latency` seconds.
+    fn next(
+        &self,
+        py: Python<'_>,
+        max_batch: usize,
+        max_latency: f64,
+        timeout: Option<f64>,
+    ) -> PyResult<Option<FrameBatch>> {
+        let latency = seconds("max_latency", max_latency)?;
+        let timeout = timeout.map(|timeout| seconds("timeout", timeout)).transpose()?;
+        let max_batch = max_batch.max(1);
+        if self.wait(py, 1, timeout)? {
+            self.wait(py, max_batch, Some(latency))?;
+        }
+        let Some(frames) = py.detach(|| self.tap().as_ref()?.take(max_batch)) else {
+            return Ok(None);
+        };
+        let core = self.core.get();
+        Ok(Some(FrameBatch::new(core.dialect.clone_ref(py), frames, core.bridge.hub())))
+    }
+
+    /// Frames that were dropped because nobody fetched them in time.
+    #[getter]
+    fn dropped(&self, py: Python<'_>) -> u64 {
+        py.detach(|| self.tap().as_ref().map_or(0, Tap::dropped))
+    }
+
+    /// Ends it; a thread that waits in `next` gets what it waits for or its time runs out first.
+    fn close(&self, py: Python<'_>) {
+        py.detach(|| *self.tap() = None);
+    }
+}

@@ -1,0 +1,79 @@
+//! What a bridge tells about itself, as dictionaries that turn into JSON as they are.
+
+use mavwire_link::bridge::{ComponentReport, LinkReport, RecordingStats, Stats};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+/// A dictionary of names and values.
+macro_rules! dict {
+    ($py:expr, $($name:literal: $value:expr),+ $(,)?) => {{
+        let dict = PyDict::new($py);
+        $(dict.set_item($name, $value)?;)+
+        dict
+    }};
+}
+
+pub(crate) fn to_dict<'py>(py: Python<'py>, stats: &Stats) -> PyResult<Bound<'py, PyDict>> {
+    let links = PyList::empty(py);
+    for one in &stats.links {
+        links.append(link(py, one)?)?;
+    }
+    let components = PyList::empty(py);
+    for one in &stats.components {
+        components.append(component(py, one)?)?;
+    }
+    let recording = stats.recording.as_ref().map(|one| recording(py, one)).transpose()?;
+    Ok(dict!(py, "uptime": stats.uptime, "links": links, "components": components,
+        "recording": recording))
+}
+
+fn link<'py>(py: Python<'py>, link: &LinkReport) -> PyResult<Bound<'py, PyDict>> {
+    let (traffic, routed) = (&link.traffic, &link.traffic.routed);
+    Ok(dict!(py,
+        "name": &link.name,
+        "endpoint": &link.endpoint,
+        "peer": &link.peer,
+        "state": link.state,
+        "received": routed.received,
+        "received_bytes": routed.received_bytes,
+        "duplicates": routed.duplicates,
+        "filtered_in": routed.filtered_in,
+        "withheld": routed.withheld,
+        "unroutable": routed.unroutable,
+        "sent": traffic.sent,
+        "sent_bytes": traffic.sent_bytes,
+        "filtered_out": routed.filtered_out,
+        "limited": routed.limited,
+        "dropped": traffic.dropped,
+        "send_errors": traffic.send_errors,
+        "damaged": traffic.damaged,
+        "junk_bytes": traffic.junk_bytes,
+        "queued_bytes": link.queued,
+        "refused": link.refused,
+        "connections": link.connections,
+        "error": &link.error,
+    ))
+}
+
+fn component<'py>(py: Python<'py>, one: &ComponentReport) -> PyResult<Bound<'py, PyDict>> {
+    Ok(dict!(py,
+        "system": one.sysid,
+        "component": one.compid,
+        "frames": one.stats.frames,
+        "bytes": one.stats.bytes,
+        "lost": one.stats.lost,
+        "age": one.age,
+        "links": &one.links,
+    ))
+}
+
+fn recording<'py>(py: Python<'py>, one: &RecordingStats) -> PyResult<Bound<'py, PyDict>> {
+    Ok(dict!(py,
+        "path": one.path.display().to_string(),
+        "files": one.files,
+        "records": one.records,
+        "bytes": one.bytes,
+        "dropped": one.dropped,
+        "error": &one.error,
+    ))
+}

@@ -1,0 +1,416 @@
+"""`Bridge` over real sockets: frames, links that come and go, recording, what it tells."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import json
+import os
+import socket
+import threading
+import urllib.error
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mavwire import Bridge, open_log
+from mavwire.bridge import BridgeError, FrameBatches, Recording
+from mavwire.bridge.metrics import MetricsServer, prometheus
+from mavwire.dialects.v20 import all as mavlink
+from mavwire.dialects.v20 import minimal
+from unit.bridge_tools import (
+    LIMIT,
+    TCP,
+    UDP,
+    command,
+    peers,
+    port_of,
+    read_exactly,
+    receive,
+    report,
+    udp_peer,
+    wait_until,
+)
+from unit.link_tools import heartbeat, pack, signed
+
+BEAT = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
+
+
+def collect(batches: FrameBatches, count: int) -> list[Any]:
+    """The next messages, so many of them."""
+    messages: list[Any] = []
+    while len(messages) < count:
+        batch = batches.next(LIMIT)
+        assert batch, f"{len(messages)} of {count}"
+        messages += batch
+    return messages
+
+
+def test_frames_go_where_they_are_meant_for() -> None:
+    with Bridge() as bridge:
+        bridge.add(UDP, name="vehicles")
+        bridge.add(TCP, name="stations")
+        address = ("127.0.0.1", port_of(bridge, "stations"))
+        with (
+            udp_peer(bridge, "vehicles") as first,
+            udp_peer(bridge, "vehicles") as second,
+            socket.create_connection(address, LIMIT) as station,
+        ):
+            wait_until("the station", lambda: peers(bridge, "stations"))
+            first.send(heartbeat(sysid=1))
+            assert read_exactly(station, 21) == heartbeat(sysid=1)
+            second.send(heartbeat(sysid=2))
+            assert read_exactly(station, 21) == heartbeat(sysid=2)
+            assert receive(first) == heartbeat(sysid=2)
+            station.sendall(command(1) + command(9) + heartbeat(sysid=255))
+            assert [receive(first), receive(first)] == [command(1), heartbeat(sysid=255)]
+            assert receive(second) == heartbeat(sysid=255)
+            (peer,) = peers(bridge, "stations")
+            assert (peer["received"], peer["unroutable"], peer["sent"]) == (3, 1, 2)
+
+
+def test_frames_are_never_altered() -> None:
+    """Signed, of version 1, unknown, untrimmed: the same bytes come out."""
+    untrimmed = bytearray(
+        mavlink.MAVLink_system_time_message(5, 0).pack(mavlink.MAVLink(None, 1, 1))
+    )
+    frames = [
+        signed(BEAT),
+        heartbeat(seq=1, v1=True),
+        bytes(untrimmed),
+        pack(mavlink.MAVLink_wind_cov_message(*[1] * 9), 3),
+    ]
+    with Bridge([UDP], dialect=minimal) as bridge, udp_peer() as station:
+        bridge.add(f"udpout:127.0.0.1:{station.getsockname()[1]}")
+        with udp_peer(bridge, UDP) as vehicle:
+            for frame in frames:
+                vehicle.send(frame)
+            assert [receive(station) for _ in frames] == frames
+
+
+def test_batches_have_frames_and_messages() -> None:
+    with Bridge([UDP]) as bridge, udp_peer(bridge, UDP) as vehicle:
+        every = bridge.frames(max_batch=2, max_latency=LIMIT)
+        some = bridge.frames(["ATTITUDE", 4242], [3])
+        attitude = mavlink.MAVLink_attitude_message(1, 0.5, 0, 0, 0, 0, 0)
+        for frame in (heartbeat(sysid=3), pack(attitude, 1, 3), pack(attitude, 2, 4)):
+            vehicle.send(frame)
+        wait_until("them", lambda: bridge.latest("ATTITUDE", 4))
+        bridge.send(BEAT)
+        batch = every.next()
+        assert batch is not None and len(batch) == 2
+        assert batch.frames() == [heartbeat(sysid=3), pack(attitude, 1, 3)]
+        assert batch.raw == b"".join(batch.frames())
+        assert batch.ids == [(3, 1, 0), (3, 1, 30)] and batch.links == [UDP, UDP]
+        first, second = batch
+        assert (first.get_type(), second.roll) == ("HEARTBEAT", 0.5)
+        assert [first._timestamp, second._timestamp] == batch.times
+        assert batch.times == pytest.approx([first._timestamp] * 2, abs=LIMIT)
+        last = every.next()
+        assert last is not None and list(zip(last.links, last.ids, strict=True)) == [
+            (UDP, (4, 1, 30)),
+            ("program", (255, 190, 0)),
+        ]
+        assert [msg.get_type() for msg in collect(some, 1)] == ["ATTITUDE"]
+        some.close()
+        assert some.next() is None and some.dropped == 0
+        stopper = threading.Timer(0.05, bridge.stop)
+        stopper.start()
+        assert list(every) == [], "it ends with the bridge"
+        stopper.join()
+
+
+def test_batches_in_asyncio() -> None:
+    async def main() -> list[Any]:
+        with Bridge() as bridge, bridge.frames(["HEARTBEAT"]) as batches:
+            asyncio.get_running_loop().call_later(0.05, bridge.send, BEAT)
+            async for batch in batches:
+                asyncio.get_running_loop().call_later(0.05, bridge.stop)
+                messages = list(batch)
+            return messages
+
+    assert [msg.get_type() for msg in asyncio.run(asyncio.wait_for(main(), LIMIT))] == ["HEARTBEAT"]
+
+
+def test_the_newest_message_of_each_kind() -> None:
+    with Bridge([UDP], source_system=250, source_component=7) as bridge:
+        assert bridge.latest("HEARTBEAT") is None
+        with udp_peer(bridge, UDP) as vehicle:
+            vehicle.send(heartbeat(seq=5, sysid=1))
+            vehicle.send(heartbeat(seq=6, sysid=2))
+            wait_until("both", lambda: bridge.latest("HEARTBEAT", 2))
+        assert bridge.latest("HEARTBEAT", 1, 1).get_seq() == 5
+        assert bridge.latest(0, component=1).get_seq() == 6
+        assert bridge.latest("HEARTBEAT", 3) is None and bridge.latest("ATTITUDE") is None
+        for seq in range(3):
+            bridge.send(BEAT)
+            own = wait_until("it", lambda: bridge.latest("HEARTBEAT", 250, 7))
+            wait_until("the next", lambda: bridge.latest("HEARTBEAT", 250).get_seq() == seq)  # noqa: B023
+        assert own.autopilot == 8
+        with pytest.raises(ValueError, match="the dialect has no message 'NOPE'"):
+            bridge.latest("NOPE")
+
+
+def test_links_come_and_go() -> None:
+    bridge = Bridge()
+    bridge.add(UDP, name="early")
+    with bridge:
+        assert bridge.add(TCP, name="late", group="g", private=True) == "late"
+        with pytest.raises(BridgeError, match='a link called "late"'):
+            bridge.add(UDP, name="late")
+        with pytest.raises(BridgeError, match='no link called "nope"'):
+            bridge.remove("nope")
+        bridge.remove("early")
+        names = [one["name"] for one in bridge.stats()["links"]]
+        assert names == ["late", "program"]
+    assert not bridge.running
+    bridge.stop()
+    with pytest.raises(BridgeError, match="not running"):
+        bridge.stats()
+    with bridge:  # again, with the links that it has by now
+        assert [one["name"] for one in bridge.stats()["links"]] == ["late", "program"]
+        with pytest.raises(BridgeError, match="running already"):
+            bridge.start()
+
+
+def test_what_cannot_be_opened_is_an_os_error_that_names_it(tmp_path: Path) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        busy = f"udpin:127.0.0.1:{taken.getsockname()[1]}"
+        bridge = Bridge([UDP, busy])
+        with pytest.raises(OSError) as raised:
+            bridge.start()
+        assert (raised.value.errno, raised.value.filename) == (errno.EADDRINUSE, busy)
+        assert not bridge.running
+    bridge.start().stop()
+    with pytest.raises(FileNotFoundError, match="no-such-device"):
+        Bridge(["serial:/dev/no-such-device:57600"]).start()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError, match="file"):
+        Bridge(record=tmp_path / "file").start()
+
+
+def test_frames_that_wait_may_share_a_datagram() -> None:
+    with Bridge() as bridge, udp_peer() as station:
+        out = f"udpout:127.0.0.1:{station.getsockname()[1]}"
+        bridge.add(out, name="station", datagram_bytes=50)
+        frames = [heartbeat(seq=seq) for seq in range(5)]
+        bridge.send(b"".join(frames))
+        pairs = [frames[0] + frames[1], frames[2] + frames[3], frames[4]]
+        assert [receive(station) for _ in pairs] == pairs
+        wait_until("the count", lambda: report(bridge, "station")["sent"] == 5)
+
+
+def test_filters_limits_and_duplicates() -> None:
+    with Bridge(dedup=LIMIT) as bridge, udp_peer() as station:
+        station.settimeout(LIMIT)
+        bridge.add(UDP, name="a", block_messages_in=["HEARTBEAT"])
+        bridge.add(UDP, name="b")
+        bridge.add(
+            f"udpout:127.0.0.1:{station.getsockname()[1]}", name="station",
+            rates={"ATTITUDE": 0.01}, block_systems_out=[9],
+        )  # fmt: skip
+        attitudes = [
+            pack(mavlink.MAVLink_attitude_message(n, 0, 0, 0, 0, 0, 0), n) for n in range(3)
+        ]
+        with udp_peer(bridge, "a") as first, udp_peer(bridge, "b") as second:
+            for frame in (heartbeat(), heartbeat(sysid=9), *attitudes):
+                first.send(frame)
+            assert receive(station) == attitudes[0]
+            wait_until(
+                "them", lambda: peers(bridge, "a") and peers(bridge, "a")[0]["received"] == 5
+            )
+            for frame in (attitudes[0], heartbeat(sysid=9), heartbeat()):
+                second.send(frame)
+            assert receive(station) == heartbeat()
+            stats = {name: report(bridge, name) for name in ("station",)}
+            assert peers(bridge, "a")[0]["filtered_in"] == 2
+            assert peers(bridge, "b")[0]["duplicates"] == 1
+            assert (stats["station"]["filtered_out"], stats["station"]["limited"]) == (1, 2)
+
+
+def test_a_server_that_is_not_there_yet_is_tried_again() -> None:
+    with socket.socket() as server, Bridge(["tcp:localhost:1"], dedup=0) as bridge:
+        server.bind(("127.0.0.1", 0))  # nobody else gets the port, and nobody listens
+        server.settimeout(LIMIT)
+        bridge.add(f"tcp:127.0.0.1:{server.getsockname()[1]}", name="server", retry=0.05)
+        told = wait_until("a refusal", lambda: report(bridge, "server")["error"])
+        assert "refused" in told and report(bridge, "server")["state"] == "connecting"
+        bridge.send(heartbeat())
+        wait_until("it", lambda: report(bridge, "server")["dropped"] == 1)
+        server.listen()
+        with server.accept()[0] as connection:
+            connection.settimeout(LIMIT)
+            wait_until("it", lambda: report(bridge, "server")["state"] == "up")
+            bridge.send(heartbeat(seq=1))
+            assert read_exactly(connection, 21) == heartbeat(seq=1), "and nothing old"
+            assert report(bridge, "server")["error"] is None
+
+
+def test_serial_ports() -> None:
+    controller, device = os.openpty()
+    try:
+        with (
+            Bridge([f"serial:{os.ttyname(device)}:57600", UDP]) as bridge,
+            udp_peer(bridge, UDP) as station,
+        ):
+            station.send(heartbeat(sysid=255))
+            assert os.read(controller, 300) == heartbeat(sysid=255), "as it is, raw"
+            half = heartbeat(sysid=1)
+            os.write(controller, half[:7])
+            os.write(controller, half[7:])
+            assert receive(station) == half
+    finally:
+        os.close(controller)
+        os.close(device)
+
+
+def test_recording(tmp_path: Path) -> None:
+    recording = Recording(tmp_path / "logs", max_bytes=1, flush_interval=0.001)
+    key = pack(mavlink.MAVLink_setup_signing_message(1, 1, list(range(32)), 1), 0, 255)
+    with Bridge(record=recording) as bridge:
+        for n, frame in enumerate((heartbeat(seq=1), key, signed(BEAT)), 1):
+            bridge.send(frame)
+            written = n - (n > 1)  # the key is not
+            wait_until("it", lambda: bridge.stats()["recording"]["records"] >= written)  # noqa: B023
+        told = bridge.stats()["recording"]
+    assert (told["files"], told["records"], told["dropped"], told["error"]) == (2, 2, 0, None)
+    logs = sorted((tmp_path / "logs").iterdir())
+    assert Path(told["path"]) in logs and len(logs) == 2
+    messages = sorted((msg for log in logs for msg in open_log(log)), key=lambda msg: msg.autopilot)
+    assert [msg.get_type() for msg in messages] == ["HEARTBEAT"] * 2
+    assert not any(msg.get_signed() for msg in messages)
+    assert messages[1].get_msgbuf()[2] == 0, "the signature is off"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full here")
+def test_a_full_disk_costs_records_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file size limit stands for the full disk; it is a process of its own that has it."""
+    import subprocess
+    import sys
+
+    program = f"""
+import resource, signal
+from mavwire import Bridge, open_log
+from mavwire.bridge import Recording
+from unit.bridge_tools import wait_until
+from unit.link_tools import heartbeat
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
+with Bridge(record=Recording({str(tmp_path)!r}, flush_interval=0.001)) as bridge:
+    frames = bridge.frames()
+    for seq in range(10):
+        bridge.send(heartbeat(seq=seq))
+        assert len(frames.next(60)) == 1
+    wait_until("the error", lambda: bridge.stats()["recording"]["error"])
+    resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY,) * 2)
+    bridge.send(heartbeat(seq=99))
+    wait_until("room", lambda: bridge.stats()["recording"]["error"] is None)
+    told = bridge.stats()["recording"]
+assert told["records"] + told["dropped"] == 11 and told["dropped"] > 0, told
+log = list(open_log(told["path"]))
+assert len(log) == told["records"] and log[-1].get_seq() == 99, (log, told)
+"""
+    where = str(Path(__file__).parents[1])
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([where, *sys.path])},
+        capture_output=True, text=True, timeout=3 * LIMIT, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+def test_counters_over_http() -> None:
+    with Bridge([UDP]) as bridge, MetricsServer(bridge, "127.0.0.1", 0) as server:
+        bridge.send(heartbeat(sysid=7))
+        wait_until("it", lambda: bridge.stats()["components"])
+
+        def fetch(path: str) -> str:
+            url = f"http://127.0.0.1:{server.port}{path}"
+            with urllib.request.urlopen(url, timeout=LIMIT) as answer:
+                return str(answer.read().decode())
+
+        assert json.loads(fetch("/stats"))["components"][0]["system"] == 7
+        text = fetch("/metrics")
+        assert 'mavwire_bridge_component_frames_total{system="7",component="1"} 1' in text
+        assert 'mavwire_bridge_link_received_total{link="program",peer=""} 1' in text
+        with pytest.raises(urllib.error.HTTPError, match="404"):
+            fetch("/etc/passwd")
+        with socket.create_connection(("127.0.0.1", server.port), LIMIT) as hostile:
+            hostile.sendall(b"\x00\xff" * 1000 + b"\r\n\r\n")
+        bridge.stop()
+        with pytest.raises(urllib.error.HTTPError, match="503"):
+            fetch("/metrics")
+
+
+def test_the_text_of_metrics_is_well_formed() -> None:
+    with Bridge() as bridge:
+        bridge.add(UDP, name='a "quoted"\nname\\')
+        text = prometheus(bridge.stats())
+    assert '{link="a \\"quoted\\"\\nname\\\\",peer=""} 0' in text
+    names = [line.split()[2] for line in text.splitlines() if line.startswith("# TYPE")]
+    assert len(names) == len(set(names)) > 20
+    for line in text.splitlines():
+        assert line.startswith("#") or any(line.startswith(name) for name in names)
+        assert line.startswith("#") or float(line.rpartition(" ")[2]) >= 0
+
+
+def test_a_bridge_that_is_forgotten_ends() -> None:
+    bridge = Bridge([UDP]).start()
+    port = port_of(bridge, UDP)
+    del bridge
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
+        again.bind(("127.0.0.1", port))
+
+
+@pytest.mark.parametrize("arguments", [(0, 0.0, -1.0), (1, float("nan"), 1.0), (1, -1.0, 1.0)])
+def test_wrong_waits(arguments: tuple[int, float, float]) -> None:
+    with Bridge() as bridge, pytest.raises(ValueError, match="number of seconds"):
+        bridge._running().tap(None, None).next(*arguments)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
+def test_a_fork_leaves_the_bridge_to_its_parent() -> None:
+    import subprocess
+    import sys
+
+    program = """
+import os, warnings
+from mavwire import Bridge
+warnings.simplefilter("ignore")
+bridge = Bridge(["udpin:127.0.0.1:0"]).start()
+child = os.fork()
+if child == 0:
+    bridge.stop()
+    os._exit(0)
+assert os.waitpid(child, 0)[1] == 0
+assert bridge.stats()["links"][0]["state"] == "listening"
+bridge.stop()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True, text=True, timeout=3 * LIMIT, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+def test_waiting_for_a_batch_ends_with_a_signal() -> None:
+    """Ctrl-C ends a wait for the first frame, and one for the batch to fill (R65)."""
+    import signal
+
+    main_thread = threading.get_ident()
+    with Bridge() as bridge, bridge.frames(max_batch=100, max_latency=10 * LIMIT) as batches:
+        for frames in (b"", heartbeat()):
+            bridge.send(frames)
+            timer = threading.Timer(0.3, signal.pthread_kill, (main_thread, signal.SIGINT))
+            with pytest.raises(KeyboardInterrupt):
+                timer.start()
+                batches.next()
+            timer.join()
+        bridge.stop()
+        batch = batches.next()
+        assert batch is not None and batch.frames() == [heartbeat()], "nothing is lost by it"

@@ -1,0 +1,279 @@
+"""What users write to say what a bridge shall do: endpoints, options, configuration files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mavwire import Bridge
+from mavwire.bridge import Config, ConfigError, Endpoint, load_config, parse_endpoint
+
+
+@pytest.mark.parametrize(
+    ("text", "endpoint"),
+    [
+        ("udpin:0.0.0.0:14550", Endpoint("udpin", "0.0.0.0", 14550)),
+        ("udp:127.0.0.1:14550", Endpoint("udpin", "127.0.0.1", 14550)),
+        ("udps::5600", Endpoint("udpin", "0.0.0.0", 5600)),
+        ("udpout:gcs.example:14550", Endpoint("udpout", "gcs.example", 14550)),
+        ("udpc:1.2.3.4:5600", Endpoint("udpout", "1.2.3.4", 5600)),
+        ("udpout:[::1]:14550", Endpoint("udpout", "::1", 14550)),
+        ("udpbcast:10.0.0.255:14550", Endpoint("udpbcast", "10.0.0.255", 14550)),
+        ("udpb:192.168.7.255:5601", Endpoint("udpbcast", "192.168.7.255", 5601)),
+        ("tcp:10.0.0.2:5760", Endpoint("tcp", "10.0.0.2", 5760)),
+        ("tcpc:example.com:5600", Endpoint("tcp", "example.com", 5600)),
+        ("tcpin:0.0.0.0:0", Endpoint("tcpin", "0.0.0.0", 0)),
+        ("tcps:[::]:5600", Endpoint("tcpin", "::", 5600)),
+        ("/dev/ttyACM0", Endpoint("serial", "/dev/ttyACM0", baud=115200)),
+        ("/dev/ttyACM0,57600", Endpoint("serial", "/dev/ttyACM0", baud=57600)),
+        ("serial:/dev/ttyAMA0:57600", Endpoint("serial", "/dev/ttyAMA0", baud=57600)),
+        ("serial:/dev/serial/by-id/a:b", Endpoint("serial", "/dev/serial/by-id/a:b")),
+    ],
+)
+def test_endpoints(text: str, endpoint: Endpoint) -> None:
+    assert parse_endpoint(text) == endpoint
+    assert parse_endpoint(str(endpoint)) == endpoint
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("", "no endpoint"),
+        ("14550", "no endpoint"),
+        ("127.0.0.1:14550", "no endpoint"),
+        ("udpx:1.2.3.4:5", "no endpoint"),
+        ("udpin:14550", "lacks host or port"),
+        ("udpout::14550", "lacks a host"),
+        ("udpout:1.2.3.4:0", "from 1 to 65535"),
+        ("udpin:1.2.3.4:70000", "from 0 to 65535"),
+        ("udpin:::1:5", "lacks host or port"),
+        ("serial:", "lacks a device"),
+        ("serial:/dev/x:0", "the speed of"),
+    ],
+)
+def test_wrong_endpoints(text: str, wrong: str) -> None:
+    with pytest.raises(ConfigError, match=wrong) as raised:
+        parse_endpoint(text)
+    assert repr(text) in str(raised.value)
+
+
+@given(st.text(max_size=40))
+def test_any_text_is_an_endpoint_or_a_clear_error(text: str) -> None:
+    for prefix in ("", "udpin:", "tcp:", "serial:", "/"):
+        try:
+            endpoint = parse_endpoint(prefix + text)
+        except ConfigError:
+            continue
+        assert 0 <= endpoint.port < 65536 and endpoint.address
+
+
+@pytest.mark.parametrize(
+    ("options", "wrong"),
+    [
+        ({"grop": "a"}, "unknown option 'grop'; did you mean 'group'"),
+        ({"group": 3}, "group must be a text"),
+        ({"private": 1}, "private must be true or false"),
+        ({"block_messages_out": "ATTITUDE"}, "block_messages_out must be a list"),
+        ({"block_messages_out": ["ATITUDE"]}, "block_messages_out: the dialect has no message"),
+        ({"allow_messages_in": [-1]}, "a message id must be a number"),
+        ({"allow_systems_in": [256]}, "allow_systems_in must be a number from 0 to 255"),
+        ({"rate": 0}, "rate must be more than 0"),
+        ({"rate": float("nan")}, "rate must be a number"),
+        ({"rates": {"ATTITUDE": "fast"}}, "rates: ATTITUDE must be a number"),
+        ({"rates": 5}, "rates must map"),
+        ({"bytes_per_second": True}, "bytes_per_second must be a number"),
+        ({"queue_bytes": 1}, "queue_bytes must be a number from 1024"),
+        ({"datagram_bytes": 70_000}, "datagram_bytes must be a number from 0"),
+        ({"peer_timeout": -1}, "peer_timeout must be"),
+        ({"retry": "soon"}, "retry must be a number"),
+        ({"name": ""}, "name must be a text"),
+    ],
+)
+def test_wrong_options(options: dict[str, Any], wrong: str) -> None:
+    with pytest.raises(ConfigError, match=wrong):
+        Bridge().add("udpin:127.0.0.1:0", **options)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"dedup": -1}, {"dedup": "x"}, {"max_age": 0}, {"sniffer_sysid": 256}, {"source_system": 0}],
+)
+def test_wrong_settings(settings: dict[str, Any]) -> None:
+    with pytest.raises(ConfigError, match=next(iter(settings))):
+        Bridge(**settings)
+
+
+def load(tmp_path: Path, name: str, text: str | bytes) -> Config:
+    path = tmp_path / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return load_config(path)
+
+
+MAIN_CONF = """
+# a comment
+[General]
+TcpServerPort = 5790
+DeduplicationPeriod = 250
+SnifferSysid=254
+Log = /var/log/flight
+LogTelemetry = True
+DebugLogLevel = info
+
+[UartEndpoint alpha]
+Device = /dev/ttyS0
+Baud = 52000,9600
+FlowControl = 1
+Group = radio
+
+[udpendpoint bravo]
+mode = Server
+ADDRESS = 0.0.0.0
+port = 10000
+AllowMsgIdOut = 0, 30,
+BlockSrcSysIn = 7
+
+[UdpEndpoint charlie]
+Mode = Normal
+Address = 127.0.0.1
+
+[UdpEndpoint]
+Mode = Eavesdropping
+Address = [::1]
+Port = 11000
+Filter = 33
+
+[TcpEndpoint delta]
+Address = 127.0.0.1
+Port = 25760
+RetryTimeout = 0
+"""
+
+
+def test_the_format_of_mavlink_router(tmp_path: Path) -> None:
+    config = load(tmp_path, "main.conf", MAIN_CONF)
+    assert config.settings == {"dedup": 0.25, "sniffer_sysid": 254}
+    assert config.recording is not None and config.recording.directory == "/var/log/flight"
+    assert [endpoint for _, endpoint, _ in config.links] == [
+        Endpoint("tcpin", "0.0.0.0", 5790),
+        Endpoint("serial", "/dev/ttyS0", baud=52000, flow_control=True),
+        Endpoint("udpin", "0.0.0.0", 10000),
+        Endpoint("udpout", "127.0.0.1", 14550),
+        Endpoint("udpin", "::1", 11000),
+        Endpoint("tcp", "127.0.0.1", 25760),
+    ]
+    assert [options for _, _, options in config.links] == [
+        {},
+        {"name": "alpha", "group": "radio"},
+        {"name": "bravo", "allow_messages_out": [0, 30], "block_systems_in": [7]},
+        {"name": "charlie"},
+        {"name": "UdpEndpoint", "allow_messages_out": [33]},
+        {"name": "delta", "retry": 0},
+    ]
+    assert [line.split(":")[1] for line in config.warnings] == ["9", "13"]
+    assert repr(Bridge.from_options(config)) == "<Bridge of 6 links, stopped>"
+
+
+def test_without_a_word_mavlink_router_listens_on_5760(tmp_path: Path) -> None:
+    assert load(tmp_path, "main.conf", "").links[0][1] == Endpoint("tcpin", "0.0.0.0", 5760)
+    assert load(tmp_path, "main.conf", "[General]\nTcpServerPort=0").links == []
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("x = 1", ":1: stands before the first"),
+        ("[General]\n\nnonsense", ":3: neither"),
+        ("[Genral]", r":1: unknown section \[Genral\]"),
+        ("[General]\nTcpServerPrt = 1", ":2: unknown option TcpServerPrt; did you mean tcpserverp"),
+        ("[General]\nTcpServerPort = 99999", ":2: tcpserverport must be a number from 0 to 65535"),
+        ("[General]\nTcpServerPort = " + "9" * 10_000, ":2: tcpserverport must be a number"),
+        ("[General]\nLogTelemetry = maybe", ":2: logtelemetry must be true or false"),
+        ("[UdpEndpoint a]\nMode = Normal", r":1: \[a\] lacks Address"),
+        ("[UdpEndpoint a]\nAddress = ::1\nMode = x", ":3: Mode must be Normal or Server"),
+        ("[UdpEndpoint a]\nAddress = h\nMode = server", r":1: \[a\] lacks Port"),
+        ("[UartEndpoint a]\nBaud = fast", ":2: baud must be a number"),
+        ("[UartEndpoint a]", r":1: \[a\] lacks Device"),
+        ("[TcpEndpoint a]\nAddress = h", r":1: \[a\] lacks Port"),
+        (
+            "[TcpEndpoint a]\nAddress = h\nPort = 1\nAllowSrcSysIn = 1,-2",
+            ":4: allowsrcsysin must be",
+        ),
+        (b"\xff\xfe", "not text, at byte 0"),
+        ("#" * 2_000_000, "longer than"),
+    ],
+)
+def test_wrong_lines_are_named(tmp_path: Path, text: str, wrong: str) -> None:
+    with pytest.raises(ConfigError, match=r"main\.conf" + wrong if wrong[0] == ":" else wrong):
+        load(tmp_path, "main.conf", text)
+
+
+TOML = """
+dedup = 0.25
+max_age = 30
+
+[record]
+directory = "logs"
+max_bytes = 100_000_000
+
+[[link]]
+endpoint = "serial:/dev/ttyAMA0:57600"
+name = "vehicle"
+
+[[link]]
+endpoint = "udpout:10.0.0.2:14550"
+name = "satellite"
+group = "uplink"
+bytes_per_second = 200
+rates = { ATTITUDE = 1, "30" = 2 }
+block_messages_out = ["RAW_IMU", 29]
+"""
+
+
+def test_toml(tmp_path: Path) -> None:
+    config = load(tmp_path, "bridge.toml", TOML)
+    assert config.settings == {"dedup": 0.25, "max_age": 30}
+    assert config.recording is not None and config.recording.max_bytes == 100_000_000
+    link = Bridge.from_options(config)._links[1]
+    assert (link.name, link.group, link.group_number) == ("satellite", "uplink", 0)
+    assert (link.bytes_per_second, link.message_rates) == (200.0, [(30, 1.0), (30, 2.0)])
+    assert link.outbound.block_messages == [27, 29] and link.inbound.allow_messages is None
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("dedup = x = 1", "at line 1"),
+        ("dedop = 1", "unknown option 'dedop'; did you mean 'dedup'"),
+        ("dedup = -1", "dedup must be 0 seconds or more"),
+        ("dialect = 3", "dialect must be a text"),
+        ("dialect = 'nope'", "dialect: no such dialect"),
+        ("record = 3", "record: it needs a directory"),
+        ("[record]\ndirectory = 'x'\nmax_byte = 1", "record: unknown option 'max_byte'"),
+        ("[record]\ndirectory = 'x'\nmax_bytes = 0", "record: max_bytes must be"),
+        ("[link]\nendpoint = 'udpin::1'", r"say \[\[link\]\]"),
+        ("[[link]]\nname = 'a'", "link 1: it needs an endpoint"),
+        ("[[link]]\nendpoint = 'udpin'", "link 1: 'udpin' is no endpoint"),
+        ("[[link]]\nendpoint = 'udpin::1'\nname='a'\nrat = 1", r"link 1 \('a'\): unknown option"),
+        ("a = " + "[" * 100_000, "bridge.toml"),
+    ],
+)
+def test_wrong_toml_is_named(tmp_path: Path, text: str, wrong: str) -> None:
+    with pytest.raises(ConfigError, match=wrong) as raised:
+        Bridge.from_options(load(tmp_path, "bridge.toml", text))
+    assert "bridge.toml" in str(raised.value)
+
+
+@given(st.text(max_size=200))
+def test_any_text_is_a_configuration_or_a_clear_error(text: str) -> None:
+    from mavwire.bridge.config import _toml
+    from mavwire.bridge.main_conf import parse_main_conf
+
+    for parse in (_toml, parse_main_conf):
+        for body in (text, f"[General]\n{text}", f"[[link]]\n{text}", f"[UdpEndpoint a]\n{text}"):
+            try:
+                parse("file", body)
+            except ConfigError as error:
+                assert str(error).startswith("file")

@@ -1,0 +1,72 @@
+"""The table of `mavwire bridge --status`, and the values of the command's options."""
+
+from __future__ import annotations
+
+from argparse import ArgumentTypeError
+from typing import Any
+
+import pytest
+from mavwire.cli._bridge_status import component_rows, link_rows
+from mavwire.cli.bridge import listen_address, size
+
+LINK = {
+    "name": "gcs", "peer": None, "state": "up", "error": None, "received": 100, "sent": 50,
+    "dropped": 1, "duplicates": 2, "junk_bytes": 3,
+}  # fmt: skip
+COMPONENT = {"system": 1, "component": 1, "frames": 40, "lost": 4, "age": 0.25, "links": ["a", "b"]}
+
+
+def stats(uptime: float, **changes: Any) -> dict[str, Any]:
+    link = {**LINK, **{key: changes[key] for key in changes if key in LINK}}
+    component = {**COMPONENT, **{key: changes[key] for key in changes if key in COMPONENT}}
+    return {"uptime": uptime, "links": [link], "components": [component]}
+
+
+def test_rows_show_rates_since_the_last_look() -> None:
+    before, now = stats(10.0), stats(12.0, received=300, sent=60, frames=41)
+    assert link_rows(now, before) == [["gcs", "", "up", "100", "5", "1", "2", "3"]]
+    assert component_rows(now, before) == [["1", "1", "0", "4", "0.2 s", "a, b"]]
+
+
+def test_rows_show_what_is_wrong() -> None:
+    now = stats(2.0, peer="10.0.0.1:5", state="connecting", error="Connection refused")
+    (row,) = link_rows(now, {"uptime": 0.0, "links": [], "components": []})
+    assert row[:5] == ["gcs", "10.0.0.1:5", "connecting: Connection refused", "50", "25"]
+
+
+def test_the_table_is_drawn_where_rich_is() -> None:
+    pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
+    from mavwire import Bridge
+    from mavwire.cli._bridge_status import StatusTable
+
+    with Bridge(["udpin:127.0.0.1:0"]) as bridge:
+        table = StatusTable(bridge)
+        table()
+        table.close()
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("1", 1), ("500k", 500_000), ("100M", 10**8), ("2g", 2 * 10**9)]
+)
+def test_sizes(text: str, value: int) -> None:
+    assert size(text) == value
+
+
+@pytest.mark.parametrize("text", ["", "0", "-1", "1.5M", "M", "10MB", "9" * 30, "٣"])
+def test_wrong_sizes(text: str) -> None:
+    with pytest.raises(ArgumentTypeError, match="not a size"):
+        size(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [(":9090", ("127.0.0.1", 9090)), ("0.0.0.0:1", ("0.0.0.0", 1)), ("[::1]:80", ("::1", 80))],
+)
+def test_addresses_to_listen_on(text: str, value: tuple[str, int]) -> None:
+    assert listen_address(text) == value
+
+
+@pytest.mark.parametrize("text", ["", "9090x", ":", ":99999", "host", ":-1"])
+def test_wrong_addresses_to_listen_on(text: str) -> None:
+    with pytest.raises(ArgumentTypeError, match="not "):
+        listen_address(text)
