@@ -1,0 +1,134 @@
+"""When and where logs were recorded, how far and how long they went (mavsummarize.py)."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from mavwire.cli._reading import definitions, reading
+from mavwire.tools._arguments import add_condition, add_dialect, add_logs, add_no_timestamps
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from typing import Any
+
+    from mavwire.cli._reading import Reading
+
+TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
+FIX_3D = 3
+# Of a HEARTBEAT's base_mode: the vehicle flies by itself, or where it is told to.
+AUTONOMOUS = 4 | 8
+# The type of a HEARTBEAT's sender that does not fly.
+GROUND_STATION = 6
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavsummarize.py's options."""
+    add_logs(parser)
+    add_condition(parser)
+    add_no_timestamps(parser)
+    add_dialect(parser)
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    flights, metres, seconds = 0, 0.0, 0.0
+    for path in args.logs:
+        print(f"Processing log {path}")
+        with definitions(args.dialect):
+            summary = _read(path, args)
+        if summary is None:
+            print("ERROR: No messages found.")
+            continue
+        summary.tell()
+        flights += 1
+        metres += summary.metres
+        seconds += summary.seconds
+    print("===============================")
+    print(f"Num Flights : {flights}")
+    print(f"Total distance : {metres:0.2f}m")
+    print(f"Total time (mm:ss): {_clock(seconds)}")
+    return 0
+
+
+def _read(path: str, args: Namespace) -> Summary | None:
+    with reading("summarize", path, notimestamps=args.no_timestamps) as log:
+        return summarise(log, args.condition)
+
+
+@dataclass
+class Summary:
+    """What is known of a log. Times are in seconds, positions messages."""
+
+    began: float
+    ended: float = 0.0
+    metres: float = 0.0
+    sections: int = 0
+    autonomous: float = 0.0
+    start: Any = None
+    end: Any = None
+
+    @property
+    def seconds(self) -> float:
+        """From the first message to the last one."""
+        return self.ended - self.began
+
+    def tell(self) -> None:
+        """Print it."""
+        clock = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(self.began))
+        print(f"Log started at about {clock}")
+        if self.start is None:
+            print("Warning: No GPS data found, can't give position summary.")
+        else:
+            print(f"Travelled from {_place(self.start)} to {_place(self.end)}")
+            print(f"Total distance : {self.metres:0.2f}m")
+        print(f"Total time (mm:ss): {_clock(self.seconds)}")
+        print(f"Autonomous sections: {self.sections}")
+        if self.sections > 0:
+            print(f"Autonomous time (mm:ss): {_clock(self.autonomous)}")
+
+    def move(self, msg: Any) -> None:
+        """Take a position into account, unless it repeats the last one or is none."""
+        from mavwire import mavextra
+
+        if msg.lat == 0 or msg.lon == 0 or msg.fix_type < FIX_3D:
+            return
+        if self.start is None:
+            self.start = self.end = msg
+        elif msg.time_usec != self.end.time_usec:
+            self.metres += mavextra.distance_two(self.end, msg) or 0.0
+            self.end = msg
+
+
+def summarise(log: Reading, condition: str | None) -> Summary | None:
+    """Read a log to its end; None if nothing of interest is in it."""
+    summary: Summary | None = None
+    since: float | None = None
+    for msg in log.messages(TYPES, condition):
+        now = msg._timestamp
+        if summary is None:
+            summary = Summary(now)
+        summary.ended = now
+        if msg.get_type() == "GPS_RAW_INT":
+            summary.move(msg)
+        elif msg.type == GROUND_STATION:
+            continue
+        elif not msg.base_mode & AUTONOMOUS:
+            summary.autonomous += now - since if since is not None else 0.0
+            since = None
+        elif since is None:
+            summary.sections += 1
+            since = now
+    if summary is not None and since is not None:
+        summary.autonomous += summary.ended - since
+    return summary
+
+
+def _place(msg: Any) -> str:
+    return f"({msg.lat / 1.0e7}, {msg.lon / 1.0e7})"
+
+
+def _clock(seconds: float) -> str:
+    """As mavsummarize.py writes it: minutes are rounded, not cut off."""
+    return f"{seconds / 60:3.0f}:{seconds % 60:02.0f}"
