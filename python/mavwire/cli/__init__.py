@@ -39,6 +39,11 @@ COMMANDS = {
         "the names of the bits in a value",
     ),
     "bitmask_change": ("mavwire.tools.mavbitmask_change", "when the bits of a field changed"),
+    "sensor_status_change": (
+        "mavwire.tools.mavsensor_status_change",
+        "when sensors came, went or failed",
+    ),
+    "tools": ("mavwire.cli.tools", "give these the names of pymavlink's scripts"),
     "sim": ("mavwire.cli.sim", "fly simulated vehicles for a ground station or a test"),
     "gen": ("mavwire.cli.gen", "generate a Python dialect module from XML definitions"),
     "definitions": ("mavwire.cli.definitions", "store upstream XML for its descriptions"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from contextlib import contextmanager
-from itertools import repeat
+from itertools import chain, islice, repeat
 
 from mavwire.cli._errors import CommandError, no_such_dialect
 from mavwire.cli._progress import Progress
@@ -88,6 +88,15 @@ class Reading:
                         return
                     yield msg
                 self.show_progress()
+
+    def chunks(self) -> Iterator[Iterator[Any]]:
+        """All messages, BAD_DATA and UNKNOWN included, some thousands at a time: for loops in which
+        a generator would cost more than the reading.
+        """
+        receive = iter(self.link.recv_msg, None)
+        for first in receive:
+            yield chain((first,), islice(receive, PROGRESS_EVERY))
+            self.show_progress()
 
     def holds(self, condition: str | None) -> bool:
         """Whether a condition holds now, with the newest messages of the vehicle."""

@@ -15,6 +15,7 @@ from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection
 from mavwire.cli._errors import CommandError
 from mavwire.cli._foreign import warn_if_foreign
+from mavwire.cli._output import open_output
 from mavwire.cli._progress import Progress
 from mavwire.cli._reading import PROGRESS_EVERY, definitions, opening
 
@@ -137,35 +138,7 @@ def _check_possible(args: Namespace, log: Any) -> None:
 
 
 def _recorder(args: Namespace, stack: ExitStack) -> Callable[[bytes], Any] | None:
-    if not args.output:
-        return None
-    if _same_file(args.log, args.output):
-        raise CommandError(f"--output {args.output} is the log itself")
-
-    @contextmanager
-    def naming_the_file() -> Iterator[None]:
-        try:
-            yield
-        except OSError as error:
-            raise CommandError(f"--output {args.output}: {error.strerror}") from error
-
-    def write(record: bytes) -> None:
-        with naming_the_file():
-            file.write(record)
-
-    def close() -> None:
-        with naming_the_file():
-            file.close()
-
-    with naming_the_file():
-        file = open(args.output, "wb")
-    stack.callback(close)
-    return write
-
-
-def _same_file(one: str, other: str) -> bool:
-    """Whether two names, links among them, lead to one file."""
-    return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
+    return open_output(args.output, [args.log], stack).write if args.output else None
 
 
 @contextmanager

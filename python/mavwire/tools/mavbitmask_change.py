@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 from mavwire.cli._dump_format import local_time
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
@@ -80,10 +78,14 @@ def _bit_names(message: str, field: str) -> dict[int, str]:
     enum = cls.fieldenums_by_name.get(field)
     if enum is None:
         raise CommandError(f"field '{message}.{field}' has no bitmask enum in MAVLink dialect")
-    entries = mavutil.mavlink.enums[enum]
     names = {
-        value: one.name for value, one in entries.items() if not one.name.endswith("_ENUM_END")
+        value: one.name.split("_")
+        for value, one in mavutil.mavlink.enums[enum].items()
+        if not one.name.endswith("_ENUM_END")
     }
-    common = os.path.commonprefix(list(names.values()))
-    start = common.rfind("_") + 1
-    return {value: name[start:] for value, name in names.items() if value & (value - 1) == 0}
+    common = 0
+    for words in zip(*(name[:-1] for name in names.values()), strict=False):
+        if len(set(words)) > 1:
+            break
+        common += 1
+    return {bit: "_".join(name[common:]) for bit, name in names.items() if bit & (bit - 1) == 0}

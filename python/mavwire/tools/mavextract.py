@@ -11,11 +11,13 @@ from contextlib import ExitStack
 from mavwire.cli._output import OutputFile, open_output
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps, add_robust
-from mavwire.tools._telemetry import is_damaged, record, require_telemetry
+from mavwire.tools._telemetry import record, require_telemetry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
+    from collections.abc import Iterable
+    from typing import Any
 
     from mavwire.cli._reading import Reading
 
@@ -58,23 +60,28 @@ class Extraction:
         self._stack = stack
         self._mode: str = args.mode.upper()
         self._kept: list[bytes] = []
+        self._in_mode = False
         self._count = 0
         self._file: OutputFile | None = None
 
     def run(self) -> None:
         """Read the log to its end."""
-        link, mode, wanted_link = self._log.link, self._mode, self._args.link
-        in_mode = False
-        for msg in self._log.messages():
-            if wanted_link not in (None, msg._link):
+        for chunk in self._log.chunks():
+            self._read(chunk)
+
+    def _read(self, messages: Iterable[Any]) -> None:
+        wanted_link, condition = self._args.link, self._args.condition
+        for msg in messages:
+            if wanted_link is not None and msg._link != wanted_link:
                 continue
-            if msg.get_type() in KEPT:
+            kind = msg.get_type()
+            if kind in KEPT:
                 self._kept.append(record(msg))
-            if msg.get_type() == "HEARTBEAT":
-                in_mode = link.flightmode.upper() == mode
-            if not in_mode:
+            elif kind == "HEARTBEAT":
+                self._in_mode = self._log.link.flightmode.upper() == self._mode
+            if not self._in_mode:
                 self._end()
-            elif not is_damaged(msg) and self._log.holds(self._args.condition):
+            elif kind != "BAD_DATA" and (condition is None or self._log.holds(condition)):
                 self._write(record(msg))
 
     def _write(self, data: bytes) -> None:

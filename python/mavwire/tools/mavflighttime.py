@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
+from mavwire.tools._track import Track
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -39,38 +40,39 @@ def main(args: Namespace) -> int:
                 flight = Flight(args.groundspeed)
                 flight.read(log, args.condition)
             seconds += flight.seconds
-            metres += flight.metres
+            metres += flight.track.metres
     print(f"Total time in air: {_clock(seconds)}")
     print(f"Total distance travelled: {metres:.1f} meters")
     return 0
 
 
-@dataclass
-class Fix:
-    """What a GPS message says; `stamp` is what changes with every new position."""
+class Fix(NamedTuple):
+    """What a GPS message says, in degrees and metres a second. `stamp` changes with every fix."""
 
     fix_type: int
     groundspeed: float
+    lat: float
+    lon: float
     stamp: int
 
 
 def fix_of(msg: Any) -> Fix:
     """A position of a telemetry or a dataflash log."""
     if msg.get_type() == "GPS_RAW_INT":
-        return Fix(msg.fix_type, msg.vel * 0.01, msg.time_usec)
-    return Fix(msg.Status, msg.Spd, msg.TimeUS if hasattr(msg, "TimeUS") else msg.TimeMS)
+        lat, lon = msg.lat / 1.0e7, msg.lon / 1.0e7
+        return Fix(msg.fix_type, msg.vel * 0.01, lat, lon, msg.time_usec)
+    stamp = msg.TimeUS if hasattr(msg, "TimeUS") else msg.TimeMS
+    return Fix(msg.Status, msg.Spd, msg.Lat, msg.Lng, stamp)
 
 
 class Flight:
-    """The flights in one log: `seconds` in the air and `metres` travelled."""
+    """The flights in one log: `seconds` in the air and the `track`."""
 
     def __init__(self, groundspeed: float) -> None:
         self.seconds = 0
-        self.metres = 0.0
+        self.track = Track()
         self._groundspeed = groundspeed
         self._took_off: int | None = None
-        self._last: Any = None
-        self._last_stamp = 0
 
     def read(self, log: Reading, condition: str | None) -> None:
         """Add everything to the end of the log, and tell of each take-off and landing."""
@@ -80,7 +82,7 @@ class Flight:
             if fix.fix_type < FIX_3D:
                 continue
             now = int(msg._timestamp)
-            self._travel(msg, fix)
+            self.track.add(fix.lat, fix.lon, fix.stamp)
             if self._took_off is None and fix.groundspeed > self._groundspeed:
                 self._took_off = now
                 self._tell("In air", now, f"{log.link.percent:.0f}", fix, "")
@@ -94,16 +96,6 @@ class Flight:
             self.seconds += now - self._took_off
         if self.seconds > 0:
             print(f"Flight time : {_clock(self.seconds)}")
-
-    def _travel(self, msg: Any, fix: Fix) -> None:
-        """A message that repeats the position before it adds nothing."""
-        from mavwire import mavextra
-
-        if self._last is not None and fix.stamp != self._last_stamp:
-            self.metres += mavextra.distance_two(self._last, msg) or 0.0
-        elif self._last is not None:
-            return
-        self._last, self._last_stamp = msg, fix.stamp
 
     def _tell(self, what: str, now: int, percent: str, fix: Fix, lasted: str) -> None:
         clock = time.asctime(time.localtime(now))

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import (
-    add_condition,
     add_dialect,
     add_logs,
     add_no_timestamps,
     add_planner,
     add_robust,
 )
-from mavwire.tools._telemetry import require_telemetry
+from mavwire.tools._telemetry import is_damaged, require_telemetry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ BAD_CHECKSUM = "invalid MAVLink CRC"
 def add_arguments(parser: ArgumentParser) -> None:
     """mavloss.py's options."""
     add_logs(parser)
-    add_condition(parser)
+    parser.add_argument("--condition", help="accepted; gaps are only seen if all are counted")
     add_no_timestamps(parser)
     add_planner(parser)
     add_robust(parser)
@@ -49,8 +48,9 @@ def main(args: Namespace) -> int:
             ) as log,
         ):  # fmt: skip
             require_telemetry(log)
-            losses = Losses(args.sysid, args.compid)
-            losses.read(log.messages(condition=args.condition))
+            losses = Losses(args.sysid, args.compid, args.stats)
+            for chunk in log.chunks():
+                losses.read(chunk)
         print("\n".join(losses.table()))
         if args.stats:
             print("\n".join(losses.types_table()))
@@ -60,53 +60,71 @@ def main(args: Namespace) -> int:
 class Sender:
     """One component of a system: how many messages it sent, and how many of them did not come."""
 
-    def __init__(self, sysid: int, compid: int, seq: int) -> None:
+    __slots__ = ("compid", "lost", "next_seq", "packets", "sysid", "types")
+
+    def __init__(self, sysid: int, compid: int, next_seq: int) -> None:
         self.sysid = sysid
         self.compid = compid
-        self.seq = seq
+        self.next_seq = next_seq
         self.packets = 0
         self.lost = 0
         self.types: dict[str, list[int]] = {}
         """Type -> messages seen, gaps before one of them, messages missing in these gaps."""
 
+    def count_type(self, kind: str, lost: int) -> None:
+        """A message of a type came behind a gap of `lost` messages."""
+        counts = self.types.setdefault(kind, [0, 0, 0])
+        counts[0] += 1
+        if lost:
+            counts[1] += 1
+            counts[2] += lost
+
 
 class Losses:
-    """What is missing between the messages of a log."""
+    """What is missing between the messages of a log. `sysid` and `compid` choose whose."""
 
-    def __init__(self, sysid: int | None = None, compid: int | None = None) -> None:
-        self.senders: dict[tuple[int, int], Sender] = {}
+    def __init__(
+        self, sysid: int | None = None, compid: int | None = None, with_types: bool = False
+    ) -> None:
         self.reasons: dict[str, None] = {}
         self._sysid = sysid
         self._compid = compid
+        self._with_types = with_types
+        self._all: dict[tuple[int, int], Sender] = {}
 
     def read(self, messages: Iterable[Any]) -> None:
         """Count messages in the order in which they came."""
-        senders = self.senders
+        senders, with_types = self._all, self._with_types
         for msg in messages:
-            msgid = msg.get_msgId()
-            if msgid < 0:
-                if msgid == -1:
-                    self._add_reason(msg.reason)
+            if msg.get_msgId() < 0:
+                self._skip(msg)
                 continue
             key = (msg.get_srcSystem(), msg.get_srcComponent())
-            if not self._counts(key):
-                continue
             seq = msg.get_seq()
             sender = senders.get(key)
             if sender is None:
-                sender = senders[key] = Sender(*key, seq - 1)
-            lost = (seq - sender.seq - 1) & 255
-            sender.seq = seq
-            sender.packets += 1
-            sender.lost += lost
-            of_type = sender.types.setdefault(msg.get_type(), [0, 0, 0])
-            of_type[0] += 1
+                sender = senders[key] = Sender(*key, seq)
+            lost = (seq - sender.next_seq) & 255
             if lost:
-                of_type[1] += 1
-                of_type[2] += lost
+                sender.lost += lost
+            sender.next_seq = seq + 1
+            sender.packets += 1
+            if with_types:
+                sender.count_type(msg.get_type(), lost)
 
-    def _counts(self, key: tuple[int, int]) -> bool:
-        return key != RADIO and self._sysid in (None, key[0]) and self._compid in (None, key[1])
+    @property
+    def senders(self) -> list[Sender]:
+        """Those that count, the busiest first."""
+        wanted = (
+            one
+            for key, one in self._all.items()
+            if key != RADIO and self._sysid in (None, key[0]) and self._compid in (None, key[1])
+        )
+        return sorted(wanted, key=lambda one: -one.packets)
+
+    def _skip(self, msg: Any) -> None:
+        if is_damaged(msg):
+            self._add_reason(msg.reason)
 
     def _add_reason(self, reason: str) -> None:
         """Of checksums that are wrong the first one stands for all."""
@@ -118,14 +136,15 @@ class Losses:
 
     def table(self) -> list[str]:
         """Lines about the senders, all of them together, and what was damaged."""
+        senders = self.senders
         lines = ["  sysid    compid      packets       lost   loss%"]
         lines += [
             f"  {one.sysid:<8} {one.compid:<8} {one.packets:>10} {one.lost:>10} {_rate(one):>7}"
-            for one in sorted(self.senders.values(), key=lambda one: -one.packets)
+            for one in senders
         ]
         total = Sender(0, 0, 0)
-        total.packets = sum(one.packets for one in self.senders.values())
-        total.lost = sum(one.lost for one in self.senders.values())
+        total.packets = sum(one.packets for one in senders)
+        total.lost = sum(one.lost for one in senders)
         lines.append(
             f"Total{self._filter()}: {total.packets} packets, {total.lost} lost {_rate(total)}"
         )
@@ -146,7 +165,7 @@ class Losses:
         """Lines about the types that a gap was noticed by, those with the most missing first."""
         rows = [
             (one, kind, counts)
-            for one in self.senders.values()
+            for one in self.senders
             for kind, counts in one.types.items()
             if counts[1]
         ]

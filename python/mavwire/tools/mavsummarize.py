@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_dialect, add_logs, add_no_timestamps
+from mavwire.tools._track import Track
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from typing import Any
 
     from mavwire.cli._reading import Reading
 
@@ -43,7 +43,7 @@ def main(args: Namespace) -> int:
             continue
         summary.tell()
         flights += 1
-        metres += summary.metres
+        metres += summary.track.metres
         seconds += summary.seconds
     print("===============================")
     print(f"Num Flights : {flights}")
@@ -59,15 +59,13 @@ def _read(path: str, args: Namespace) -> Summary | None:
 
 @dataclass
 class Summary:
-    """What is known of a log. Times are in seconds, positions messages."""
+    """What is known of a log; times are in seconds."""
 
     began: float
     ended: float = 0.0
-    metres: float = 0.0
     sections: int = 0
     autonomous: float = 0.0
-    start: Any = None
-    end: Any = None
+    track: Track = field(default_factory=Track)
 
     @property
     def seconds(self) -> float:
@@ -78,27 +76,15 @@ class Summary:
         """Print it."""
         clock = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(self.began))
         print(f"Log started at about {clock}")
-        if self.start is None:
+        if self.track.start is None:
             print("Warning: No GPS data found, can't give position summary.")
         else:
-            print(f"Travelled from {_place(self.start)} to {_place(self.end)}")
-            print(f"Total distance : {self.metres:0.2f}m")
+            print(f"Travelled from {self.track.start} to {self.track.end}")
+            print(f"Total distance : {self.track.metres:0.2f}m")
         print(f"Total time (mm:ss): {_clock(self.seconds)}")
         print(f"Autonomous sections: {self.sections}")
         if self.sections > 0:
             print(f"Autonomous time (mm:ss): {_clock(self.autonomous)}")
-
-    def move(self, msg: Any) -> None:
-        """Take a position into account, unless it repeats the last one or is none."""
-        from mavwire import mavextra
-
-        if msg.lat == 0 or msg.lon == 0 or msg.fix_type < FIX_3D:
-            return
-        if self.start is None:
-            self.start = self.end = msg
-        elif msg.time_usec != self.end.time_usec:
-            self.metres += mavextra.distance_two(self.end, msg) or 0.0
-            self.end = msg
 
 
 def summarise(log: Reading, condition: str | None) -> Summary | None:
@@ -111,7 +97,9 @@ def summarise(log: Reading, condition: str | None) -> Summary | None:
             summary = Summary(now)
         summary.ended = now
         if msg.get_type() == "GPS_RAW_INT":
-            summary.move(msg)
+            lat, lon = msg.lat, msg.lon
+            if lat and lon and msg.fix_type >= FIX_3D:
+                summary.track.add(lat / 1.0e7, lon / 1.0e7, msg.time_usec)
         elif msg.type == GROUND_STATION:
             continue
         elif not msg.base_mode & AUTONOMOUS:
@@ -123,10 +111,6 @@ def summarise(log: Reading, condition: str | None) -> Summary | None:
     if summary is not None and since is not None:
         summary.autonomous += summary.ended - since
     return summary
-
-
-def _place(msg: Any) -> str:
-    return f"({msg.lat / 1.0e7}, {msg.lon / 1.0e7})"
 
 
 def _clock(seconds: float) -> str:
