@@ -59,8 +59,8 @@ def _naming(condition: str | None) -> Iterator[None]:
     """What goes wrong with a condition becomes a CommandError that shows it."""
     try:
         yield
-    except (ValueError, TypeError, AttributeError, LookupError, ArithmeticError) as error:
-        if condition is None:
+    except Exception as error:
+        if condition is None or isinstance(error, OSError):
             raise
         kind = type(error).__name__
         raise CommandError(f"--condition {condition!r}: {kind}: {error}") from error
