@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from contextlib import contextmanager
-from itertools import chain, islice, repeat
+from functools import partial
+from itertools import chain, islice
 
 from mavwire.cli._errors import CommandError, no_such_dialect
 from mavwire.cli._progress import Progress
@@ -78,15 +79,12 @@ class Reading:
         self, types: Iterable[str] | None = None, condition: str | None = None
     ) -> Iterator[Any]:
         """The messages that `recv_match` gives for these arguments, to the end of the log."""
-        receive = self.link.recv_match
         wanted = None if types is None else list(types)
+        receive = iter(partial(self.link.recv_match, condition, wanted), None)
         with _naming(condition):
-            while True:
-                for _ in repeat(None, PROGRESS_EVERY):
-                    msg = receive(type=wanted, condition=condition)
-                    if msg is None:
-                        return
-                    yield msg
+            for first in receive:
+                yield first
+                yield from islice(receive, PROGRESS_EVERY)
                 self.show_progress()
 
     def chunks(self) -> Iterator[Iterator[Any]]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from mavwire.mavextra import distance_lat_lon
+from math import radians
+
+from mavwire._sphere import great_circle
 
 
 class Track:
@@ -12,15 +14,17 @@ class Track:
         self.metres = 0.0
         self.start: tuple[float, float] | None = None
         self.end: tuple[float, float] | None = None
+        self._radians = (0.0, 0.0)
         self._stamp: int | None = None
 
     def add(self, lat: float, lon: float, stamp: int) -> None:
         """Go on to a position, in degrees."""
         if stamp == self._stamp:
             return
-        here = (lat, lon)
-        if self.end is None:
-            self.start = here
-        elif here != self.end:
-            self.metres += distance_lat_lon(*self.end, lat, lon)
-        self.end, self._stamp = here, stamp
+        end, self.end, self._stamp = self.end, (lat, lon), stamp
+        lat, lon = radians(lat), radians(lon)
+        if end is None:
+            self.start = self.end
+        else:
+            self.metres += great_circle(*self._radians, lat, lon)
+        self._radians = (lat, lon)

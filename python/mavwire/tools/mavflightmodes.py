@@ -11,8 +11,6 @@ from mavwire.tools._arguments import add_logs
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterator
-    from typing import Any
 
     from mavwire.cli._reading import Reading
 
@@ -36,27 +34,22 @@ def main(args: Namespace) -> int:
 
 
 def _print_modes(log: Reading) -> None:
+    """A line for each message whose sender is in another mode than the vehicle was at the last."""
     modes = Modes()
-    for msg in _changes(log):
-        mode, stamp, percent = log.link.flightmode, msg._timestamp, log.link.percent
-        clock = time.asctime(time.localtime(stamp))
-        print(f"{clock} MAV.flightmode={mode:<12} (MAV.timestamp={int(stamp)} {int(percent)}%)")
-        modes.add(mode, stamp, percent)
-    modes.finish()
-    print("\nTime per mode:")
-    print("\n".join(modes.table()))
-
-
-def _changes(log: Reading) -> Iterator[Any]:
-    """Messages whose sender is in another mode than the vehicle was at the one before."""
     link = log.link
     systems = getattr(link, "sysid_state", None)
     shown = UNKNOWN
     for msg in log.messages(TYPES):
         sender = link if systems is None else systems[msg.get_srcSystem()]
-        if sender.flightmode != shown:
-            yield msg
-            shown = link.flightmode
+        if sender.flightmode == shown:
+            continue
+        shown, stamp, percent = link.flightmode, msg._timestamp, link.percent
+        clock = time.asctime(time.localtime(stamp))
+        print(f"{clock} MAV.flightmode={shown:<12} (MAV.timestamp={int(stamp)} {int(percent)}%)")
+        modes.add(shown, stamp, percent)
+    modes.finish()
+    print("\nTime per mode:")
+    print("\n".join(modes.table()))
 
 
 class Modes:

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 TYPES = ("MISSION_ITEM", "MISSION_ITEM_INT", "CMD", "WAYPOINT")
 
+# The frame of a dataflash log that does not tell it.
+GLOBAL_RELATIVE = 3
+
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavmission.py's options."""
@@ -45,12 +48,24 @@ def _put(mission: Any, item: Any) -> None:
 
 
 def _item(msg: Any) -> Any:
+    """A MISSION_ITEM, from whatever a log keeps a mission in."""
     from mavwire import mavutil
 
+    make = mavutil.mavlink.MAVLink_mission_item_message
     kind = msg.get_type()
+    if kind == "MISSION_ITEM_INT":
+        return make(
+            msg.target_system, msg.target_component, msg.seq, msg.frame, msg.command,
+            msg.current, msg.autocontinue, msg.param1, msg.param2, msg.param3, msg.param4,
+            msg.x * 1.0e-7, msg.y * 1.0e-7, msg.z,
+        )  # fmt: skip
     if kind == "CMD":
-        return mavutil.mavlink.MAVLink_mission_item_message(
-            0, 0, msg.CNum, msg.Frame if hasattr(msg, "Frame") else 3, msg.CId, 0, 1,
+        frame = getattr(msg, "Frame", None)
+        if frame is None:
+            print("Warning: assuming frame is GLOBAL_RELATIVE_ALT")
+            frame = GLOBAL_RELATIVE
+        return make(
+            0, 0, msg.CNum, frame, msg.CId, 0, 1,
             msg.Prm1, msg.Prm2, msg.Prm3, msg.Prm4, msg.Lat, msg.Lng, msg.Alt,
         )  # fmt: skip
     return msg
