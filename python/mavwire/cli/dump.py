@@ -13,9 +13,11 @@ from contextlib import ExitStack, contextmanager
 
 from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection
-from mavwire.cli._errors import CommandError, no_such_dialect
+from mavwire.cli._errors import CommandError
 from mavwire.cli._foreign import warn_if_foreign
+from mavwire.cli._output import open_output
 from mavwire.cli._progress import Progress
+from mavwire.cli._reading import PROGRESS_EVERY, definitions, opening
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -24,7 +26,6 @@ if TYPE_CHECKING:
     from typing import Any
 
 DEFAULT_DIALECT = "ardupilotmega"
-PROGRESS_EVERY = 20_000
 # The last time that a telemetry log's record can have, in microseconds.
 MAX_STAMP = 2**64 - 1
 
@@ -92,7 +93,7 @@ def main(args: Namespace) -> int:
     progress = Progress(os.path.basename(args.log), enabled=args.quiet or not sys.stdout.isatty())
     with ExitStack() as stack:
         stack.callback(progress.finish)
-        stack.enter_context(_definitions(args))
+        stack.enter_context(definitions(args.dialect, "1.0" if args.mav10 else "2.0"))
         if args.profile:
             stack.enter_context(_profiled())
         log = _open(args, progress)
@@ -105,30 +106,10 @@ def main(args: Namespace) -> int:
     return 0
 
 
-@contextmanager
-def _definitions(args: Namespace) -> Iterator[None]:
-    """The dialect and wire protocol of this run, in place of the process's own."""
-    from mavwire import mavutil
-    from mavwire.links import state
-
-    before = state.wire_protocol, state.mavlink, state.current_dialect
-    state.set_wire_protocol("1.0" if args.mav10 else "2.0")
-    try:
-        mavutil.set_dialect(args.dialect)
-    except FileNotFoundError as error:
-        raise CommandError(no_such_dialect(args.dialect)) from error
-    except (OSError, ValueError) as error:
-        raise CommandError(f"--dialect {args.dialect}: {error}") from error
-    try:
-        yield
-    finally:
-        state.wire_protocol, state.mavlink, state.current_dialect = before
-
-
 def _open(args: Namespace, progress: Progress) -> Any:
     from mavwire import mavutil
 
-    try:
+    with opening(args.log):
         return _dump_native.open_without_index(args) or mavutil.mavlink_connection(
             args.log,
             planner_format=args.planner,
@@ -137,13 +118,6 @@ def _open(args: Namespace, progress: Progress) -> Any:
             zero_time_base=args.zero_time_base,
             progress_callback=progress.update,
         )
-    except FileNotFoundError as error:
-        raise CommandError(f"no such log: {args.log}") from error
-    except (OSError, ValueError, ImportError) as error:
-        raise CommandError(
-            f"cannot open {args.log}: {error}; LOG is a .tlog, .BIN or .log file, or a link such as"
-            " udpin:0.0.0.0:14550"
-        ) from error
 
 
 def _check_possible(args: Namespace, log: Any) -> None:
@@ -164,35 +138,7 @@ def _check_possible(args: Namespace, log: Any) -> None:
 
 
 def _recorder(args: Namespace, stack: ExitStack) -> Callable[[bytes], Any] | None:
-    if not args.output:
-        return None
-    if _same_file(args.log, args.output):
-        raise CommandError(f"--output {args.output} is the log itself")
-
-    @contextmanager
-    def naming_the_file() -> Iterator[None]:
-        try:
-            yield
-        except OSError as error:
-            raise CommandError(f"--output {args.output}: {error.strerror}") from error
-
-    def write(record: bytes) -> None:
-        with naming_the_file():
-            file.write(record)
-
-    def close() -> None:
-        with naming_the_file():
-            file.close()
-
-    with naming_the_file():
-        file = open(args.output, "wb")
-    stack.callback(close)
-    return write
-
-
-def _same_file(one: str, other: str) -> bool:
-    """Whether two names, links among them, lead to one file."""
-    return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
+    return open_output(args.output, [args.log], stack).write if args.output else None
 
 
 @contextmanager

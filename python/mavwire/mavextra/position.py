@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, degrees, hypot, radians, sin, sqrt
+from math import asin, atan2, cos, degrees, hypot, radians, sin
 from typing import Any
 
+from mavwire._sphere import great_circle
 from mavwire.mavextra import state
 from mavwire.mavextra.units import wrap_valid_longitude
 
 radius_of_earth = 6378100.0
 """Metres, for extrapolated positions; distances take the mean radius."""
-
-_MEAN_RADIUS = 6371000.0
 
 Position = tuple[float, float, float]
 
@@ -71,18 +70,12 @@ def get_lat_lon_alt(MSG: Any) -> Position | None:
     return radians(lat), radians(lon), altitude
 
 
-def _great_circle(lat1: float, lon1: float, lat2: float, lon2: float) -> float:
-    """Metres between two points given in radians (haversine)."""
-    a = sin((lat2 - lat1) / 2) ** 2 + sin((lon2 - lon1) / 2) ** 2 * cos(lat1) * cos(lat2)
-    return _MEAN_RADIUS * 2.0 * atan2(sqrt(a), sqrt(max(0.0, 1.0 - a)))
-
-
 def _distance_two(MSG1: Any, MSG2: Any, horizontal: bool = True) -> float:
     """Metres between the positions of two messages; TypeError where one has none."""
     first, second = get_lat_lon_alt(MSG1), get_lat_lon_alt(MSG2)
     if first is None or second is None:
         raise TypeError("a message without a position")
-    ground = _great_circle(first[0], first[1], second[0], second[1])
+    ground = great_circle(first[0], first[1], second[0], second[1])
     return ground if horizontal else hypot(ground, second[2] - first[2])
 
 
@@ -118,7 +111,7 @@ def distance_gps2(GPS: Any, GPS2: Any) -> float | None:
 
 def distance_lat_lon(lat1: float, lon1: float, lat2: float, lon2: float) -> float:
     """Metres between two points in degrees."""
-    return _great_circle(radians(lat1), radians(lon1), radians(lat2), radians(lon2))
+    return great_circle(radians(lat1), radians(lon1), radians(lat2), radians(lon2))
 
 
 def distance_from(GPS_RAW1: Any, lat: float, lon: float) -> float:

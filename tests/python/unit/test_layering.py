@@ -48,7 +48,7 @@ RESERVED_CRATES = {
 }
 # Python layers, lowest first: a module imports only from its own layer and from lower ones.
 LAYERS = (
-    ("_native", "_version", "_data"),
+    ("_native", "_version", "_data", "_sphere"),
     ("dialects",),
     ("expression", "mavexpression", "mavextra", "rotmat", "quaternion"),
     ("links",),

@@ -1,0 +1,132 @@
+"""Give the tools the names of pymavlink's scripts: `mavlogdump.py`, `mavparms.py` and so on.
+
+The scripts go to the environment's own folder of scripts. A file there that is not mavwire's, such
+as pymavlink's own script, is left alone; --uninstall removes what --install wrote and nothing else.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import sysconfig
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+PACKAGE = "mavwire.tools."
+# Tools that are not in the folder of tools, and their scripts.
+ELSEWHERE = {"dump": "mavlogdump.py", "gen": "mavgen.py"}
+MARK = '# Written by "mavwire tools --install"; "mavwire tools --uninstall" removes it.'
+# A mark further down is not that of a script which was written here.
+MARK_WITHIN = 1024
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Options of the subcommand."""
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--install", action="store_true", help="write the scripts")
+    what.add_argument("--uninstall", action="store_true", help="remove them")
+    what.add_argument("--status", action="store_true", help="tell which of them there are")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand; 1 if a script could not be written because another file is there."""
+    folder = sysconfig.get_path("scripts")
+    if args.install:
+        return _install(folder)
+    if args.uninstall:
+        _uninstall(folder)
+        return 0
+    _status(folder)
+    return 0
+
+
+def scripts() -> dict[str, str]:
+    """Name of the script -> name of the subcommand."""
+    from mavwire.cli import COMMANDS
+
+    tools = {
+        f"{module.removeprefix(PACKAGE)}.py": verb
+        for verb, (module, _) in COMMANDS.items()
+        if module.startswith(PACKAGE)
+    }
+    return tools | {script: verb for verb, script in ELSEWHERE.items()}
+
+
+def _install(folder: str) -> int:
+    os.makedirs(folder, exist_ok=True)
+    written, foreign = 0, []
+    for name, verb in scripts().items():
+        path = os.path.join(folder, name)
+        if os.path.lexists(path) and not _is_own(path):
+            foreign.append(name)
+            continue
+        _write(path, verb)
+        written += 1
+    print(f"{written} scripts written to {folder}")
+    if foreign:
+        print(
+            f"mavwire tools: left alone, they are not mavwire's: {', '.join(sorted(foreign))};"
+            " 'mavwire VERB' runs mavwire's all the same",
+            file=sys.stderr,
+        )
+    return 1 if foreign else 0
+
+
+def _write(path: str, verb: str) -> None:
+    """Whoever runs the script meanwhile gets the old one or the new one."""
+    unfinished = f"{path}.{os.getpid()}.tmp"
+    try:
+        with open(unfinished, "x", encoding="utf-8") as file:
+            file.write(_script(verb))
+        os.chmod(unfinished, 0o755)
+        os.replace(unfinished, path)
+    finally:
+        if os.path.lexists(unfinished):
+            os.remove(unfinished)
+
+
+def _script(verb: str) -> str:
+    interpreter = sys.executable if " " not in sys.executable else "/usr/bin/env python3"
+    return (
+        f"#!{interpreter}\n"
+        f"{MARK}\n"
+        "import sys\n\n"
+        "from mavwire.cli import main\n\n"
+        f'sys.exit(main(["{verb}", *sys.argv[1:]]))\n'
+    )
+
+
+def _is_own(path: str) -> bool:
+    """Whether `--install` wrote this file. A link is somebody else's, wherever it leads."""
+    if os.path.islink(path) or not os.path.isfile(path):
+        return False
+    with open(path, "rb") as file:
+        return MARK.encode() in file.read(MARK_WITHIN).splitlines()
+
+
+def _own(folder: str) -> list[str]:
+    """The scripts of ours that are in the folder, also those of an older mavwire."""
+    if not os.path.isdir(folder):
+        return []
+    names = (name for name in os.listdir(folder) if name.endswith(".py"))
+    return sorted(name for name in names if _is_own(os.path.join(folder, name)))
+
+
+def _uninstall(folder: str) -> None:
+    own = _own(folder)
+    for name in own:
+        os.remove(os.path.join(folder, name))
+    print(f"{len(own)} scripts removed from {folder}")
+
+
+def _status(folder: str) -> None:
+    own = _own(folder)
+    for name, verb in sorted(scripts().items()):
+        path = os.path.join(folder, name)
+        if name in own:
+            state = "mavwire's"
+        else:
+            state = "not mavwire's" if os.path.lexists(path) else "not there"
+        print(f"{name:<32} {state:<14} mavwire {verb}")

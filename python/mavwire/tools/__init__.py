@@ -1,0 +1,5 @@
+"""pymavlink's command-line tools, as subcommands of `mavwire`.
+
+A module has the name of pymavlink's script; `mavwire.cli.COMMANDS` tells its verb. Each prints what
+the script prints, for the same options; docs/tools.md says what differs.
+"""

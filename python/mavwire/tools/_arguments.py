@@ -1,0 +1,43 @@
+"""Options that several tools share, with the names that pymavlink's scripts give them."""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser
+
+
+def add_logs(parser: ArgumentParser) -> None:
+    """The logs to read, one or several."""
+    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry or dataflash log")
+
+
+def add_condition(parser: ArgumentParser) -> None:
+    """Only messages at which an expression holds."""
+    parser.add_argument("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'")
+
+
+def add_no_timestamps(parser: ArgumentParser) -> None:
+    """A raw stream in place of a log."""
+    parser.add_argument(
+        "--no-timestamps", action="store_true", help="a raw stream without record timestamps"
+    )
+
+
+def add_robust(parser: ArgumentParser) -> None:
+    """What pymavlink needs to read damaged raw streams."""
+    parser.add_argument("--robust", action="store_true", help="accepted; damage is always skipped")
+
+
+def add_planner(parser: ArgumentParser) -> None:
+    """A format that no program writes any more."""
+    parser.add_argument(
+        "--planner", action="store_true", help="the planner's old log format (not supported)"
+    )
+
+
+def add_dialect(parser: ArgumentParser) -> None:
+    """Which messages there are."""
+    parser.add_argument(
+        "--dialect", default="ardupilotmega", help="message definitions (default: %(default)s)"
+    )

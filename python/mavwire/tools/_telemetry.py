@@ -1,0 +1,32 @@
+"""What only telemetry logs have: senders, sequence numbers, frames."""
+
+from __future__ import annotations
+
+from mavwire.cli._errors import CommandError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+    from mavwire.cli._reading import Reading
+
+BAD_DATA = -1
+# The last time that a record can have, in microseconds.
+MAX_STAMP = 2**64 - 1
+
+
+def require_telemetry(log: Reading) -> None:
+    """CommandError for a dataflash log."""
+    if not hasattr(log.link, "mav"):
+        raise CommandError(f"{log.path} is a dataflash log; this is for telemetry only")
+
+
+def is_damaged(msg: Any) -> bool:
+    """Whether these bytes are no message at all."""
+    return bool(msg.get_msgId() == BAD_DATA)
+
+
+def record(msg: Any) -> bytes:
+    """A message as a record of a telemetry log; times are cut to microseconds as pymavlink does."""
+    micros = min(int(msg._timestamp * 1.0e6), MAX_STAMP)  # a float may round beyond
+    return micros.to_bytes(8, "big") + bytes(msg.get_msgbuf())

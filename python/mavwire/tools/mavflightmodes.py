@@ -1,0 +1,102 @@
+"""When the flight mode changed, and the time spent in each mode (mavflightmodes.py)."""
+
+from __future__ import annotations
+
+import time
+from datetime import timedelta
+
+from mavwire.cli._reading import definitions, reading
+from mavwire.tools._arguments import add_logs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+    from mavwire.cli._reading import Reading
+
+TYPES = ("SYS_STATUS", "HEARTBEAT", "MODE")
+UNKNOWN = "UNKNOWN"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavflightmodes.py's options."""
+    add_logs(parser)
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    with definitions():
+        for path in args.logs:
+            print(f"Processing log {path}")
+            with reading("flightmodes", path) as log:
+                _print_modes(log)
+    return 0
+
+
+def _print_modes(log: Reading) -> None:
+    """A line for each message whose sender is in another mode than the vehicle was at the last."""
+    modes = Modes()
+    link = log.link
+    systems = getattr(link, "sysid_state", None)
+    shown = UNKNOWN
+    for msg in log.messages(TYPES):
+        sender = link if systems is None else systems[msg.get_srcSystem()]
+        if sender.flightmode == shown:
+            continue
+        shown, stamp, percent = link.flightmode, msg._timestamp, link.percent
+        clock = time.asctime(time.localtime(stamp))
+        print(f"{clock} MAV.flightmode={shown:<12} (MAV.timestamp={int(stamp)} {int(percent)}%)")
+        modes.add(shown, stamp, percent)
+    modes.finish()
+    print("\nTime per mode:")
+    print("\n".join(modes.table()))
+
+
+class Modes:
+    """Seconds in each mode.
+
+    The last mode has no end. It is taken to last as long as the rest of the file would if all of it
+    were written as fast as the part between the first change and the line before it.
+    """
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._mode: str | None = None
+        self._began = 0.0
+        self._percent = 0.0
+        self._seconds_per_percent: float | None = None
+
+    def add(self, mode: str, stamp: float, percent: float) -> None:
+        """The vehicle is in `mode` at time `stamp`, `percent` of the file being read."""
+        if self._mode is None:
+            self._mode, self._began = mode, stamp
+        elif mode != self._mode:
+            lasted = stamp - self._began
+            self._count(lasted)
+            if self._seconds_per_percent is None and percent > self._percent:
+                self._seconds_per_percent = lasted / (percent - self._percent)
+            self._mode, self._began = mode, stamp
+        self._percent = percent
+
+    def finish(self) -> None:
+        """The log has ended."""
+        if self._mode is not None:
+            self._count((100.0 - self._percent) * (self._seconds_per_percent or 0.0))
+
+    def _count(self, seconds: float) -> None:
+        assert self._mode is not None
+        self.seconds[self._mode] = self.seconds.get(self._mode, 0.0) + seconds
+
+    def table(self) -> list[str]:
+        """The lines that are printed."""
+        if len(self.seconds) < 2:
+            return [f"{self._mode or ''}  100% of flight time"]
+        total = sum(self.seconds.values())
+        return [
+            f"{mode:<12} {timedelta(seconds=int(seconds))} {_share(seconds, total):.2f}%"
+            for mode, seconds in self.seconds.items()
+        ]
+
+
+def _share(part: float, total: float) -> float:
+    return part * 100.0 / total if total else 0.0

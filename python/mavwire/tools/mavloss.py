@@ -1,0 +1,188 @@
+"""Messages lost on the way, by gaps in the sequence numbers of each sender (mavloss.py)."""
+
+from __future__ import annotations
+
+from mavwire.cli._reading import definitions, reading
+from mavwire.tools._arguments import (
+    add_dialect,
+    add_logs,
+    add_no_timestamps,
+    add_planner,
+    add_robust,
+)
+from mavwire.tools._telemetry import is_damaged, require_telemetry
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Iterable
+    from typing import Any
+
+# A radio reports about the link itself and does not number what it sends.
+RADIO = (51, 68)
+BAD_CHECKSUM = "invalid MAVLink CRC"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavloss.py's options."""
+    add_logs(parser)
+    parser.add_argument("--condition", help="accepted; gaps are only seen if all are counted")
+    add_no_timestamps(parser)
+    add_planner(parser)
+    add_robust(parser)
+    add_dialect(parser)
+    parser.add_argument("--stats", action="store_true", help="tell the types behind the gaps too")
+    parser.add_argument("--sysid", type=int, help="only what this system sent")
+    parser.add_argument("--compid", type=int, help="only what this component sent")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    for path in args.logs:
+        print(f"Processing log {path}")
+        with (
+            definitions(args.dialect),
+            reading(
+                "loss", path, planner_format=args.planner, notimestamps=args.no_timestamps,
+                robust_parsing=args.robust,
+            ) as log,
+        ):  # fmt: skip
+            require_telemetry(log)
+            losses = Losses(args.sysid, args.compid, args.stats)
+            for chunk in log.chunks():
+                losses.read(chunk)
+        print("\n".join(losses.table()))
+        if args.stats:
+            print("\n".join(losses.types_table()))
+    return 0
+
+
+class Sender:
+    """One component of a system: how many messages it sent, and how many of them did not come."""
+
+    __slots__ = ("compid", "lost", "next_seq", "packets", "sysid", "types")
+
+    def __init__(self, sysid: int, compid: int, next_seq: int) -> None:
+        self.sysid = sysid
+        self.compid = compid
+        self.next_seq = next_seq
+        self.packets = 0
+        self.lost = 0
+        self.types: dict[str, list[int]] = {}
+        """Type -> messages seen, gaps before one of them, messages missing in these gaps."""
+
+    def count_type(self, kind: str, lost: int) -> None:
+        """A message of a type came behind a gap of `lost` messages."""
+        counts = self.types.setdefault(kind, [0, 0, 0])
+        counts[0] += 1
+        if lost:
+            counts[1] += 1
+            counts[2] += lost
+
+
+class Losses:
+    """What is missing between the messages of a log. `sysid` and `compid` choose whose."""
+
+    def __init__(
+        self, sysid: int | None = None, compid: int | None = None, with_types: bool = False
+    ) -> None:
+        self.reasons: dict[str, None] = {}
+        self._sysid = sysid
+        self._compid = compid
+        self._with_types = with_types
+        self._all: dict[tuple[int, int], Sender] = {}
+
+    def read(self, messages: Iterable[Any]) -> None:
+        """Count messages in the order in which they came."""
+        senders, with_types = self._all, self._with_types
+        for msg in messages:
+            if msg.get_msgId() < 0:
+                self._skip(msg)
+                continue
+            key = (msg.get_srcSystem(), msg.get_srcComponent())
+            seq = msg.get_seq()
+            sender = senders.get(key)
+            if sender is None:
+                sender = senders[key] = Sender(*key, seq)
+            lost = (seq - sender.next_seq) & 255
+            if lost:
+                sender.lost += lost
+            sender.next_seq = seq + 1
+            sender.packets += 1
+            if with_types:
+                sender.count_type(msg.get_type(), lost)
+
+    @property
+    def senders(self) -> list[Sender]:
+        """Those that count, the busiest first."""
+        wanted = (
+            one
+            for key, one in self._all.items()
+            if key != RADIO and self._sysid in (None, key[0]) and self._compid in (None, key[1])
+        )
+        return sorted(wanted, key=lambda one: -one.packets)
+
+    def _skip(self, msg: Any) -> None:
+        if is_damaged(msg):
+            self._add_reason(msg.reason)
+
+    def _add_reason(self, reason: str) -> None:
+        """Of checksums that are wrong the first one stands for all."""
+        if reason.startswith(BAD_CHECKSUM) and any(
+            one.startswith(BAD_CHECKSUM) for one in self.reasons
+        ):
+            return
+        self.reasons[reason] = None
+
+    def table(self) -> list[str]:
+        """Lines about the senders, all of them together, and what was damaged."""
+        senders = self.senders
+        lines = ["  sysid    compid      packets       lost   loss%"]
+        lines += [
+            f"  {one.sysid:<8} {one.compid:<8} {one.packets:>10} {one.lost:>10} {_rate(one):>7}"
+            for one in senders
+        ]
+        total = Sender(0, 0, 0)
+        total.packets = sum(one.packets for one in senders)
+        total.lost = sum(one.lost for one in senders)
+        lines.append(
+            f"Total{self._filter()}: {total.packets} packets, {total.lost} lost {_rate(total)}"
+        )
+        if self.reasons:
+            lines.append("Packet loss at least partially attributed to the following:")
+            lines += [f"  * {reason}" for reason in self.reasons]
+        return lines
+
+    def _filter(self) -> str:
+        parts = [
+            f"{name}={value}"
+            for name, value in (("sysid", self._sysid), ("compid", self._compid))
+            if value is not None
+        ]
+        return f" [{','.join(parts)}]" if parts else ""
+
+    def types_table(self) -> list[str]:
+        """Lines about the types that a gap was noticed by, those with the most missing first."""
+        rows = [
+            (one, kind, counts)
+            for one in self.senders
+            for kind, counts in one.types.items()
+            if counts[1]
+        ]
+        if not rows:
+            return ["", "No message-type triggered any sequence gaps."]
+        rows.sort(key=lambda row: -row[2][2])
+        return [
+            "",
+            "Message types triggering loss-count increments:",
+            "  sysid  compid msg_type                             seen   triggers       lost",
+            *(
+                f"  {one.sysid:<6} {one.compid:<6} {kind:<32} {seen:>8} {triggers:>10} {lost:>10}"
+                for one, kind, (seen, triggers, lost) in rows
+            ),
+        ]
+
+
+def _rate(one: Sender) -> str:
+    sent = one.packets + one.lost
+    return f"{one.lost * 100.0 / sent if sent else 0.0:.1f}%"

@@ -1,0 +1,39 @@
+"""Two telemetry logs as one, in the order of time (mavmerge.py)."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from heapq import merge
+from operator import attrgetter
+
+from mavwire.cli._output import open_output
+from mavwire.cli._reading import definitions, reading
+from mavwire.tools._telemetry import is_damaged, record, require_telemetry
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavmerge.py's options."""
+    parser.add_argument("logs", metavar="LOG", nargs=2, help="telemetry log")
+    parser.add_argument("-o", "--output", metavar="FILE", help="write the records to a log")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print no messages")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    with definitions("all", "2.0"), ExitStack() as stack:
+        logs = [stack.enter_context(reading("merge", path)) for path in args.logs]
+        for log in logs:
+            require_telemetry(log)
+        file = open_output(args.output, args.logs, stack) if args.output else None
+        for msg in merge(*(log.messages() for log in logs), key=attrgetter("_timestamp")):
+            if is_damaged(msg):
+                continue
+            if not args.quiet:
+                print(msg)
+            if file is not None:
+                file.write(record(msg))
+    return 0

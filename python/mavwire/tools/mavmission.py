@@ -1,0 +1,71 @@
+"""The mission in a log, written as a waypoint file (mavmission.py)."""
+
+from __future__ import annotations
+
+from mavwire.cli._reading import definitions, reading
+from mavwire.tools._arguments import add_logs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from typing import Any
+
+TYPES = ("MISSION_ITEM", "MISSION_ITEM_INT", "CMD", "WAYPOINT")
+
+# The frame of a dataflash log that does not tell it.
+GLOBAL_RELATIVE = 3
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavmission.py's options."""
+    add_logs(parser)
+    parser.add_argument("--output", default="mission.txt", help="(default: %(default)s)")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand. Of several logs the last one's mission stays in the file."""
+    from mavwire import mavwp
+
+    with definitions():
+        for path in args.logs:
+            mission = mavwp.MAVWPLoader()
+            with reading("mission", path) as log:
+                for msg in log.messages(TYPES):
+                    _put(mission, _item(msg))
+            mission.save(args.output)
+            print(f"Saved {mission.count()} waypoints to {args.output}")
+    return 0
+
+
+def _put(mission: Any, item: Any) -> None:
+    """Replace an item, or append it; one that skips some takes the place of the first skipped."""
+    if item.seq < mission.count():
+        mission.set(item, item.seq)
+        return
+    if item.seq > mission.count():
+        print(f"Adding dummy WP {mission.count()}")
+    mission.add(item)
+
+
+def _item(msg: Any) -> Any:
+    """A MISSION_ITEM, from whatever a log keeps a mission in."""
+    from mavwire import mavutil
+
+    make = mavutil.mavlink.MAVLink_mission_item_message
+    kind = msg.get_type()
+    if kind == "MISSION_ITEM_INT":
+        return make(
+            msg.target_system, msg.target_component, msg.seq, msg.frame, msg.command,
+            msg.current, msg.autocontinue, msg.param1, msg.param2, msg.param3, msg.param4,
+            msg.x * 1.0e-7, msg.y * 1.0e-7, msg.z,
+        )  # fmt: skip
+    if kind == "CMD":
+        frame = getattr(msg, "Frame", None)
+        if frame is None:
+            print("Warning: assuming frame is GLOBAL_RELATIVE_ALT")
+            frame = GLOBAL_RELATIVE
+        return make(
+            0, 0, msg.CNum, frame, msg.CId, 0, 1,
+            msg.Prm1, msg.Prm2, msg.Prm3, msg.Prm4, msg.Lat, msg.Lng, msg.Alt,
+        )  # fmt: skip
+    return msg

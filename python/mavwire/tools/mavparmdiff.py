@@ -1,0 +1,42 @@
+"""How two parameter files differ (mavparmdiff.py)."""
+
+from __future__ import annotations
+
+from mavwire.cli._errors import CommandError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavparmdiff.py's options."""
+    add = parser.add_argument
+    add("file1", metavar="FILE1", help="parameter file")
+    add("file2", metavar="FILE2", help="parameter file")
+    add("-t", dest="tabs", action="store_true", help="tabs between the columns")
+    add("--full-diff", action="store_true", help="volatile and similar parameters as well")
+    add("--hide-only1", action="store_true", help="not what only FILE1 has")
+    add("--hide-only2", action="store_true", help="not what only FILE2 has")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    from mavwire.mavparm import MAVParmDict
+
+    parameters = MAVParmDict()
+    try:
+        parameters.load(args.file2, use_excludes=not args.full_diff)
+        print(f"FILE1: {args.file1}")
+        print(f"FILE2: {args.file2}")
+        parameters.diff(
+            args.file1,
+            use_excludes=not args.full_diff,
+            use_tabs=args.tabs,
+            show_only1=not args.hide_only1,
+            show_only2=not args.hide_only2,
+            header=True,
+        )
+    except ValueError as error:
+        raise CommandError(str(error)) from error
+    return 0

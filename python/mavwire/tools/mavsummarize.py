@@ -1,0 +1,118 @@
+"""When and where logs were recorded, how far and how long they went (mavsummarize.py)."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+from mavwire.cli._reading import definitions, reading
+from mavwire.tools._arguments import add_condition, add_dialect, add_logs, add_no_timestamps
+from mavwire.tools._track import Track
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+    from mavwire.cli._reading import Reading
+
+TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
+FIX_3D = 3
+# Of a HEARTBEAT's base_mode: the vehicle flies by itself, or where it is told to.
+AUTONOMOUS = 4 | 8
+# The type of a HEARTBEAT's sender that does not fly.
+GROUND_STATION = 6
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavsummarize.py's options."""
+    add_logs(parser)
+    add_condition(parser)
+    add_no_timestamps(parser)
+    add_dialect(parser)
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    flights, metres, seconds = 0, 0.0, 0.0
+    for path in args.logs:
+        print(f"Processing log {path}")
+        with definitions(args.dialect):
+            summary = _read(path, args)
+        if summary is None:
+            print("ERROR: No messages found.")
+            continue
+        summary.tell()
+        flights += 1
+        metres += summary.track.metres
+        seconds += summary.seconds
+    print("===============================")
+    print(f"Num Flights : {flights}")
+    print(f"Total distance : {metres:0.2f}m")
+    print(f"Total time (mm:ss): {_clock(seconds)}")
+    return 0
+
+
+def _read(path: str, args: Namespace) -> Summary | None:
+    with reading("summarize", path, notimestamps=args.no_timestamps) as log:
+        return summarise(log, args.condition)
+
+
+@dataclass
+class Summary:
+    """What is known of a log; times are in seconds."""
+
+    began: float
+    ended: float = 0.0
+    sections: int = 0
+    autonomous: float = 0.0
+    track: Track = field(default_factory=Track)
+
+    @property
+    def seconds(self) -> float:
+        """From the first message to the last one."""
+        return self.ended - self.began
+
+    def tell(self) -> None:
+        """Print it."""
+        clock = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(self.began))
+        print(f"Log started at about {clock}")
+        if self.track.start is None:
+            print("Warning: No GPS data found, can't give position summary.")
+        else:
+            print(f"Travelled from {self.track.start} to {self.track.end}")
+            print(f"Total distance : {self.track.metres:0.2f}m")
+        print(f"Total time (mm:ss): {_clock(self.seconds)}")
+        print(f"Autonomous sections: {self.sections}")
+        if self.sections > 0:
+            print(f"Autonomous time (mm:ss): {_clock(self.autonomous)}")
+
+
+def summarise(log: Reading, condition: str | None) -> Summary | None:
+    """Read a log to its end; None if nothing of interest is in it."""
+    summary: Summary | None = None
+    since: float | None = None
+    for msg in log.messages(TYPES, condition):
+        now = msg._timestamp
+        if summary is None:
+            summary = Summary(now)
+        summary.ended = now
+        if msg.get_type() == "GPS_RAW_INT":
+            lat, lon = msg.lat, msg.lon
+            if lat and lon and msg.fix_type >= FIX_3D:
+                summary.track.add(lat / 1.0e7, lon / 1.0e7, msg.time_usec)
+        elif msg.type == GROUND_STATION:
+            continue
+        elif not msg.base_mode & AUTONOMOUS:
+            summary.autonomous += now - since if since is not None else 0.0
+            since = None
+        elif since is None:
+            summary.sections += 1
+            since = now
+    if summary is not None and since is not None:
+        summary.autonomous += summary.ended - since
+    return summary
+
+
+def _clock(seconds: float) -> str:
+    """As mavsummarize.py writes it: minutes are rounded, not cut off."""
+    return f"{seconds / 60:3.0f}:{seconds % 60:02.0f}"

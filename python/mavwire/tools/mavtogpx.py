@@ -1,0 +1,107 @@
+"""Where a vehicle was, as a GPX track beside the log (mavtogpx.py)."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+from mavwire.cli._reading import definitions, reading
+from mavwire.tools._arguments import add_condition, add_logs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Iterator
+    from typing import Any
+
+    from mavwire.cli._reading import Reading
+
+TYPES = ("GPS_RAW_INT", "GPS", "GPS2", "GLOBAL_POSITION_INT", "POS")
+FIX_2D = 2
+HEADER = """<?xml version="1.0" encoding="UTF-8"?>
+<gpx
+  version="1.0"
+  creator="pymavlink"
+  xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+  xmlns="http://www.topografix.com/GPX/1/0"
+  xsi:schemaLocation="http://www.topografix.com/GPX/1/0 \
+http://www.topografix.com/GPX/1/0/gpx.xsd">
+<trk>
+<trkseg>
+"""
+FOOTER = "</trkseg>\n</trk>\n</gpx>\n"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavtogpx.py's options."""
+    add_logs(parser)
+    add_condition(parser)
+    parser.add_argument("--nofixcheck", action="store_true", help="positions without a fix as well")
+    parser.add_argument("--type", nargs="*", dest="types", help="message types to take it from")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    with definitions():
+        for path in args.logs:
+            output = f"{path}.gpx"
+            with reading("togpx", path) as log, open(output, "w", encoding="utf-8") as file:
+                file.write(HEADER)
+                count = 0
+                for point in _points(log, args):
+                    file.write(point)
+                    count += 1
+                file.write(FOOTER)
+            print(f"Created {output} with {count} points")
+    return 0
+
+
+@dataclass
+class Point:
+    """A position: degrees, metres, metres a second."""
+
+    lat: float
+    lon: float
+    altitude: float
+    course: float = 0.0
+    speed: float = 0.0
+    fix_type: int = FIX_2D
+
+    def gpx(self, stamp: float) -> str:
+        """One point of a track. The time is local, though it says otherwise: mavtogpx.py's."""
+        clock = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.localtime(stamp))
+        return (
+            f'<trkpt lat="{self.lat}" lon="{self.lon}">\n'
+            f"  <ele>{self.altitude}</ele>\n"
+            f"  <time>{clock}</time>\n"
+            f"  <course>{self.course}</course>\n"
+            f"  <speed>{self.speed}</speed>\n"
+            "  <fix>3d</fix>\n"
+            "</trkpt>\n"
+        )
+
+
+def _points(log: Reading, args: Namespace) -> Iterator[str]:
+    for msg in log.messages(args.types or TYPES, args.condition):
+        point = _point(msg)
+        if point is None or point.lat == 0.0 or point.lon == 0.0:
+            continue
+        if point.fix_type >= FIX_2D or args.nofixcheck:
+            yield point.gpx(msg._timestamp)
+
+
+def _point(msg: Any) -> Point | None:
+    kind = msg.get_type()
+    if kind == "GPS_RAW_INT":
+        lat, lon, alt = msg.lat / 1.0e7, msg.lon / 1.0e7, msg.alt / 1.0e3
+        return Point(lat, lon, alt, msg.cog / 100.0, msg.vel / 100.0, msg.fix_type)
+    if kind == "GLOBAL_POSITION_INT":
+        lat, lon, alt = msg.lat / 1.0e7, msg.lon / 1.0e7, msg.alt / 1.0e3
+        speed = math.sqrt((msg.vx / 100.0) ** 2 + (msg.vy / 100.0) ** 2)
+        return Point(lat, lon, alt, msg.hdg / 100.0, speed)
+    if kind in ("GPS", "GPS2"):
+        return Point(msg.Lat, msg.Lng, msg.Alt, msg.GCrs, msg.Spd, msg.Status)
+    if kind == "POS":
+        return Point(msg.Lat, msg.Lng, msg.Alt)
+    return None

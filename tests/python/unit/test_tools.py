@@ -1,0 +1,223 @@
+"""What the tools do differently from pymavlink's scripts, and how they refuse what they cannot do."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from mavwire import cli, mavutil, traffic
+from mavwire.dialects.v20 import ardupilotmega as mavlink
+from tool_runs import Log, attitude, flight_log, heartbeat, random_log
+
+READERS = (
+    "parms", "flightmodes", "flighttime", "loss", "summarize", "mission", "togpx", "search",
+    "extract", "msgstats", "tomfile",
+)  # fmt: skip
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+    """Standard output of a subcommand that succeeds."""
+    assert cli.main([str(one) for one in arguments]) == 0
+    return capsys.readouterr().out
+
+
+def fails(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+    """What a subcommand says that fails: one line."""
+    assert cli.main([str(one) for one in arguments]) == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    return error
+
+
+def messages(path: Path) -> list[tuple[float, str]]:
+    """Time and text of each message of a log."""
+    log = mavutil.mavlogfile(str(path))
+    return [(msg._timestamp, str(msg)) for msg in iter(log.recv_msg, None)]
+
+
+@pytest.mark.parametrize("verb", READERS)
+def test_a_log_that_is_not_there(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert fails(capsys, verb, "none.tlog") == f"mavwire {verb}: error: no such log: none.tlog\n"
+
+
+@pytest.mark.parametrize("verb", READERS)
+def test_a_file_that_is_no_log(
+    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "archive.tlog"
+    path.write_bytes(b"\x1f\x8b\x08" + bytes(500))
+    assert cli.main([verb, str(path)]) == 0
+    assert "a gzip file, not a telemetry log" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("verb", ["loss", "extract", "bitmask_change"])
+def test_what_only_telemetry_has(
+    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Dataflash:
+        """A log without senders and frames."""
+
+        def close(self) -> None:
+            """Nothing is open."""
+
+    path = tmp_path / "flight.bin"
+    path.write_bytes(b"")
+    monkeypatch.setattr(mavutil, "mavlink_connection", lambda *_, **__: Dataflash())
+    more = ["HEARTBEAT.type"] if verb == "bitmask_change" else []
+    assert "is a dataflash log; this is for telemetry only" in fails(capsys, verb, path, *more)
+
+
+def test_a_condition_that_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = flight_log(tmp_path / "flight.tlog")
+    for verb in ("flighttime", "summarize", "togpx", "search", "tomfile"):
+        assert "--condition 'import os'" in fails(capsys, verb, path, "--condition", "import os")
+
+
+def test_a_dialect_that_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = random_log(tmp_path / "random.tlog", 3)
+    for verb in ("loss", "summarize", "tomfile"):
+        assert "no dialect 'nope'" in fails(capsys, verb, path, "--dialect", "nope")
+
+
+def test_the_dialect_of_the_process_is_back_afterwards(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = mavutil.mavlink
+    run(capsys, "loss", random_log(tmp_path / "random.tlog", 3), "--dialect", "common")
+    assert mavutil.mavlink is before
+
+
+def test_modes_that_took_no_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """mavflightmodes.py divides by zero."""
+    log = Log(tmp_path / "short.tlog")
+    for mode in (0, 4, 5):
+        log.add(0, heartbeat(mode))
+    text = run(capsys, "flightmodes", log.done())
+    assert text.splitlines()[-3:] == [
+        "STABILIZE    0:00:00 0.00%",
+        "GUIDED       0:00:00 0.00%",
+        "LOITER       0:00:00 0.00%",
+    ]
+
+
+def test_merge_is_in_the_order_of_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """mavmerge.py stops after the first change of logs and writes nothing."""
+    logs = []
+    for name, step in (("one", 2), ("other", 3)):
+        log = Log(tmp_path / f"{name}.tlog")
+        for number in range(40):
+            log.add(number * step + len(name) / 10, heartbeat(number), link=step)
+        logs.append(log.done())
+    merged = tmp_path / "merged.tlog"
+    text = run(capsys, "merge", *logs, "-o", merged)
+    expected = sorted((one for log in logs for one in messages(log)), key=lambda one: one[0])
+    assert text.splitlines() == [line for _, line in expected]
+    assert [line for _, line in messages(merged)] == [line for _, line in expected]
+    times = [time for time, _ in messages(merged)]
+    assert times == pytest.approx([time for time, _ in expected], abs=4e-6)
+    assert run(capsys, "merge", "--quiet", *logs) == ""
+
+
+def test_merge_does_not_write_over_a_log(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    logs = [random_log(tmp_path / f"{seed}.tlog", seed) for seed in (1, 2)]
+    before = logs[1].read_bytes()
+    assert "is the log itself" in fails(capsys, "merge", *logs, "-o", logs[1])
+    assert logs[1].read_bytes() == before
+
+
+def test_extract_does_not_write_over_its_log(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = Log(tmp_path / "GUIDED1.tlog")
+    log.add(0, heartbeat(4))
+    path = log.done()
+    before = path.read_bytes()
+    assert "is the log itself" in fails(capsys, "extract", "--mode", "guided", path)
+    assert path.read_bytes() == before
+
+
+def test_sizes_are_those_of_every_message(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """mavmsgstats.py takes the first message of a type for all of them, and one for a group."""
+    log = Log(tmp_path / "sizes.tlog")
+    log.add(0, mavlink.MAVLink_gps_rtcm_data_message(0, 1, [1] + [0] * 179))
+    log.add(1, mavlink.MAVLink_gps_rtcm_data_message(0, 180, [1] * 180))
+    log.add(2, mavlink.MAVLink_attitude_message(0, 0, 0, 0, 0, 0, 0))
+    log.add(3, attitude(1))
+    lines = run(capsys, "msgstats", log.done()).splitlines()
+    rtcm, attitudes = 3 + 182, 1 + 28
+    total = rtcm + attitudes
+    assert lines[1:] == [
+        f"Total size: {total}",
+        f"ATTITUDE {attitudes / total:.2%}",
+        f"GPS_RTCM_DATA {rtcm / total:.2%}",
+        "",
+        f"@SENSORS {rtcm / total:.2%}",
+        f"@OTHER {attitudes / total:.2%}",
+    ]
+
+
+def test_tomfile_writes_where_it_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """mavtomfile.py has the option and does not use it; messages of unknown types end it."""
+    log = Log(tmp_path / "flight.tlog")
+    log.add(0, heartbeat())
+    log.add_bytes(1, bytes((0xFD, 3, 0, 0, 7, 9, 9, 0x11, 0x99, 1, 1, 2, 3, 4, 5)))
+    log.add(2, attitude(2))
+    path = log.done()
+    output = tmp_path / "table.m"
+    run(capsys, "tomfile", path, "-o", output)
+    assert [line.split(".")[0] for line in output.read_text().splitlines()] == (
+        ["HEARTBEAT"] * 2 + ["ATTITUDE"] * 2
+    )
+    assert not (tmp_path / "flight.m").exists()
+    assert "takes one log" in fails(capsys, "tomfile", path, path, "-o", output)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("bitmask_decoder", "NOPE", "x", "1"), "NOPE.x: "),
+        (("bitmask_decoder", "HEARTBEAT", "nope", "1"), "HEARTBEAT.nope: "),
+        (("bitmask_change", "LOG", "SYS_STATUS"), "invalid MSG.Field specifier 'SYS_STATUS'"),
+        (("bitmask_change", "LOG", "NOPE.x"), "unknown MAVLink message type 'NOPE'"),
+        (("bitmask_change", "LOG", "ATTITUDE.roll"), "field 'ATTITUDE.roll' has no bitmask enum"),
+    ],
+)
+def test_fields_without_bits(
+    arguments: tuple[str, ...], reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = str(random_log(tmp_path / "random.tlog", 3))
+    assert reason in fails(capsys, *(log if one == "LOG" else one for one in arguments))
+
+
+def test_a_parameter_file_with_a_mistake(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "wrong.parm"
+    path.write_text("A 1\nB one\n")
+    assert f"{path}:2" in fails(capsys, "parmdiff", path, path)
+
+
+def test_tools_start_without_heavy_modules(tmp_path: Path) -> None:
+    log = tmp_path / "flight.tlog"
+    traffic.generate(log, 200)
+    heavy = "numpy matplotlib rich asyncio mavwire.mavextra mavwire.generator".split()
+    for verb in ("parms", "flightmodes", "loss", "msgstats"):
+        code = (
+            f"import sys; from mavwire import cli; cli.main([{verb!r}, {str(log)!r}]);"
+            f"sys.exit(repr(sorted(set({heavy!r}) & set(sys.modules)) or ''))"
+        )
+        result = subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True, text=True, env=dict(os.environ), timeout=120, check=False,
+        )  # fmt: skip
+        assert result.stderr == "''\n", verb

@@ -1,0 +1,109 @@
+"""`mavwire tools`: scripts with pymavlink's names, in a folder that others write to as well."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import mavwire
+import pytest
+from mavwire import cli, traffic
+from mavwire.cli import tools
+
+PACKAGE_FOLDER = str(Path(mavwire.__file__).parent.parent)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The environment's folder of scripts, empty."""
+    path = tmp_path / "scripts"
+    monkeypatch.setattr(sysconfig, "get_path", lambda name: str(path) if name == "scripts" else "")
+    return path
+
+
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def test_install_writes_every_script_and_uninstall_removes_them(folder: Path) -> None:
+    assert cli.main(["tools", "--install"]) == 0
+    assert names(folder) == set(tools.scripts())
+    assert {"mavlogdump.py", "mavgen.py", "mavparms.py", "mavloss.py"} <= names(folder)
+    assert all(os.access(path, os.X_OK) for path in folder.iterdir())
+    assert cli.main(["tools", "--uninstall"]) == 0
+    assert names(folder) == set()
+
+
+def test_a_script_does_what_its_subcommand_does(folder: Path, tmp_path: Path) -> None:
+    log = tmp_path / "flight.tlog"
+    traffic.generate(log, 300)
+    assert cli.main(["tools", "--install"]) == 0
+    environment = {**os.environ, "PYTHONPATH": PACKAGE_FOLDER}
+    outputs = [
+        subprocess.run(
+            [*command, str(log)], capture_output=True, env=environment, timeout=120, check=True
+        ).stdout
+        for command in (
+            [str(folder / "mavmsgstats.py")],
+            [sys.executable, "-m", "mavwire", "msgstats"],
+        )
+    ]
+    assert outputs[0] == outputs[1] != b""
+
+
+def test_files_of_others_stay(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder.mkdir()
+    theirs = folder / "mavparms.py"
+    theirs.write_text("# pymavlink's\n")
+    elsewhere = folder.parent / "elsewhere.py"
+    elsewhere.write_text(tools.MARK + "\n")
+    (folder / "mavloss.py").symlink_to(elsewhere)
+    (folder / "mavgen.py").mkdir()
+    (folder / "own.py").write_text("print('mine')\n")
+    assert cli.main(["tools", "--install"]) == 1
+    assert "mavgen.py, mavloss.py, mavparms.py;" in capsys.readouterr().err
+    assert cli.main(["tools", "--uninstall"]) == 0
+    assert names(folder) == {"mavparms.py", "mavloss.py", "mavgen.py", "own.py"}
+    assert theirs.read_text() == "# pymavlink's\n"
+    assert elsewhere.read_text() == tools.MARK + "\n"
+
+
+def test_an_older_script_is_renewed_and_a_forgotten_one_removed(folder: Path) -> None:
+    folder.mkdir()
+    for name in ("mavparms.py", "mavgone.py"):
+        (folder / name).write_text(f"#!/old/python\n{tools.MARK}\n")
+    assert cli.main(["tools", "--install"]) == 0
+    assert "/old/python" not in (folder / "mavparms.py").read_text()
+    assert cli.main(["tools", "--uninstall"]) == 0
+    assert names(folder) == set()
+
+
+def test_status(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["tools", "--status"]) == 0
+    assert capsys.readouterr().out.count("not there") == len(tools.scripts())
+    assert cli.main(["tools", "--uninstall"]) == 0
+    folder.mkdir()
+    (folder / "mavloss.py").write_text("\n")
+    cli.main(["tools", "--install"])
+    capsys.readouterr()
+    assert cli.main(["tools", "--status"]) == 0
+    lines = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert lines["mavloss.py"].startswith("not mavwire's")
+    assert lines["mavparms.py"] == "mavwire's      mavwire parms"
+
+
+def test_one_of_the_options_is_needed(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        cli.main(["tools"])
+    assert exit_info.value.code == 2
+    assert "--install" in capsys.readouterr().err
+
+
+def test_every_script_name_is_one_of_pymavlinks(oracle: str) -> None:
+    from importlib.util import find_spec
+
+    missing = [name for name in tools.scripts() if not find_spec(f"{oracle}.tools.{name[:-3]}")]
+    assert missing == []
