@@ -5,9 +5,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Protocol, final
 
-from typing_extensions import Buffer
-
 from mavwire._native import Dialect
+from typing_extensions import Buffer
 
 __all__ = [
     "ColumnView",
