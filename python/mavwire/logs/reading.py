@@ -23,9 +23,9 @@ BATCH_BYTES = 64 << 20
 
 def native_dialect(dialect: str | ModuleType) -> tuple[Any, Any]:
     """The module of a dialect and its native form."""
-    from .telemetry import _dialect_module
+    from .telemetry import dialect_module
 
-    module = _dialect_module(dialect)
+    module = dialect_module(dialect)
     return module, module.MAVLink(None)._dialect
 
 
