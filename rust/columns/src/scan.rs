@@ -164,6 +164,9 @@ impl LogScanner {
     fn take_run(&mut self, block: &[u8], records: &[Located], out: &mut Scanned) {
         let (Some(first), Some(last)) = (records.first(), records.last()) else { return };
         out.records.extend_from_slice(records);
+        if self.lead() == 0 {
+            return; // a raw stream has no times to believe
+        }
         let stamp = |record: &Located| stamp_at(block, record.at);
         let mut time = stamp(first);
         if self.after_damage

@@ -71,7 +71,7 @@ impl ColumnView {
         let numbers = match array.as_any().downcast_ref::<FixedSizeListArray>() {
             Some(lists) => {
                 let elements = lists.value_length() as usize;
-                let first = lists.value_offset_at(0) as usize;
+                let first = lists.value_offset_at(0);
                 let values = lists.values().slice(first, lists.len() * elements);
                 Numbers::new(&values, lists.len(), Some(elements))
             }

@@ -1,6 +1,6 @@
 //! `LogColumns`: a log as tables, batch by batch; and `log_summary`, what is in it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use mavwire_columns::Error;
@@ -69,7 +69,7 @@ impl Query {
     }
 
     /// A reader of the log at `path`, for use without the interpreter.
-    pub(crate) fn open(&self, path: &PathBuf, dialect: &Dialect) -> Result<Reader, Error> {
+    pub(crate) fn open(&self, path: &Path, dialect: &Dialect) -> Result<Reader, Error> {
         let source = files::open(path)?;
         let registry = Arc::clone(&dialect.registry);
         Reader::new(source, registry, self.wanted(dialect), self.options(), self.limits())

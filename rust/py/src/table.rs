@@ -118,7 +118,7 @@ impl RecordBatches {
         let all = PyDict::new(py);
         for field in self.schema.fields() {
             let entries = PyDict::new(py);
-            for (key, value) in field.metadata().iter() {
+            for (key, value) in field.metadata() {
                 entries.set_item(key, value)?;
             }
             all.set_item(field.name(), entries)?;

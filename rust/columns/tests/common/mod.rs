@@ -8,29 +8,29 @@ use mavwire_core::registry::Registry;
 use mavwire_schema::WireVersion;
 
 /// The dialect of the tests.
-pub fn registry() -> Arc<Registry> {
+pub(crate) fn registry() -> Arc<Registry> {
     Arc::new(Registry::new(builtin::dialect("common", WireVersion::V2).expect("the dialect")))
 }
 
 /// Numbers that look random and are the same each time.
-pub struct Noise(pub u64);
+pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {
     /// The next number below `end`.
-    pub fn below(&mut self, end: u64) -> u64 {
+    pub(crate) fn below(&mut self, end: u64) -> u64 {
         self.0 =
             self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) % end
     }
 
     /// So many bytes.
-    pub fn bytes(&mut self, count: usize) -> Vec<u8> {
+    pub(crate) fn bytes(&mut self, count: usize) -> Vec<u8> {
         (0..count).map(|_| self.below(256) as u8).collect()
     }
 }
 
 /// A frame of HEARTBEAT, ATTITUDE, STATUSTEXT or an id that nobody has.
-pub fn frame_of(registry: &Registry, noise: &mut Noise, seq: u8) -> Vec<u8> {
+pub(crate) fn frame_of(registry: &Registry, noise: &mut Noise, seq: u8) -> Vec<u8> {
     let msgid = [0, 30, 253, 0xABCD][noise.below(4) as usize];
     let version =
         if msgid < 256 && noise.below(4) == 0 { WireVersion::V1 } else { WireVersion::V2 };
@@ -57,7 +57,7 @@ pub fn frame_of(registry: &Registry, noise: &mut Noise, seq: u8) -> Vec<u8> {
 }
 
 /// A log of so many records; `lead` is 8 for time stamps and 0 for none.
-pub fn log(registry: &Registry, seed: u64, records: usize, lead: usize) -> Vec<u8> {
+pub(crate) fn log(registry: &Registry, seed: u64, records: usize, lead: usize) -> Vec<u8> {
     let mut noise = Noise(seed);
     let mut log = Vec::new();
     for n in 0..records {
@@ -69,7 +69,7 @@ pub fn log(registry: &Registry, seed: u64, records: usize, lead: usize) -> Vec<u
 }
 
 /// Damages a log in so many places: bytes changed, lost, repeated, or replaced by false starts of frames.
-pub fn damage(log: &mut Vec<u8>, seed: u64, places: usize) {
+pub(crate) fn damage(log: &mut Vec<u8>, seed: u64, places: usize) {
     let mut noise = Noise(seed);
     for _ in 0..places {
         if log.is_empty() {
