@@ -16,11 +16,14 @@ def warn_if_foreign(command: str, path: str) -> bool:
     """Whether `path` is a file and no log of any kind, after saying what it is. That a log is empty
     is said too.
     """
-    from mavwire.links.recognise import log_kind
-    from mavwire.logs import LogFormatError, open_log
+    from mavwire.links.recognise import TLOG_PROBE, log_kind, looks_like_tlog, read_head
 
     if not os.path.isfile(path) or log_kind(path, readonly=True) != TELEMETRY:
         return False
+    if looks_like_tlog(read_head(path, TLOG_PROBE)):
+        return False
+    from mavwire.logs import LogFormatError, open_log
+
     if not os.path.getsize(path):
         print(f"mavwire {command}: the log is empty: {path!r}", file=sys.stderr)
         return False

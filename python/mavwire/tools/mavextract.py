@@ -63,6 +63,7 @@ class Extraction:
         self._in_mode = False
         self._count = 0
         self._file: OutputFile | None = None
+        self._unwritten: list[bytes] = []
 
     def run(self) -> None:
         """Read the log to its end."""
@@ -82,12 +83,16 @@ class Extraction:
             if not self._in_mode:
                 self._end()
             elif kind != "BAD_DATA" and (condition is None or self._log.holds(condition)):
-                self._write(record(msg))
+                if self._file is None:
+                    self._file = self._begin()
+                self._unwritten.append(record(msg))
+        self._write()
 
-    def _write(self, data: bytes) -> None:
-        if self._file is None:
-            self._file = self._begin()
-        self._file.write(data)
+    def _write(self) -> None:
+        """One call for many records: a call for each costs more than making it."""
+        if self._file is not None:
+            self._file.write(b"".join(self._unwritten))
+        self._unwritten.clear()
 
     def _begin(self) -> OutputFile:
         self._count += 1
@@ -101,5 +106,6 @@ class Extraction:
 
     def _end(self) -> None:
         if self._file is not None:
+            self._write()
             self._file.close()
             self._file = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_dialect, add_logs, add_no_timestamps
@@ -62,10 +62,10 @@ class Summary:
     """What is known of a log; times are in seconds."""
 
     began: float
-    ended: float = 0.0
-    sections: int = 0
-    autonomous: float = 0.0
-    track: Track = field(default_factory=Track)
+    ended: float
+    sections: int
+    autonomous: float
+    track: Track
 
     @property
     def seconds(self) -> float:
@@ -89,28 +89,33 @@ class Summary:
 
 def summarise(log: Reading, condition: str | None) -> Summary | None:
     """Read a log to its end; None if nothing of interest is in it."""
-    summary: Summary | None = None
+    track = Track()
+    add = track.add
+    began: float | None = None
     since: float | None = None
+    now = autonomous = 0.0
+    sections = 0
     for msg in log.messages(TYPES, condition):
         now = msg._timestamp
-        if summary is None:
-            summary = Summary(now)
-        summary.ended = now
+        if began is None:
+            began = now
         if msg.get_type() == "GPS_RAW_INT":
             lat, lon = msg.lat, msg.lon
             if lat and lon and msg.fix_type >= FIX_3D:
-                summary.track.add(lat / 1.0e7, lon / 1.0e7, msg.time_usec)
+                add(lat / 1.0e7, lon / 1.0e7, msg.time_usec)
         elif msg.type == GROUND_STATION:
             continue
         elif not msg.base_mode & AUTONOMOUS:
-            summary.autonomous += now - since if since is not None else 0.0
+            autonomous += now - since if since is not None else 0.0
             since = None
         elif since is None:
-            summary.sections += 1
+            sections += 1
             since = now
-    if summary is not None and since is not None:
-        summary.autonomous += summary.ended - since
-    return summary
+    if began is None:
+        return None
+    if since is not None:
+        autonomous += now - since
+    return Summary(began, now, sections, autonomous, track)
 
 
 def _clock(seconds: float) -> str:

@@ -31,8 +31,9 @@ RUNS = (
 
 
 @pytest.mark.skipif(not TLOGS, reason=NOTICE)
+@pytest.mark.parametrize(("script", "verb", "options"), RUNS)
 @pytest.mark.parametrize("path", TLOGS, ids=lambda path: path.name)
-def test_real_log(path: Path, tmp_path: Path, oracle: str) -> None:
-    for script, verb, options in RUNS:
-        (tmp_path / verb).mkdir()
-        compare(script, verb, options, tmp_path / verb, path)
+def test_real_log(
+    path: Path, script: str, verb: str, options: str, tmp_path: Path, oracle: str
+) -> None:
+    compare(script, verb, options, tmp_path, path)
