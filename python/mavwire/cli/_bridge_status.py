@@ -33,11 +33,11 @@ class StatusTable:
 
     def _tables(self, stats: dict[str, Any]) -> Any:
         from rich.console import Group
-        from rich.table import Table
+        from rich.table import Column, Table
 
-        links = Table(
-            "link", "peer", "state", "in/s", "out/s", "dropped", "duplicates", "junk bytes"
-        )
+        names = [Column(name, overflow="fold") for name in ("link", "peer", "state")]
+        counts = ("in/s", "out/s", "dropped", "duplicates", "junk bytes")
+        links = Table(*names, *(Column(name, justify="right", overflow="fold") for name in counts))
         components = Table("system", "component", "in/s", "lost", "age", "links")
         for row in link_rows(stats, self._before):
             links.add_row(*row)

@@ -7,6 +7,7 @@ import errno
 import json
 import os
 import socket
+import sys
 import threading
 import urllib.error
 import urllib.request
@@ -248,6 +249,20 @@ def test_a_server_that_is_not_there_yet_is_tried_again() -> None:
             assert report(bridge, "server")["error"] is None
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="loopback has a broadcast address on Linux")
+def test_broadcast() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
+        station.bind(("", 0))
+        station.settimeout(LIMIT)
+        port = station.getsockname()[1]
+        with Bridge([f"udpbcast:127.255.255.255:{port}"]) as bridge:
+            bridge.send(heartbeat())
+            frame, sender = station.recvfrom(300)
+            assert frame == heartbeat()
+            station.sendto(heartbeat(sysid=9), sender)
+            assert wait_until("the answer", lambda: bridge.latest("HEARTBEAT", 9))
+
+
 def test_serial_ports() -> None:
     controller, device = os.openpty()
     try:
@@ -290,7 +305,6 @@ def test_a_full_disk_costs_records_and_nothing_else(
 ) -> None:
     """A file size limit stands for the full disk; it is a process of its own that has it."""
     import subprocess
-    import sys
 
     program = f"""
 import resource, signal
@@ -375,7 +389,6 @@ def test_wrong_waits(arguments: tuple[int, float, float]) -> None:
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
 def test_a_fork_leaves_the_bridge_to_its_parent() -> None:
     import subprocess
-    import sys
 
     program = """
 import os, warnings
