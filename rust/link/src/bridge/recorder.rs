@@ -11,9 +11,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use mavwire_core::frame::{FrameRef, encode_unsigned};
-use mavwire_core::log::tlog::Stamp;
-use mavwire_core::x25;
+use mavwire_core::log::tlog::{Stamp, recordable};
 
 use super::hub::Frames;
 use crate::clock;
@@ -109,7 +107,7 @@ impl Recorder {
                 continue;
             }
             state.pending.extend_from_slice(&Stamp::encode(info.time, 0));
-            append_recordable(&mut state.pending, bytes);
+            state.pending.extend_from_slice(&recordable(bytes));
             state.records += 1;
         }
         if state.pending.len() > EAGER {
@@ -129,19 +127,6 @@ impl Drop for Recorder {
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
-    }
-}
-
-/// A frame as a log may hold it: without its signature.
-fn append_recordable(out: &mut Vec<u8>, bytes: &[u8]) {
-    match FrameRef::parse(bytes) {
-        Ok(frame) if frame.header().is_signed() => {
-            // The seed follows from the checksum, so that unknown messages can be stripped too.
-            let register = x25::checksum(frame.crc_region());
-            let seed = x25::implied_extra(register, frame.checksum()).unwrap_or(0);
-            encode_unsigned(out, &frame, seed);
-        }
-        _ => out.extend_from_slice(bytes),
     }
 }
 
