@@ -28,7 +28,5 @@ def is_damaged(msg: Any) -> bool:
 
 def record(msg: Any) -> bytes:
     """A message as a record of a telemetry log; times are cut to microseconds as pymavlink does."""
-    micros = int(msg._timestamp * 1.0e6)
-    if micros > MAX_STAMP:  # a float may round beyond
-        micros = MAX_STAMP
-    return micros.to_bytes(8, "big") + msg.get_msgbuf()  # type: ignore[no-any-return]
+    micros = min(int(msg._timestamp * 1.0e6), MAX_STAMP)  # a float may round beyond
+    return micros.to_bytes(8, "big") + msg.get_msgbuf()
