@@ -102,7 +102,7 @@ def _point(msg: Any) -> Point | None:
         return Point(lat, lon, alt, msg.cog / 100.0, msg.vel / 100.0, msg.fix_type)
     if kind == "GLOBAL_POSITION_INT":
         lat, lon, alt = msg.lat / 1.0e7, msg.lon / 1.0e7, msg.alt / 1.0e3
-        speed = math.sqrt((msg.vx / 100.0) ** 2 + (msg.vy / 100.0) ** 2)
+        speed = math.sqrt(msg.vx**2 + msg.vy**2) / 100.0
         return Point(lat, lon, alt, msg.hdg / 100.0, speed)
     if kind in ("GPS", "GPS2"):
         return Point(msg.Lat, msg.Lng, msg.Alt, msg.GCrs, msg.Spd, msg.Status)
