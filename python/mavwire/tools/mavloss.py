@@ -91,6 +91,8 @@ class Losses:
         self._compid = compid
         self._with_types = with_types
         self._all: dict[tuple[int, int], Sender] = {}
+        self._gaps: dict[tuple[Sender, str], None] = {}
+        """Senders and types, in the order in which the first gap was seen before one."""
 
     def read(self, messages: Iterable[Any]) -> None:
         """Count messages in the order in which they came."""
@@ -110,7 +112,10 @@ class Losses:
             sender.next_seq = seq + 1
             sender.packets += 1
             if with_types:
-                sender.count_type(msg.get_type(), lost)
+                kind = msg.get_type()
+                sender.count_type(kind, lost)
+                if lost:
+                    self._gaps[sender, kind] = None
 
     @property
     def senders(self) -> list[Sender]:
@@ -163,12 +168,8 @@ class Losses:
 
     def types_table(self) -> list[str]:
         """Lines about the types that a gap was noticed by, those with the most missing first."""
-        rows = [
-            (one, kind, counts)
-            for one in self.senders
-            for kind, counts in one.types.items()
-            if counts[1]
-        ]
+        wanted = set(self.senders)
+        rows = [(one, kind, one.types[kind]) for one, kind in self._gaps if one in wanted]
         if not rows:
             return ["", "No message-type triggered any sequence gaps."]
         rows.sort(key=lambda row: -row[2][2])

@@ -66,7 +66,8 @@ class Point:
     altitude: float
     course: float = 0.0
     speed: float = 0.0
-    fix_type: int = FIX_2D
+    fix_type: int | None = None
+    """None in a message that does not tell: that of the last one that did stands for it."""
 
     def gpx(self, stamp: float) -> str:
         """One point of a track. The time is local, though it says otherwise: mavtogpx.py's."""
@@ -83,11 +84,14 @@ class Point:
 
 
 def _points(log: Reading, args: Namespace) -> Iterator[str]:
+    fix_type = 0
     for msg in log.messages(args.types or TYPES, args.condition):
         point = _point(msg)
-        if point is None or point.lat == 0.0 or point.lon == 0.0:
+        if point is None:
             continue
-        if point.fix_type >= FIX_2D or args.nofixcheck:
+        if point.fix_type is not None:
+            fix_type = point.fix_type
+        if (fix_type >= FIX_2D or args.nofixcheck) and point.lat != 0.0 and point.lon != 0.0:
             yield point.gpx(msg._timestamp)
 
 
@@ -98,7 +102,7 @@ def _point(msg: Any) -> Point | None:
         return Point(lat, lon, alt, msg.cog / 100.0, msg.vel / 100.0, msg.fix_type)
     if kind == "GLOBAL_POSITION_INT":
         lat, lon, alt = msg.lat / 1.0e7, msg.lon / 1.0e7, msg.alt / 1.0e3
-        speed = math.sqrt((msg.vx / 100.0) ** 2 + (msg.vy / 100.0) ** 2)
+        speed = math.sqrt(msg.vx**2 + msg.vy**2) / 100.0
         return Point(lat, lon, alt, msg.hdg / 100.0, speed)
     if kind in ("GPS", "GPS2"):
         return Point(msg.Lat, msg.Lng, msg.Alt, msg.GCrs, msg.Spd, msg.Status)
