@@ -91,6 +91,7 @@ bench-live: $(VENV)/.requirements-test ## Receive from sockets at rising rates, 
 bench-large: ## Read logs of up to 1 GB: time of a message, and memory (BENCH_FLAGS="--bytes 1e10")
 	@$(MAKE) --no-print-directory build PROFILE=release
 	@$(BIN)/python benches/large_log.py $(BENCH_FLAGS)
+
 .PHONY: bench-bridge
 bench-bridge: ## Forward through a bridge at rising rates, to many links, from many components
 	@$(MAKE) --no-print-directory build PROFILE=release

@@ -8,7 +8,7 @@ use common::{entries, field, mavlink, message, messages, parse};
 use mavwire_schema::{Library, ParseOptions, Reason, SchemaError, decode_blob, limits};
 use mavwire_schema::{WireVersion, encode_blob, parse_definitions, resolve};
 
-/// Far beyond what a debug build takes on a busy machine, and far below what quadratic work would.
+/// Far beyond what a debug build takes, and far below what quadratic work would.
 const QUICKLY: Duration = Duration::from_secs(120);
 
 fn refused(text: &str) -> SchemaError {
