@@ -21,6 +21,7 @@ WORDS = {
     "tcpc": "tcp",
     "tcps": "tcpin",
 }
+MOST_DIGITS = 10
 FORMS = (
     "udpin:HOST:PORT, udpout:HOST:PORT, udpbcast:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT, "
     "serial:DEVICE:BAUD or DEVICE,BAUD"
@@ -40,11 +41,11 @@ def parse_endpoint(text: str) -> Endpoint:
 
 
 def _network(text: str, kind: str, rest: str) -> Endpoint:
-    match = re.fullmatch(r"(?:\[([^\]]+)\]|([^:\[\]]*)):(\d+)", rest)
+    match = re.fullmatch(r"(?:\[([^\]]+)\]|([^:\[\]]*)):([0-9]+)", rest)
     if match is None:
         raise ConfigError(f"{text!r} lacks host or port; say {text.partition(':')[0]}:HOST:PORT")
     least = 0 if kind in ("udpin", "tcpin") else 1
-    port = whole(f"the port of {text!r}", int(match[3]), 65535, least=least)
+    port = _number(f"the port of {text!r}", match[3], 65535, least)
     host = match[1] or match[2]
     if not host:
         if least:
@@ -54,8 +55,16 @@ def _network(text: str, kind: str, rest: str) -> Endpoint:
 
 
 def _serial(text: str, rest: str) -> Endpoint:
-    match = re.fullmatch(r"(.+?)(?:[:,](\d+))?", rest)
+    match = re.fullmatch(r"(.+?)(?:[:,]([0-9]+))?", rest)
     if match is None:
         raise ConfigError(f"{text!r} lacks a device; say serial:DEVICE:BAUD")
-    baud = DEFAULT_BAUD if match[2] is None else int(match[2])
-    return Endpoint("serial", match[1], baud=whole(f"the speed of {text!r}", baud, 2**31, least=1))
+    baud = DEFAULT_BAUD
+    if match[2] is not None:
+        baud = _number(f"the speed of {text!r}", match[2], 2**31, 1)
+    return Endpoint("serial", match[1], baud=baud)
+
+
+def _number(what: str, digits: str, most: int, least: int) -> int:
+    # int() refuses some thousand digits in words of its own.
+    value = int(digits) if len(digits) <= MOST_DIGITS else most + 1
+    return whole(what, value, most, least=least)

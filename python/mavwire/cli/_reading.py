@@ -27,18 +27,25 @@ def definitions(dialect: str | None = None, wire_protocol: str | None = None) ->
     from mavwire.links import state
 
     before = state.wire_protocol, state.mavlink, state.current_dialect
-    if wire_protocol is not None:
-        state.set_wire_protocol(wire_protocol)
     try:
-        mavutil.set_dialect(dialect or state.current_dialect)
-    except FileNotFoundError as error:
-        raise CommandError(no_such_dialect(dialect or state.current_dialect)) from error
-    except (OSError, ValueError) as error:
-        raise CommandError(f"--dialect {dialect}: {error}") from error
-    try:
+        if wire_protocol is not None:
+            state.set_wire_protocol(wire_protocol)
+        with _naming_dialect(dialect, dialect or state.current_dialect):
+            mavutil.set_dialect(dialect or state.current_dialect)
         yield
     finally:
         state.wire_protocol, state.mavlink, state.current_dialect = before
+
+
+@contextmanager
+def _naming_dialect(option: str | None, name: str) -> Iterator[None]:
+    """What goes wrong while a dialect is loaded becomes a CommandError that names it."""
+    try:
+        yield
+    except FileNotFoundError as error:
+        raise CommandError(no_such_dialect(name)) from error
+    except (OSError, ValueError) as error:
+        raise CommandError(f"--dialect {option}: {error}") from error
 
 
 @contextmanager

@@ -7,6 +7,7 @@ as pymavlink's own script, is left alone; --uninstall removes what --install wro
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 import sysconfig
 
@@ -19,7 +20,9 @@ PACKAGE = "mavwire.tools."
 ELSEWHERE = {"dump": "mavlogdump.py", "gen": "mavgen.py"}
 MARK = '# Written by "mavwire tools --install"; "mavwire tools --uninstall" removes it.'
 # A mark further down is not that of a script which was written here.
-MARK_WITHIN = 1024
+MARK_WITHIN = 8192
+# Some kernels take no more of a first line.
+MOST_SHEBANG = 120
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -88,14 +91,22 @@ def _write(path: str, verb: str) -> None:
 
 
 def _script(verb: str) -> str:
-    interpreter = sys.executable if " " not in sys.executable else "/usr/bin/env python3"
     return (
-        f"#!{interpreter}\n"
+        f"{_launch(sys.executable)}"
         f"{MARK}\n"
         "import sys\n\n"
         "from mavwire.cli import main\n\n"
         f'sys.exit(main(["{verb}", *sys.argv[1:]]))\n'
     )
+
+
+def _launch(interpreter: str) -> str:
+    """The first lines of a script for this interpreter. The kernel ends its path at a space, and at
+    some length: there a shell starts it, and Python sees a text in the shell's words.
+    """
+    if " " not in interpreter and len(interpreter) <= MOST_SHEBANG:
+        return f"#!{interpreter}\n"
+    return f"#!/bin/sh\n'''exec' {shlex.quote(interpreter)} \"$0\" \"$@\"\n' '''\n"
 
 
 def _is_own(path: str) -> bool:

@@ -10,10 +10,9 @@ that was interrupted goes on where it stopped. A log that cannot be read is a ro
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import Converter
@@ -49,6 +48,8 @@ class Converted:
 
     path: str
     """Absolute path of the log."""
+    name: str
+    """What its files are called, without suffix."""
     size: int = 0
     mtime_ns: int = 0
     """As it was when it was converted."""
@@ -80,9 +81,12 @@ def convert(
 
     Returns a row for each log, in the order given, and writes them to `out/manifest.json`. Logs
     that the manifest has with the same size, time and options, and whose files are all there, are
-    not converted again. Memory does not depend on the size of a log. `progress` is told the path
-    and percents. ValueError for an argument that makes no sense; a log that cannot be read is a row
-    with an `error`.
+    not converted again. Logs of one name are numbered, and keep their numbers in later runs. With
+    other options the manifest begins anew, and files of earlier runs stay until one of the same
+    name replaces them: use a folder for each set of options. Memory does not depend on the size of
+    a log. `progress` is told the path and percents. ValueError for an argument that makes no sense,
+    and where `out/manifest.json` is not one of these; a log that cannot be read is a row with an
+    `error`.
     """
     if format not in FORMATS:
         raise ValueError(f"format must be one of {', '.join(FORMATS)}, not {format!r}")
@@ -99,7 +103,8 @@ def convert(
     how["dialect"] = getattr(module, "DIALECT", str(dialect))
     manifest = _Manifest(out, how)
     job = _Job(out, native, query, format, compression, progress)
-    names = _names([os.path.abspath(os.fspath(path)) for path in paths])
+    earlier = {row.path: row.name for row in manifest.rows.values()}
+    names = _names([os.path.abspath(os.fspath(path)) for path in paths], earlier)
     rows = []
     for path, name in names.items():
         row = manifest.done(path)
@@ -120,7 +125,7 @@ class _Job:
     progress: Callable[[str, float], object] | None
 
     def run(self, path: str, name: str) -> Converted:
-        row = Converted(path)
+        row = Converted(path, name)
         try:
             check_readable(path)
             status = os.stat(path)
@@ -159,33 +164,31 @@ class _Manifest:
         self.out = out
         self.path = os.path.join(out, MANIFEST)
         self.how = json.loads(json.dumps(how))
-        self.rows: dict[str, dict[str, Any]] = {}
-        with contextlib.suppress(OSError, ValueError):
-            with open(self.path, encoding="utf-8") as file:
-                stored = json.load(file)
-            if stored["version"] == VERSION and stored["options"] == self.how:
-                self.rows = {row["path"]: row for row in stored["logs"]}
+        self.rows: dict[str, Converted] = {}
+        if os.path.lexists(self.path):
+            stored = _stored(self.path)
+            if stored["options"] == self.how:
+                self.rows = {row["path"]: Converted(**row) for row in stored["logs"]}
 
     def done(self, path: str) -> Converted | None:
         """The row of a log that need not be converted again."""
         row = self.rows.get(path)
-        if row is None or row["error"] is not None:
+        if row is None or row.error is not None:
             return None
         try:
             status = os.stat(path)
         except OSError:
             return None
-        there = all(os.path.exists(os.path.join(self.out, name)) for name in row["files"])
-        if not there or (status.st_size, status.st_mtime_ns) != (row["size"], row["mtime_ns"]):
+        there = all(os.path.exists(os.path.join(self.out, name)) for name in row.files)
+        if not there or (status.st_size, status.st_mtime_ns) != (row.size, row.mtime_ns):
             return None
-        return Converted(**{**row, "skipped": True})
+        return replace(row, skipped=True)
 
     def add(self, row: Converted) -> None:
         """Note a log and store the manifest, which is never seen half written."""
-        stored = asdict(row)
-        del stored["skipped"]
-        self.rows[row.path] = stored
-        content = {"version": VERSION, "options": self.how, "logs": list(self.rows.values())}
+        self.rows[row.path] = row
+        logs = [{key: getattr(one, key) for key in _ROW} for one in self.rows.values()]
+        content = {"version": VERSION, "options": self.how, "logs": logs}
         draft = self.path + ".part"
         with open(draft, "w", encoding="utf-8") as file:
             json.dump(content, file, indent=1)
@@ -194,14 +197,65 @@ class _Manifest:
         os.replace(draft, self.path)
 
 
-def _names(paths: list[str]) -> dict[str, str]:
-    """A name for the files of each log, unique among them: the log's own, numbered where two are
-    called the same.
+_ROW = {
+    "path": str,
+    "name": str,
+    "size": int,
+    "mtime_ns": int,
+    "rows": int,
+    "bad_bytes": int,
+    "files": dict,
+    "error": str | None,
+}
+"""What the manifest holds of `Converted`."""
+
+
+def _stored(path: str) -> dict[str, Any]:
+    """The content of a manifest; ValueError for a file of something else, which is not ours to
+    replace.
+    """
+    try:
+        with open(path, encoding="utf-8") as file:
+            stored = json.load(file)
+        if _is_manifest(stored):
+            return dict(stored)
+    except (ValueError, RecursionError):
+        pass
+    raise ValueError(
+        f"{path} is no manifest of this version of mavwire: convert to another folder or remove it"
+    )
+
+
+def _is_manifest(stored: Any) -> bool:
+    return (
+        isinstance(stored, dict)
+        and stored.get("version") == VERSION
+        and isinstance(stored.get("options"), dict)
+        and isinstance(stored.get("logs"), list)
+        and all(map(_is_row, stored["logs"]))
+    )
+
+
+def _is_row(row: Any) -> bool:
+    if not isinstance(row, dict) or row.keys() != _ROW.keys():
+        return False
+    if not all(isinstance(row[key], kind) for key, kind in _ROW.items()):
+        return False
+    # Files are written by this name, nowhere but in the folder of their type.
+    return row["name"] not in ("", ".", "..") and os.path.basename(row["name"]) == row["name"]
+
+
+def _names(paths: list[str], earlier: dict[str, str]) -> dict[str, str]:
+    """A name for the files of each log, unique among them and those of `earlier` runs: the log's
+    own, numbered where two are called the same.
     """
     names: dict[str, str] = {}
-    taken: set[str] = set()
+    taken = set(earlier.values())
     for path in paths:
         if path in names:
+            continue
+        if path in earlier:
+            names[path] = earlier[path]
             continue
         stem = os.path.basename(path)
         for suffix in (".gz", ".zst", ".tlog"):

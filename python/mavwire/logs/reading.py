@@ -6,7 +6,7 @@ import errno
 import os
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import LogColumns, empty_table
+from mavwire._native import LogColumns, RecordBatches, empty_table
 
 from .query import Query, check_fields
 from .table import Table, tidy
@@ -64,11 +64,11 @@ def read(
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
     check_fields(module, query, fields)
-    tables = {
-        name: tidy(name, batches, path)
-        for found in LogColumns(path, native, query)
-        for name, batches in found
-    }
+    pieces: dict[str, list[RecordBatches]] = {}
+    for found in LogColumns(path, native, query):
+        for name, batches in found:
+            pieces.setdefault(name, []).append(batches)
+    tables = {name: tidy(name, RecordBatches.joined(some), path) for name, some in pieces.items()}
     for msgid in query.types or ():
         name = module.mavlink_map[msgid].msgname
         if name not in tables:

@@ -14,6 +14,7 @@ from mavwire._native import empty_table
 
 from .query import Query
 from .reading import BATCH_ROWS, _batches, native_dialect
+from .selection import record_seconds
 from .table import Table
 
 if TYPE_CHECKING:
@@ -120,12 +121,12 @@ def _seconds(node: Any) -> float | None:
     text = json.dumps(node)
     if '"DateTime"' not in text and '"Datetime"' not in text:
         return None
-    scale = {"Nanoseconds": 1e-9, "Microseconds": 1e-6, "Milliseconds": 1e-3}
+    nanos = {"Nanoseconds": 1, "Microseconds": 1_000, "Milliseconds": 1_000_000}
     numbers = _integers(node)
-    units = [factor for name, factor in scale.items() if name in text]
+    units = [factor for name, factor in nanos.items() if name in text]
     if len(numbers) != 1 or len(units) != 1 or '"Cast"' in text:
         return None
-    return float(numbers[0] * units[0])
+    return record_seconds(numbers[0] * units[0] // 1_000)
 
 
 def _integers(node: Any) -> list[int]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, Self
 
 MAX_SYSTEM = 255
+EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 UNKNOWN = "UNKNOWN"
 
 
@@ -79,5 +80,14 @@ def _system(number: int) -> int:
     return number
 
 
+def record_seconds(micros: int) -> float:
+    """Seconds of a time in microseconds, rounded as those of records are: another rounding misses
+    the record that has exactly this time.
+    """
+    return micros * 1e-6
+
+
 def _seconds(time: float | datetime | None) -> float | None:
-    return time.timestamp() if isinstance(time, datetime) else time
+    if not isinstance(time, datetime):
+        return time
+    return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))

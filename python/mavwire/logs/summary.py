@@ -60,7 +60,7 @@ class LogInfo:
     senders: dict[tuple[int, int], Sender]
     """By system and component id."""
     gaps: list[tuple[float, float]]
-    """Spans of 5 s and more without a message: the times before and after."""
+    """Spans of more than 5 s without a message: the times before and after."""
     gap_count: int
     times_back: int
     """Records with a time before that of the record in front."""
@@ -105,8 +105,8 @@ def summarise(
         for ids, (row, lost, reboots) in found.pop("senders").items()
     }
     count = _count(found.pop("count"))
-    if found.pop("unlisted"):
-        types["UNKNOWN"] = Count(count.messages - sum(t.messages for t in types.values()), 0, 0)
+    if unlisted := found.pop("unlisted"):
+        types["UNKNOWN"] = Count(unlisted, 0, 0)
     return LogInfo(
         path=path,
         count=count,

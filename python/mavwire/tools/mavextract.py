@@ -99,7 +99,7 @@ class Extraction:
         name = f"{self._log.link.flightmode}{self._count}.tlog"
         path = os.path.join(os.path.dirname(self._log.path), name)
         print(f"Creating {path}")
-        file = open_output(path, [self._log.path], self._stack, option="")
+        file = open_output(path, self._args.logs, self._stack, option="")
         for one in self._kept:
             file.write(one)
         return file

@@ -52,6 +52,9 @@ def test_endpoints(text: str, endpoint: Endpoint) -> None:
         ("udpin:::1:5", "lacks host or port"),
         ("serial:", "lacks a device"),
         ("serial:/dev/x:0", "the speed of"),
+        (f"udpin:1.2.3.4:{'5' * 5000}", "from 0 to 65535"),
+        (f"serial:/dev/x:{'5' * 5000}", "the speed of"),
+        ("udpin:1.2.3.4:\u0665\u0667", "lacks host or port"),
     ],
 )
 def test_wrong_endpoints(text: str, wrong: str) -> None:

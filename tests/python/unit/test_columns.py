@@ -7,7 +7,7 @@ import os
 import pickle
 import subprocess
 import sys
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 from random import Random
 
@@ -15,9 +15,11 @@ import mavwire
 import numpy as np
 import pytest
 from mavwire import traffic
+from mavwire._native import LogColumns
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.logs import reading, scanning
 from unit.column_tools import compare_with_messages, log_of_every_type
-from unit.link_tools import T0, pack, record
+from unit.link_tools import T0, heartbeat, pack, record
 
 ROOT = Path(__file__).parents[3]
 LOGS = Path(os.environ.get("MAVWIRE_LOGS", ROOT.parent / "shared" / "logs"))
@@ -121,6 +123,59 @@ def test_selection(flight):
     expected = [msg.roll for msg in log.messages("ATTITUDE", 2, start, end)]
     assert 0 < len(expected) < len(everything["ATTITUDE"])
     assert tables["ATTITUDE"]["roll"].tolist() == expected
+
+
+def test_a_time_as_datetime_is_the_record_that_has_it(tmp_path):
+    random = Random(3)
+    stamps = sorted(random.randrange(1_500_000_000_000_000, 2**51) for _ in range(300))
+    path = tmp_path / "times.tlog"
+    path.write_bytes(b"".join(record(heartbeat(n % 256), t) for n, t in enumerate(stamps)))
+    log = mavwire.open_log(path)
+    epoch = datetime(1970, 1, 1, tzinfo=UTC)
+    zones = [UTC, timezone(timedelta(hours=-7))]
+    for n, stamp in enumerate(stamps):
+        time = (epoch + timedelta(microseconds=stamp)).astimezone(zones[n % 2])
+        assert sum(1 for _ in log.messages(start=time)) == len(stamps) - n
+        assert sum(1 for _ in log.messages(end=time)) == n
+        if n % 30 == 0:
+            assert len(mavwire.read(path, start=time)["HEARTBEAT"]) == len(stamps) - n
+
+
+def test_a_time_in_a_filter_is_rounded_like_that_of_a_record():
+    for micros in (1_700_000_000_123_000 + 1_000 * n for n in range(1_000)):
+        for unit, count in (
+            ("Nanoseconds", micros * 1_000 + 7),
+            ("Microseconds", micros),
+            ("Milliseconds", micros // 1_000),
+        ):
+            node = {"Literal": {"DateTime": [count, unit, None]}}
+            assert scanning._seconds(node) == micros * 1e-6
+
+
+def test_a_type_that_comes_in_pieces_is_one_table(flight, monkeypatch):
+    whole = mavwire.read(flight, enums="names")
+    monkeypatch.setattr(reading, "LogColumns", Halves)
+    tables = mavwire.read(flight, enums="names")
+    assert {name: len(table) for name, table in tables.items()} == {
+        name: len(table) for name, table in whole.items()
+    }
+    for name, table in tables.items():
+        for column in table:
+            np.testing.assert_array_equal(table[column], whole[name][column])
+
+
+class Halves:
+    """Gives each table in two pieces, as a type that is too large for one array comes."""
+
+    def __init__(self, *arguments):
+        self.found = LogColumns(*arguments)
+
+    def __iter__(self):
+        for tables in self.found:
+            for name, table in tables:
+                half = len(table) // 2
+                yield [(name, table.slice(0, half))]
+                yield [(name, table.slice(half, len(table)))]
 
 
 def test_types_that_are_not_in_the_log_give_empty_tables(flight):

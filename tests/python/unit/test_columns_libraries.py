@@ -173,6 +173,75 @@ def test_logs_with_one_name_do_not_overwrite_each_other(flight, tmp_path):
     ]
 
 
+def test_later_runs_do_not_overwrite_each_other(flight, tmp_path):
+    other = tmp_path / "other" / "flight.tlog"
+    other.parent.mkdir()
+    other.write_bytes(flight.read_bytes()[:20_000])
+    out = tmp_path / "out"
+    first = convert([flight], out, types="ATTITUDE")[0]
+    second = convert([other], out, types="ATTITUDE")[0]
+    assert list(second.files) == ["ATTITUDE/flight-2.parquet"]
+    written = (out / "ATTITUDE" / "flight.parquet").read_bytes()
+    assert convert([flight], out, types="ATTITUDE")[0].skipped
+    assert (out / "ATTITUDE" / "flight.parquet").read_bytes() == written
+    # A log keeps its name when it has changed, in whatever order it is given.
+    other.write_bytes(flight.read_bytes()[:40_000])
+    rows = convert([other, flight], out, types="ATTITUDE")
+    assert [row.files.keys() for row in rows] == [second.files.keys(), first.files.keys()]
+    assert [row.skipped for row in rows] == [False, True]
+
+
+def test_the_files_of_a_log_that_is_gone_stay(flight, tmp_path):
+    gone, other = tmp_path / "a" / "flight.tlog", tmp_path / "b" / "flight.tlog"
+    for path in (gone, other):
+        path.parent.mkdir()
+        path.write_bytes(flight.read_bytes()[:20_000])
+    out = tmp_path / "out"
+    convert([gone], out, types="ATTITUDE")
+    gone.unlink()
+    assert "FileNotFoundError" in str(convert([gone], out, types="ATTITUDE")[0].error)
+    row = convert([other], out, types="ATTITUDE")[0]
+    assert list(row.files) == ["ATTITUDE/flight-2.parquet"]
+
+
+ROW = {"path": "x", "name": "x", "size": 1, "mtime_ns": 1, "rows": 1, "bad_bytes": 0}
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "",
+        "[]",
+        "{}",
+        "[" * 100_000,
+        '{"version": 1}',
+        '{"version": 2, "options": {}, "logs": []}',
+        '{"version": 1, "options": {}, "logs": {}}',
+        '{"version": 1, "options": {}, "logs": [{"path": "x"}]}',
+        json.dumps(
+            {
+                "version": 1,
+                "options": {},
+                "logs": [{**ROW, "name": "../../x", "files": {}, "error": None}],
+            }
+        ),
+        '{"name": "A web page", "icons": []}',
+        b"\xff\xfe",
+    ],
+    ids=range(11),
+)
+def test_a_manifest_of_others_is_left_alone(flight, tmp_path, capsys, content):
+    manifest = tmp_path / "manifest.json"
+    manifest.write_bytes(content if isinstance(content, bytes) else content.encode())
+    before = manifest.read_bytes()
+    with pytest.raises(ValueError, match=r"manifest\.json is no manifest"):
+        convert([flight], tmp_path, types="ATTITUDE")
+    assert cli.main(["convert", str(flight), "-o", str(tmp_path)]) == 1
+    assert "manifest.json" in capsys.readouterr().err
+    assert manifest.read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["manifest.json"]
+
+
 def test_the_command(flight, tmp_path, capsys):
     out = tmp_path / "out"
     command = ["convert", str(flight), "-o", str(out), "--format", "csv", "--types", "ATTITUDE"]

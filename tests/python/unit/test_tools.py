@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 from mavwire import cli, mavutil, traffic
+from mavwire.cli._errors import CommandError
+from mavwire.cli._reading import definitions
 from mavwire.dialects.v20 import ardupilotmega as mavlink
+from mavwire.links import state
 from tool_runs import Log, attitude, flight_log, heartbeat, random_log
 
 READERS = (
@@ -140,6 +143,26 @@ def test_extract_does_not_write_over_its_log(
     before = path.read_bytes()
     assert "is the log itself" in fails(capsys, "extract", "--mode", "guided", path)
     assert path.read_bytes() == before
+
+
+def test_extract_does_not_write_over_another_of_its_logs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, other = Log(tmp_path / "a.tlog"), Log(tmp_path / "GUIDED1.tlog")
+    log.add(0, heartbeat(4))
+    other.add(0, heartbeat(5))
+    paths = [log.done(), other.done()]
+    before = paths[1].read_bytes()
+    assert "is the log itself" in fails(capsys, "extract", "--mode", "guided", *paths)
+    assert paths[1].read_bytes() == before
+
+
+def test_definitions_are_the_old_ones_after_a_dialect_that_is_none() -> None:
+    before = state.wire_protocol, state.mavlink, state.current_dialect
+    for dialect in ("no such dialect", "nosuch"):
+        with pytest.raises(CommandError), definitions(dialect, "1.0"):
+            pytest.fail("there is no such dialect")
+        assert (state.wire_protocol, state.mavlink, state.current_dialect) == before
 
 
 def test_sizes_are_those_of_every_message(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import subprocess
 import sys
 import sysconfig
@@ -52,6 +53,26 @@ def test_a_script_does_what_its_subcommand_does(folder: Path, tmp_path: Path) ->
         )
     ]
     assert outputs[0] == outputs[1] != b""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="scripts are started by their first line")
+@pytest.mark.parametrize("name", ["it's my environment", "e" * 150])
+def test_the_interpreter_may_be_called_anything(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    interpreter = tmp_path / name / "python"
+    interpreter.parent.mkdir()
+    # It says that it was started, and is the interpreter of the tests behind that.
+    interpreter.write_text(f'#!/bin/sh\necho started\nexec {shlex.quote(sys.executable)} "$@"\n')
+    interpreter.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(interpreter))
+    assert cli.main(["tools", "--install"]) == 0
+    environment = {**os.environ, "PYTHONPATH": PACKAGE_FOLDER}
+    command = [str(folder / "mavlink_bitmask_decoder.py"), "--help"]
+    done = subprocess.run(command, capture_output=True, env=environment, timeout=120, check=True)
+    assert done.stdout.startswith(b"started\n") and b"usage:" in done.stdout
+    assert cli.main(["tools", "--uninstall"]) == 0
+    assert names(folder) == set()
 
 
 def test_files_of_others_stay(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
