@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+from contextlib import suppress
 
 from mavwire import _native
 from mavwire.links.conditions import evaluate_condition
@@ -131,8 +132,10 @@ class DFReader(_native.DataflashReader):
 
     def close(self) -> None:
         """Close the file."""
-        self.data_map  # noqa: B018 - made now, so that it can be seen closed afterwards
         self._close()
+        # Made now, so that it can be seen closed afterwards. A log that became empty has no map.
+        with suppress(OSError, ValueError):
+            self.data_map  # noqa: B018
         self.filehandle.close()
         if self._data_map is not None:
             self._data_map.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
@@ -11,7 +12,6 @@ from .options import Endpoint, Link, Recording, Settings, link_from, numbered, w
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    import os
     from collections.abc import Iterable
     from types import ModuleType
     from typing import Any, Self
@@ -215,10 +215,10 @@ class Bridge:
 
 
 def _core_class() -> type[BridgeCore]:
-    try:
-        from mavwire._native import BridgeCore
-    except ImportError:
-        raise OSError("bridges need a system with POSIX sockets") from None
+    if os.name != "posix":
+        raise OSError("bridges need a system with POSIX sockets")
+    from mavwire._native import BridgeCore
+
     return BridgeCore
 
 

@@ -34,7 +34,7 @@ class FrameBatches:
         return self._tap.dropped
 
     def close(self) -> None:
-        """Get no more frames."""
+        """Get no more frames; a thread that waits in `next` gets None."""
         self._tap.close()
 
     def __iter__(self) -> Self:

@@ -17,6 +17,7 @@ examples:
 from __future__ import annotations
 
 import json
+import signal
 import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
@@ -59,7 +60,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--record-time", type=duration, metavar="T", help="begin a new log after this time: 1h"
     )
     record.add_argument(
-        "--record-flush", type=duration, default=1.0, metavar="T",
+        "--record-flush", type=duration, metavar="T",
         help="write what came after this time at the latest [default: 1s]",
     )  # fmt: skip
     show = parser.add_argument_group("watching")
@@ -75,8 +76,20 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run until interrupted, or for `--duration`."""
-    bridge = _bridge(args)
+    """Run until interrupted or told to terminate, or for `--duration`."""
+    before = signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        return _run(_bridge(args), args)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    """End as Ctrl-C does, so that what is being recorded is written."""
+    raise KeyboardInterrupt
+
+
+def _run(bridge: Bridge, args: Namespace) -> int:
     try:
         bridge.start()
     except OSError as error:
@@ -114,10 +127,18 @@ def _bridge(args: Namespace) -> Bridge:
             raise CommandError("nothing to route: name endpoints, or --config FILE", 2)
         if args.dedup is not None:
             config.settings["dedup"] = args.dedup
+        recording = {
+            "max_bytes": args.record_size,
+            "max_age": args.record_time,
+            "flush_interval": args.record_flush,
+        }
+        given: dict[str, Any] = {
+            name: value for name, value in recording.items() if value is not None
+        }
         if args.record is not None:
-            config.recording = Recording(
-                args.record, args.record_size, args.record_time, args.record_flush
-            )
+            config.recording = Recording(args.record, **given)
+        elif given:
+            raise CommandError("--record-size, --record-time and --record-flush need --record", 2)
         return Bridge.from_options(config)
     except ConfigError as error:
         raise CommandError(str(error), 2) from None

@@ -79,9 +79,13 @@ struct Waker {
 impl Waker {
     fn send(&self, command: Command) -> Result<(), BridgeError> {
         self.commands.send(command).map_err(|_| BridgeError::Stopped)?;
+        self.wake();
+        Ok(())
+    }
+
+    fn wake(&self) {
         // A full pipe means that the loop is about to wake anyway.
         let _ = (&*self.signal).write(&[0]);
-        Ok(())
     }
 }
 
@@ -121,9 +125,18 @@ impl Bridge {
         Ok(Self { waker, hub, thread, process })
     }
 
+    /// Whether this is a fork's copy of the handle: nobody would obey its commands.
+    fn is_forked(&self) -> bool {
+        self.process != std::process::id()
+    }
+
+    fn tell(&self, command: Command) -> Result<(), BridgeError> {
+        if self.is_forked() { Err(BridgeError::Stopped) } else { self.waker.send(command) }
+    }
+
     fn ask<T>(&self, command: impl FnOnce(SyncSender<T>) -> Command) -> Result<T, BridgeError> {
         let (answer, receiver) = sync_channel(1);
-        self.waker.send(command(answer))?;
+        self.tell(command(answer))?;
         receiver.recv().map_err(|_| BridgeError::Stopped)
     }
 
@@ -160,7 +173,7 @@ impl Bridge {
     /// # Errors
     /// The bridge has stopped.
     pub fn send(&self, frames: Vec<u8>) -> Result<(), BridgeError> {
-        self.waker.send(Command::Send(frames))
+        self.tell(Command::Send(frames))
     }
 
     /// What came by.
@@ -171,7 +184,7 @@ impl Bridge {
     /// Stops it: closes all links, ends all taps, writes what is left of a recording.
     pub fn stop(&self) {
         let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
-        if self.process != std::process::id() {
+        if self.is_forked() {
             std::mem::forget(thread);
         } else if let Some(thread) = thread {
             let _ = self.waker.send(Command::Stop);

@@ -135,7 +135,7 @@ impl DataflashFile {
                 return Err(io::ErrorKind::Interrupted.into());
             }
         }
-        Ok((tally.contents, tally.late))
+        Ok(tally.finish())
     }
 }
 

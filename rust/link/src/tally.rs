@@ -29,11 +29,14 @@ pub struct Contents {
 pub(crate) struct Tally<'a> {
     layouts: &'a [Arc<Layout>],
     pub(crate) contents: Contents,
-    /// Instance field of each layout.
-    instance: Vec<Option<usize>>,
+    /// How often what is known of a type's fields changed.
+    changes: [u64; 256],
+    /// Instance field of each layout, and after how many changes it was looked up. One that is looked up when its next
+    /// record comes costs the same however many layouts a log has.
+    instance: Vec<(Option<usize>, u64)>,
     seen: HashSet<(u16, Vec<u8>)>,
     /// Units came behind records that they describe.
-    pub(crate) late: bool,
+    late: bool,
 }
 
 impl<'a> Tally<'a> {
@@ -46,15 +49,32 @@ impl<'a> Tally<'a> {
             junk: 0,
             units,
         };
-        let instance = Vec::new();
-        let mut tally = Self { layouts, contents, instance, seen: HashSet::new(), late: false };
-        tally.find_instance_fields();
-        tally
+        let field = |layout: &Arc<Layout>| (contents.units.instance_field(layout), 0);
+        let instance = layouts.iter().map(field).collect();
+        Self { layouts, contents, changes: [0; 256], instance, seen: HashSet::new(), late: false }
     }
 
-    fn find_instance_fields(&mut self) {
-        let units = &self.contents.units;
-        self.instance = self.layouts.iter().map(|layout| units.instance_field(layout)).collect();
+    /// Instance field of a layout.
+    #[inline]
+    fn instance_field(&mut self, index: usize) -> Option<usize> {
+        let layout = &self.layouts[index];
+        let (before, changes) = self.instance[index];
+        let changes_now = self.changes[usize::from(layout.type_id)];
+        if changes == changes_now {
+            return before;
+        }
+        let now = self.contents.units.instance_field(layout);
+        self.instance[index] = (now, changes_now);
+        self.late |= self.contents.counts[index] > 0 && before.is_none() && now.is_some();
+        now
+    }
+
+    /// What was added up, and whether units came behind records that they describe.
+    pub(crate) fn finish(mut self) -> (Contents, bool) {
+        for index in 0..self.layouts.len() {
+            self.instance_field(index);
+        }
+        (self.contents, self.late)
     }
 
     /// Counts a record. `units` takes in what it says about units, `instance` gives the bytes of a field.
@@ -62,33 +82,26 @@ impl<'a> Tally<'a> {
     pub(crate) fn add<'r>(
         &mut self,
         entry: RecordEntry,
-        units: impl FnOnce(&mut Units, &Layout) -> bool,
+        units: impl FnOnce(&mut Units, &Layout) -> Option<u8>,
         instance: impl FnOnce(&Layout, usize) -> &'r [u8],
     ) {
         let index = usize::from(entry.layout);
         let layout = &self.layouts[index];
+        let field = self.instance_field(index);
         self.contents.counts[index] += 1;
         self.contents.last = Some(entry.offset);
         if self.contents.first[index].is_none() {
             self.contents.first[index] = Some(entry.offset);
         }
-        if let Some(field) = self.instance[index] {
+        if let Some(field) = field {
             self.add_instance(entry, instance(layout, field));
         }
         // UNIT, MULT and FMTU.
-        if layout.name.len() == 4 && units(&mut self.contents.units, layout) {
-            self.late |= self.counted_without_instance();
-            self.find_instance_fields();
+        if layout.name.len() == 4
+            && let Some(type_id) = units(&mut self.contents.units, layout)
+        {
+            self.changes[usize::from(type_id)] += 1;
         }
-    }
-
-    /// Records of a type were counted before its instance field was known.
-    fn counted_without_instance(&self) -> bool {
-        let units = &self.contents.units;
-        let mut layouts = self.layouts.iter().zip(&self.instance).zip(&self.contents.counts);
-        layouts.any(|((layout, instance), &count)| {
-            count > 0 && instance.is_none() && units.instance_field(layout).is_some()
-        })
     }
 
     fn add_instance(&mut self, entry: RecordEntry, instance: &[u8]) {

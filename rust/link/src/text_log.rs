@@ -179,7 +179,8 @@ impl TextLogFile {
     /// The layout of a line that has all the values it should have.
     fn layout_of(&self, line: &[u8], offset: u64) -> Option<u16> {
         let places = self.by_name.get(name(line, self.delimiter))?;
-        let (_, index) = places.iter().rev().find(|(from, _)| *from <= offset)?;
+        let behind = places.partition_point(|(from, _)| *from <= offset);
+        let (_, index) = places.get(behind.checked_sub(1)?)?;
         let fields = self.layouts.get(usize::from(*index))?.columns.len();
         let complete = fields == 0 || nth_value(line, self.delimiter, fields - 1).is_some();
         complete.then_some(*index)
@@ -240,6 +241,6 @@ impl TextLogFile {
                 }
             }
         }
-        Ok((tally.contents, tally.late))
+        Ok(tally.finish())
     }
 }

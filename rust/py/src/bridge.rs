@@ -2,7 +2,6 @@
 //!
 //! The bridge's thread never attaches to the interpreter: what Python wants to know is asked for or fetched in batches.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use mavwire_core::router::Settings;
@@ -120,7 +119,7 @@ impl BridgeCore {
     ) -> BridgeTap {
         let filter = TapFilter { messages, systems };
         let tap = slf.get().bridge.hub().tap(filter);
-        BridgeTap { core: slf.unbind(), tap: Mutex::new(Some(tap)) }
+        BridgeTap { core: slf.unbind(), tap }
     }
 
     /// Stops the bridge and waits for that.
@@ -133,21 +132,17 @@ impl BridgeCore {
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct BridgeTap {
     core: Py<BridgeCore>,
-    tap: Mutex<Option<Tap>>,
+    tap: Tap,
 }
 
 impl BridgeTap {
-    fn tap(&self) -> MutexGuard<'_, Option<Tap>> {
-        self.tap.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Waits until so many frames are there; true if they are, or nothing will come any more.
     fn wait(&self, py: Python<'_>, wanted: usize, timeout: Option<Duration>) -> PyResult<bool> {
         let began = Instant::now();
         loop {
             let left = timeout.map(|timeout| timeout.saturating_sub(began.elapsed()));
             let slice = left.map_or(WAIT_SLICE, |left| left.min(WAIT_SLICE));
-            let there = py.detach(|| self.tap().as_ref().is_none_or(|tap| tap.wait(wanted, slice)));
+            let there = py.detach(|| self.tap.wait(wanted, slice));
             if there || left.is_some_and(|left| left <= slice) {
                 return Ok(there);
             }
@@ -173,7 +168,7 @@ impl BridgeTap {
         if self.wait(py, 1, timeout)? {
             self.wait(py, max_batch, Some(latency))?;
         }
-        let Some(frames) = py.detach(|| self.tap().as_ref()?.take(max_batch)) else {
+        let Some(frames) = py.detach(|| self.tap.take(max_batch)) else {
             return Ok(None);
         };
         let core = self.core.get();
@@ -183,11 +178,11 @@ impl BridgeTap {
     /// Frames that were dropped because nobody fetched them in time.
     #[getter]
     fn dropped(&self, py: Python<'_>) -> u64 {
-        py.detach(|| self.tap().as_ref().map_or(0, Tap::dropped))
+        py.detach(|| self.tap.dropped())
     }
 
-    /// Ends it; a thread that waits in `next` gets what it waits for or its time runs out first.
+    /// Ends it; a thread that waits in `next` gets `None`.
     fn close(&self, py: Python<'_>) {
-        py.detach(|| *self.tap() = None);
+        py.detach(|| self.tap.close());
     }
 }

@@ -233,7 +233,8 @@ def announced_ports(lines: queue.Queue[str]) -> list[int]:
             return [int(link.rpartition(":")[2]) for link in links.split(", ")]
 
 
-def test_the_command_routes_records_and_tells(tmp_path: Path) -> None:
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+def test_the_command_routes_records_and_tells(tmp_path: Path, end: signal.Signals) -> None:
     options = ["--master", UDP, "--out", TCP, "--record", str(tmp_path), "--json", "1h"]
     with mavwire("bridge", *options) as (process, lines):
         udp, tcp = announced_ports(lines)
@@ -251,7 +252,7 @@ def test_the_command_routes_records_and_tells(tmp_path: Path) -> None:
                     pass
             station.settimeout(LIMIT)
             assert len(first + read_exactly(station, 20)) == 21
-        process.send_signal(signal.SIGINT)
+        process.send_signal(end)
         assert process.stdout is not None
         out = process.stdout.read()
         assert process.wait(LIMIT) == 0
@@ -271,6 +272,8 @@ def test_the_command_routes_records_and_tells(tmp_path: Path) -> None:
         ([UDP, UDP], 1, "there is a link called"),
         ([UDP, "--dedup", "soon"], 2, "not a time"),
         ([UDP, "--metrics", "here"], 2, "not [HOST]:PORT"),
+        ([UDP, "--record-size", "1M"], 2, "--record-flush need --record"),
+        ([UDP, "--record-flush", "1s"], 2, "--record-flush need --record"),
     ],
 )
 def test_start_up_errors_are_one_line(

@@ -12,6 +12,7 @@ import threading
 import urllib.error
 import urllib.request
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -409,6 +410,32 @@ bridge.stop()
         capture_output=True, text=True, timeout=3 * LIMIT, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+
+
+def test_closing_ends_the_wait_of_another_thread() -> None:
+    with Bridge() as bridge:
+        batches = bridge.frames()
+        ended: list[object] = []
+        waiting = threading.Thread(target=lambda: ended.append(batches.next()), daemon=True)
+        waiting.start()
+        batches.close()
+        waiting.join(LIMIT)
+        assert ended == [None]
+        assert batches.next() is None and batches.dropped == 0
+
+
+def test_a_broken_installation_is_not_taken_for_a_foreign_system(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    import mavwire._native
+
+    with monkeypatch.context() as patch:
+        patch.delattr(mavwire._native, "BridgeCore")
+        with pytest.raises(ImportError, match="BridgeCore"):
+            Bridge().start()
+    monkeypatch.setattr("mavwire.bridge.bridge.os", SimpleNamespace(name="nt"))
+    with pytest.raises(OSError, match="POSIX"):
+        Bridge().start()
 
 
 def test_waiting_for_a_batch_ends_with_a_signal() -> None:

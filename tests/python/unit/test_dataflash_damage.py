@@ -138,7 +138,9 @@ def test_a_file_that_shrinks_while_it_is_read(tmp_path: Path) -> None:
     while log.recv_msg() is not None:
         pass
     assert log.recv_match(type="CNT") is None
-    log.filehandle.close()
+    for _ in range(2):
+        log.close()
+        assert log.filehandle.closed
 
 
 def test_text_that_is_no_log(tmp_path: Path) -> None:

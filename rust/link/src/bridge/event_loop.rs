@@ -35,6 +35,8 @@ const PROGRAM_NAME: &str = "program";
 const MAX_PEERS: usize = 64;
 /// Batches of datagrams that are read from one socket in a round, and connections that are taken.
 const TURNS: usize = 8;
+/// Commands that are obeyed in a round.
+const COMMANDS: usize = 64;
 /// How often peers are looked at that say nothing any more.
 const TICK: u64 = 1_000_000;
 /// The first pause before a connection is tried again; doubled up to the limit of the link.
@@ -137,7 +139,6 @@ impl EventLoop {
     /// Works until it is told to stop.
     pub(super) fn run(mut self) {
         while self.round() {}
-        self.hub.stop();
     }
 
     /// One round; false if it was the last.
@@ -459,7 +460,8 @@ impl EventLoop {
     fn obey(&mut self) -> bool {
         let mut signals = [0; 256];
         while matches!(self.wake.read(&mut signals), Ok(len) if len > 0) {}
-        while let Ok(command) = self.commands.try_recv() {
+        for _ in 0..COMMANDS {
+            let Ok(command) = self.commands.try_recv() else { return true };
             match command {
                 Command::Add(spec, opened, answer) => {
                     let _ = answer.send(self.add(*spec, opened));
@@ -475,6 +477,8 @@ impl EventLoop {
                 Command::Stop => return false,
             }
         }
+        // There may be more, for the next round.
+        self.waker.wake();
         true
     }
 
@@ -630,5 +634,12 @@ fn state_of(wire: &Wire, kind: &Kind) -> &'static str {
         }
         (Wire::Down, _) => "down",
         _ => "up",
+    }
+}
+
+/// However the loop ends, nobody waits for frames any more.
+impl Drop for EventLoop {
+    fn drop(&mut self) {
+        self.hub.stop();
     }
 }

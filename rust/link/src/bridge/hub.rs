@@ -83,7 +83,7 @@ struct Waiting {
     /// How many of them, and of their bytes, are taken out already.
     taken: usize,
     taken_bytes: usize,
-    /// Frames that are waited for.
+    /// Frames that somebody waits for, the least number; 0 while nobody waits.
     wanted: usize,
     dropped: u64,
     closed: bool,
@@ -129,6 +129,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl TapShared {
     fn deliver(&self, frames: &Frames) {
         let mut waiting = lock(&self.waiting);
+        if waiting.closed {
+            return;
+        }
         for (info, bytes) in frames.iter().filter(|(info, _)| self.filter.wants(info)) {
             if waiting.frames.bytes.len() - waiting.taken_bytes + bytes.len() > TAP_BYTES {
                 // The older half, so that the cost for each frame stays small.
@@ -139,6 +142,8 @@ impl TapShared {
             waiting.frames.push(bytes, *info);
         }
         if waiting.wanted > 0 && waiting.len() >= waiting.wanted {
+            // Who is not content with that says again what it waits for.
+            waiting.wanted = 0;
             self.arrived.notify_all();
         }
     }
@@ -154,20 +159,18 @@ impl Tap {
     pub fn wait(&self, wanted: usize, timeout: Duration) -> bool {
         let deadline = Instant::now() + timeout;
         let mut waiting = lock(&self.0.waiting);
-        waiting.wanted = wanted;
-        let there = loop {
+        loop {
             if waiting.closed || waiting.len() >= wanted {
-                break true;
+                return true;
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                break false;
+                return false;
             }
+            waiting.wanted = if waiting.wanted == 0 { wanted } else { waiting.wanted.min(wanted) };
             let woken = self.0.arrived.wait_timeout(waiting, left);
             waiting = woken.unwrap_or_else(PoisonError::into_inner).0;
-        };
-        waiting.wanted = 0;
-        there
+        }
     }
 
     /// The frames that are there, `max_batch` at most; `None` once the bridge has stopped and all is fetched.
@@ -181,11 +184,18 @@ impl Tap {
     pub fn dropped(&self) -> u64 {
         lock(&self.0.waiting).dropped
     }
+
+    /// Ends it: nothing is there or will come any more, and nobody waits for it.
+    pub fn close(&self) {
+        let mut waiting = lock(&self.0.waiting);
+        *waiting = Waiting { closed: true, dropped: waiting.dropped, ..Waiting::default() };
+        self.0.arrived.notify_all();
+    }
 }
 
 impl Drop for Tap {
     fn drop(&mut self) {
-        self.0.close();
+        self.close();
     }
 }
 
@@ -335,6 +345,39 @@ mod tests {
         }
         assert_eq!((got as u64 + tap.dropped(), last), (1_000_000, Some(9_999)));
         assert!(got > TAP_BYTES / 20 / 3);
+    }
+
+    #[test]
+    fn several_may_wait_for_one_tap() {
+        let hub = Hub::default();
+        let tap = Arc::new(hub.tap(TapFilter::default()));
+        let waiter = |wanted| {
+            let (tap, (done, ended)) = (Arc::clone(&tap), std::sync::mpsc::channel());
+            std::thread::spawn(move || done.send(tap.wait(wanted, 10 * LONG)));
+            ended
+        };
+        let wanted = |number| {
+            let start = Instant::now();
+            while lock(&tap.0.waiting).wanted != number {
+                assert!(start.elapsed() < LONG, "nobody waits for {number}");
+                std::thread::yield_now();
+            }
+        };
+        let two = waiter(2);
+        wanted(2);
+        let one = waiter(1);
+        wanted(1);
+        hub.deliver(&frames([7]));
+        assert_eq!(one.recv_timeout(LONG), Ok(true));
+        wanted(2);
+        hub.deliver(&frames([8]));
+        assert_eq!(two.recv_timeout(LONG), Ok(true));
+        let many = waiter(100);
+        wanted(100);
+        tap.close();
+        assert_eq!(many.recv_timeout(LONG), Ok(true));
+        hub.deliver(&frames([9]));
+        assert!(tap.take(1).is_none(), "what was there is gone, and nothing comes");
     }
 
     #[test]

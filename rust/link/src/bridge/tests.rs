@@ -281,3 +281,43 @@ fn recordings_hold_what_passed_without_signatures() {
     assert_eq!(frames, [heartbeat(1, 0), heartbeat(2, 0)]);
     std::fs::remove_dir_all(&directory).unwrap();
 }
+
+#[test]
+fn a_program_that_sends_without_pause_stops_no_link() {
+    let bridge = start(None);
+    bridge.add(link("in", Endpoint::UdpServer { host: local(), port: 0 })).unwrap();
+    let port = server_port(&bridge, "in");
+    let station = station(&bridge, "station");
+    let vehicle = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    vehicle.connect((Ipv4Addr::LOCALHOST, port)).unwrap();
+    let ended = std::sync::atomic::AtomicBool::new(false);
+    let mut buffer = [0; MAX_FRAME_LEN];
+    let got = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !ended.load(std::sync::atomic::Ordering::Relaxed) {
+                bridge.send(Vec::new()).unwrap();
+            }
+        });
+        let sent = vehicle.send(&heartbeat(1, 1));
+        let got = sent.and_then(|_| station.recv(&mut buffer));
+        ended.store(true, std::sync::atomic::Ordering::Relaxed);
+        got
+    });
+    assert_eq!(&buffer[..got.expect("a frame arrives")], heartbeat(1, 1));
+}
+
+#[test]
+fn however_the_loop_ends_its_taps_do() {
+    let (commands, receiver) = sync_channel(1);
+    let (signal, wake) = UnixStream::pair().unwrap();
+    let waker = Waker { commands, signal: Arc::new(signal) };
+    let hub = Arc::new(Hub::default());
+    let tap = hub.tap(TapFilter::default());
+    let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        let switch = Switch::new(registry(), Settings::new(3));
+        let _running = EventLoop::new(switch, Arc::clone(&hub), None, receiver, waker, wake);
+        std::panic::resume_unwind(Box::new("a mistake"));
+    }));
+    assert!(ended.is_err());
+    assert!(tap.wait(1, LIMIT) && tap.take(1).is_none());
+}

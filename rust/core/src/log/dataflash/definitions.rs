@@ -28,6 +28,8 @@ pub struct Definitions {
     only: [u16; 256],
     /// Type, offset from which it holds, index; sorted. Of the types with several layouts.
     several: Vec<(u8, u64, u16)>,
+    /// Layouts of each type.
+    counts: [u8; 256],
     /// Where each layout was found.
     offsets: Vec<u64>,
 }
@@ -38,6 +40,7 @@ impl Default for Definitions {
             layouts: Vec::new(),
             only: [NONE; 256],
             several: Vec::new(),
+            counts: [0; 256],
             offsets: Vec::new(),
         };
         definitions.add(Layout::of_fmt(), 0);
@@ -70,9 +73,11 @@ impl Definitions {
         let type_id = layout.type_id;
         let before = self.index_at(type_id, u64::MAX);
         let known = before.and_then(|index| self.layouts.get(usize::from(index)));
-        if known.is_some_and(|known| **known == layout) || self.count(type_id) >= MAX_FOR_TYPE {
+        let count = &mut self.counts[usize::from(type_id)];
+        if known.is_some_and(|known| **known == layout) || usize::from(*count) >= MAX_FOR_TYPE {
             return;
         }
+        *count += 1;
         let index = self.layouts.len() as u16;
         self.layouts.push(Arc::new(layout));
         self.offsets.push(offset);
@@ -85,11 +90,6 @@ impl Definitions {
             self.only[usize::from(type_id)] = SEVERAL;
         }
         self.insert(type_id, offset, index);
-    }
-
-    /// Layouts of a type, where there are several.
-    fn count(&self, type_id: u8) -> usize {
-        self.several.iter().filter(|(known, _, _)| *known == type_id).count()
     }
 
     fn insert(&mut self, type_id: u8, offset: u64, index: u16) {

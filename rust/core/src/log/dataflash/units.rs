@@ -20,8 +20,8 @@ pub struct Units {
 }
 
 impl Units {
-    /// Takes in a binary record of any type; true if it said something new about the fields of a type.
-    pub fn add(&mut self, layout: &Layout, body: &[u8]) -> bool {
+    /// Takes in a binary record of any type; the type about whose fields it said something new.
+    pub fn add(&mut self, layout: &Layout, body: &[u8]) -> Option<u8> {
         self.add_values(&layout.name, |name| match layout.named(name, body)? {
             Value::Integer(number) => Some(number.to_string()),
             Value::Unsigned(number) => Some(number.to_string()),
@@ -32,31 +32,31 @@ impl Units {
     }
 
     /// The same for a record whose values `value` gives as text, by the names of the columns.
-    pub fn add_values(&mut self, name: &str, value: impl Fn(&str) -> Option<String>) -> bool {
+    pub fn add_values(&mut self, name: &str, value: impl Fn(&str) -> Option<String>) -> Option<u8> {
         let id = || Some(char::from(value("Id")?.trim().parse::<u8>().ok()?));
         match name {
             "UNIT" => {
                 put(&mut self.labels, id().zip(value("Label")));
-                false
+                None
             }
             "MULT" => {
                 let factor = value("Mult").and_then(|factor| factor.trim().parse().ok());
                 put(&mut self.multipliers, id().zip(factor));
-                false
+                None
             }
-            "FMTU" => self.add_fields(value).is_some(),
-            _ => false,
+            "FMTU" => self.add_fields(value),
+            _ => None,
         }
     }
 
-    fn add_fields(&mut self, value: impl Fn(&str) -> Option<String>) -> Option<()> {
+    fn add_fields(&mut self, value: impl Fn(&str) -> Option<String>) -> Option<u8> {
         let type_id = value("FmtType")?.trim().parse().ok()?;
         let ids = (value("UnitIds")?, value("MultIds")?);
         if self.fields.get(&type_id) == Some(&ids) {
             return None;
         }
         self.fields.insert(type_id, ids);
-        Some(())
+        Some(type_id)
     }
 
     /// Index of the field that tells the instances of a type apart.
