@@ -27,7 +27,7 @@ from .metadata import DFMetaData
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
     from types import TracebackType
     from typing import Any, Self
 
@@ -40,6 +40,16 @@ _VEHICLE_TEXTS = (
 _VEHICLE_BUILDS = {1: 10, 2: 2, 3: 1, 4: 5, 7: 12, 12: 7, 13: 4}
 # Types that tell the time, and PARM, which is to be known early.
 _TIME_TYPES = (*GPS_TYPES, "TIME", "PARM")
+
+
+def _has_numbers(m: Any, columns: Iterable[str]) -> bool:
+    """Whether all columns can be read; a line of a text log may have anything in them."""
+    try:
+        for column in columns:
+            getattr(m, column)
+    except ValueError:
+        return False
+    return True
 
 
 class DFReader(_native.DataflashReader):
@@ -201,6 +211,8 @@ class DFReader(_native.DataflashReader):
                 px4_time = m
             if kind not in GPS_TYPES:
                 continue
+            if not _has_numbers(m, names):
+                continue
             if {"TimeUS", "GWk", "GMS"}.issubset(names):
                 if m.GWk:
                     self._use_usec(m)
@@ -227,9 +239,11 @@ class DFReader(_native.DataflashReader):
         """The value of a column in the first message that has it."""
         self._rewind(keep_messages=True)
         types = {fmt.name for fmt in self._layouts if column in fmt.colhash}
-        m = self.recv_match(type=types, strict=True) if types else None
-        value: float | None = None if m is None else getattr(m, column)
-        return value
+        while types and (m := self.recv_match(type=types, strict=True)) is not None:
+            with suppress(ValueError):  # a text log may have a word there
+                value: float = getattr(m, column)
+                return value
+        return None
 
     def _use_usec(self, gps: Any) -> None:
         first = self._first_value("TimeUS")

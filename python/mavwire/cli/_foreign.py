@@ -28,10 +28,18 @@ def warn_if_foreign(command: str, path: str) -> bool:
         print(f"mavwire {command}: the log is empty: {path!r}", file=sys.stderr)
         return False
     try:
-        open_log(path).close()
+        with open_log(path) as log:
+            compressed = log.compressed
     except LogFormatError as error:
         print(f"mavwire {command}: {error}", file=sys.stderr)
         return True
     except OSError:  # gone since it was read
-        pass
+        return False
+    if compressed and command != "info":
+        print(
+            f"mavwire {command}: a compressed log, which info, convert and mavwire.read take as it is;"
+            f" unpack it first: {path!r}",
+            file=sys.stderr,
+        )
+        return True
     return False

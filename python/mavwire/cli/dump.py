@@ -260,9 +260,17 @@ class Sink:
         if self._silent:
             return
         if self._shows:
-            self.writer.line(self._shape.line(msg))
+            self._show_values(msg)
         if self._loss is not None and self._loss != self._log.mav_loss:
             self.writer.line(f"lost {self._log.mav_loss - self._loss} messages")
             self._loss = self._log.mav_loss
         if self._prompt:
             self.writer.flush()
+
+    def _show_values(self, msg: Any) -> None:
+        try:
+            text = self._shape.line(msg)
+        except ValueError as error:  # a line of a text log whose value is no number
+            print(f"mavwire dump: {msg.get_type()} passed over: {error}", file=sys.stderr)
+            return
+        self.writer.line(text)

@@ -48,9 +48,11 @@ def main(args: Namespace) -> int:
 def _sizes(log: Reading) -> dict[str, int]:
     """Bytes of each type: the payloads of a telemetry log, the whole messages of another."""
     if not hasattr(log.link, "mav"):
-        formats = log.link.formats
-        counts = Counter(msg.fmt.type for msg in log.messages())
-        return {formats[kind].name: formats[kind].len * count for kind, count in counts.items()}
+        counts = Counter((msg.fmt.name, msg.fmt.len) for msg in log.messages())
+        totals: Counter[str] = Counter()
+        for (kind, length), count in counts.items():
+            totals[kind] += length * count
+        return dict(totals)
     sizes: dict[str, int] = {}
     for msg in log.messages():
         if msg.get_msgId() >= 0:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from dataflash_writer import FMT, HEAD, Log, fmt, record, sample
-from mavwire import mavutil
+from mavwire import cli, mavutil
 from mavwire.DFReader import DFReader_binary, DFReader_text
 
 RECORDS = [record(1, "QB", number, number % 7) for number in range(40)]
@@ -168,3 +168,35 @@ def test_text_lines_around_bad_ones_come_once(tmp_path: Path) -> None:
         times = [message.TimeUS for message in iter(lambda: log.recv_match(type="A"), None)]
     assert times == list(range(50))
     assert max(Counter(times).values()) == 1
+
+
+ODD_TEXT = """FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns
+FMT, 5, 11, ATT, Qcc, TimeUS,Roll,Pitch
+FMT, 6, 20, GPS, QIH, TimeUS,GMS,GWk
+GPS, 1, word, 2000
+ATT, notnum, 1, 2
+ATT, 1000, 1, 2
+ATT, 1500, x, 2
+ATT, 2000, 5, 6
+"""
+
+
+def test_words_in_the_place_of_numbers_cost_their_line_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "odd.log"
+    path.write_text(ODD_TEXT)
+    with DFReader_text(str(path)) as log:
+        assert len(list(iter(log.recv_msg, None))) == 8
+    assert cli.main(["dump", str(path)]) == 0
+    printed = capsys.readouterr()
+    assert "TimeUS : 1000, Roll" in printed.out
+    assert "TimeUS : 2000, Roll" in printed.out
+    assert printed.err.count("passed over") == 3
+
+
+def test_sizes_of_types_in_a_text_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "odd.log"
+    path.write_text(ODD_TEXT)
+    assert cli.main(["msgstats", str(path)]) == 0
+    assert "ATT" in capsys.readouterr().out

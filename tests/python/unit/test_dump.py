@@ -4,6 +4,7 @@ wrong arguments. What it prints is compared with mavlogdump.py in tests/python/c
 
 from __future__ import annotations
 
+import gzip
 import io
 import os
 import shlex
@@ -184,6 +185,18 @@ def test_what_is_no_log_is_said_on_standard_error(
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err == f"mavwire dump: {said}: {str(path)!r}\n"
+
+
+def test_a_compressed_log_is_said_to_be_one(
+    log: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "flight.tlog.gz"
+    path.write_bytes(gzip.compress(Path(log).read_bytes()))
+    for command in ("dump", "loss", "parms"):
+        assert cli.main([command, str(path)]) == 0
+        assert "a compressed log" in capsys.readouterr().err
+    assert cli.main(["info", str(path)]) == 0
+    assert capsys.readouterr().err == ""
 
 
 def test_dialect_and_protocol_of_the_process_stay(log: str) -> None:
