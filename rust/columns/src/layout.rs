@@ -2,7 +2,7 @@
 //!
 //! First `timestamp` (microseconds, UTC; null in a raw stream), `sysid`, `compid` and `seq`, then the fields in XML order.
 //! A field that bears one of those names, or that of a column before it, gets underscores behind its own. Metadata tells the
-//! rest: `field` (the name in the definition), `unit`, `enum`, `bitmask`, `multiplier`, `invalid`, `instance`.
+//! rest: `field` (the name in the definition), `unit`, `enum`, `bitmask`, `multiplier`, `invalid`.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
