@@ -26,6 +26,7 @@ help: ## List the targets
 
 $(BIN)/python:
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=python3.12")'
+	@echo 'Making $(VENV), then building into it, which takes some minutes'
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.requirements-%: requirements/%.txt | $(BIN)/python
@@ -50,7 +51,8 @@ $(VENV)/.requirements-bench: requirements/bench.txt requirements/bench-build.txt
 
 $(VENV)/.built-$(PROFILE): $(VENV)/.requirements-build $(BUILD_INPUTS)
 	@command -v cargo >/dev/null || { echo 'Rust is needed: https://rustup.rs'; exit 1; }
-	$(BIN)/maturin develop --profile $(PROFILE) --locked --quiet
+	@echo 'Building the extension module, which takes some minutes the first time'
+	@[ -t 2 ] || quiet=--quiet; $(BIN)/maturin develop --profile $(PROFILE) --locked $$quiet
 	@rm -f $(VENV)/.built-*
 	@touch $@
 
@@ -96,6 +98,11 @@ bench-large: ## Read logs of up to 1 GB: time of a message, and memory (BENCH_FL
 bench-bridge: ## Forward through a bridge at rising rates, to many links, from many components
 	@$(MAKE) --no-print-directory build PROFILE=release
 	@$(BIN)/python benches/bridge.py $(BENCH_FLAGS)
+
+.PHONY: bench-tools
+bench-tools: $(VENV)/.requirements-test ## Run the tools and pymavlink's scripts over the same log
+	@$(MAKE) --no-print-directory build PROFILE=release
+	@$(BIN)/python benches/tools.py $(BENCH_FLAGS)
 
 .PHONY: bench-rust
 bench-rust: ## Run the criterion benches of the core

@@ -1,4 +1,4 @@
-"""Writes measured figures into README.md and docs/benchmarks.md, between the marks that stand there.
+"""Writes measured figures into the documents, between the marks that stand there.
 
 So the figures that users read are those of a run and never typed by hand.
 """
@@ -40,11 +40,13 @@ def between(text: str, name: str, content: str) -> str:
     return pattern.sub(lambda found: f"{found[1]}{content}\n{found[2]}", text)
 
 
+def write(path: Path, name: str, content: str) -> None:
+    """Put content between the marks of a document."""
+    path.write_text(between(path.read_text(encoding="utf-8"), name, content), encoding="utf-8")
+
+
 def update(title: str, rows: list[list[str]], lines: list[str]) -> None:
-    """Put a run's figures into both documents."""
+    """Put a run's figures into README.md and docs/benchmarks.md."""
     full = "\n".join([title + ".", "", markdown(rows), "", *(f"* {line}" for line in lines)])
-    for path, name, content in (
-        (ROOT / "README.md", "speed", short_table(rows)),
-        (ROOT / "docs" / "benchmarks.md", "results", full),
-    ):
-        path.write_text(between(path.read_text(encoding="utf-8"), name, content), encoding="utf-8")
+    write(ROOT / "README.md", "speed", short_table(rows))
+    write(ROOT / "docs" / "benchmarks.md", "results", full)

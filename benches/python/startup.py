@@ -46,8 +46,10 @@ def environment() -> dict[str, str]:
     return {k: v for k, v in os.environ.items() if not k.startswith(("MAV", "MDEF", "PYTHON"))}
 
 
-def child(command: list[str], processor: int) -> tuple[float, float, bytes]:
-    """CPU seconds, wall seconds and output of a program."""
+def child(
+    command: list[str], processor: int, folder: str | None = None
+) -> tuple[float, float, bytes]:
+    """CPU seconds, wall seconds and output of a program that works in `folder`."""
 
     def pin() -> None:
         if hasattr(os, "sched_setaffinity"):
@@ -55,7 +57,7 @@ def child(command: list[str], processor: int) -> tuple[float, float, bytes]:
 
     before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     done = subprocess.run(
-        command, check=True, env=environment(), preexec_fn=pin, stdout=subprocess.PIPE
+        command, check=True, cwd=folder, env=environment(), preexec_fn=pin, stdout=subprocess.PIPE
     )
     wall = time.perf_counter() - began
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from mavwire import mavutil
+from mavwire._wording import printable
 
 TRY_SECONDS = 1.0
 
@@ -247,7 +248,7 @@ def _entries(
         if not words:
             continue
         if len(words) != 2:
-            print(f"Invalid line: {text}")
+            print(f"Invalid line: {printable(text)}")
             continue
         name, number_text = words
         if name in excluded or not _matches(name, wildcard):
@@ -257,6 +258,6 @@ def _entries(
         except ValueError as error:
             where = f"{filename}:{number}"
             raise MAVParmFileError(
-                f"{where}: the value of {name} is no number: {number_text}"
+                printable(f"{where}: the value of {name} is no number: {number_text}")
             ) from error
         yield name, value

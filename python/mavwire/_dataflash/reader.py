@@ -178,8 +178,16 @@ class DFReader(_native.DataflashReader):
         if self._clock is None:
             m._timestamp = 0
             return
-        self._clock.message_arrived(m)
-        self._clock.set_message_timestamp(m)
+        with suppress(ValueError):  # a text log may have a word in the place of a number
+            self._clock.message_arrived(m)
+        self._stamp(m)
+
+    def _stamp(self, m: Any) -> None:
+        """Let the clock set a message's time; a word in its place counts as none."""
+        try:
+            self._clock.set_message_timestamp(m)
+        except ValueError:
+            m._timestamp = self._clock.timestamp
 
     def init_clock(self) -> None:
         """Find out which clock the log has, and its time base."""
@@ -193,7 +201,7 @@ class DFReader(_native.DataflashReader):
         self._rewind(keep_messages=True)
         for name, m in list(self.messages.items()):
             if name not in ("MAV", "__MAV__"):
-                self.clock.set_message_timestamp(m)
+                self._stamp(m)
         self.clock.rewind_event()
 
     def _read_to_the_end(self) -> None:
@@ -285,7 +293,13 @@ class DFReader(_native.DataflashReader):
     # -- state
 
     def _track(self, m: Any) -> None:
-        """Take a message of a type that tells the state of the vehicle into it."""
+        """Take a message of a type that tells the state of the vehicle into it; one that has a word
+        in the place of a number tells nothing.
+        """
+        with suppress(ValueError):
+            self._take_state(m)
+
+    def _take_state(self, m: Any) -> None:
         kind, names = m.get_type(), m.get_fieldnames()
         if kind == "PARM":
             self._track_parameter(m, names)

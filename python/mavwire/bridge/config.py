@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from difflib import get_close_matches
+
+from mavwire._wording import did_you_mean
 
 from .endpoints import parse_endpoint
 from .errors import ConfigError
@@ -107,6 +108,4 @@ def _recording(where: str, record: Any) -> Recording:
 def _check_names(where: str, given: dict[str, Any], known: tuple[str, ...]) -> None:
     for option in given:
         if option not in known:
-            close = get_close_matches(option, known, n=1)
-            hint = f"; did you mean {close[0]!r}?" if close else ""
-            raise ConfigError(f"{where}: unknown option {option!r}{hint}")
+            raise ConfigError(f"{where}: unknown option {option!r}{did_you_mean(option, known)}")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
+from mavwire._wording import did_you_mean
+
 from .config import Config
 from .errors import ConfigError
 from .options import DEFAULT_BAUD, Endpoint, Recording, whole
@@ -114,11 +116,8 @@ def _sections(name: str, text: str) -> list[_Section]:
 def _enter(section: _Section, key: str, value: str, where: str) -> None:
     known = _KEYS[section.kind]
     if key.lower() not in known:
-        from difflib import get_close_matches
-
-        close = get_close_matches(key.lower(), known, n=1)
-        hint = f"; did you mean {close[0]}?" if close else ""
-        raise ConfigError(f"{where}: unknown option {key}{hint}")
+        hint = did_you_mean(key.lower(), known)
+        raise ConfigError(f"{where}: unknown option {key!r}{hint}")
     section.entries[key.lower()] = (value, where)
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from difflib import get_close_matches
+
+from mavwire._wording import did_you_mean
 
 from .errors import ConfigError
 
@@ -120,9 +121,7 @@ def link_from(
     }  # fmt: skip
     for option in options:
         if option not in known:
-            close = get_close_matches(option, known, n=1)
-            hint = f"; did you mean {close[0]!r}?" if close else ""
-            raise ConfigError(f"unknown option {option!r}{hint}")
+            raise ConfigError(f"unknown option {option!r}{did_you_mean(option, known)}")
     return Link(
         name=_text("name", options.get("name", str(endpoint))),
         endpoint=endpoint,

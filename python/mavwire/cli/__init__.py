@@ -145,11 +145,10 @@ def _overview() -> str:
 
 
 def _unknown(name: str) -> str:
-    from difflib import get_close_matches
+    from mavwire._wording import did_you_mean
 
-    close = get_close_matches(name, COMMANDS, n=1)
-    hint = f"did you mean '{close[0]}'?" if close else "see: mavwire help"
-    return f"mavwire: unknown command '{name}'; {hint}"
+    hint = did_you_mean(name, COMMANDS) or "; see: mavwire help"
+    return f"mavwire: unknown command '{name}'{hint}"
 
 
 def _version() -> str:

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from fnmatch import fnmatchcase
 
-from mavwire.cli._errors import CommandError
-
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import Namespace
     from typing import Any
+
+    from mavwire.cli._reading import Reading
 
 # What `--meta` shows whether the condition holds or not: how a dataflash log describes itself.
 META = frozenset(("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "MODE", "EV", "CMD", "MAVC", "VER"))
@@ -33,7 +33,7 @@ UNRATED = frozenset(("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "MODE", "VER"
 class Selection:
     """The filters of one command line over one log."""
 
-    def __init__(self, args: Namespace, log: Any) -> None:
+    def __init__(self, args: Namespace, log: Reading) -> None:
         self._args = args
         self._log = log
         self._types = _patterns(args.types)
@@ -47,7 +47,7 @@ class Selection:
         """The types to seek to in an indexed log; None to read every record."""
         if self._types is None:
             return None
-        names = getattr(self._log, "name_to_id", ())
+        names = getattr(self._log.link, "name_to_id", ())
         return [name for name in names if self._fits(name)] or None
 
     def wants(self, kind: str) -> bool:
@@ -98,25 +98,13 @@ class Selection:
         args = self._args
         if not self.wants(kind) or (kind == "BAD_DATA" and msg.reason == "Bad prefix"):
             return False
-        if not self._condition_holds() and not (args.meta and kind in META):
+        if not self._log.holds(args.condition) and not (args.meta and kind in META):
             return False
         return (
             (args.source_system is None or args.source_system == msg.get_srcSystem())
             and (args.source_component is None or args.source_component == msg.get_srcComponent())
             and (args.link is None or args.link == msg._link)
         )
-
-    def _condition_holds(self) -> Any:
-        condition = self._args.condition
-        if condition is None:
-            return True
-        from mavwire import mavutil
-
-        try:
-            return mavutil.evaluate_condition(condition, self._log.messages)
-        except Exception as error:
-            kind = type(error).__name__
-            raise CommandError(f"--condition {condition!r}: {kind}: {error}") from error
 
 
 def _patterns(text: str | None) -> list[str] | None:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
+import sys
 from contextlib import contextmanager
 from functools import partial
 from itertools import chain, islice
 
+from mavwire._wording import printable
 from mavwire.cli._errors import CommandError, no_such_dialect
 from mavwire.cli._progress import Progress
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from typing import Any
 
 PROGRESS_EVERY = 20_000
@@ -51,48 +53,85 @@ def _naming_dialect(option: str | None, name: str) -> Iterator[None]:
 @contextmanager
 def opening(path: str) -> Iterator[None]:
     """What goes wrong while a log or a link is opened becomes a CommandError that says so."""
+    hint = "; LOG is a .tlog, .BIN or .log file, or a link such as udpin:0.0.0.0:14550"
+    if os.path.isfile(path):  # it is the content that is wrong
+        hint = ""
     try:
         yield
     except FileNotFoundError as error:
         raise CommandError(f"no such log: {path}") from error
     except (OSError, ValueError, ImportError) as error:
-        raise CommandError(
-            f"cannot open {path}: {error}; LOG is a .tlog, .BIN or .log file, or a link such as"
-            " udpin:0.0.0.0:14550"
-        ) from error
+        raise CommandError(f"cannot open {path}: {error}{hint}") from error
 
 
-@contextmanager
-def _naming(condition: str | None) -> Iterator[None]:
-    """What goes wrong with a condition becomes a CommandError that shows it."""
+def _condition_error(condition: str, error: Exception) -> CommandError:
+    """What went wrong with a condition, which is shown."""
+    return CommandError(f"--condition {condition!r}: {type(error).__name__}: {error}")
+
+
+def _word_in(msg: Any) -> ValueError | None:
+    """What is wrong with a message of a text log that has a word in the place of a number."""
     try:
-        yield
-    except Exception as error:
-        if condition is None or isinstance(error, OSError):
-            raise
-        kind = type(error).__name__
-        raise CommandError(f"--condition {condition!r}: {kind}: {error}") from error
+        msg.to_dict()
+    except ValueError as error:
+        return error
+    return None
 
 
 class Reading:
     """A log that is being read: `link` as mavutil gives it, with progress for who waits."""
 
-    def __init__(self, path: str, link: Any, progress: Progress) -> None:
+    def __init__(self, command: str, path: str, link: Any, progress: Progress) -> None:
+        self.command = command
         self.path = path
         self.link = link
         self.progress = progress
+        self._text = self._is_text_log()
 
     def messages(
-        self, types: Iterable[str] | None = None, condition: str | None = None
+        self,
+        types: Iterable[str] | None = None,
+        condition: str | None = None,
+        blocking: bool = False,
     ) -> Iterator[Any]:
-        """The messages that `recv_match` gives for these arguments, to the end of the log."""
+        """The messages that `recv_match` gives for these arguments, to the end of the log, but for
+        lines of a text log that have a word in the place of a number.
+        """
         wanted = None if types is None else list(types)
-        receive = iter(partial(self.link.recv_match, condition, wanted), None)
-        with _naming(condition):
+        # In a text log it is for `holds` to say what a condition over words gives.
+        checked = None if self._text else condition
+        receive = iter(partial(self.link.recv_match, checked, wanted, blocking), None)
+        if self._text:
+            receive = (msg for msg in receive if self._has_numbers(msg) and self.holds(condition))
+        try:
             for first in receive:
                 yield first
                 yield from islice(receive, PROGRESS_EVERY)
                 self.show_progress()
+        except Exception as error:
+            if condition is None or isinstance(error, OSError | CommandError):
+                raise
+            raise _condition_error(condition, error) from error
+
+    def _is_text_log(self) -> bool:
+        if hasattr(self.link, "mav"):
+            return False
+        from mavwire.DFReader import DFReader_text
+
+        return isinstance(self.link, DFReader_text)
+
+    def _has_numbers(self, msg: Any) -> bool:
+        """Whether there are numbers where they should be; it is said if not."""
+        error = _word_in(msg)
+        if error is not None:
+            text = f"mavwire {self.command}: {msg.get_type()} passed over: {error}"
+            print(printable(text), file=sys.stderr)
+        return error is None
+
+    def _has_words(self) -> bool:
+        """Whether one of the newest messages has a word in the place of a number."""
+        newest = self.link.messages.values()
+        return self._text and any(_word_in(msg) for msg in newest if hasattr(msg, "to_dict"))
 
     def chunks(self) -> Iterator[Iterator[Any]]:
         """All messages, BAD_DATA and UNKNOWN included, some thousands at a time: for loops in which
@@ -104,11 +143,17 @@ class Reading:
             self.show_progress()
 
     def holds(self, condition: str | None) -> bool:
-        """Whether a condition holds now, with the newest messages of the vehicle."""
+        """Whether a condition holds now, with the newest messages of the vehicle. It does not over
+        words in the place of numbers.
+        """
         if condition is None:
             return True
-        with _naming(condition):
+        try:
             return bool(self.link.check_condition(condition))
+        except Exception as error:
+            if isinstance(error, ValueError) and self._has_words():
+                return False
+            raise _condition_error(condition, error) from error
 
     def show_progress(self) -> None:
         """Tell how much of the log is read."""
@@ -116,20 +161,33 @@ class Reading:
 
 
 @contextmanager
-def reading(command: str, path: str, **options: Any) -> Iterator[Reading]:
+def reading(
+    command: str,
+    path: str,
+    show_progress: bool = True,
+    first_try: Callable[[], Any] = lambda: None,
+    **options: Any,
+) -> Iterator[Reading]:
     """Open a log for `mavwire COMMAND`, show progress, close it, and say so where it was no log.
 
-    `options` are those of `mavlink_connection`.
+    `options` are those of `mavlink_connection`, which opens what `first_try` gives None for.
     """
     from mavwire import mavutil
     from mavwire.cli._foreign import warn_if_foreign
 
-    progress = Progress(os.path.basename(path))
+    progress = Progress(os.path.basename(path), show_progress)
     try:
         with opening(path):
-            link = mavutil.mavlink_connection(path, progress_callback=progress.update, **options)
+            link = first_try() or mavutil.mavlink_connection(
+                path, progress_callback=progress.update, **options
+            )
         try:
-            yield Reading(path, link, progress)
+            yield Reading(command, path, link, progress)
+        except AttributeError as error:
+            msg: Any = error.obj
+            if not hasattr(msg, "fmt"):  # no message of a dataflash log: it is ours
+                raise
+            raise CommandError(f"{path}: {msg.get_type()} has no column {error.name}") from error
         finally:
             link.close()
     finally:

@@ -9,20 +9,19 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, redirect_stdout
 
 from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection
 from mavwire.cli._errors import CommandError
-from mavwire.cli._foreign import warn_if_foreign
 from mavwire.cli._output import open_output
-from mavwire.cli._progress import Progress
-from mavwire.cli._reading import PROGRESS_EVERY, definitions, opening
+from mavwire.cli._reading import Reading, definitions, reading
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
     from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
     from typing import Any
 
 DEFAULT_DIALECT = "ardupilotmega"
@@ -90,47 +89,45 @@ def main(args: Namespace) -> int:
             " reads, or --format json",
             exit_code=2,
         )
-    progress = Progress(os.path.basename(args.log), enabled=args.quiet or not sys.stdout.isatty())
+    writer = Writer()
     with ExitStack() as stack:
-        stack.callback(progress.finish)
         stack.enter_context(definitions(args.dialect, "1.0" if args.mav10 else "2.0"))
         if args.profile:
             stack.enter_context(_profiled())
-        log = _open(args, progress)
-        stack.callback(log.close)
-        _check_possible(args, log)
-        record = _recorder(args, stack)
-        _dump(args, log, Writer(), record, progress)
-    if not args.no_timestamps:
-        warn_if_foreign("dump", args.log)
+        if not os.path.isfile(args.log):  # what a link has to say must not be among the messages
+            stack.enter_context(redirect_stdout(sys.stderr))
+        log = stack.enter_context(_open(args, writer))
+        _check_possible(args, log.link)
+        _dump(args, log, writer, _recorder(args, stack))
     return 0
 
 
-def _open(args: Namespace, progress: Progress) -> Any:
-    from mavwire import mavutil
-
-    with opening(args.log):
-        return _dump_native.open_without_index(args) or mavutil.mavlink_connection(
-            args.log,
-            planner_format=args.planner,
-            notimestamps=args.no_timestamps,
-            robust_parsing=args.robust,
-            zero_time_base=args.zero_time_base,
-            progress_callback=progress.update,
-        )
+def _open(args: Namespace, writer: Writer) -> AbstractContextManager[Reading]:
+    return reading(
+        "dump",
+        args.log,
+        show_progress=args.quiet or not writer.to_terminal,
+        first_try=lambda: _dump_native.open_without_index(args),
+        planner_format=args.planner,
+        notimestamps=args.no_timestamps,
+        robust_parsing=args.robust,
+        zero_time_base=args.zero_time_base,
+    )
 
 
 def _check_possible(args: Namespace, log: Any) -> None:
     """Say what a dataflash log does not have, instead of showing nothing."""
     if hasattr(log, "mav"):
         return
+    shown = not args.quiet
+    text = shown and args.format == "standard" and not (args.show_types or args.verbose)
     asked = {
         "--source-system": args.source_system is not None,
         "--source-component": args.source_component is not None,
         "--link": args.link is not None,
-        "--show-source": args.show_source,
-        "--show-seq": args.show_seq,
-        "--show-loss": args.show_loss,
+        "--show-source": args.show_source and (text or (shown and args.format == "json")),
+        "--show-seq": args.show_seq and text,
+        "--show-loss": args.show_loss and shown,
         "--follow": args.follow,
     }
     for option in (name for name, wanted in asked.items() if wanted):
@@ -156,6 +153,7 @@ class Writer:
 
     def __init__(self) -> None:
         self._file = sys.stdout
+        self.to_terminal = sys.stdout.isatty()
         self._binary = getattr(sys.stdout, "buffer", None)
         encoding = (getattr(sys.stdout, "encoding", None) or "utf-8").lower()
         self._encoding = "" if encoding.replace("-", "") == "utf8" else encoding
@@ -181,33 +179,24 @@ class Writer:
 
 
 def _dump(
-    args: Namespace,
-    log: Any,
-    writer: Writer,
-    record: Callable[[bytes], Any] | None,
-    progress: Progress,
+    args: Namespace, log: Reading, writer: Writer, record: Callable[[bytes], Any] | None
 ) -> None:
-    shape = _dump_format.formatter(args, log)
+    link = log.link
+    shape = _dump_format.formatter(args, link)
     selection = Selection(args, log)
     if isinstance(shape, _dump_format.Csv):
         writer.line(shape.header())
-    if _dump_native.fits(args, log):
-        _dump_native.dump(args, log, selection, shape, writer.write, record, progress.update)
+    if _dump_native.fits(args, link):
+        _dump_native.dump(args, link, selection, shape, writer.write, record, log.progress.update)
     else:
-        _dump_messages(args, log, selection, Sink(args, log, shape, writer, record), progress)
+        _dump_messages(args, log, selection, Sink(args, link, shape, writer, record))
     writer.flush()
 
 
-def _dump_messages(
-    args: Namespace, log: Any, selection: Selection, sink: Sink, progress: Progress
-) -> None:
+def _dump_messages(args: Namespace, log: Reading, selection: Selection, sink: Sink) -> None:
     """The ordinary loop: one message after the other through all filters."""
     seen: dict[str, None] = {}
-    number = 0
-    while (msg := log.recv_match(type=selection.visited, blocking=args.follow)) is not None:
-        number += 1
-        if number % PROGRESS_EVERY == 0:
-            progress.update(getattr(log, "percent", 0.0))
+    for msg in log.messages(selection.visited, blocking=args.follow):
         kind = msg.get_type()
         seen[kind] = None
         if selection.thins_out(msg, kind):
@@ -242,7 +231,7 @@ class Sink:
         # Text is left out where only the types are asked for.
         self._shows = not (args.show_types and args.format == "standard")
         self._loss: int | None = 0 if args.show_loss else None
-        self._prompt = args.follow or sys.stdout.isatty()
+        self._prompt = args.follow or writer.to_terminal
 
     def record(self, msg: Any) -> None:
         """Append the message to the output file, if there is one."""
@@ -260,17 +249,9 @@ class Sink:
         if self._silent:
             return
         if self._shows:
-            self._show_values(msg)
+            self.writer.line(self._shape.line(msg))
         if self._loss is not None and self._loss != self._log.mav_loss:
             self.writer.line(f"lost {self._log.mav_loss - self._loss} messages")
             self._loss = self._log.mav_loss
         if self._prompt:
             self.writer.flush()
-
-    def _show_values(self, msg: Any) -> None:
-        try:
-            text = self._shape.line(msg)
-        except ValueError as error:  # a line of a text log whose value is no number
-            print(f"mavwire dump: {msg.get_type()} passed over: {error}", file=sys.stderr)
-            return
-        self.writer.line(text)

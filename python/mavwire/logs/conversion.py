@@ -16,10 +16,11 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import Converter
+from mavwire.links.recognise import read_head
 
 from .query import Query
 from .reading import check_readable, native_dialect
-from .telemetry import LogFormatError
+from .telemetry import HEAD_SIZE, not_telemetry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -149,7 +150,7 @@ class _Job:
                     self.progress(path, min(100.0, 100.0 * position / row.size))
             position, row.bad_bytes, row.error = converter.progress()
             if position and row.bad_bytes == position:
-                raise LogFormatError(f"no telemetry log, there is no record in it: {path!r}")
+                raise not_telemetry(path, read_head(path, HEAD_SIZE))
             for written, rows in converter.commit():
                 row.files[os.path.relpath(written, self.out)] = rows
                 row.rows += rows

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 
+from mavwire._wording import did_you_mean
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any, Self
@@ -58,12 +60,9 @@ def _named_id(dialect: Any, name: str) -> int:
     msgid = getattr(dialect, f"MAVLINK_MSG_ID_{name}", None)
     if isinstance(msgid, int) and msgid >= 0:
         return msgid
-    from difflib import get_close_matches
-
     prefix = "MAVLINK_MSG_ID_"
     names = [key.removeprefix(prefix) for key in vars(dialect) if key.startswith(prefix)]
-    close = get_close_matches(name.upper(), names, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
+    hint = did_you_mean(name.upper(), names)
     raise ValueError(f"the dialect {dialect.DIALECT} has no message {name!r}{hint}")
 
 

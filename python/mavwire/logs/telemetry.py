@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from .summary import LogInfo
     from .table import Table
 
+# What tells a file's format is in its first bytes.
+HEAD_SIZE = 8192
 # A file without a single record is called foreign if it is no longer than this.
 FOREIGN_PROBE = 16 * 1024 * 1024
 
@@ -193,19 +195,18 @@ class TelemetryLog:
         if os.path.isdir(self.path):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), self.path)
         with open(self.path, "rb") as file:
-            head = file.read(8192)
+            head = file.read(HEAD_SIZE)
             size = os.fstat(file.fileno()).st_size
         if not head:
             return
         self.compressed = head.startswith((b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd"))
         if self.compressed and self._has_records():
             return
-        other = _other_format(head)
-        if other is not None:
-            raise LogFormatError(f"a {other}, not a telemetry log: {self.path!r}")
         may_begin = len(head) < 9 or head[8] in b"\xfd\xfe"
-        if not may_begin and size <= FOREIGN_PROBE and next(iter(self), None) is None:
-            raise LogFormatError(f"no telemetry log, there is no record in it: {self.path!r}")
+        if _other_format(head) is not None or (
+            not may_begin and size <= FOREIGN_PROBE and next(iter(self), None) is None
+        ):
+            raise not_telemetry(self.path, head)
 
     def _has_records(self) -> bool:
         """Whether the log begins with records, once it is decompressed."""
@@ -225,6 +226,14 @@ class TelemetryLog:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+def not_telemetry(path: str, head: bytes) -> LogFormatError:
+    """The error that tells what a file without records is, by its first bytes."""
+    other = _other_format(head)
+    if other is not None:
+        return LogFormatError(f"a {other}, not a telemetry log: {path!r}")
+    return LogFormatError(f"no telemetry log, there is no record in it: {path!r}")
 
 
 def _other_format(head: bytes) -> str | None:

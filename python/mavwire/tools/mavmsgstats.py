@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from fnmatch import fnmatchcase
+from itertools import chain
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_logs
@@ -48,7 +49,8 @@ def main(args: Namespace) -> int:
 def _sizes(log: Reading) -> dict[str, int]:
     """Bytes of each type: the payloads of a telemetry log, the whole messages of another."""
     if not hasattr(log.link, "mav"):
-        counts = Counter((msg.fmt.name, msg.fmt.len) for msg in log.messages())
+        every = chain.from_iterable(log.chunks())
+        counts = Counter((msg.fmt.name, msg.fmt.len) for msg in every)
         totals: Counter[str] = Counter()
         for (kind, length), count in counts.items():
             totals[kind] += length * count

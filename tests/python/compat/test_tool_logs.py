@@ -1,21 +1,16 @@
 """The tools and pymavlink's scripts over real logs: the same lines and files.
 
-MAVWIRE_LOGS names a directory of logs (the default is `logs` in a directory `shared` beside the
-checkout); without one these tests are skipped.
+`real_logs` says where they are.
 """
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
+from real_logs import each_log
 from tool_runs import compare
 
-ROOT = Path(__file__).parents[3]
-LOGS = Path(os.environ.get("MAVWIRE_LOGS", ROOT.parent / "shared" / "logs"))
-TLOGS = sorted(LOGS.glob("*.tlog"))
-NOTICE = f"no logs in {LOGS}: set MAVWIRE_LOGS to a directory of .tlog files"
 RUNS = (
     ("mavparms", "parms", ""),
     ("mavflightmodes", "flightmodes", ""),
@@ -30,9 +25,8 @@ RUNS = (
 )
 
 
-@pytest.mark.skipif(not TLOGS, reason=NOTICE)
 @pytest.mark.parametrize(("script", "verb", "options"), RUNS)
-@pytest.mark.parametrize("path", TLOGS, ids=lambda path: path.name)
+@each_log("*.tlog")
 def test_real_log(
     path: Path, script: str, verb: str, options: str, tmp_path: Path, oracle: str
 ) -> None:

@@ -19,7 +19,8 @@ from random import Random
 import pytest
 from differential.damage import damaged
 from differential.frames import FrameMaker, Framing, layouts
-from differential.test_logs import TLOGS, transcript
+from differential.test_logs import transcript
+from real_logs import logs
 
 COUNT = int(os.environ.get("MAVWIRE_DAMAGED", "250"))
 READERS = ("stream", "mmap", "mmap-again", "mmap-types", "mmap-condition", "raw")
@@ -41,7 +42,7 @@ def made_log(oracle: str, seed: int, version: int) -> bytes:
 def sources(oracle: str) -> Iterator[bytes]:
     made = [made_log(oracle, seed, version) for seed in (1, 2) for version in (1, 2)]
     made.append(made[0] + made[3])
-    return cycle([*made, *(path.read_bytes() for path in TLOGS)])
+    return cycle([*made, *(path.read_bytes() for path in logs("*.tlog"))])
 
 
 @pytest.fixture(scope="module")

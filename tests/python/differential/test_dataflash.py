@@ -1,7 +1,6 @@
 """Dataflash logs read through both packages in every way give the same transcript.
 
-Generated logs always; real ones from the directory that MAVWIRE_LOGS names (the default is `logs`
-in a directory `shared` beside the checkout), without which those tests are skipped.
+Generated logs always; real ones where there are some (`real_logs` says where).
 """
 
 from __future__ import annotations
@@ -15,11 +14,8 @@ from pathlib import Path
 import pytest
 from differential.dataflash_logs import generated
 from differential.dataflash_transcript import WAYS
+from real_logs import each_log
 
-ROOT = Path(__file__).parents[3]
-LOGS = Path(os.environ.get("MAVWIRE_LOGS", ROOT.parent / "shared" / "logs"))
-REAL = sorted([*LOGS.glob("*.BIN"), *LOGS.glob("*.log")])
-NOTICE = f"no dataflash logs in {LOGS}: set MAVWIRE_LOGS to a directory of .BIN files"
 NAMES = [
     "kinds0.bin", "kinds1.bin", "kinds2.bin", "flight.bin", "no_units.bin", "no_fix.bin",
     "back.bin", "text0.log", "text1.log",
@@ -62,8 +58,7 @@ def test_generated_log(name: str, directory: Path, subject: str, oracle: str) ->
     compare(subject, oracle, directory / name, *(() if has_types else ("condition",)))
 
 
-@pytest.mark.skipif(not REAL, reason=NOTICE)
-@pytest.mark.parametrize("path", REAL, ids=lambda path: path.name)
+@each_log("*.BIN", "*.log")
 def test_real_log(path: Path, subject: str, oracle: str) -> None:
     # In text logs pymavlink applies units from the line on that tells them.
     compare(subject, oracle, path, *(("verbose",) if path.suffix == ".log" else ()))

@@ -1,7 +1,6 @@
 """Real logs read through both packages in every way give the same transcript, message by message.
 
-MAVWIRE_LOGS names a directory of logs (the default is `logs` in a directory `shared` beside the
-checkout); without one these tests are skipped.
+`real_logs` says where they are.
 """
 
 from __future__ import annotations
@@ -13,12 +12,8 @@ from itertools import zip_longest
 from pathlib import Path
 
 import pytest
+from real_logs import each_log
 
-ROOT = Path(__file__).parents[3]
-LOGS = Path(os.environ.get("MAVWIRE_LOGS", ROOT.parent / "shared" / "logs"))
-TLOGS = sorted(LOGS.glob("*.tlog"))
-RAW = sorted(LOGS.glob("*.tlog.raw"))
-NOTICE = f"no logs in {LOGS}: set MAVWIRE_LOGS to a directory of .tlog files"
 READERS = ("mmap", "stream", "mmap-types", "mmap-condition", "stream-type", "mmap-again")
 
 
@@ -74,8 +69,7 @@ def difference(
     return count, None
 
 
-@pytest.mark.skipif(not TLOGS, reason=NOTICE)
-@pytest.mark.parametrize("path", TLOGS, ids=lambda path: path.name)
+@each_log("*.tlog")
 @pytest.mark.parametrize("reader", READERS)
 def test_telemetry_log(path: Path, reader: str, subject: str, oracle: str) -> None:
     # Half of the ways start with MAVLink 2.
@@ -84,7 +78,6 @@ def test_telemetry_log(path: Path, reader: str, subject: str, oracle: str) -> No
     print(f"{lines} lines")
 
 
-@pytest.mark.skipif(not RAW, reason=NOTICE)
-@pytest.mark.parametrize("path", RAW, ids=lambda path: path.name)
+@each_log("*.tlog.raw")
 def test_raw_stream(path: Path, subject: str, oracle: str) -> None:
     assert compare(subject, oracle, "raw", path) > 100

@@ -190,7 +190,10 @@ def test_without_a_word_mavlink_router_listens_on_5760(tmp_path: Path) -> None:
         ("x = 1", ":1: stands before the first"),
         ("[General]\n\nnonsense", ":3: neither"),
         ("[Genral]", r":1: unknown section \[Genral\]"),
-        ("[General]\nTcpServerPrt = 1", ":2: unknown option TcpServerPrt; did you mean tcpserverp"),
+        (
+            "[General]\nTcpServerPrt = 1",
+            ":2: unknown option 'TcpServerPrt'; did you mean 'tcpserverp",
+        ),
         ("[General]\nTcpServerPort = 99999", ":2: tcpserverport must be a number from 0 to 65535"),
         ("[General]\nTcpServerPort = " + "9" * 10_000, ":2: tcpserverport must be a number"),
         ("[General]\nLogTelemetry = maybe", ":2: logtelemetry must be true or false"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import os
 import pickle
 import subprocess
 import sys
@@ -18,13 +17,9 @@ from mavwire import traffic
 from mavwire._native import LogColumns
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.logs import reading, scanning
+from real_logs import each_log
 from unit.column_tools import compare_with_messages, log_of_every_type
 from unit.link_tools import T0, heartbeat, pack, record
-
-ROOT = Path(__file__).parents[3]
-LOGS = Path(os.environ.get("MAVWIRE_LOGS", ROOT.parent / "shared" / "logs"))
-REAL = sorted(LOGS.glob("*.tlog")) if LOGS.is_dir() else []
-NOTICE = f"no logs in {LOGS}: set MAVWIRE_LOGS to a directory of .tlog files"
 
 
 @pytest.fixture(scope="module")
@@ -48,14 +43,9 @@ def test_a_flight(flight):
     assert compare_with_messages(flight) == 20_000
 
 
-@pytest.mark.parametrize("path", REAL, ids=lambda path: path.name)
+@each_log("*.tlog")
 def test_real_logs(path):
     assert compare_with_messages(path) >= 0
-
-
-@pytest.mark.skipif(bool(REAL), reason="there are real logs")
-def test_there_are_real_logs():
-    pytest.skip(NOTICE)
 
 
 def test_columns_and_metadata(flight):

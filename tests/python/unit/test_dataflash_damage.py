@@ -195,6 +195,85 @@ def test_words_in_the_place_of_numbers_cost_their_line_alone(
     assert printed.err.count("passed over") == 3
 
 
+# Two intact positions, modes and parameters among lines with words, in logs with either clock.
+WORDS = """FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns
+FMT, 6, 20, GPS, QBIHLLfff, TIME,Status,GMS,GWk,Lat,Lng,Alt,GCrs,Spd
+FMT, 7, 20, PARM, QNf, TIME,Name,Value
+FMT, 8, 20, MODE, QMB, TIME,Mode,ModeNum
+FMT, 9, 20, ATT, Qcc, TIME,Roll,Pitch
+PARM, 1, A, word
+PARM, word, B, 1.5
+PARM, 3, C, 2.5
+MODE, 10, 5, word
+MODE, 20, 5, 5
+GPS, 1000, word, 1000, 2000, 1.5, 2.5, 10, 90, 5
+GPS, 2000, 3, 2000, 2000, 1.5, 2.5, 10, 90, 5
+GPS, 3000, 3, 3000, 2000, word, 2.5, 10, 90, 5
+ATT, 3500, word, 2
+GPS, 4000, 3, 4000, 2000, 1.6, 2.5, 10, 90, 5
+ATT, 5000, 7, 2
+"""
+
+
+@pytest.mark.parametrize("time", ["TimeUS", "TimeMS"])
+@pytest.mark.parametrize(
+    ("command", "shown"),
+    [
+        ("info", "ATT"),
+        ("dump", "Roll : 7.0"),
+        ("dump --format json", '"Roll": 7.0'),
+        ("dump --format csv --types ATT", ",7.0,2.0"),
+        ("dump --verbose", "Roll: 7.0"),
+        ("dump --condition ATT.Roll>1", "Roll : 7.0"),
+        ("dump --output copy.bin", "Roll : 7.0"),
+        ("search --condition ATT.Roll>1", "Roll : 7.0"),
+        ("search --types ATT", "Roll : 7.0"),
+        ("parms", "2.5"),
+        ("flightmodes", "MAV.flightmode=5"),
+        ("flighttime", "distance travelled: 11"),
+        ("summarize", "words.log"),
+        ("togpx", "2 points"),
+        ("msgstats", "ATT"),
+        ("tomfile", "words.m"),
+        ("tomfile --condition ATT.Roll>1", "words.m"),
+    ],
+)
+def test_every_tool_passes_over_words_and_reads_the_rest(
+    time: str,
+    command: str,
+    shown: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("words.log").write_text(WORDS.replace("TIME", time))
+    assert cli.main([*command.split(), "words.log"]) == 0
+    assert shown in capsys.readouterr().out
+    if command.startswith("tomfile"):
+        assert "ATT.data(1,:)" in Path("words.m").read_text()
+
+
+def test_a_column_that_a_tool_needs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = Log().define("GPS", "QB", "TimeUS,Status").add("GPS", 1, 3)
+    path = log.write(tmp_path / "short.bin")
+    assert cli.main(["flighttime", path]) == 1
+    error = f"mavwire flighttime: error: {path}: GPS has no column Spd\n"
+    assert capsys.readouterr().err == error
+
+
+def test_a_wrong_condition_over_a_text_log_is_shown_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "good.log"
+    path.write_text(ODD_TEXT.splitlines()[0])
+    for verb in ("dump", "search", "tomfile"):
+        assert cli.main([verb, "--condition", "float('x')>1", str(path)]) == 1
+        error = capsys.readouterr().err
+        assert error.startswith(f"mavwire {verb}: error: --condition")
+        assert error.count("--condition") == 1
+
+
 def test_sizes_of_types_in_a_text_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "odd.log"
     path.write_text(ODD_TEXT)

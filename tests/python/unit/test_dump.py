@@ -9,6 +9,7 @@ import io
 import os
 import shlex
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -166,6 +167,27 @@ def test_errors_say_what_to_do(
     for word in words:
         assert word in error
     assert os.path.getsize(log) == size
+
+
+def test_what_is_wrong_with_a_file_is_its_content(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "empty.bin"
+    path.write_bytes(b"")
+    assert cli.main(["dump", str(path)]) == 1
+    error = capsys.readouterr().err
+    assert f"cannot open {path}: " in error
+    assert "LOG is" not in error
+
+
+def test_what_a_link_says_is_not_among_the_messages(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as closed:  # its port answers nobody
+        closed.bind(("127.0.0.1", 0))
+        port = closed.getsockname()[1]
+        assert cli.main(["dump", "--format", "json", f"tcp:127.0.0.1:{port}"]) == 1
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert "refused" in printed.err
 
 
 @pytest.mark.parametrize(

@@ -266,7 +266,7 @@ def test_many_entries_and_messages_take_linear_time(tmp_path: Path) -> None:
         assert not check_duplicates([xml])
 
 
-@pytest.mark.parametrize("text", ["1" * 500_000, "0" * 500_000, " " * 500_000, "1." * 250_000])
+@pytest.mark.parametrize("text", ["1" * 200_000, "0" * 200_000, " " * 200_000, "1." * 100_000])
 def test_checking_an_attribute_takes_linear_time(text: str) -> None:
     for shape in _schema.SHAPES.values():
         rules = {**shape.required, **shape.optional, "": shape.content or _schema.ANY}

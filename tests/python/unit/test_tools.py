@@ -230,6 +230,18 @@ def test_a_parameter_file_with_a_mistake(
     assert f"{path}:2" in fails(capsys, "parmdiff", path, path)
 
 
+def test_control_characters_of_a_parameter_file_do_not_reach_the_terminal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "garbage.parm"
+    path.write_bytes(b"\x1b[2J 1 2\nA 1\nB \x07\xff\n")
+    assert cli.main(["parmdiff", str(path), str(path)]) == 1
+    printed = capsys.readouterr()
+    assert "Invalid line: \\x1b[2J 1 2\n" in printed.out
+    assert "\\x07" in printed.err
+    assert not {"\x1b", "\x07"} & set(printed.out + printed.err)
+
+
 def test_tools_start_without_heavy_modules(tmp_path: Path) -> None:
     log = tmp_path / "flight.tlog"
     traffic.generate(log, 200)

@@ -1,0 +1,25 @@
+"""Words for people: hints at what was meant, and text from files as a terminal can take it."""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+# What terminals act upon: C0 but for tabs, DEL and C1.
+_CONTROLS = {
+    code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0)) if code != ord("\t")
+}
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """`; did you mean 'mode'?` if one of the known names is close to this one, else nothing."""
+    from difflib import get_close_matches
+
+    close = get_close_matches(name, list(known), n=1)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def printable(text: str) -> str:
+    """A line of a file with its control characters, but for tabs, as `\\x1b`."""
+    return text.translate(_CONTROLS)
