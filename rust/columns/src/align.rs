@@ -5,7 +5,7 @@ use std::sync::Arc;
 use arrow::array::{
     Array, ArrayRef, Float64Array, RecordBatch, TimestampMicrosecondArray, UInt64Array,
 };
-use arrow::compute::{cast, take};
+use arrow::compute::{cast, max, min, take};
 use arrow::datatypes::{DataType, Field, Schema};
 use arrow::error::ArrowError;
 
@@ -85,13 +85,27 @@ pub fn clock_of(table: &RecordBatch) -> Result<Vec<i64>, ArrowError> {
 pub fn span_of(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, ArrowError> {
     let mut span: Option<(i64, i64)> = None;
     for (_, table) in tables {
-        let times = Ordered::of(table)?.times;
-        if let (Some(&first), Some(&last)) = (times.first(), times.last()) {
+        let times = times_of(table)?;
+        if let (Some(first), Some(last)) = (min(times), max(times)) {
             let (low, high) = span.unwrap_or((first, last));
             span = Some((low.min(first), high.max(last)));
         }
     }
     Ok(span)
+}
+
+/// Values in a row of the wide table, those of lists one by one.
+pub fn values_of(tables: &[(String, RecordBatch)]) -> usize {
+    let fields = tables.iter().flat_map(|(_, table)| table.schema_ref().fields());
+    let values = fields.filter(|field| is_measured(field)).map(|field| match field.data_type() {
+        DataType::FixedSizeList(_, length) => usize::try_from(*length).unwrap_or(0),
+        _ => 1,
+    });
+    1 + values.sum::<usize>()
+}
+
+fn is_measured(field: &Field) -> bool {
+    !HEADER.contains(&field.name().as_str())
 }
 
 /// A row for each tick: `timestamp`, then the fields of each table as `TYPE.field`. Where no row is within `tolerance`
@@ -115,7 +129,7 @@ pub fn align(
             .map(|&tick| ordered.choose(tick, nearest, tolerance).map(|place| ordered.rows[place]))
             .collect();
         for (field, column) in table.schema().fields().iter().zip(table.columns()) {
-            if HEADER.contains(&field.name().as_str()) {
+            if !is_measured(field) {
                 continue;
             }
             let array = if method == Method::Linear && field.data_type().is_numeric() {

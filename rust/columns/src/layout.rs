@@ -140,7 +140,8 @@ fn all_columns(
         }
         name
     };
-    for field in &message.fields {
+    for (index, field) in message.fields.iter().enumerate() {
+        let first = columns.len();
         let name = unique(field.name.clone());
         if field.is_char() {
             let raw = unique(format!("{name}_raw"));
@@ -149,8 +150,18 @@ fn all_columns(
         } else {
             columns.push(numbers(field, &name, dialect, options));
         }
+        if message.instance_field.map(usize::from) == Some(index) {
+            columns[first..].iter_mut().for_each(|(_, arrow)| mark_instance(arrow));
+        }
     }
     columns
+}
+
+/// Says of a column that its values tell apart what the messages of one type are about.
+fn mark_instance(arrow: &mut ArrowField) {
+    let mut metadata = arrow.metadata().clone();
+    metadata.insert("instance".to_owned(), "true".to_owned());
+    arrow.set_metadata(metadata);
 }
 
 fn text(field: &Field, name: &str) -> (Column, ArrowField) {

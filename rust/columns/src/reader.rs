@@ -14,9 +14,6 @@ use crate::scan::{Framing, LogScanner};
 use crate::select::{Grouped, Wanted};
 use crate::table::{Found, TableBuilder};
 
-/// Bytes of text in one array at most, whose offsets have 31 bits.
-const MOST_BYTES: usize = 1 << 30;
-
 /// When a table's rows become a record batch.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
@@ -24,11 +21,13 @@ pub struct Limits {
     pub rows: usize,
     /// Bytes that all growing tables may hold together; beyond that the largest is taken.
     pub bytes: usize,
+    /// Bytes of one table that make a batch of it whatever else is allowed: the offsets of a text array have 31 bits.
+    pub table_bytes: usize,
 }
 
 impl Limits {
-    /// One batch for each type.
-    pub const NONE: Self = Self { rows: usize::MAX, bytes: usize::MAX };
+    /// One batch for each type, or some where one would be too large for arrow.
+    pub const NONE: Self = Self { rows: usize::MAX, bytes: usize::MAX, table_bytes: 1 << 30 };
 }
 
 /// Rows of one message type.
@@ -139,9 +138,9 @@ impl Reader {
     }
 
     fn complete(&mut self) -> Result<Vec<Batch>, Error> {
-        let Limits { rows, bytes } = self.limits;
+        let Limits { rows, bytes, table_bytes } = self.limits;
         let mut batches =
-            self.take_where(|table| table.rows() >= rows || table.bytes() >= MOST_BYTES)?;
+            self.take_where(|table| table.rows() >= rows || table.bytes() >= table_bytes)?;
         loop {
             let sizes = self.tables.iter().flatten().map(TableBuilder::bytes);
             let (total, most) = sizes.fold((0, 0), |(sum, most), n| (sum + n, most.max(n)));

@@ -51,8 +51,11 @@ impl TableBuilder {
         self.rows
     }
 
-    /// Bytes held.
+    /// Bytes held; none without rows, though an empty text column has an offset.
     pub fn bytes(&self) -> usize {
+        if self.rows == 0 {
+            return 0;
+        }
         self.columns.iter().map(Growing::bytes).sum()
     }
 

@@ -65,6 +65,7 @@ impl Query {
         Limits {
             rows: self.batch_rows.unwrap_or(usize::MAX),
             bytes: self.batch_bytes.unwrap_or(usize::MAX),
+            ..Limits::NONE
         }
     }
 

@@ -1,6 +1,7 @@
 //! `Converter`: the tables of a log into files, one for each message type, without the interpreter.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -52,16 +53,16 @@ struct Work {
 
 impl Work {
     fn write(&mut self, batch: &Batch, name: &str) -> Result<(), Error> {
-        if !self.sinks.contains_key(&batch.index) {
-            let path = self.folder.join(name).join(&self.file);
-            let draft = Draft::create(&path)?;
-            let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
-            self.sinks.insert(batch.index, (path, sink));
-        }
-        match self.sinks.get_mut(&batch.index) {
-            Some((_, sink)) => sink.write(&batch.rows),
-            None => Ok(()),
-        }
+        let (_, sink) = match self.sinks.entry(batch.index) {
+            Entry::Occupied(open) => open.into_mut(),
+            Entry::Vacant(missing) => {
+                let path = self.folder.join(name).join(&self.file);
+                let draft = Draft::create(&path)?;
+                let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
+                missing.insert((path, sink))
+            }
+        };
+        sink.write(&batch.rows)
     }
 
     /// Another block of the log; false at its end.
