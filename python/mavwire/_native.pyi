@@ -14,6 +14,7 @@ from mavwire._stubs.bridge import BridgeCore, BridgeError, BridgeTap, FrameBatch
 from mavwire._stubs.columns import (
     ColumnView,
     Converter,
+    DataflashTables,
     LogColumns,
     RecordBatches,
     align_tables,
@@ -42,6 +43,7 @@ __all__ = [
     "DFMessage",
     "DataflashReader",
     "DataflashShape",
+    "DataflashTables",
     "DefinitionError",
     "Dialect",
     "FieldGetter",

@@ -9,6 +9,8 @@ use arrow::compute::{cast, max, min, take};
 use arrow::datatypes::{DataType, Field, Schema};
 use arrow::error::ArrowError;
 
+use crate::layout::HEADER;
+
 /// Which row of a table belongs to a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -19,9 +21,6 @@ pub enum Method {
     /// For numbers, the straight line between the rows before and after it; for others the one before.
     Linear,
 }
-
-/// Columns that say where a row came from and not what was measured.
-const HEADER: [&str; 4] = ["timestamp", "sysid", "compid", "seq"];
 
 /// The rows of a table in the order of their times.
 struct Ordered {
@@ -160,17 +159,21 @@ fn interpolated(
         .as_any()
         .downcast_ref()
         .ok_or_else(|| ArrowError::CastError("no numbers".to_owned()))?;
-    let value = |place: usize| numbers.value(ordered.rows[place] as usize);
+    let value = |place: usize| {
+        let row = ordered.rows[place] as usize;
+        numbers.is_valid(row).then(|| numbers.value(row))
+    };
     let at = |&tick: &i64| {
         let (before, after) = ordered.around(tick);
         let before = ordered.within(before, tick, tolerance)?;
         if ordered.times[before] == tick {
-            return Some(value(before));
+            return value(before);
         }
         let after = ordered.within(after, tick, tolerance)?;
         let span = ordered.times[after].abs_diff(ordered.times[before]) as f64;
         let share = tick.abs_diff(ordered.times[before]) as f64 / span;
-        Some(value(before) + (value(after) - value(before)) * share)
+        let (first, second) = (value(before)?, value(after)?);
+        Some(first + (second - first) * share)
     };
     Ok(Arc::new(clock.iter().map(at).collect::<Float64Array>()))
 }

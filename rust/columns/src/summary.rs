@@ -31,7 +31,7 @@ pub struct Count {
 }
 
 impl Count {
-    fn add(&mut self, time: u64) {
+    pub(crate) fn add(&mut self, time: u64) {
         if self.messages == 0 {
             self.first = time;
         }
@@ -91,7 +91,7 @@ pub struct Summary {
     /// What is wrong with the compressed file.
     pub damage: Option<String>,
     /// Where the last of the places with bytes of no record ends, listed or not.
-    bad_end: Option<u64>,
+    pub(crate) bad_end: Option<u64>,
 }
 
 impl Summary {
@@ -151,7 +151,7 @@ impl Summary {
         self.bytes += scanned.consumed as u64;
     }
 
-    fn add_time(&mut self, time: u64, gap: u64) {
+    pub(crate) fn add_time(&mut self, time: u64, gap: u64) {
         if self.count.messages > 0 {
             let before = self.count.last;
             self.times_back += u64::from(time < before);
@@ -187,7 +187,7 @@ impl Summary {
         }
     }
 
-    fn add_bad(&mut self, bad: &[Range<usize>]) {
+    pub(crate) fn add_bad(&mut self, bad: &[Range<usize>]) {
         for range in bad {
             let range = self.bytes + range.start as u64..self.bytes + range.end as u64;
             self.bad_bytes += range.end - range.start;

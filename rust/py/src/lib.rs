@@ -22,6 +22,7 @@ mod components;
 mod convert;
 mod create;
 mod dataflash;
+mod dataflash_tables;
 mod describe;
 mod descriptors;
 mod dialect;
@@ -101,6 +102,8 @@ mod _native {
     use crate::dataflash::reader::DataflashReader;
     #[pymodule_export]
     use crate::dataflash::shape::DataflashShape;
+    #[pymodule_export]
+    use crate::dataflash_tables::DataflashTables;
     #[pymodule_export]
     use crate::describe::describe;
     #[pymodule_export]
