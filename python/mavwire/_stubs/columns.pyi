@@ -13,6 +13,7 @@ __all__ = [
     "Converter",
     "DataflashTables",
     "LogColumns",
+    "LogRewrite",
     "RecordBatches",
     "align_tables",
     "empty_table",
@@ -203,6 +204,41 @@ class DataflashTables:
 
     def summary(self, gap: int, pulse: Callable[[int], object] | None) -> dict[str, Any]:
         """What is in the log; `gap` in microseconds. See `mavwire.logs.summary`."""
+
+@final
+class LogRewrite:
+    """One run over telemetry logs that writes another, which appears when it is complete."""
+
+    @staticmethod
+    def select(
+        path: str | PathLike[str],
+        dialect: Dialect,
+        query: _Query,
+        out: str | PathLike[str],
+        shift: tuple[float, float] | None = None,
+    ) -> LogRewrite:
+        """The records that `query` asks for; anonymous where `shift` (degrees north, east) is given.
+
+        ValueError for a span of time of a raw stream.
+        """
+
+    @staticmethod
+    def merge(
+        paths: list[str], dialect: Dialect, out: str | PathLike[str]
+    ) -> LogRewrite:
+        """All good records of several logs in the order of time; ValueError for a raw stream."""
+
+    def step(self) -> bool:
+        """Another block; false at the end."""
+
+    def commit(self) -> None:
+        """Gives the file its name."""
+
+    def abandon(self) -> None:
+        """Removes what was written and not committed."""
+
+    def outcome(self) -> dict[str, Any]:
+        """What became of the logs so far; see `mavwire.logs.rewriting.Rewritten`."""
 
 def write_table(
     table: RecordBatches, path: str | PathLike[str], format: str, compression: str

@@ -17,6 +17,7 @@ pub mod input;
 pub mod instances;
 pub mod layout;
 pub mod reader;
+pub mod rewrite;
 pub mod scan;
 pub mod select;
 pub mod summary;

@@ -29,6 +29,18 @@ impl Wanted {
         index != UNKNOWN && self.types.as_ref().is_none_or(|types| types[usize::from(index)])
     }
 
+    /// Whether a record is wanted; one of an unknown id is if all types are.
+    pub(crate) fn wants(
+        &self,
+        block: &[u8],
+        lead: usize,
+        scanned: &Scanned,
+        record: Located,
+    ) -> bool {
+        let by_type = self.types.is_none() || self.wants_type(record.index);
+        by_type && (self.by_type_alone() || self.wants_record(block, lead, scanned, record))
+    }
+
     /// Whether a look at the type settles it.
     fn by_type_alone(&self) -> bool {
         self.systems.is_none() && self.start == f64::NEG_INFINITY && self.end == f64::INFINITY

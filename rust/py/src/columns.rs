@@ -25,8 +25,8 @@ pub(crate) struct Query {
     /// The same for dataflash logs: names of record types.
     pub(crate) names: Option<Vec<String>>,
     systems: Option<Vec<u8>>,
-    start: Option<f64>,
-    end: Option<f64>,
+    pub(crate) start: Option<f64>,
+    pub(crate) end: Option<f64>,
     /// Names of columns; `None` for all.
     columns: Option<Vec<String>>,
     si: bool,
@@ -38,7 +38,7 @@ pub(crate) struct Query {
 }
 
 impl Query {
-    fn wanted(&self, dialect: &Dialect) -> Wanted {
+    pub(crate) fn wanted(&self, dialect: &Dialect) -> Wanted {
         let messages = &dialect.registry.dialect().messages;
         let types = self
             .types

@@ -61,6 +61,7 @@ mod peers;
 mod raw;
 mod receive;
 mod recording;
+mod rewrite;
 mod room;
 mod send;
 mod send_lock;
@@ -136,6 +137,8 @@ mod _native {
     use crate::open_log::LogScan;
     #[pymodule_export]
     use crate::recording::recordable;
+    #[pymodule_export]
+    use crate::rewrite::LogRewrite;
     #[pymodule_export]
     use crate::signing::Signing;
     #[pymodule_export]
