@@ -223,9 +223,7 @@ class LogRewrite:
         """
 
     @staticmethod
-    def merge(
-        paths: list[str], dialect: Dialect, out: str | PathLike[str]
-    ) -> LogRewrite:
+    def merge(paths: list[str], dialect: Dialect, out: str | PathLike[str]) -> LogRewrite:
         """All good records of several logs in the order of time; ValueError for a raw stream."""
 
     def step(self) -> bool:

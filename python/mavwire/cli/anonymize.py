@@ -31,9 +31,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the subcommand."""
     from mavwire.logs.rewriting import anonymize
 
-    work = partial(
-        anonymize, args.log, args.out, shift=_shift(args.shift), dialect=args.dialect
-    )
+    work = partial(anonymize, args.log, args.out, shift=_shift(args.shift), dialect=args.dialect)
     return run(args, [args.log], work)
 
 

@@ -21,7 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the subcommand."""
     from mavwire.logs.conversion import COMPRESSIONS, FORMATS
 
-    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry or dataflash log, also .gz and .zst")
+    parser.add_argument(
+        "logs", metavar="LOG", nargs="+", help="telemetry or dataflash log, also .gz and .zst"
+    )
     parser.add_argument("-o", "--out", required=True, help="folder for the files")
     parser.add_argument("--format", choices=list(FORMATS), default="parquet")
     parser.add_argument(

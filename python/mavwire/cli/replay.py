@@ -45,8 +45,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Replay until the end of the log, or until interrupted."""
-    from mavwire.logs import TelemetryLog
     from mavwire.bridge import Bridge, ConfigError
+    from mavwire.logs import TelemetryLog
 
     types = [one for one in (args.types or "").split(",") if one] or None
     bridge = Bridge(dedup=0)

@@ -16,4 +16,13 @@ from .scanning import scan_polars
 from .table import Table
 from .telemetry import LogFormatError, TelemetryLog, open_log
 
-__all__ = ["DataflashLog", "LogFormatError", "Table", "TelemetryLog", "open_log", "read", "scan", "scan_polars"]
+__all__ = [
+    "DataflashLog",
+    "LogFormatError",
+    "Table",
+    "TelemetryLog",
+    "open_log",
+    "read",
+    "scan",
+    "scan_polars",
+]

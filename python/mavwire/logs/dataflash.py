@@ -63,6 +63,7 @@ class DataflashLog:
     def messages(
         self,
         types: str | Iterable[str] | None = None,
+        systems: int | Iterable[int] | None = None,
         start: float | datetime | None = None,
         end: float | datetime | None = None,
     ) -> Iterator[Any]:
@@ -70,8 +71,10 @@ class DataflashLog:
 
         `types`: names of record types. Times are seconds since 1970 or datetimes; `_timestamp` of a
         message is such a time where the log has a GPS fix, else seconds since the autopilot's start.
+        `systems` is there for `TelemetryLog`; ValueError for anything but None.
         """
-        query = Query.of_dataflash(types, None, start, end)
+        query = Query.of_dataflash(types, systems, None, start, end)
+        query.check_dataflash()
         self._tables()
         return self._messages(query)
 
@@ -111,15 +114,21 @@ class DataflashLog:
     def read(
         self,
         types: str | Iterable[str] | None = None,
+        systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
         start: float | datetime | None = None,
         end: float | datetime | None = None,
         *,
         units: str | None = None,
+        enums: str | None = None,
         wide: bool = False,
     ) -> dict[str, Table]:
-        """Tables of several types in one pass: `mavwire.read` on this log."""
-        query = Query.of_dataflash(types, fields, start, end, units)
+        """Tables of several types in one pass: `mavwire.read` on this log.
+
+        `systems` is there for `TelemetryLog`; ValueError for anything but None. `enums` changes
+        nothing: no column has an enum.
+        """
+        query = Query.of_dataflash(types, systems, fields, start, end, units, enums)
         return read_tables(self._tables(), self.path, query, fields, wide)
 
     def align(
@@ -130,6 +139,7 @@ class DataflashLog:
         rate: str | float | None = None,
         method: str = "ffill",
         tolerance: str | float | None = None,
+        systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
         units: str | None = None,
     ) -> Table:
@@ -138,7 +148,7 @@ class DataflashLog:
 
         names = list(types)
         wanted = {*names, on} if on is not None else set(names)
-        tables = self.read(sorted(wanted), fields, units=units)
+        tables = self.read(sorted(wanted), systems, fields, units=units)
         return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:

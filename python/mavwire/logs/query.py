@@ -58,7 +58,7 @@ class Query:
         selection = Selection.of(dialect, known, systems, start, end)
         return cls(
             types=selection.types,
-            names=None if wanted is None else [getattr(one, "msgname", one) for one in wanted],
+            names=None if wanted is None else [_name_of(one) for one in wanted],
             systems=selection.systems,
             start=selection.start,
             end=selection.end,
@@ -72,13 +72,15 @@ class Query:
     def of_dataflash(
         cls,
         types: str | Iterable[str] | None = None,
+        systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
         start: float | datetime | None = None,
         end: float | datetime | None = None,
         units: str | None = None,
+        enums: str | None = None,
     ) -> Query:
         """For a log that is known to be a dataflash log; ValueError as by `of`."""
-        query = cls.of(None, None, None, fields, start, end, units)
+        query = cls.of(None, None, systems, fields, start, end, units, enums)
         if types is not None:
             query.names = [types] if isinstance(types, str) else list(types)
         return query
@@ -92,6 +94,10 @@ class Query:
         """Raise ValueError for what makes no sense with a dataflash log."""
         if self.systems is not None:
             raise ValueError("a dataflash log is of one system: leave systems= out")
+
+
+def _name_of(one: str | type) -> str:
+    return one if isinstance(one, str) else str(getattr(one, "msgname", one.__name__))
 
 
 def _telemetry_types(dialect: Any, types: list[Any] | None) -> tuple[list[Any] | None, str | None]:

@@ -69,8 +69,8 @@ def cut(
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, None, start, end)
     query.check_telemetry()
-    path, out = _checked([path], out)
-    return _run(LogRewrite.select(path[0], native, query, out), path, progress)
+    inputs, target = _checked([path], out)
+    return _run(LogRewrite.select(inputs[0], native, query, target), inputs, progress)
 
 
 def repair(
@@ -107,9 +107,9 @@ def anonymize(
     if not (abs(shift[0]) <= 90 and abs(shift[1]) <= 360):
         raise ValueError(f"a shift is degrees to the north and east, not {shift!r}")
     _, native = native_dialect(dialect)
-    path, out = _checked([path], out)
-    rewrite = LogRewrite.select(path[0], native, Query(), out, shift)
-    return _run(rewrite, path, progress)
+    inputs, target = _checked([path], out)
+    rewrite = LogRewrite.select(inputs[0], native, Query(), target, shift)
+    return _run(rewrite, inputs, progress)
 
 
 def merge(
@@ -125,8 +125,8 @@ def merge(
     ValueError for a raw stream, which has no times.
     """
     _, native = native_dialect(dialect)
-    inputs, out = _checked(paths, out)
-    return _run(LogRewrite.merge(inputs, native, out), inputs, progress)
+    inputs, target = _checked(paths, out)
+    return _run(LogRewrite.merge(inputs, native, target), inputs, progress)
 
 
 def _checked(

@@ -82,9 +82,7 @@ def scan_polars(
     return register_io_source(source, schema=schema, is_pure=True)
 
 
-def _empty(
-    paths: list[str], message: str, module: Any, native: Any, query: Query
-) -> RecordBatches:
+def _empty(paths: list[str], message: str, module: Any, native: Any, query: Query) -> RecordBatches:
     """A table without rows of a type, as the dialect has it or the first of the dataflash logs that
     describes it. ValueError where none does.
     """

@@ -259,7 +259,10 @@ fn element_type(field_type: FieldType) -> DataType {
 }
 
 /// What the definition says of a field. Scaled values have the unit that they are scaled to, and no multiplier.
-pub(crate) fn metadata(field: &Field, si: Option<(Scale, Option<&str>)>) -> HashMap<String, String> {
+pub(crate) fn metadata(
+    field: &Field,
+    si: Option<(Scale, Option<&str>)>,
+) -> HashMap<String, String> {
     let mut metadata = HashMap::from([("field".to_owned(), field.name.clone())]);
     let mut add = |key: &str, value: Option<&str>| {
         if let Some(value) = value {

@@ -91,18 +91,8 @@ impl Reader {
         let (blocks, framing) = Blocks::new(source)?.with_framing(&registry)?;
         let tables = Tables::new(registry.dialect().messages.len(), limits);
         let scanner = LogScanner::new(registry, framing);
-        Ok(Self {
-            blocks,
-            scanner,
-            framing,
-            wanted,
-            options,
-            tables,
-            position: 0,
-            bad_bytes: 0,
-        })
+        Ok(Self { blocks, scanner, framing, wanted, options, tables, position: 0, bad_bytes: 0 })
     }
-
 }
 
 impl Decode for Reader {

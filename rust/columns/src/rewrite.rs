@@ -165,6 +165,14 @@ impl Merge {
         registry: &Arc<Registry>,
     ) -> Result<Result<Self, usize>, Error> {
         let block = (MERGED_BYTES / sources.len().max(1)).max(LEAST_BLOCK);
+        Self::in_blocks(sources, registry, block)
+    }
+
+    fn in_blocks(
+        sources: Vec<Box<dyn Read + Send>>,
+        registry: &Arc<Registry>,
+        block: usize,
+    ) -> Result<Result<Self, usize>, Error> {
         let mut logs = Vec::new();
         for (place, source) in sources.into_iter().enumerate() {
             let source = crate::input::decompressed(source)?;
@@ -205,7 +213,9 @@ impl Merge {
             let next = |(place, log): (usize, &Input)| {
                 log.records.get(log.taken).map(|&(time, _)| (time, place))
             };
-            let Some((_, place)) = self.logs.iter().enumerate().filter_map(next).min() else { break };
+            let Some((_, place)) = self.logs.iter().enumerate().filter_map(next).min() else {
+                break;
+            };
             let log = &mut self.logs[place];
             merged.extend_from_slice(log.take());
             (any, self.outcome.written) = (true, self.outcome.written + 1);
@@ -244,5 +254,59 @@ impl Input {
         })?;
         *ended = more.is_none();
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mavwire_core::builtin;
+    use mavwire_core::frame::{self, Header};
+    use mavwire_schema::WireVersion;
+
+    /// HEARTBEATs of a system at these times.
+    fn log(times: impl Iterator<Item = u64>, sysid: u8) -> Vec<u8> {
+        let mut log = Vec::new();
+        for (seq, time) in times.enumerate() {
+            let header = Header {
+                version: WireVersion::V2,
+                payload_len: 0,
+                incompat_flags: 0,
+                compat_flags: 0,
+                seq: seq as u8,
+                sysid,
+                compid: 1,
+                msgid: 0,
+            };
+            log.extend_from_slice(&time.to_be_bytes());
+            frame::encode(&mut log, header, &[1; 9], 50).expect("a frame");
+        }
+        log
+    }
+
+    #[test]
+    fn any_blocks_merge_to_the_same() {
+        let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
+        let registry = Arc::new(Registry::new(dialect));
+        let logs = [
+            log((0..300).map(|n| 1000 + 7 * n), 1),
+            log((0..100).map(|n| 1000 + 21 * n), 2),
+            log((0..500).map(|n| 400 + 3 * n), 3),
+            Vec::new(),
+        ];
+        let mut expected: Vec<&[u8]> = logs.iter().flat_map(|log| log.chunks(29)).collect();
+        // Stable: of one time, the first log's comes first.
+        expected.sort_by_key(|record| record[..8].to_vec());
+        for block in [1, 50, 1000, 1 << 20] {
+            let source = |log: &Vec<u8>| -> Box<dyn Read + Send> {
+                Box::new(std::io::Cursor::new(log.clone()))
+            };
+            let sources = logs.iter().map(source).collect();
+            let merge = Merge::in_blocks(sources, &registry, block).expect("reading");
+            let (mut merge, mut out) = (merge.expect("times"), Vec::new());
+            while merge.advance(&mut out).expect("merging") {}
+            assert_eq!(out, expected.concat(), "blocks of {block}");
+            assert_eq!((merge.outcome().written, merge.outcome().bad_bytes), (900, 0));
+        }
     }
 }

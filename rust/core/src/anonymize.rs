@@ -14,17 +14,51 @@ use crate::registry::Entry;
 
 /// Messages that are left out.
 const LEFT_OUT: &[&str] = &[
-    "AUTH_KEY", "CANFD_FRAME", "CAN_FRAME", "DATA16", "DATA32", "DATA64", "DATA96",
-    "ENCAPSULATED_DATA", "FILE_TRANSFER_PROTOCOL", "GPS_INJECT_DATA", "GPS_RTCM_DATA", "LOGGING_DATA",
-    "LOGGING_DATA_ACKED", "LOG_DATA", "PARAM_EXT_ACK", "PARAM_EXT_SET", "PARAM_EXT_VALUE",
-    "REMOTE_LOG_DATA_BLOCK", "SERIAL_CONTROL", "SETUP_SIGNING", "TUNNEL", "V2_EXTENSION",
+    "AUTH_KEY",
+    "CANFD_FRAME",
+    "CAN_FRAME",
+    "DATA16",
+    "DATA32",
+    "DATA64",
+    "DATA96",
+    "ENCAPSULATED_DATA",
+    "FILE_TRANSFER_PROTOCOL",
+    "GPS_INJECT_DATA",
+    "GPS_RTCM_DATA",
+    "LOGGING_DATA",
+    "LOGGING_DATA_ACKED",
+    "LOG_DATA",
+    "PARAM_EXT_ACK",
+    "PARAM_EXT_SET",
+    "PARAM_EXT_VALUE",
+    "REMOTE_LOG_DATA_BLOCK",
+    "SERIAL_CONTROL",
+    "SETUP_SIGNING",
+    "TUNNEL",
+    "V2_EXTENSION",
 ];
 const LEFT_OUT_PREFIX: &str = "OPEN_DRONE_ID_";
 
 /// Fields that are emptied.
 const IDENTIFIERS: &[&str] = &[
-    "ICAO", "ICAO_address", "MMSI", "apn", "callsign", "flight_id", "hw_unique_id", "new_pin", "passkey",
-    "password", "pin", "puk", "registration", "serial", "serial_number", "ssid", "uid", "uid2",
+    "ICAO",
+    "ICAO_address",
+    "MMSI",
+    "apn",
+    "callsign",
+    "flight_id",
+    "hw_unique_id",
+    "new_pin",
+    "passkey",
+    "password",
+    "pin",
+    "puk",
+    "registration",
+    "serial",
+    "serial_number",
+    "ssid",
+    "uid",
+    "uid2",
 ];
 
 /// Frames of `MAV_FRAME` whose x and y are latitude and longitude.
@@ -96,7 +130,13 @@ impl Anonymizer {
     }
 
     /// Appends what may be left of a whole, good frame; false if that is nothing.
-    pub fn apply(&self, frame: &[u8], header: &Header, entry: Option<Entry>, out: &mut Vec<u8>) -> bool {
+    pub fn apply(
+        &self,
+        frame: &[u8],
+        header: &Header,
+        entry: Option<Entry>,
+        out: &mut Vec<u8>,
+    ) -> bool {
         let Some(entry) = entry else { return false };
         let edits = match &self.plans[usize::from(entry.index)] {
             Plan::LeaveOut => return false,
@@ -155,7 +195,10 @@ impl Anonymizer {
                 FieldType::F64 => f64::from_le_bytes(read(bytes, 0)),
                 _ => continue,
             };
-            if here == 0.0 || !here.is_finite() || (kind == FieldType::I32 && here >= 2_147_483_647.0) {
+            if here == 0.0
+                || !here.is_finite()
+                || (kind == FieldType::I32 && here >= 2_147_483_647.0)
+            {
                 continue;
             }
             let there = self.shifted(here / units, axis) * units;
@@ -260,9 +303,14 @@ mod tests {
     const SHIFT: Shift = Shift { latitude: 10.0, longitude: -100.0 };
 
     /// A message with payload bytes set by field, made anonymous; its payload at full length.
-    fn anonymous(name: &str, version: WireVersion, fields: &[(&str, &[u8])]) -> Option<(Message, Vec<u8>)> {
+    fn anonymous(
+        name: &str,
+        version: WireVersion,
+        fields: &[(&str, &[u8])],
+    ) -> Option<(Message, Vec<u8>)> {
         let registry = Registry::new(builtin::dialect("all", V2).expect("the dialect"));
-        let message = registry.dialect().messages.iter().find(|one| one.name == name).expect(name).clone();
+        let message =
+            registry.dialect().messages.iter().find(|one| one.name == name).expect(name).clone();
         let len = if version == V1 { message.min_len } else { message.max_len };
         let mut payload = vec![0; len.into()];
         for (name, bytes) in fields {
@@ -270,7 +318,8 @@ mod tests {
             payload[field.offset.into()..][..bytes.len()].copy_from_slice(bytes);
         }
         let mut frame = Vec::new();
-        frame::encode(&mut frame, header(version, message.id, 7), &payload, message.crc_extra).expect("a frame");
+        frame::encode(&mut frame, header(version, message.id, 7), &payload, message.crc_extra)
+            .expect("a frame");
         let anonymizer = Anonymizer::new(registry.dialect(), SHIFT);
         let header = Header::parse(&frame).expect("a header");
         let mut out = Vec::new();
@@ -313,7 +362,8 @@ mod tests {
             assert_eq!(i32::from_le_bytes(value(&made.expect("a message"), "x")), expected);
         }
         for (command, expected) in [(16_u16, 15.0_f32), (400, 5.0)] {
-            let fields = [("param5", &5.0_f32.to_le_bytes()[..]), ("command", &command.to_le_bytes())];
+            let fields =
+                [("param5", &5.0_f32.to_le_bytes()[..]), ("command", &command.to_le_bytes())];
             let made = anonymous("COMMAND_LONG", V2, &fields).expect("a message");
             assert_eq!(f32::from_le_bytes(value(&made, "param5")).to_bits(), expected.to_bits());
         }
@@ -327,7 +377,9 @@ mod tests {
         let text = b"Cube 0032001F 34375108 ok";
         let made = anonymous("STATUSTEXT", V2, &[("text", text)]).expect("a message");
         assert_eq!(&value::<25>(&made, "text"), b"Cube xxxxxxxx xxxxxxxx ok");
-        for (name, expected) in [("COMPASS_DEV_ID2", 0), ("INS_ACC_ID", 0), ("SIM_OPOS_LAT", 0), ("RC1_MIN", 5)] {
+        for (name, expected) in
+            [("COMPASS_DEV_ID2", 0), ("INS_ACC_ID", 0), ("SIM_OPOS_LAT", 0), ("RC1_MIN", 5)]
+        {
             let fields = [("param_id", name.as_bytes()), ("param_value", &[5, 0, 0, 0][..])];
             let made = anonymous("PARAM_VALUE", V2, &fields).expect("a message");
             assert_eq!(value::<4>(&made, "param_value"), [expected, 0, 0, 0], "{name}");
@@ -336,7 +388,8 @@ mod tests {
 
     #[test]
     fn what_may_hold_anything_is_left_out() {
-        for name in ["SETUP_SIGNING", "FILE_TRANSFER_PROTOCOL", "OPEN_DRONE_ID_BASIC_ID", "TUNNEL"] {
+        for name in ["SETUP_SIGNING", "FILE_TRANSFER_PROTOCOL", "OPEN_DRONE_ID_BASIC_ID", "TUNNEL"]
+        {
             assert!(anonymous(name, V2, &[]).is_none(), "{name}");
         }
     }

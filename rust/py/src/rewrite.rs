@@ -80,9 +80,8 @@ impl LogRewrite {
         let anonymizer = shift.map(|(latitude, longitude)| {
             Anonymizer::new(registry.dialect(), Shift { latitude, longitude })
         });
-        let rewrite = py.detach(|| {
-            Rewrite::new(files::open(&path)?, Arc::clone(registry), wanted, anonymizer)
-        });
+        let rewrite = py
+            .detach(|| Rewrite::new(files::open(&path)?, Arc::clone(registry), wanted, anonymizer));
         let rewrite = rewrite.map_err(columns_error)?;
         if is_timed && rewrite.framing() == Framing::Raw {
             return Err(no_times(&path));

@@ -6,6 +6,7 @@ import gzip
 import math
 import os
 from array import array
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -137,8 +138,9 @@ def test_selection(tmp_path):
         log.read("NOPE")
     with pytest.raises(ValueError, match="Axx"):
         log.read("IMU", fields="Axx")
-    with pytest.raises(ValueError, match="systems"):
-        mavwire.read(log.path, "IMU", systems=1)
+    for read in (log.read, log.messages, partial(mavwire.read, log.path)):
+        with pytest.raises(ValueError, match="systems"):
+            read("IMU", systems=1)
     log.close()
     with pytest.raises(ValueError, match="closed"):
         log["IMU"]

@@ -12,8 +12,10 @@ use mavwire_core::log::dataflash::{ARRAY_LEN, Field as LogField, FieldKind, Layo
 use mavwire_schema::{Field, FieldType};
 
 use super::survey::{Form, Survey};
-use crate::layout::{Column, HEADER, Layout, Options, Source, mark_instance, numbers_of, plain, time};
 use crate::layout::metadata;
+use crate::layout::{
+    Column, HEADER, Layout, Options, Source, mark_instance, numbers_of, plain, time,
+};
 use crate::scan::Framing;
 use crate::units::{Scale, to_si};
 
@@ -59,8 +61,13 @@ pub fn table_layout(survey: &Survey, table: usize, options: &Options) -> TableLa
     let always = matches!(survey.form, Form::Binary(_)) && layouts.len() == 1;
     let (columns, fields): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
     let nullable = |field: &ArrowField| field.is_nullable() || !always;
-    let fields: Vec<_> =
-        fields.into_iter().map(|f| { let null = nullable(&f); f.with_nullable(null) }).collect();
+    let fields: Vec<_> = fields
+        .into_iter()
+        .map(|f| {
+            let null = nullable(&f);
+            f.with_nullable(null)
+        })
+        .collect();
     let name = survey.tables[table].to_string();
     let metadata = HashMap::from([("message".to_owned(), name.clone())]);
     let framing = if survey.clock.is_some() { Framing::Stamped } else { Framing::Raw };
@@ -104,7 +111,8 @@ fn column(
 ) -> (Column, ArrowField) {
     let log_field = &layout.fields[number];
     let (unit, multiplier) = unit_of(survey, layout, number);
-    let mut field = Field { name: log_field.name.clone(), offset: log_field.offset, ..Field::default() };
+    let mut field =
+        Field { name: log_field.name.clone(), offset: log_field.offset, ..Field::default() };
     field.units = unit;
     // What is scaled when it is read is measured in the unit itself.
     field.multiplier = multiplier.filter(|_| log_field.kind.scale().is_none());

@@ -64,8 +64,9 @@ impl Reader {
         let (blocks, _) = begin(open)?;
         let count = survey.tables.len();
         let layouts = (0..count).map(|table| table_layout(&survey, table, options)).collect();
-        let is_wanted =
-            |name: &str| wanted.names.as_ref().is_none_or(|some| some.iter().any(|one| one == name));
+        let is_wanted = |name: &str| {
+            wanted.names.as_ref().is_none_or(|some| some.iter().any(|one| one == name))
+        };
         let sorted = survey
             .tables
             .iter()
@@ -73,7 +74,17 @@ impl Reader {
             .collect();
         let walk = Walk::new(Arc::clone(&survey));
         let tables = Tables::new(count, limits);
-        Ok(Self { survey, blocks, walk, layouts, tables, sorted, wanted, position: 0, bad_bytes: 0 })
+        Ok(Self {
+            survey,
+            blocks,
+            walk,
+            layouts,
+            tables,
+            sorted,
+            wanted,
+            position: 0,
+            bad_bytes: 0,
+        })
     }
 }
 

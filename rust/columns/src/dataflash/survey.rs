@@ -226,7 +226,8 @@ impl Run {
             };
             teller.refresh();
             let value = |i| nth_value(bytes, delimiter, i);
-            let text = |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);
+            let text =
+                |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);
             teller.add(
                 layout,
                 |units, layout| _ = units.add_values(&layout.name, |name| text(layout, name)),
@@ -262,8 +263,7 @@ pub(super) fn number(text: Option<&[u8]>) -> Option<f64> {
 
 /// Whether a line has numbers where it should; a GPS record with a word there does not tell when the log began.
 fn is_whole<'a>(layout: &Layout, value: impl Fn(usize) -> Option<&'a [u8]>) -> bool {
-    let is_text =
-        |kind| matches!(kind, FieldKind::Text(_) | FieldKind::Mode | FieldKind::Array);
+    let is_text = |kind| matches!(kind, FieldKind::Text(_) | FieldKind::Mode | FieldKind::Array);
     let mut fields = layout.fields.iter().enumerate();
     !layout.name.starts_with("GPS")
         || fields.all(|(index, field)| is_text(field.kind) || number(value(index)).is_some())

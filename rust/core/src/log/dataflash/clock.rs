@@ -46,7 +46,8 @@ impl Clock {
     /// What the time of a type's records is.
     pub fn rule(&self, layout: &Layout) -> TimeRule {
         let field = |name: &str| layout.field_index(name).filter(|&i| is_number(&layout.fields[i]));
-        let of = |name, micros| field(name).map_or(TimeRule::Before, |i| TimeRule::Field(i, micros));
+        let of =
+            |name, micros| field(name).map_or(TimeRule::Before, |i| TimeRule::Field(i, micros));
         match self.unit {
             Unit::Micros if layout.field_index("TimeUS").is_some() => of("TimeUS", 1),
             Unit::Micros => match layout.time.filter(|&(i, _)| is_number(&layout.fields[i])) {
