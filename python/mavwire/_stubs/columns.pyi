@@ -11,7 +11,9 @@ from typing_extensions import Buffer
 __all__ = [
     "ColumnView",
     "Converter",
+    "DataflashTables",
     "LogColumns",
+    "LogRewrite",
     "RecordBatches",
     "align_tables",
     "empty_table",
@@ -23,6 +25,7 @@ class _Query(Protocol):
     """What to read into tables; None stands for all. See `mavwire.logs.query.Query`."""
 
     types: list[int] | None
+    names: list[str] | None
     systems: list[int] | None
     start: float | None
     end: float | None
@@ -104,6 +107,9 @@ class RecordBatches:
     def select(self, names: list[str]) -> RecordBatches:
         """Some of the columns, in the order given; KeyError if there is none of a name."""
 
+    def split(self, name: str) -> list[tuple[str, RecordBatches]]:
+        """The rows of each value of a column, by its text; ValueError for too many values."""
+
     def slice(self, start: int, rows: int) -> RecordBatches:
         """Some of the rows."""
 
@@ -160,6 +166,77 @@ class Converter:
 
     def progress(self) -> tuple[int, int, str | None]:
         """Bytes dealt with, bytes that belong to no record, what is wrong with a compressed file."""
+
+@final
+class DataflashTables:
+    """A dataflash log, binary or text, that was gone through once for what it says about itself."""
+
+    @staticmethod
+    def open(path: str | PathLike[str]) -> DataflashTables | None:
+        """The log at `path`; None if it is no dataflash log."""
+
+    @staticmethod
+    def recognises(path: str | PathLike[str]) -> bool:
+        """Whether a file begins as a dataflash log does."""
+
+    @property
+    def is_binary(self) -> bool:
+        """Whether it is a binary log; else it is text."""
+
+    def types(self) -> dict[str, list[str]]:
+        """The record types that the log describes, and their columns."""
+
+    def empty(self, name: str, query: _Query) -> RecordBatches:
+        """A table without rows of a record type; KeyError for no such type."""
+
+    def columns(self, query: _Query) -> LogColumns:
+        """One run over the log, giving tables."""
+
+    def convert(
+        self,
+        query: _Query,
+        folder: str | PathLike[str],
+        file: str,
+        format: str,
+        compression: str,
+    ) -> Converter:
+        """One run over the log, writing `folder/TYPE/file`."""
+
+    def summary(self, gap: int, pulse: Callable[[int], object] | None) -> dict[str, Any]:
+        """What is in the log; `gap` in microseconds. See `mavwire.logs.summary`."""
+
+@final
+class LogRewrite:
+    """One run over telemetry logs that writes another, which appears when it is complete."""
+
+    @staticmethod
+    def select(
+        path: str | PathLike[str],
+        dialect: Dialect,
+        query: _Query,
+        out: str | PathLike[str],
+        shift: tuple[float, float] | None = None,
+    ) -> LogRewrite:
+        """The records that `query` asks for; anonymous where `shift` (degrees north, east) is given.
+
+        ValueError for a span of time of a raw stream.
+        """
+
+    @staticmethod
+    def merge(paths: list[str], dialect: Dialect, out: str | PathLike[str]) -> LogRewrite:
+        """All good records of several logs in the order of time; ValueError for a raw stream."""
+
+    def step(self) -> bool:
+        """Another block; false at the end."""
+
+    def commit(self) -> None:
+        """Gives the file its name."""
+
+    def abandon(self) -> None:
+        """Removes what was written and not committed."""
+
+    def outcome(self) -> dict[str, Any]:
+        """What became of the logs so far; see `mavwire.logs.rewriting.Rewritten`."""
 
 def write_table(
     table: RecordBatches, path: str | PathLike[str], format: str, compression: str

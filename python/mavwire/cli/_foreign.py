@@ -22,13 +22,13 @@ def warn_if_foreign(command: str, path: str) -> bool:
         return False
     if looks_like_tlog(read_head(path, TLOG_PROBE)):
         return False
-    from mavwire.logs import LogFormatError, open_log
+    from mavwire.logs import LogFormatError, TelemetryLog
 
     if not os.path.getsize(path):
         print(f"mavwire {command}: the log is empty: {path!r}", file=sys.stderr)
         return False
     try:
-        with open_log(path) as log:
+        with TelemetryLog(path) as log:
             compressed = log.compressed
     except LogFormatError as error:
         print(f"mavwire {command}: {error}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""`mavwire convert LOG... -o OUT`: telemetry logs to Parquet, CSV, JSON lines or Arrow files.
+"""`mavwire convert LOG... -o OUT`: logs to Parquet, CSV, JSON lines or Arrow files.
 
 One folder for each message type, one file in it for each log, and a manifest with what became of
 every log. A second run does what is missing.
@@ -11,17 +11,19 @@ from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._progress import Progress
+from mavwire.cli._rewriting import split, systems_of, time_of
 
 if TYPE_CHECKING:
     import argparse
-    from datetime import datetime
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the subcommand."""
     from mavwire.logs.conversion import COMPRESSIONS, FORMATS
 
-    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry log, also .gz and .zst")
+    parser.add_argument(
+        "logs", metavar="LOG", nargs="+", help="telemetry or dataflash log, also .gz and .zst"
+    )
     parser.add_argument("-o", "--out", required=True, help="folder for the files")
     parser.add_argument("--format", choices=list(FORMATS), default="parquet")
     parser.add_argument(
@@ -48,10 +50,10 @@ def main(args: argparse.Namespace) -> int:
             args.out,
             format=args.format,
             compression=args.compression,
-            types=None if args.types is None else _split(args.types),
-            systems=None if args.systems is None else [int(one) for one in _split(args.systems)],
-            start=_time(args.start),
-            end=_time(args.end),
+            types=split(args.types),
+            systems=systems_of(args.systems),
+            start=time_of(args.start),
+            end=time_of(args.end),
             dialect=args.dialect,
             progress=bars.update,
         )
@@ -88,24 +90,3 @@ class _Bars:
         if self.bar is not None:
             self.bar.finish()
             self.bar = None
-
-
-def _split(text: str) -> list[str]:
-    return [one.strip() for one in text.split(",") if one.strip()]
-
-
-def _time(text: str | None) -> float | datetime | None:
-    """Seconds since 1970, or a date and time; UTC where it names no zone."""
-    if text is None:
-        return None
-    try:
-        return float(text)
-    except ValueError:
-        pass
-    from datetime import UTC, datetime
-
-    try:
-        time = datetime.fromisoformat(text)
-    except ValueError as error:
-        raise CommandError(f"no time: {text!r}") from error
-    return time if time.tzinfo is not None else time.replace(tzinfo=UTC)

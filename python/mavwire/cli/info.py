@@ -2,7 +2,8 @@
 
 Types with counts and rates, who sent them, the time they span, what was lost on the way and what
 could not be read, with the speed of reading. Telemetry logs are counted natively, by the way that
-finds every good record (`TelemetryLog.info`); dataflash logs in one pass through mavutil.
+finds every good record (`TelemetryLog.info`), and so are dataflash logs; CSV files in one pass
+through mavutil.
 """
 
 from __future__ import annotations
@@ -147,9 +148,10 @@ def summarise(log: Any, path: str, progress: Progress | None = None) -> Summary:
     return summary
 
 
-def summary_of(info: LogInfo, size: int, seconds: float) -> Summary:
-    """The summary of a telemetry log that was counted natively."""
-    summary = Summary(info.path, size, info.messages, seconds=seconds, info=info)
+def summary_of(info: LogInfo, size: int, seconds: float, telemetry: bool = True) -> Summary:
+    """The summary of a log that was counted natively."""
+    details = info if telemetry else None
+    summary = Summary(info.path, size, info.messages, seconds=seconds, info=details)
     summary.types = Counter({name: one.messages for name, one in info.types.items()})
     summary.systems = {
         ids: System(one.count.messages, one.lost) for ids, one in info.senders.items()
@@ -285,11 +287,12 @@ def _read(path: str, dialect: str | None) -> Summary:
 
 
 def _count(path: str, dialect: str | None) -> Summary | None:
-    """What is in a telemetry log; None for a file that is none, which mavutil may know."""
+    """What is in a telemetry or dataflash log; None for another file, which mavutil may know."""
     from mavwire.links.recognise import log_kind
-    from mavwire.logs import LogFormatError, open_log
+    from mavwire.logs import LogFormatError, TelemetryLog, open_log
+    from mavwire.logs.sources import is_dataflash
 
-    if log_kind(path, readonly=True) != "tlog":
+    if log_kind(path, readonly=True) != "tlog" and not is_dataflash(path):
         return None
     try:
         log = open_log(path, dialect=dialect or "all")
@@ -302,7 +305,8 @@ def _count(path: str, dialect: str | None) -> Summary | None:
         info = log.info(lambda read: progress.update(min(100.0, 100.0 * read / max(size, 1))))
     finally:
         progress.finish()
-    return summary_of(info, size, time.perf_counter() - began)
+    seconds = time.perf_counter() - began
+    return summary_of(info, size, seconds, isinstance(log, TelemetryLog))
 
 
 def _reason(error: Exception) -> str:

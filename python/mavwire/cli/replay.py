@@ -45,13 +45,13 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Replay until the end of the log, or until interrupted."""
-    from mavwire import open_log
     from mavwire.bridge import Bridge, ConfigError
+    from mavwire.logs import TelemetryLog
 
     types = [one for one in (args.types or "").split(",") if one] or None
     bridge = Bridge(dedup=0)
     try:
-        log = open_log(args.log)
+        log = TelemetryLog(args.log)
         frames = ((msg._timestamp, bytes(msg.get_msgbuf())) for msg in log.messages(types=types))
         for out in args.out or [DEFAULT_OUT]:
             # A sniffer gets everything, whoever it was meant for.

@@ -1,4 +1,4 @@
-"""Reading telemetry logs without the machinery of a link.
+"""Reading logs without the machinery of a link.
 
 `open_log(path)` gives the messages of a log one after the other, and nothing else: no flight mode,
 no parameters, no table of newest messages. That is what makes it fast. Programs that want those
@@ -10,9 +10,19 @@ in batches, `scan_polars` as a polars LazyFrame, and `convert` writes them to fi
 
 from __future__ import annotations
 
+from .dataflash import DataflashLog
 from .reading import read, scan
 from .scanning import scan_polars
 from .table import Table
 from .telemetry import LogFormatError, TelemetryLog, open_log
 
-__all__ = ["LogFormatError", "Table", "TelemetryLog", "open_log", "read", "scan", "scan_polars"]
+__all__ = [
+    "DataflashLog",
+    "LogFormatError",
+    "Table",
+    "TelemetryLog",
+    "open_log",
+    "read",
+    "scan",
+    "scan_polars",
+]

@@ -23,6 +23,7 @@ def align(
     rate: str | float | None = None,
     method: str = "ffill",
     tolerance: str | float | None = None,
+    name: str | None = None,
 ) -> Table:
     """A table with `timestamp` and the fields of each type as `TYPE.field`.
 
@@ -30,24 +31,24 @@ def align(
     seconds) from the first row of all to the last. A tick gets the last row at or before it
     (`method="ffill"`), the one closest to it ("nearest"), or for numbers the straight line between
     its neighbours ("linear", as float64). Rows further away than `tolerance` do not count; where
-    none is left there are nulls. ValueError for arguments that make no sense.
+    none is left there are nulls. The table is called `name`. ValueError for arguments that make no sense.
     """
     names = list(tables if types is None else types)
     if (on is None) == (rate is None):
         raise ValueError("give either on= (a message type) or rate= (a span of time)")
     if method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
-    missing = [name for name in (*names, *([on] if on else [])) if name not in tables]
+    missing = [one for one in (*names, *([on] if on else [])) if one not in tables]
     if missing:
         raise ValueError(f"there is no table of {missing[0]!r}")
     step = None if rate is None else _micros(rate, "rate")
     if step == 0:
         raise ValueError(f"rate must be a microsecond or more, not {rate!r}")
     reach = None if tolerance is None else _micros(tolerance, "tolerance")
-    chosen = [(name, tables[name]._batches) for name in names]
+    chosen = [(one, tables[one]._batches) for one in names]
     clock = None if on is None else tables[on]._batches
     path = tables[names[0]].path if names else None
-    return Table("+".join(names), align_tables(chosen, clock, step, method, reach), path)
+    return Table(name or "+".join(names), align_tables(chosen, clock, step, method, reach), path)
 
 
 def _micros(span: str | float, what: str) -> int:

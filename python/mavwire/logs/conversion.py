@@ -15,11 +15,11 @@ import os
 from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import Converter
 from mavwire.links.recognise import read_head
 
 from .query import Query
 from .reading import check_readable, native_dialect
+from .sources import open_converter
 from .telemetry import HEAD_SIZE, not_telemetry
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def convert(
     dialect: str | ModuleType = "all",
     progress: Callable[[str, float], object] | None = None,
 ) -> list[Converted]:
-    """Convert telemetry logs to `out/MESSAGE/LOG.parquet` (or .csv, .jsonl, .arrow).
+    """Convert logs of any kind to `out/MESSAGE/LOG.parquet` (or .csv, .jsonl, .arrow).
 
     Returns a row for each log, in the order given, and writes them to `out/manifest.json`. Logs
     that the manifest has with the same size, time and options, and whose files are all there, are
@@ -140,7 +140,7 @@ class _Job:
         suffix = FORMATS[self.format]
         if self.format in ("csv", "jsonl"):
             suffix += TEXT_SUFFIXES.get(self.compression, "")
-        converter = Converter(
+        converter = open_converter(
             path, self.native, self.query, self.out, name + suffix, self.format, self.compression
         )
         try:
@@ -259,7 +259,7 @@ def _names(paths: list[str], earlier: dict[str, str]) -> dict[str, str]:
             names[path] = earlier[path]
             continue
         stem = os.path.basename(path)
-        for suffix in (".gz", ".zst", ".tlog"):
+        for suffix in (".gz", ".zst", ".tlog", ".BIN", ".bin", ".log"):
             stem = stem.removesuffix(suffix)
         name, number = stem or "log", 1
         while name in taken:

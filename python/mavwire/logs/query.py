@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from datetime import datetime
 
+DATAFLASH_NAME_LEN = 4
+"""Characters of the name of a dataflash record type at most."""
 HEADER = ("timestamp", "sysid", "compid", "seq")
 """The columns in front of the fields."""
 
@@ -20,6 +22,8 @@ class Query:
     """The attributes that `LogColumns` and `Converter` read; None stands for all."""
 
     types: list[int] | None = None
+    names: list[str] | None = None
+    """Record types of dataflash logs."""
     systems: list[int] | None = None
     start: float | None = None
     end: float | None = None
@@ -28,6 +32,8 @@ class Query:
     enum_names: bool = False
     batch_rows: int | None = None
     batch_bytes: int | None = None
+    foreign: str | None = None
+    """What is wrong with `types` where a telemetry log is read."""
 
     @classmethod
     def of(
@@ -46,16 +52,68 @@ class Query:
             raise ValueError(f"units must be None or 'si', not {units!r}")
         if enums not in (None, "names"):
             raise ValueError(f"enums must be None or 'names', not {enums!r}")
-        selection = Selection.of(dialect, types, systems, start, end)
+        wanted = [types] if isinstance(types, str | type) else types
+        wanted = None if wanted is None else list(wanted)
+        known, foreign = _telemetry_types(dialect, wanted)
+        selection = Selection.of(dialect, known, systems, start, end)
         return cls(
             types=selection.types,
+            names=None if wanted is None else [_name_of(one) for one in wanted],
             systems=selection.systems,
             start=selection.start,
             end=selection.end,
             columns=None if fields is None else columns_of(fields),
             si=units == "si",
             enum_names=enums == "names",
+            foreign=foreign,
         )
+
+    @classmethod
+    def of_dataflash(
+        cls,
+        types: str | Iterable[str] | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        start: float | datetime | None = None,
+        end: float | datetime | None = None,
+        units: str | None = None,
+        enums: str | None = None,
+    ) -> Query:
+        """For a log that is known to be a dataflash log; ValueError as by `of`."""
+        query = cls.of(None, None, systems, fields, start, end, units, enums)
+        if types is not None:
+            query.names = [types] if isinstance(types, str) else list(types)
+        return query
+
+    def check_telemetry(self) -> None:
+        """Raise ValueError for types that no telemetry log has."""
+        if self.foreign is not None:
+            raise ValueError(self.foreign)
+
+    def check_dataflash(self) -> None:
+        """Raise ValueError for what makes no sense with a dataflash log."""
+        if self.systems is not None:
+            raise ValueError("a dataflash log is of one system: leave systems= out")
+
+
+def _name_of(one: str | type) -> str:
+    return one if isinstance(one, str) else str(getattr(one, "msgname", one.__name__))
+
+
+def _telemetry_types(dialect: Any, types: list[Any] | None) -> tuple[list[Any] | None, str | None]:
+    """The types without those that only a dataflash log can have, and what to say of these where a
+    telemetry log is read.
+    """
+    if types is None:
+        return None, None
+    known, foreign = [], None
+    for one in types:
+        short = isinstance(one, str) and len(one) <= DATAFLASH_NAME_LEN
+        if short and not hasattr(dialect, f"MAVLINK_MSG_ID_{one}"):
+            foreign = foreign or f"the dialect {dialect.DIALECT} has no message {one!r}"
+        else:
+            known.append(one)
+    return known, foreign
 
 
 def columns_of(fields: str | Iterable[str]) -> list[str]:

@@ -6,9 +6,10 @@ import errno
 import os
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import LogColumns, RecordBatches, empty_table
+from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_table
 
 from .query import Query, check_fields
+from .sources import is_dataflash, open_columns
 from .table import Table, tidy
 
 if TYPE_CHECKING:
@@ -47,33 +48,47 @@ def read(
     *,
     units: str | None = None,
     enums: str | None = None,
+    wide: bool = False,
     dialect: str | ModuleType = "all",
 ) -> dict[str, Table]:
-    """Read a telemetry log, or a raw stream, into a table for each message type, in one pass.
+    """Read a log into a table for each message type, in one pass: a telemetry log, a raw stream, or
+    a dataflash log, binary or text.
 
     `types`, `systems`, `start` and `end` are those of `TelemetryLog.messages`; `fields` names the
     fields that become columns. `units="si"` scales values to SI units (angles stay degrees or
     radians), `enums="names"` makes names of enum values. A file ending in gzip or zstd is
     decompressed on the way. Types that are asked for and are not in the log give empty tables.
+    `wide=True` gives types with an instance field as `Table.wide` does, a column for each instance.
 
     Every good record of a damaged log is there. Raises FileNotFoundError and its kin, ValueError
-    for a type or field that the dialect does not have.
+    for a type or field that the dialect, or the dataflash log, does not have.
     """
     path = os.fspath(path)
     check_readable(path)
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
+    dataflash = DataflashTables.open(path)
+    if dataflash is not None:
+        from .dataflash import read_tables
+
+        return read_tables(dataflash, path, query, fields, wide)
+    query.check_telemetry()
     check_fields(module, query, fields)
-    pieces: dict[str, list[RecordBatches]] = {}
-    for found in LogColumns(path, native, query):
-        for name, batches in found:
-            pieces.setdefault(name, []).append(batches)
-    tables = {name: tidy(name, RecordBatches.joined(some), path) for name, some in pieces.items()}
+    tables = joined(LogColumns(path, native, query), path)
     for msgid in query.types or ():
         name = module.mavlink_map[msgid].msgname
         if name not in tables:
             tables[name] = tidy(name, empty_table(native, msgid, query), path)
-    return dict(sorted(tables.items()))
+    return {name: table.wide() if wide else table for name, table in sorted(tables.items())}
+
+
+def joined(columns: LogColumns, path: str) -> dict[str, Table]:
+    """The whole tables of a run over a log."""
+    pieces: dict[str, list[RecordBatches]] = {}
+    for found in columns:
+        for name, batches in found:
+            pieces.setdefault(name, []).append(batches)
+    return {name: tidy(name, RecordBatches.joined(some), path) for name, some in pieces.items()}
 
 
 def scan(
@@ -101,7 +116,9 @@ def scan(
         raise ValueError(f"batch_rows must be at least 1, not {batch_rows}")
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
-    check_fields(module, query, fields)
+    if not all(map(is_dataflash, every)):
+        query.check_telemetry()
+        check_fields(module, query, fields)
     query.batch_rows, query.batch_bytes = batch_rows, BATCH_BYTES
     return _batches(every, native, query)
 
@@ -109,6 +126,6 @@ def scan(
 def _batches(paths: list[str], native: Any, query: Query) -> Iterator[Table]:
     for path in paths:
         check_readable(path)
-        for found in LogColumns(path, native, query):
+        for found in open_columns(path, native, query):
             for name, batches in found:
                 yield Table(name, batches, path)

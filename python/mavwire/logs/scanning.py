@@ -10,11 +10,12 @@ import json
 import os
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import empty_table
+from mavwire._native import DataflashTables, RecordBatches, empty_table
 
 from .query import Query
 from .reading import BATCH_ROWS, _batches, native_dialect
 from .selection import record_seconds
+from .sources import is_dataflash
 from .table import Table
 
 if TYPE_CHECKING:
@@ -36,7 +37,8 @@ def scan_polars(
 ) -> Any:
     """The messages of one type of one or many logs as a `polars.LazyFrame`.
 
-    Needs polars. The arguments are those of `mavwire.scan`. Nothing is read before the frame is
+    Needs polars. Columns are those of the dialect, or of the first dataflash log that describes the
+    type. The arguments are those of `mavwire.scan`. Nothing is read before the frame is
     collected; a text column is always followed by `<name>_raw`.
     """
     import polars as pl
@@ -46,8 +48,8 @@ def scan_polars(
     every = [os.fspath(paths)] if one else [os.fspath(path) for path in paths]  # type: ignore[union-attr, arg-type]
     module, native = native_dialect(dialect)
     query = Query.of(module, message, systems, None, start, end, units, enums)
-    msgid = getattr(module, f"MAVLINK_MSG_ID_{message}")
-    schema = pl.DataFrame(Table(message, empty_table(native, msgid, query))).schema
+    empty = _empty(every, message, module, native, query)
+    schema = pl.DataFrame(Table(message, empty)).schema
 
     def source(
         with_columns: list[str] | None,
@@ -65,7 +67,7 @@ def scan_polars(
         wanted.batch_rows = batch_size or BATCH_ROWS
         left = n_rows
         for table in _batches(every, native, wanted):
-            frame = pl.DataFrame(table)
+            frame = _fitted(pl.DataFrame(table), {one: schema[one] for one in wanted.columns})
             if predicate is not None:
                 frame = frame.filter(predicate)
             if with_columns is not None:
@@ -78,6 +80,33 @@ def scan_polars(
                 return
 
     return register_io_source(source, schema=schema, is_pure=True)
+
+
+def _empty(paths: list[str], message: str, module: Any, native: Any, query: Query) -> RecordBatches:
+    """A table without rows of a type, as the dialect has it or the first of the dataflash logs that
+    describes it. ValueError where none does.
+    """
+    for path in filter(is_dataflash, paths):
+        tables = DataflashTables.open(path)
+        if tables is not None and message in tables.types():
+            query.check_dataflash()
+            return tables.empty(message, query)
+    query.check_telemetry()
+    return empty_table(native, getattr(module, f"MAVLINK_MSG_ID_{message}"), query)
+
+
+def _fitted(frame: Any, schema: dict[str, Any]) -> Any:
+    """A frame with the columns of the scan: another dataflash log may describe a type otherwise."""
+    import polars as pl
+
+    found = frame.schema
+    if dict(found) == schema:
+        return frame
+    fit = {
+        name: pl.col(name).cast(kind, strict=False) if name in found else pl.lit(None, kind)
+        for name, kind in schema.items()
+    }
+    return frame.select(**fit)
 
 
 def _narrow(query: Query, predicate: Any) -> None:

@@ -98,7 +98,11 @@ def summarise(
     path: str, native_dialect: Any, pulse: Callable[[int], object] | None = None
 ) -> LogInfo:
     """Read a log to its end. `pulse` is told now and then how many bytes are read."""
-    found = log_summary(path, native_dialect, int(GAP_SECONDS * 1e6), pulse)
+    return info_of(path, log_summary(path, native_dialect, int(GAP_SECONDS * 1e6), pulse))
+
+
+def info_of(path: str, found: dict[str, Any]) -> LogInfo:
+    """What the native side counted."""
     types = {name: _count(row) for name, row in found.pop("types").items()}
     senders = {
         ids: Sender(_count(row), lost, reboots)
@@ -113,7 +117,7 @@ def summarise(
         types=dict(sorted(types.items(), key=lambda item: (-item[1].messages, item[0]))),
         senders=senders,
         gaps=[(before * 1e-6, after * 1e-6) for before, after in found.pop("gaps")],
-        version2=count.messages - found["version1"],
+        version2=count.messages - found["version1"] if senders else 0,
         **found,
     )
 

@@ -101,6 +101,46 @@ class Table:
         """Some of the rows, without a copy."""
         return Table(self.name, self._batches.slice(start, rows), self.path)
 
+    # -- instances
+
+    @property
+    def instance_field(self) -> str | None:
+        """The column that tells instances apart, such as the number of a battery or an IMU."""
+        return next((name for name, told in self.metadata.items() if "instance" in told), None)
+
+    def instances(self) -> dict[str, Table]:
+        """A table for each instance, `{"IMU[0]": ..., "IMU[1]": ...}`; the table itself by its name
+        where it has no instances.
+        """
+        field = self.instance_field
+        if field is None:
+            return {self.name: self}
+        parts = [(text, part) for text, part in self._batches.split(field)]
+        parts.sort(key=lambda part: (len(part[0]), part[0]))
+        named = ((f"{self.name}[{text}]", part) for text, part in parts)
+        return {name: Table(name, part, self.path) for name, part in named}
+
+    def wide(self, *, method: str = "ffill", tolerance: str | float = 0) -> Table:
+        """One row for each time, with the fields of each instance as `IMU[0].AccX`.
+
+        Where an instance has no row at that time there are nulls; `tolerance` and `method` are
+        those of `mavwire.logs.align` and reach further. A table without instances comes as it is.
+        ValueError where several systems sent the rows: choose one.
+        """
+        from .align import align
+
+        if self.instance_field is None:
+            return self
+        if "sysid" in self.columns and len(self._batches.split("sysid")) > 1:
+            raise ValueError(f"{self.name} comes from several systems: choose one by systems=")
+        kept = [column for column in self.columns if column != self.instance_field]
+        tables = {name: table.select(kept) for name, table in self.instances().items()}
+        clock = {self.name: self}
+        return align(
+            {**tables, **clock}, list(tables), on=self.name, method=method, tolerance=tolerance,
+            name=self.name,
+        )  # fmt: skip
+
     # -- other libraries
 
     def to_numpy(self) -> dict[str, Any]:

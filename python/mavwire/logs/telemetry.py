@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from typing import Any, Self
 
+    from .dataflash import DataflashLog
     from .summary import LogInfo
     from .table import Table
 
@@ -39,17 +40,23 @@ def open_log(
     *,
     dialect: str | ModuleType = "all",
     resync: str = "rescan",
-) -> TelemetryLog:
-    """Open a telemetry log (.tlog) to iterate over its messages.
+) -> TelemetryLog | DataflashLog:
+    """Open a telemetry log (.tlog) or a dataflash log (.BIN, .log) for its messages and tables.
 
     `dialect` is the name of a built-in dialect, the path of an XML file, or a dialect module; the
     messages are objects of its classes. `resync="rescan"` finds every good record of a damaged log;
-    `"skip"` gives the messages that pymavlink gives.
+    `"skip"` gives the messages that pymavlink gives. Neither matters to a dataflash log.
 
     Raises FileNotFoundError, IsADirectoryError or PermissionError, LogFormatError (a ValueError)
     for a file that holds something else, ValueError for an argument. A log that is empty or cut
     off is no error.
     """
+    from .sources import is_dataflash
+
+    if is_dataflash(os.fspath(path)):
+        from .dataflash import DataflashLog
+
+        return DataflashLog(path)
     return TelemetryLog(path, dialect=dialect, resync=resync)
 
 
@@ -141,6 +148,7 @@ class TelemetryLog:
         *,
         units: str | None = None,
         enums: str | None = None,
+        wide: bool = False,
     ) -> dict[str, Table]:
         """`{type: table}` in one pass: `mavwire.read` on this log.
 
@@ -151,7 +159,7 @@ class TelemetryLog:
         self._check_open()
         return read(
             self.path, types, systems, fields, start, end,
-            units=units, enums=enums, dialect=self.dialect,
+            units=units, enums=enums, wide=wide, dialect=self.dialect,
         )  # fmt: skip
 
     def align(

@@ -1,4 +1,7 @@
-"""Two telemetry logs as one, in the order of time (mavmerge.py)."""
+"""Telemetry logs as one, in the order of time (mavmerge.py).
+
+With --exact natively: every good record of damaged logs, times to the microsecond, no messages.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ from contextlib import ExitStack
 from heapq import merge
 from operator import attrgetter
 
+from mavwire.cli._errors import CommandError
 from mavwire.cli._output import open_output
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._telemetry import is_damaged, record, require_telemetry
@@ -17,13 +21,18 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavmerge.py's options."""
-    parser.add_argument("logs", metavar="LOG", nargs=2, help="telemetry log")
+    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry log")
     parser.add_argument("-o", "--output", metavar="FILE", help="write the records to a log")
+    parser.add_argument(
+        "--exact", action="store_true", help="only write, fast, all that is good in damaged logs"
+    )
     parser.add_argument("-q", "--quiet", action="store_true", help="print no messages")
 
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
+    if args.exact:
+        return _merge_exactly(args)
     with definitions("all", "2.0"), ExitStack() as stack:
         logs = [stack.enter_context(reading("merge", path)) for path in args.logs]
         for log in logs:
@@ -37,3 +46,15 @@ def main(args: Namespace) -> int:
             if file is not None:
                 file.write(record(msg))
     return 0
+
+
+def _merge_exactly(args: Namespace) -> int:
+    from functools import partial
+
+    from mavwire.cli._rewriting import run
+    from mavwire.logs.rewriting import merge as merge_logs
+
+    if args.output is None:
+        raise CommandError("--exact writes a log: name it by --output")
+    args.out = args.output
+    return run(args, args.logs, partial(merge_logs, args.logs, args.output))

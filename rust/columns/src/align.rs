@@ -5,9 +5,11 @@ use std::sync::Arc;
 use arrow::array::{
     Array, ArrayRef, Float64Array, RecordBatch, TimestampMicrosecondArray, UInt64Array,
 };
-use arrow::compute::{cast, take};
+use arrow::compute::{cast, max, min, take};
 use arrow::datatypes::{DataType, Field, Schema};
 use arrow::error::ArrowError;
+
+use crate::layout::HEADER;
 
 /// Which row of a table belongs to a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,9 +21,6 @@ pub enum Method {
     /// For numbers, the straight line between the rows before and after it; for others the one before.
     Linear,
 }
-
-/// Columns that say where a row came from and not what was measured.
-const HEADER: [&str; 4] = ["timestamp", "sysid", "compid", "seq"];
 
 /// The rows of a table in the order of their times.
 struct Ordered {
@@ -85,13 +84,27 @@ pub fn clock_of(table: &RecordBatch) -> Result<Vec<i64>, ArrowError> {
 pub fn span_of(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, ArrowError> {
     let mut span: Option<(i64, i64)> = None;
     for (_, table) in tables {
-        let times = Ordered::of(table)?.times;
-        if let (Some(&first), Some(&last)) = (times.first(), times.last()) {
+        let times = times_of(table)?;
+        if let (Some(first), Some(last)) = (min(times), max(times)) {
             let (low, high) = span.unwrap_or((first, last));
             span = Some((low.min(first), high.max(last)));
         }
     }
     Ok(span)
+}
+
+/// Values in a row of the wide table, those of lists one by one.
+pub fn values_of(tables: &[(String, RecordBatch)]) -> usize {
+    let fields = tables.iter().flat_map(|(_, table)| table.schema_ref().fields());
+    let values = fields.filter(|field| is_measured(field)).map(|field| match field.data_type() {
+        DataType::FixedSizeList(_, length) => usize::try_from(*length).unwrap_or(0),
+        _ => 1,
+    });
+    1 + values.sum::<usize>()
+}
+
+fn is_measured(field: &Field) -> bool {
+    !HEADER.contains(&field.name().as_str())
 }
 
 /// A row for each tick: `timestamp`, then the fields of each table as `TYPE.field`. Where no row is within `tolerance`
@@ -115,7 +128,7 @@ pub fn align(
             .map(|&tick| ordered.choose(tick, nearest, tolerance).map(|place| ordered.rows[place]))
             .collect();
         for (field, column) in table.schema().fields().iter().zip(table.columns()) {
-            if HEADER.contains(&field.name().as_str()) {
+            if !is_measured(field) {
                 continue;
             }
             let array = if method == Method::Linear && field.data_type().is_numeric() {
@@ -146,17 +159,21 @@ fn interpolated(
         .as_any()
         .downcast_ref()
         .ok_or_else(|| ArrowError::CastError("no numbers".to_owned()))?;
-    let value = |place: usize| numbers.value(ordered.rows[place] as usize);
+    let value = |place: usize| {
+        let row = ordered.rows[place] as usize;
+        numbers.is_valid(row).then(|| numbers.value(row))
+    };
     let at = |&tick: &i64| {
         let (before, after) = ordered.around(tick);
         let before = ordered.within(before, tick, tolerance)?;
         if ordered.times[before] == tick {
-            return Some(value(before));
+            return value(before);
         }
         let after = ordered.within(after, tick, tolerance)?;
         let span = ordered.times[after].abs_diff(ordered.times[before]) as f64;
         let share = tick.abs_diff(ordered.times[before]) as f64 / span;
-        Some(value(before) + (value(after) - value(before)) * share)
+        let (first, second) = (value(before)?, value(after)?);
+        Some(first + (second - first) * share)
     };
     Ok(Arc::new(clock.iter().map(at).collect::<Float64Array>()))
 }

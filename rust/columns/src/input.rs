@@ -128,16 +128,24 @@ impl Blocks {
         Self { source, block, now, next, ahead: None, damage: None }
     }
 
-    /// Looks at the first bytes to tell what kind of log it is.
+    /// Looks at the first bytes to tell how a telemetry log is framed.
     ///
     /// # Errors
     /// What reading says.
-    pub fn with_framing(mut self, registry: &Registry) -> io::Result<(Self, Framing)> {
+    pub fn with_framing(self, registry: &Registry) -> io::Result<(Self, Framing)> {
+        self.with_head(|head| Framing::of(head, registry))
+    }
+
+    /// Lets `look` see the first bytes, which tell what kind of log it is.
+    ///
+    /// # Errors
+    /// What reading says.
+    pub fn with_head<T>(mut self, look: impl FnOnce(&[u8]) -> T) -> io::Result<(Self, T)> {
         let filled = self.next.read(&mut self.source, self.block);
         self.ahead = Some(Ok(self.judge(filled)?));
         let head = self.next.unread();
-        let framing = Framing::of(&head[..head.len().min(PROBE)], registry);
-        Ok((self, framing))
+        let seen = look(&head[..head.len().min(PROBE)]);
+        Ok((self, seen))
     }
 
     /// What is wrong with the compressed file, of which everything before that was read.

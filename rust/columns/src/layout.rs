@@ -16,6 +16,9 @@ use crate::error::Error;
 use crate::scan::Framing;
 use crate::units::{Scale, to_si};
 
+/// The columns in front of the fields, which say where a row came from and not what was measured.
+pub(crate) const HEADER: [&str; 4] = ["timestamp", "sysid", "compid", "seq"];
+
 /// How a table is wanted.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
@@ -44,6 +47,19 @@ pub enum Source {
     Text(Field),
     /// The bytes of a `char` field without trailing NULs, where the text does not hold them all.
     RawText(Field),
+    /// Floats of half precision, in a dataflash log.
+    Half(Field),
+    /// The text of a dataflash log, Latin-1 where it is not UTF-8.
+    LogText(Field),
+    /// All bytes of a field.
+    Bytes(Field),
+}
+
+impl Source {
+    /// Whether values of both can stand in one column.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
 }
 
 /// A column.
@@ -114,10 +130,15 @@ impl Layout {
     }
 }
 
-fn plain(name: &str, source: Source, data_type: DataType) -> (Column, ArrowField) {
+pub(crate) fn plain(name: &str, source: Source, data_type: DataType) -> (Column, ArrowField) {
     let nullable = source == Source::Timestamp;
     let field = ArrowField::new(name, data_type, nullable);
     (Column { name: name.to_owned(), source, scale: None, names: None }, field)
+}
+
+/// The type of `timestamp`.
+pub(crate) fn time() -> DataType {
+    DataType::Timestamp(TimeUnit::Microsecond, Some("UTC".into()))
 }
 
 fn all_columns(
@@ -125,9 +146,8 @@ fn all_columns(
     dialect: &Dialect,
     options: &Options,
 ) -> Vec<(Column, ArrowField)> {
-    let time = DataType::Timestamp(TimeUnit::Microsecond, Some("UTC".into()));
     let mut columns = vec![
-        plain("timestamp", Source::Timestamp, time),
+        plain("timestamp", Source::Timestamp, time()),
         plain("sysid", Source::Sysid, DataType::UInt8),
         plain("compid", Source::Compid, DataType::UInt8),
         plain("seq", Source::Seq, DataType::UInt8),
@@ -140,7 +160,8 @@ fn all_columns(
         }
         name
     };
-    for field in &message.fields {
+    for (index, field) in message.fields.iter().enumerate() {
+        let first = columns.len();
         let name = unique(field.name.clone());
         if field.is_char() {
             let raw = unique(format!("{name}_raw"));
@@ -149,8 +170,18 @@ fn all_columns(
         } else {
             columns.push(numbers(field, &name, dialect, options));
         }
+        if message.instance_field.map(usize::from) == Some(index) {
+            columns[first..].iter_mut().for_each(|(_, arrow)| mark_instance(arrow));
+        }
     }
     columns
+}
+
+/// Says of a column that its values tell apart what the messages of one type are about.
+pub(crate) fn mark_instance(arrow: &mut ArrowField) {
+    let mut metadata = arrow.metadata().clone();
+    metadata.insert("instance".to_owned(), "true".to_owned());
+    arrow.set_metadata(metadata);
 }
 
 fn text(field: &Field, name: &str) -> (Column, ArrowField) {
@@ -171,9 +202,22 @@ fn numbers(
 ) -> (Column, ArrowField) {
     let names = options.enum_names.then(|| enum_of(field, dialect)).flatten();
     let si = if options.si && field.enum_name.is_none() { to_si(field) } else { None };
+    let scale = si.map(|(scale, _)| scale);
+    let (mut column, arrow) = numbers_of(field, scale, names, metadata(field, si));
+    name.clone_into(&mut column.name);
+    (column, arrow.with_name(name))
+}
+
+/// A column of the numbers of a field, without a name as yet.
+pub(crate) fn numbers_of(
+    field: &Field,
+    scale: Option<Scale>,
+    names: Option<Names>,
+    metadata: HashMap<String, String>,
+) -> (Column, ArrowField) {
     let element = if names.is_some() {
         DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8))
-    } else if si.is_some() {
+    } else if scale.is_some() {
         DataType::Float64
     } else {
         element_type(field.field_type)
@@ -184,9 +228,8 @@ fn numbers(
     } else {
         element
     };
-    let metadata = metadata(field, si);
-    let (mut column, arrow) = plain(name, Source::Numbers(field.clone()), data_type);
-    column.scale = si.map(|(scale, _)| scale);
+    let (mut column, arrow) = plain("", Source::Numbers(field.clone()), data_type);
+    column.scale = scale;
     column.names = names;
     (column, arrow.with_metadata(metadata))
 }
@@ -216,7 +259,10 @@ fn element_type(field_type: FieldType) -> DataType {
 }
 
 /// What the definition says of a field. Scaled values have the unit that they are scaled to, and no multiplier.
-fn metadata(field: &Field, si: Option<(Scale, Option<&str>)>) -> HashMap<String, String> {
+pub(crate) fn metadata(
+    field: &Field,
+    si: Option<(Scale, Option<&str>)>,
+) -> HashMap<String, String> {
     let mut metadata = HashMap::from([("field".to_owned(), field.name.clone())]);
     let mut add = |key: &str, value: Option<&str>| {
         if let Some(value) = value {

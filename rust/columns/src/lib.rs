@@ -5,21 +5,24 @@
 //! type are then appended to its table ([`table`]), a gather for each field. What a column is called and what type and
 //! metadata it has stands in [`layout`]. [`reader`] puts all that together; [`summary`] counts instead.
 //!
-//! Nothing here opens a file: logs are `Read`, outputs `Write`. Whoever makes record batches of something else, such as
-//! dataflash logs, can hand them to [`convert`].
+//! Nothing here opens a file: logs are `Read`, outputs `Write`. [`dataflash`] reads the logs that ArduPilot writes on board.
 
 pub mod align;
 pub mod column;
 pub mod convert;
+pub mod dataflash;
 pub mod enums;
 pub mod error;
 pub mod input;
+pub mod instances;
 pub mod layout;
 pub mod reader;
+pub mod rewrite;
 pub mod scan;
 pub mod select;
 pub mod summary;
 pub mod table;
+mod tables;
 pub mod units;
 
 pub use arrow;

@@ -13,9 +13,7 @@ use crate::layout::{Layout, Options};
 use crate::scan::{Framing, LogScanner};
 use crate::select::{Grouped, Wanted};
 use crate::table::{Found, TableBuilder};
-
-/// Bytes of text in one array at most, whose offsets have 31 bits.
-const MOST_BYTES: usize = 1 << 30;
+use crate::tables::Tables;
 
 /// When a table's rows become a record batch.
 #[derive(Debug, Clone, Copy)]
@@ -24,31 +22,55 @@ pub struct Limits {
     pub rows: usize,
     /// Bytes that all growing tables may hold together; beyond that the largest is taken.
     pub bytes: usize,
+    /// Bytes of one table that make a batch of it whatever else is allowed: the offsets of a text array have 31 bits.
+    pub table_bytes: usize,
 }
 
 impl Limits {
-    /// One batch for each type.
-    pub const NONE: Self = Self { rows: usize::MAX, bytes: usize::MAX };
+    /// One batch for each type, or some where one would be too large for arrow.
+    pub const NONE: Self = Self { rows: usize::MAX, bytes: usize::MAX, table_bytes: 1 << 30 };
 }
 
 /// Rows of one message type.
 #[derive(Debug, Clone)]
 pub struct Batch {
-    /// Index of the message.
+    /// Index of the message, or of the table of a dataflash log.
     pub index: u16,
+    /// Its name.
+    pub message: Arc<str>,
     /// The rows.
     pub rows: RecordBatch,
 }
 
-/// A log being decoded.
+/// A log of any kind being decoded.
+pub trait Decode: Send {
+    /// The batches that are complete after another block; `None` at the end, when the last ones were given.
+    ///
+    /// # Errors
+    /// What reading says.
+    fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error>;
+
+    /// Bytes of the log that are dealt with, decompressed.
+    fn position(&self) -> u64;
+
+    /// How many of them belong to no record.
+    fn bad_bytes(&self) -> u64;
+
+    /// Whether records have times.
+    fn has_times(&self) -> bool;
+
+    /// What is wrong with the compressed file, of which everything before that was read.
+    fn damage(&self) -> Option<&str>;
+}
+
+/// A telemetry log being decoded.
 pub struct Reader {
     blocks: Blocks,
     scanner: LogScanner,
     framing: Framing,
     wanted: Wanted,
     options: Options,
-    limits: Limits,
-    tables: Vec<Option<TableBuilder>>,
+    tables: Tables,
     /// Bytes of the log, decompressed, that are dealt with.
     position: u64,
     bad_bytes: u64,
@@ -67,53 +89,38 @@ impl Reader {
         limits: Limits,
     ) -> Result<Self, Error> {
         let (blocks, framing) = Blocks::new(source)?.with_framing(&registry)?;
-        let tables = (0..registry.dialect().messages.len()).map(|_| None).collect();
+        let tables = Tables::new(registry.dialect().messages.len(), limits);
         let scanner = LogScanner::new(registry, framing);
-        Ok(Self {
-            blocks,
-            scanner,
-            framing,
-            wanted,
-            options,
-            limits,
-            tables,
-            position: 0,
-            bad_bytes: 0,
-        })
+        Ok(Self { blocks, scanner, framing, wanted, options, tables, position: 0, bad_bytes: 0 })
     }
+}
 
-    /// Bytes of the log that are dealt with, decompressed.
-    pub fn position(&self) -> u64 {
+impl Decode for Reader {
+    fn position(&self) -> u64 {
         self.position
     }
 
-    /// How many of them belong to no record.
-    pub fn bad_bytes(&self) -> u64 {
+    fn bad_bytes(&self) -> u64 {
         self.bad_bytes
     }
 
-    /// Whether records have times.
-    pub fn framing(&self) -> Framing {
-        self.framing
+    fn has_times(&self) -> bool {
+        self.framing == Framing::Stamped
     }
 
-    /// What is wrong with the compressed file, of which everything before that was read.
-    pub fn damage(&self) -> Option<&str> {
+    fn damage(&self) -> Option<&str> {
         self.blocks.damage()
     }
 
-    /// The batches that are complete after another block; `None` at the end, when the last ones were given.
-    ///
-    /// # Errors
-    /// What reading says.
-    pub fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error> {
+    fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error> {
         let Self { blocks, scanner, framing, wanted, options, tables, .. } = self;
+        let builders = &mut tables.builders;
         let read = blocks.next(|block, at_end| {
             let scanned = scanner.scan(block, at_end);
-            let grouped = Grouped::new(block, *framing, &scanned, wanted, tables.len());
+            let grouped = Grouped::new(block, *framing, &scanned, wanted, builders.len());
             let found = Found { block, scanned: &scanned };
             let registry = scanner.registry();
-            tables.par_iter_mut().enumerate().for_each(|(index, table)| {
+            builders.par_iter_mut().enumerate().for_each(|(index, table)| {
                 let records = grouped.of(index);
                 if !records.is_empty() {
                     let new = || {
@@ -126,39 +133,9 @@ impl Reader {
             let bad: usize = scanned.bad.iter().map(std::iter::ExactSizeIterator::len).sum();
             (scanned.consumed, (scanned.consumed, bad))
         })?;
-        let Some((consumed, bad)) = read else { return self.rest() };
+        let Some((consumed, bad)) = read else { return self.tables.rest() };
         self.position += consumed as u64;
         self.bad_bytes += bad as u64;
-        self.complete().map(Some)
-    }
-
-    /// What is left at the end; `None` the second time.
-    fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error> {
-        let batches: Vec<Batch> = self.take_where(|table| table.rows() > 0)?;
-        Ok((!batches.is_empty()).then_some(batches))
-    }
-
-    fn complete(&mut self) -> Result<Vec<Batch>, Error> {
-        let Limits { rows, bytes } = self.limits;
-        let mut batches =
-            self.take_where(|table| table.rows() >= rows || table.bytes() >= MOST_BYTES)?;
-        loop {
-            let sizes = self.tables.iter().flatten().map(TableBuilder::bytes);
-            let (total, most) = sizes.fold((0, 0), |(sum, most), n| (sum + n, most.max(n)));
-            if total <= bytes || most == 0 {
-                return Ok(batches);
-            }
-            batches.extend(self.take_where(|table| table.bytes() == most)?);
-        }
-    }
-
-    fn take_where(&mut self, full: impl Fn(&TableBuilder) -> bool) -> Result<Vec<Batch>, Error> {
-        let mut batches = Vec::new();
-        for (index, table) in (0..).zip(&mut self.tables) {
-            if let Some(table) = table.as_mut().filter(|table| full(table)) {
-                batches.push(Batch { index, rows: table.take()? });
-            }
-        }
-        Ok(batches)
+        self.tables.complete().map(Some)
     }
 }

@@ -29,6 +29,18 @@ impl Wanted {
         index != UNKNOWN && self.types.as_ref().is_none_or(|types| types[usize::from(index)])
     }
 
+    /// Whether a record is wanted; one of an unknown id is if all types are.
+    pub(crate) fn wants(
+        &self,
+        block: &[u8],
+        lead: usize,
+        scanned: &Scanned,
+        record: Located,
+    ) -> bool {
+        let by_type = self.types.is_none() || self.wants_type(record.index);
+        by_type && (self.by_type_alone() || self.wants_record(block, lead, scanned, record))
+    }
+
     /// Whether a look at the type settles it.
     fn by_type_alone(&self) -> bool {
         self.systems.is_none() && self.start == f64::NEG_INFINITY && self.end == f64::INFINITY
@@ -37,10 +49,16 @@ impl Wanted {
     fn wants_record(&self, block: &[u8], lead: usize, scanned: &Scanned, record: Located) -> bool {
         let from =
             |sysid: u8| self.systems.as_ref().is_none_or(|wanted| wanted[usize::from(sysid)]);
-        let time = scanned.time(block, record.at) as f64 * 1.0e-6;
+        let time = seconds(scanned.time(block, record.at) as f64);
         let in_time = lead == 0 || (time >= self.start && time < self.end);
         in_time && header_at(block, record.at, lead).is_some_and(|header| from(header.sysid))
     }
+}
+
+/// Seconds of a time in microseconds, rounded as those of messages are.
+#[inline]
+pub(crate) fn seconds(micros: f64) -> f64 {
+    micros * 1.0e-6
 }
 
 /// The wanted records of a block by message type, in the order of the log.

@@ -31,7 +31,7 @@ pub struct Count {
 }
 
 impl Count {
-    fn add(&mut self, time: u64) {
+    pub(crate) fn add(&mut self, time: u64) {
         if self.messages == 0 {
             self.first = time;
         }
@@ -90,6 +90,8 @@ pub struct Summary {
     pub signed: u64,
     /// What is wrong with the compressed file.
     pub damage: Option<String>,
+    /// Where the last of the places with bytes of no record ends, listed or not.
+    pub(crate) bad_end: Option<u64>,
 }
 
 impl Summary {
@@ -149,7 +151,7 @@ impl Summary {
         self.bytes += scanned.consumed as u64;
     }
 
-    fn add_time(&mut self, time: u64, gap: u64) {
+    pub(crate) fn add_time(&mut self, time: u64, gap: u64) {
         if self.count.messages > 0 {
             let before = self.count.last;
             self.times_back += u64::from(time < before);
@@ -185,18 +187,18 @@ impl Summary {
         }
     }
 
-    fn add_bad(&mut self, bad: &[Range<usize>]) {
+    pub(crate) fn add_bad(&mut self, bad: &[Range<usize>]) {
         for range in bad {
             let range = self.bytes + range.start as u64..self.bytes + range.end as u64;
             self.bad_bytes += range.end - range.start;
+            let goes_on = self.bad_end.replace(range.end) == Some(range.start);
+            self.bad_count += u64::from(!goes_on);
+            if self.bad_count > MOST_LISTED as u64 {
+                continue;
+            }
             match self.bad.last_mut() {
-                Some(last) if last.end == range.start => last.end = range.end,
-                _ => {
-                    self.bad_count += 1;
-                    if self.bad.len() < MOST_LISTED {
-                        self.bad.push(range);
-                    }
-                }
+                Some(last) if goes_on => last.end = range.end,
+                _ => self.bad.push(range),
             }
         }
     }
@@ -207,4 +209,33 @@ fn boot_offset(message: &Message) -> Option<usize> {
     let is_clock = |name: &str, field_type| name == "time_boot_ms" && field_type == FieldType::U32;
     let field = message.fields.iter().find(|field| is_clock(&field.name, field.field_type))?;
     (field.array_length == 0).then_some(field.offset.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_that_adjoin_are_one_beyond_those_that_are_listed_too() {
+        let mut sum = Summary::default();
+        let bad: Vec<_> = (0..MOST_LISTED + 5).map(|n| 10 * n..10 * n + 3).collect();
+        sum.add_bad(&bad);
+        let last = bad.last().map_or(0, |range| range.end);
+        // The next block begins in the same place.
+        sum.bytes = last as u64;
+        sum.add_bad(&[0..4, 8..9]);
+        assert_eq!(sum.bad_count, MOST_LISTED as u64 + 6);
+        assert_eq!(sum.bad.len(), MOST_LISTED);
+        assert_eq!(sum.bad.last(), Some(&(9990..9993)));
+        assert_eq!(sum.bad_bytes, 3 * (MOST_LISTED as u64 + 5) + 5);
+    }
+
+    #[test]
+    fn the_last_place_that_is_listed_grows() {
+        let mut sum = Summary::default();
+        sum.add_bad(&[0..2]);
+        sum.bytes = 2;
+        sum.add_bad(&[0..4]);
+        assert_eq!((sum.bad_count, &sum.bad[..]), (1, &[0..6][..]));
+    }
 }

@@ -7,11 +7,11 @@ use arrow::error::ArrowError;
 use mavwire_core::frame::Header;
 
 use crate::column::{Growing, PAYLOAD, Rows};
-use crate::layout::Layout;
+use crate::layout::{Layout, Source};
 use crate::scan::Scanned;
 
 /// Records that are laid side by side before the gathers go over them: what stays in the first cache.
-const GROUP: usize = 256;
+pub(crate) const GROUP: usize = 256;
 
 /// A block with its records.
 #[derive(Debug, Clone, Copy)]
@@ -51,8 +51,11 @@ impl TableBuilder {
         self.rows
     }
 
-    /// Bytes held.
+    /// Bytes held; none without rows, though an empty text column has an offset.
     pub fn bytes(&self) -> usize {
+        if self.rows == 0 {
+            return 0;
+        }
         self.columns.iter().map(Growing::bytes).sum()
     }
 
@@ -67,6 +70,33 @@ impl TableBuilder {
             }
         }
         self.rows += records.len();
+    }
+
+    /// Appends records that are laid side by side already; a column takes what its source says from each, or null.
+    pub(crate) fn append_rows(&mut self, rows: &Rows<'_>, sources: &[Option<&Source>]) {
+        for (growing, source) in self.columns.iter_mut().zip(sources) {
+            match source {
+                Some(source) => growing.append(rows, source),
+                None => growing.append_missing(rows.times),
+            }
+        }
+        self.rows += rows.times.len();
+    }
+
+    /// Appends a row of values as they are written in a text log, one for each column; what is no value of its column is
+    /// null.
+    pub(crate) fn append_texts<'t>(
+        &mut self,
+        time: i64,
+        texts: impl Iterator<Item = Option<&'t [u8]>>,
+    ) {
+        for (growing, text) in self.columns.iter_mut().zip(texts) {
+            match text {
+                Some(text) => growing.append_text(text),
+                None => growing.append_missing(&[time]),
+            }
+        }
+        self.rows += 1;
     }
 
     fn lay_out(&mut self, found: Found<'_>, records: &[u32]) {

@@ -21,7 +21,13 @@ impl Scale {
         value * self.times / self.over
     }
 
-    fn and(self, other: Self) -> Self {
+    /// Divides.
+    pub(crate) const fn down(over: f64) -> Self {
+        Self { times: 1.0, over }
+    }
+
+    /// Both.
+    pub(crate) fn and(self, other: Self) -> Self {
         Self { times: self.times * other.times, over: self.over * other.over }
     }
 }

@@ -10,6 +10,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod anonymize;
 pub mod builtin;
 pub mod codec;
 pub mod frame;

@@ -1,14 +1,14 @@
 //! A dataflash log in its text form: a line for each record.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::{
-    Delimiter, MAX_LINE_LEN, decode_line, layout, name, nth_value, trimmed,
+    Delimiter, MAX_LINE_LEN, TextDefinitions, decode_line, nth_value, trimmed,
 };
-use mavwire_core::log::dataflash::{Layout, MAX_DEFINITIONS, RecordEntry, Units};
+use mavwire_core::log::dataflash::{Layout, RecordEntry, Units};
 
 use crate::tally::{Contents, Tally};
 use crate::window::FileWindow;
@@ -25,10 +25,7 @@ const KEY_LEN: usize = 4;
 pub struct TextLogFile {
     window: FileWindow,
     len: u64,
-    delimiter: Delimiter,
-    layouts: Vec<Arc<Layout>>,
-    /// Name -> offsets from which layouts hold, and their indices, in the order of the log.
-    by_name: HashMap<Vec<u8>, Vec<(u64, u16)>>,
+    definitions: TextDefinitions,
     /// First characters of a line up to the comma -> where such lines start.
     keys: BTreeMap<String, Vec<u64>>,
     lines: u64,
@@ -56,16 +53,8 @@ impl TextLogFile {
         let len = window.len()?;
         let head = window.at(0, PROBE)?;
         let delimiter = Delimiter::of(&head[..head.len().min(PROBE)]);
-        let mut log = Self {
-            window,
-            len,
-            delimiter,
-            layouts: Vec::new(),
-            by_name: HashMap::new(),
-            keys: BTreeMap::new(),
-            lines: 0,
-        };
-        log.add_layout(Layout::of_fmt(), 0);
+        let definitions = TextDefinitions::new(delimiter);
+        let mut log = Self { window, len, definitions, keys: BTreeMap::new(), lines: 0 };
         log.collect()?;
         Ok(log)
     }
@@ -81,28 +70,14 @@ impl TextLogFile {
             }
             let key = &bytes[..bytes.len().min(KEY_LEN)];
             let key = &key[..memchr::memchr(b',', key).unwrap_or(key.len())];
-            let (key, is_fmt) = (decode_line(key), key == b"FMT");
-            let found = is_fmt.then(|| layout(&decode_line(trimmed(bytes)), self.delimiter));
+            let key = decode_line(key);
+            self.definitions.collect(bytes, line.offset);
             self.lines += 1;
             if self.keys.len() < MAX_KEYS || self.keys.contains_key(&key) {
                 self.keys.entry(key).or_default().push(line.offset);
             }
-            if let Some(Ok(layout)) = found {
-                self.add_layout(layout, line.offset);
-            }
         }
         Ok(())
-    }
-
-    fn add_layout(&mut self, layout: Layout, offset: u64) {
-        let places = self.by_name.entry(layout.name.as_bytes().to_vec()).or_default();
-        let known = places.last().map(|&(_, index)| &self.layouts[usize::from(index)]);
-        if known.is_some_and(|known| **known == layout) || self.layouts.len() >= MAX_DEFINITIONS {
-            return;
-        }
-        let from = if places.is_empty() { 0 } else { offset };
-        places.push((from, self.layouts.len() as u16));
-        self.layouts.push(Arc::new(layout));
     }
 
     /// Bytes of the file when it was opened.
@@ -117,12 +92,12 @@ impl TextLogFile {
 
     /// What stands between values.
     pub fn delimiter(&self) -> Delimiter {
-        self.delimiter
+        self.definitions.delimiter()
     }
 
     /// The layouts of the records.
     pub fn layouts(&self) -> &[Arc<Layout>] {
-        &self.layouts
+        self.definitions.layouts()
     }
 
     /// Where lines start, by their first characters up to the comma.
@@ -176,16 +151,6 @@ impl TextLogFile {
         }
     }
 
-    /// The layout of a line that has all the values it should have.
-    fn layout_of(&self, line: &[u8], offset: u64) -> Option<u16> {
-        let places = self.by_name.get(name(line, self.delimiter))?;
-        let behind = places.partition_point(|(from, _)| *from <= offset);
-        let (_, index) = places.get(behind.checked_sub(1)?)?;
-        let fields = self.layouts.get(usize::from(*index))?.columns.len();
-        let complete = fields == 0 || nth_value(line, self.delimiter, fields - 1).is_some();
-        complete.then_some(*index)
-    }
-
     /// The first record at or behind `offset`, its line, and where the next line starts; `None` at the end of the log.
     ///
     /// # Errors
@@ -195,7 +160,7 @@ impl TextLogFile {
         while let Some(line) = self.line_at(at)? {
             at = line.next;
             let bytes = trimmed(&self.window.buffered(line.offset)[..line.len]);
-            if let Some(layout) = self.layout_of(bytes, line.offset) {
+            if let Some(layout) = self.definitions.of_line(bytes, line.offset) {
                 let entry = RecordEntry { offset: line.offset, layout, len: 0 };
                 let len = bytes.len();
                 return Ok(Some((entry, &self.window.buffered(line.offset)[..len], at)));
@@ -221,7 +186,7 @@ impl TextLogFile {
         units: Units,
         progress: &mut dyn FnMut(u64) -> bool,
     ) -> io::Result<(Contents, bool)> {
-        let (layouts, delimiter) = (self.layouts.clone(), self.delimiter);
+        let (layouts, delimiter) = (self.layouts().to_vec(), self.delimiter());
         let mut tally = Tally::new(&layouts, units);
         let (mut at, mut told) = (0, 0);
         while let Some((entry, line, next)) = self.record_at(at)? {

@@ -1,6 +1,6 @@
 //! `align_tables`: several tables on one clock.
 
-use mavwire_columns::align::{Method, align, clock_of, span_of};
+use mavwire_columns::align::{Method, align, clock_of, span_of, values_of};
 use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::arrow::error::ArrowError;
 use pyo3::exceptions::PyValueError;
@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 
 use crate::table::{RecordBatches, columns_error};
 
-/// Ticks of a clock at most: what a mistaken rate may cost.
-const MOST_TICKS: i64 = 200_000_000;
+/// Values of an aligned table at most, some 4 GiB: what a mistaken rate, or a log made for it, may cost.
+const MOST_VALUES: u64 = 1 << 29;
 
 /// What ticks.
 enum Clock {
@@ -21,17 +21,30 @@ enum Clock {
 impl Clock {
     fn ticks(&self, tables: &[(String, RecordBatch)]) -> Result<Vec<i64>, ArrowError> {
         let step = match self {
-            Self::Table(table) => return clock_of(table),
+            Self::Table(table) => {
+                let ticks = clock_of(table)?;
+                check_size(ticks.len() as u64, tables)?;
+                return Ok(ticks);
+            }
             Self::Step(step) => *step,
         };
         let Some((first, last)) = span_of(tables)? else { return Ok(Vec::new()) };
         let count = last.saturating_sub(first) / step;
-        if count >= MOST_TICKS {
-            let text = format!("a clock of {count} ticks is more than {MOST_TICKS}");
-            return Err(ArrowError::InvalidArgumentError(text));
-        }
+        check_size(count.unsigned_abs() + 1, tables)?;
         Ok((0..=count).map(|n| first + n * step).collect())
     }
+}
+
+fn check_size(ticks: u64, tables: &[(String, RecordBatch)]) -> Result<(), ArrowError> {
+    let values = values_of(tables) as u64;
+    if ticks.saturating_mul(values) <= MOST_VALUES {
+        return Ok(());
+    }
+    let text = format!(
+        "a clock of {ticks} ticks with {values} values at each is more than {MOST_VALUES} values: \
+         choose a longer rate or fewer types and fields"
+    );
+    Err(ArrowError::InvalidArgumentError(text))
 }
 
 /// One table of `[(name, table), ...]`: on the times of the table `on`, or every `step` microseconds from the first time

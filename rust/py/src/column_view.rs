@@ -18,7 +18,6 @@ use crate::table::list_of;
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct ColumnView {
     values: ArrayRef,
-    nulls: Option<ArrayRef>,
     numbers: Option<Numbers>,
 }
 
@@ -82,8 +81,7 @@ impl ColumnView {
                 array.data_type(),
                 DataType::Utf8 | DataType::Binary | DataType::Dictionary(..)
             );
-        let nulls = (array.null_count() > 0).then(|| array.clone());
-        shown.then(|| Self { values: array.clone(), nulls, numbers })
+        shown.then(|| Self { values: array.clone(), numbers })
     }
 }
 
@@ -108,8 +106,10 @@ impl ColumnView {
 
     /// For each row, whether there is a value; `None` where all rows have one.
     fn valid<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyList>>> {
-        let Some(array) = &self.nulls else { return Ok(None) };
-        list_of(py, (0..array.len()).map(|row| array.is_valid(row))).map(Some)
+        if self.values.null_count() == 0 {
+            return Ok(None);
+        }
+        list_of(py, (0..self.values.len()).map(|row| self.values.is_valid(row))).map(Some)
     }
 
     /// The texts or bytes; `None` for rows without.
@@ -147,6 +147,12 @@ impl ColumnView {
         if flags & ffi::PyBUF_WRITABLE == ffi::PyBUF_WRITABLE {
             return Err(PyBufferError::new_err("the memory of a table is read-only"));
         }
+        // What was not asked for stays NULL; the memory has no holes, so that it is right without strides too.
+        let asked = |flag: c_int| flags & flag == flag;
+        let or_null = |flag, sizes: &[isize]| {
+            if asked(flag) { sizes.as_ptr().cast_mut() } else { std::ptr::null_mut() }
+        };
+        let format = numbers.format.as_ptr().cast_mut();
         let bytes = &numbers.buffer.as_slice()[numbers.start..];
         let count: isize = numbers.shape.iter().product();
         // SAFETY: the interpreter hands in a view to fill; shape, strides, format and memory belong to a frozen object,
@@ -157,9 +163,9 @@ impl ColumnView {
             (*view).readonly = 1;
             (*view).itemsize = numbers.item;
             (*view).ndim = numbers.shape.len() as c_int;
-            (*view).format = numbers.format.as_ptr().cast_mut();
-            (*view).shape = numbers.shape.as_ptr().cast_mut();
-            (*view).strides = numbers.strides.as_ptr().cast_mut();
+            (*view).format = if asked(ffi::PyBUF_FORMAT) { format } else { std::ptr::null_mut() };
+            (*view).shape = or_null(ffi::PyBUF_ND, &numbers.shape);
+            (*view).strides = or_null(ffi::PyBUF_STRIDES, &numbers.strides);
             (*view).suboffsets = std::ptr::null_mut();
             (*view).internal = std::ptr::null_mut();
             (*view).obj = slf.clone().into_any().into_ptr();

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use mavwire_columns::Error;
 use mavwire_columns::layout::{Layout, Options};
-use mavwire_columns::reader::{Batch, Limits, Reader};
+use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
 use mavwire_columns::summary::{Count, Summary};
@@ -22,9 +22,11 @@ use crate::table::{RecordBatches, columns_error};
 pub(crate) struct Query {
     /// Message ids; `None` for all.
     types: Option<Vec<u32>>,
+    /// The same for dataflash logs: names of record types.
+    pub(crate) names: Option<Vec<String>>,
     systems: Option<Vec<u8>>,
-    start: Option<f64>,
-    end: Option<f64>,
+    pub(crate) start: Option<f64>,
+    pub(crate) end: Option<f64>,
     /// Names of columns; `None` for all.
     columns: Option<Vec<String>>,
     si: bool,
@@ -36,7 +38,7 @@ pub(crate) struct Query {
 }
 
 impl Query {
-    fn wanted(&self, dialect: &Dialect) -> Wanted {
+    pub(crate) fn wanted(&self, dialect: &Dialect) -> Wanted {
         let messages = &dialect.registry.dialect().messages;
         let types = self
             .types
@@ -49,61 +51,61 @@ impl Query {
             }
             systems
         });
-        Wanted {
-            types,
-            systems,
-            start: self.start.unwrap_or(f64::NEG_INFINITY),
-            end: self.end.unwrap_or(f64::INFINITY),
-        }
+        let (start, end) = self.span();
+        Wanted { types, systems, start, end }
     }
 
-    fn options(&self) -> Options {
+    /// Seconds since 1970: the first that is wanted, and the first that is not any more.
+    pub(crate) fn span(&self) -> (f64, f64) {
+        (self.start.unwrap_or(f64::NEG_INFINITY), self.end.unwrap_or(f64::INFINITY))
+    }
+
+    pub(crate) fn options(&self) -> Options {
         Options { si: self.si, enum_names: self.enum_names, columns: self.columns.clone() }
     }
 
-    fn limits(&self) -> Limits {
+    pub(crate) fn limits(&self) -> Limits {
         Limits {
             rows: self.batch_rows.unwrap_or(usize::MAX),
             bytes: self.batch_bytes.unwrap_or(usize::MAX),
+            ..Limits::NONE
         }
     }
 
     /// A reader of the log at `path`, for use without the interpreter.
-    pub(crate) fn open(&self, path: &Path, dialect: &Dialect) -> Result<Reader, Error> {
+    pub(crate) fn open(&self, path: &Path, dialect: &Dialect) -> Result<Box<dyn Decode>, Error> {
         let source = files::open(path)?;
         let registry = Arc::clone(&dialect.registry);
-        Reader::new(source, registry, self.wanted(dialect), self.options(), self.limits())
+        let (wanted, options) = (self.wanted(dialect), self.options());
+        Ok(Box::new(Reader::new(source, registry, wanted, options, self.limits())?))
     }
 }
 
 /// One run over a log, giving tables.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct LogColumns {
-    dialect: Py<Dialect>,
-    reader: Mutex<Reader>,
+    reader: Mutex<Box<dyn Decode>>,
 }
 
 impl LogColumns {
-    fn with<T>(&self, read: impl FnOnce(&mut Reader) -> T) -> T {
-        read(&mut self.reader.lock().unwrap_or_else(PoisonError::into_inner))
+    pub(crate) fn new(reader: Box<dyn Decode>) -> Self {
+        Self { reader: Mutex::new(reader) }
     }
 
-    fn table(&self, batches: Vec<Batch>) -> Option<(String, RecordBatches)> {
-        let first = batches.first()?;
-        let schema = first.rows.schema();
-        let name = self.dialect.get().registry.message(first.index).name.clone();
-        let rows = batches.into_iter().map(|batch| batch.rows).collect();
-        Some((name, RecordBatches::new(schema, rows)))
+    fn with<T>(&self, read: impl FnOnce(&mut dyn Decode) -> T) -> T {
+        read(&mut **self.reader.lock().unwrap_or_else(PoisonError::into_inner))
     }
+}
+
+fn table(batch: Batch) -> (String, RecordBatches) {
+    (batch.message.to_string(), RecordBatches::new(batch.rows.schema(), vec![batch.rows]))
 }
 
 #[pymethods]
 impl LogColumns {
     #[new]
-    fn new(py: Python<'_>, path: PathBuf, dialect: Py<Dialect>, query: Query) -> PyResult<Self> {
-        let shared = dialect.get();
-        let reader = py.detach(|| query.open(&path, shared)).map_err(columns_error)?;
-        Ok(Self { dialect, reader: Mutex::new(reader) })
+    fn open(py: Python<'_>, path: PathBuf, dialect: &Dialect, query: Query) -> PyResult<Self> {
+        py.detach(|| query.open(&path, dialect)).map(Self::new).map_err(columns_error)
     }
 
     fn __iter__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
@@ -113,10 +115,8 @@ impl LogColumns {
     /// The tables that are ready after another block of the log, `[(message, table), ...]`, perhaps none.
     fn __next__(&self, py: Python<'_>) -> PyResult<Option<Vec<(String, RecordBatches)>>> {
         py.check_signals()?;
-        let batches = py.detach(|| self.with(Reader::advance)).map_err(columns_error)?;
-        Ok(batches.map(|batches| {
-            batches.into_iter().filter_map(|batch| self.table(vec![batch])).collect()
-        }))
+        let batches = py.detach(|| self.with(|reader| reader.advance())).map_err(columns_error)?;
+        Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
     }
 
     /// Bytes of the log, decompressed, that are dealt with.
@@ -140,7 +140,7 @@ impl LogColumns {
     /// Whether records have times.
     #[getter]
     fn stamped(&self, py: Python<'_>) -> bool {
-        py.detach(|| self.with(|reader| reader.framing() == Framing::Stamped))
+        py.detach(|| self.with(|reader| reader.has_times()))
     }
 }
 
@@ -157,7 +157,7 @@ pub(crate) fn empty_table(dialect: &Dialect, msgid: u32, query: Query) -> PyResu
     Ok(RecordBatches::new(layout.schema, Vec::new()))
 }
 
-fn count_row(count: &Count) -> (u64, u64, u64) {
+pub(crate) fn count_row(count: &Count) -> (u64, u64, u64) {
     (count.messages, count.first, count.last)
 }
 
@@ -171,15 +171,10 @@ pub(crate) fn log_summary<'py>(
     pulse: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let registry = Arc::clone(&dialect.registry);
-    let tell = |bytes: u64| {
-        Python::attach(|py| {
-            py.check_signals()?;
-            pulse.as_ref().map_or(Ok(()), |pulse| pulse.call1(py, (bytes,)).map(drop))
-        })
-    };
+    let tell = Teller(pulse);
     let sum = py.detach(|| -> Result<Summary, Stopped> {
         let source = files::open(&path).map_err(Error::from)?;
-        Summary::read(source, registry, gap, |bytes| tell(bytes).map_err(Stopped::Raised))
+        Summary::read(source, registry, gap, |bytes| tell.tell(bytes))
     });
     let sum = sum.map_err(Stopped::into_err)?;
     let messages = &dialect.registry.dialect().messages;
@@ -190,6 +185,28 @@ pub(crate) fn log_summary<'py>(
     for (msgid, count) in &sum.unknown {
         types.set_item(format!("UNKNOWN_{msgid}"), count_row(count))?;
     }
+    summary_dict(py, &sum, types)
+}
+
+/// Tells Python how far a run is, and heeds the user's wish to stop.
+pub(crate) struct Teller(pub(crate) Option<Py<PyAny>>);
+
+impl Teller {
+    pub(crate) fn tell(&self, bytes: u64) -> Result<(), Stopped> {
+        let told = Python::attach(|py| {
+            py.check_signals()?;
+            self.0.as_ref().map_or(Ok(()), |pulse| pulse.call1(py, (bytes,)).map(drop))
+        });
+        told.map_err(Stopped::Raised)
+    }
+}
+
+/// A summary as Python takes it.
+pub(crate) fn summary_dict<'py>(
+    py: Python<'py>,
+    sum: &Summary,
+    types: Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyDict>> {
     let senders = PyDict::new(py);
     for (ids, sender) in &sum.senders {
         senders.set_item(ids, (count_row(&sender.count), sender.lost, sender.reboots))?;
@@ -216,7 +233,7 @@ pub(crate) fn log_summary<'py>(
 }
 
 /// Why a summary was not made.
-enum Stopped {
+pub(crate) enum Stopped {
     Failed(Error),
     Raised(PyErr),
 }
@@ -228,7 +245,7 @@ impl From<Error> for Stopped {
 }
 
 impl Stopped {
-    fn into_err(self) -> PyErr {
+    pub(crate) fn into_err(self) -> PyErr {
         match self {
             Self::Failed(error) => columns_error(error),
             Self::Raised(error) => error,

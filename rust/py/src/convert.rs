@@ -1,12 +1,14 @@
 //! `Converter`: the tables of a log into files, one for each message type, without the interpreter.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use mavwire_columns::Error;
 use mavwire_columns::convert::{Compression, Format, Sink};
-use mavwire_columns::reader::{Batch, Reader};
+use mavwire_columns::reader::{Batch, Decode};
 use mavwire_link::files::Draft;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -41,7 +43,7 @@ fn compression_of(name: &str, format: Format, format_name: &str) -> PyResult<Com
 
 /// A log, and the files that become of it.
 struct Work {
-    reader: Reader,
+    reader: Box<dyn Decode>,
     folder: PathBuf,
     file: String,
     format: Format,
@@ -51,25 +53,24 @@ struct Work {
 }
 
 impl Work {
-    fn write(&mut self, batch: &Batch, name: &str) -> Result<(), Error> {
-        if !self.sinks.contains_key(&batch.index) {
-            let path = self.folder.join(name).join(&self.file);
-            let draft = Draft::create(&path)?;
-            let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
-            self.sinks.insert(batch.index, (path, sink));
-        }
-        match self.sinks.get_mut(&batch.index) {
-            Some((_, sink)) => sink.write(&batch.rows),
-            None => Ok(()),
-        }
+    fn write(&mut self, batch: &Batch) -> Result<(), Error> {
+        let (_, sink) = match self.sinks.entry(batch.index) {
+            Entry::Occupied(open) => open.into_mut(),
+            Entry::Vacant(missing) => {
+                let path = self.folder.join(folder_of(&batch.message)).join(&self.file);
+                let draft = Draft::create(&path)?;
+                let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
+                missing.insert((path, sink))
+            }
+        };
+        sink.write(&batch.rows)
     }
 
     /// Another block of the log; false at its end.
-    fn step(&mut self, dialect: &Dialect) -> Result<bool, Error> {
+    fn step(&mut self) -> Result<bool, Error> {
         let Some(batches) = self.reader.advance()? else { return Ok(false) };
         for batch in &batches {
-            let name = &dialect.registry.message(batch.index).name;
-            self.write(batch, name)?;
+            self.write(batch)?;
         }
         Ok(true)
     }
@@ -91,14 +92,39 @@ impl Work {
     }
 }
 
+/// The folder of a type: a log names its types, and whoever made the log shall not choose where files go.
+fn folder_of(name: &str) -> String {
+    let mut folder = String::with_capacity(name.len());
+    for byte in name.bytes() {
+        if byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-') {
+            folder.push(char::from(byte));
+        } else {
+            let _ = write!(folder, "%{byte:02X}");
+        }
+    }
+    folder
+}
+
 /// Writes the tables of a log to `folder/MESSAGE/file`.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct Converter {
-    dialect: Py<Dialect>,
     work: Mutex<Option<Work>>,
 }
 
 impl Converter {
+    pub(crate) fn new(
+        reader: Box<dyn Decode>,
+        folder: PathBuf,
+        file: String,
+        format: &str,
+        compression: &str,
+    ) -> PyResult<Self> {
+        let kind = format_of(format)?;
+        let compression = compression_of(compression, kind, format)?;
+        let work = Work { reader, folder, file, format: kind, compression, sinks: BTreeMap::new() };
+        Ok(Self { work: Mutex::new(Some(work)) })
+    }
+
     fn with<T>(&self, take: impl FnOnce(&mut Option<Work>) -> T) -> T {
         take(&mut self.work.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -109,31 +135,24 @@ impl Converter {
     #[new]
     #[pyo3(signature = (path, dialect, query, folder, file, format, compression))]
     #[allow(clippy::too_many_arguments)] // one call, made in one place
-    fn new(
+    fn open(
         py: Python<'_>,
         path: PathBuf,
-        dialect: Py<Dialect>,
+        dialect: &Dialect,
         query: Query,
         folder: PathBuf,
         file: String,
         format: &str,
         compression: &str,
     ) -> PyResult<Self> {
-        let kind = format_of(format)?;
-        let compression = compression_of(compression, kind, format)?;
-        let shared = dialect.get();
-        let reader = py.detach(|| query.open(&path, shared)).map_err(columns_error)?;
-        let sinks = BTreeMap::new();
-        let work = Work { reader, folder, file, format: kind, compression, sinks };
-        Ok(Self { dialect, work: Mutex::new(Some(work)) })
+        let reader = py.detach(|| query.open(&path, dialect)).map_err(columns_error)?;
+        Self::new(reader, folder, file, format, compression)
     }
 
     /// Converts another block of the log; false at its end.
     fn step(&self, py: Python<'_>) -> PyResult<bool> {
         py.check_signals()?;
-        let dialect = self.dialect.get();
-        let step =
-            |work: &mut Option<Work>| work.as_mut().map_or(Ok(false), |work| work.step(dialect));
+        let step = |work: &mut Option<Work>| work.as_mut().map_or(Ok(false), Work::step);
         py.detach(|| self.with(step)).map_err(columns_error)
     }
 

@@ -22,6 +22,7 @@ mod components;
 mod convert;
 mod create;
 mod dataflash;
+mod dataflash_tables;
 mod describe;
 mod descriptors;
 mod dialect;
@@ -60,6 +61,7 @@ mod peers;
 mod raw;
 mod receive;
 mod recording;
+mod rewrite;
 mod room;
 mod send;
 mod send_lock;
@@ -102,6 +104,8 @@ mod _native {
     #[pymodule_export]
     use crate::dataflash::shape::DataflashShape;
     #[pymodule_export]
+    use crate::dataflash_tables::DataflashTables;
+    #[pymodule_export]
     use crate::describe::describe;
     #[pymodule_export]
     use crate::descriptors::MetaAttr;
@@ -133,6 +137,8 @@ mod _native {
     use crate::open_log::LogScan;
     #[pymodule_export]
     use crate::recording::recordable;
+    #[pymodule_export]
+    use crate::rewrite::LogRewrite;
     #[pymodule_export]
     use crate::signing::Signing;
     #[pymodule_export]

@@ -3,11 +3,14 @@
 use std::sync::{Arc, OnceLock};
 
 use mavwire_columns::Error;
-use mavwire_columns::arrow::array::{RecordBatch, RecordBatchIterator};
+use mavwire_columns::arrow::array::{
+    Array, ArrayRef, BinaryArray, RecordBatch, RecordBatchIterator, StringArray,
+};
 use mavwire_columns::arrow::compute::concat_batches;
 use mavwire_columns::arrow::datatypes::{Schema, SchemaRef};
 use mavwire_columns::arrow::ffi::FFI_ArrowSchema;
 use mavwire_columns::arrow::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
+use mavwire_columns::instances::split;
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList, PyTuple};
@@ -51,9 +54,11 @@ impl RecordBatches {
         }
         let whole = match &self.batches[..] {
             [one] => one.clone(),
-            all => py
-                .detach(|| concat_batches(&self.schema, all))
-                .map_err(|error| columns_error(error.into()))?,
+            all => {
+                check_joinable(&self.schema, all, i32::MAX as usize)?;
+                py.detach(|| concat_batches(&self.schema, all))
+                    .map_err(|error| columns_error(error.into()))?
+            }
         };
         Ok(self.whole.get_or_init(|| whole))
     }
@@ -161,6 +166,15 @@ impl RecordBatches {
         self.project(&kept)
     }
 
+    /// The rows of each value of a column, by the text of the value: `[(text, table), ...]`.
+    fn split(&self, py: Python<'_>, name: &str) -> PyResult<Vec<(String, Self)>> {
+        let index = self.index_of(name)?;
+        let whole = self.whole(py)?;
+        let parts = py.detach(|| split(whole, index)).map_err(|e| columns_error(e.into()))?;
+        let part = |(text, rows)| (text, Self::new(Arc::clone(&self.schema), vec![rows]));
+        Ok(parts.into_iter().map(part).collect())
+    }
+
     /// Some of the rows.
     fn slice(&self, py: Python<'_>, start: usize, rows: usize) -> PyResult<Self> {
         let whole = self.whole(py)?;
@@ -221,6 +235,26 @@ impl RecordBatches {
         let batches = batches.collect::<Result<Vec<_>, _>>().map_err(error)?;
         Ok(Self::new(Arc::new(schema), batches))
     }
+}
+
+/// Raises `ValueError` where the texts of a column would be more than `most` bytes in one piece.
+fn check_joinable(schema: &Schema, batches: &[RecordBatch], most: usize) -> PyResult<()> {
+    let bytes = |array: &ArrayRef| {
+        let any = array.as_any();
+        let texts = any.downcast_ref::<StringArray>().map(|texts| texts.value_data().len());
+        texts.or_else(|| any.downcast_ref::<BinaryArray>().map(|bytes| bytes.value_data().len()))
+    };
+    for (index, field) in schema.fields().iter().enumerate() {
+        let total: usize = batches.iter().filter_map(|batch| bytes(batch.column(index))).sum();
+        if total > most {
+            return Err(PyValueError::new_err(format!(
+                "column {:?} has {total} bytes of text, more than one array holds ({most}): choose fewer \
+                 rows, or take the pieces by to_arrow, to_polars or mavwire.scan",
+                field.name()
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn ipc_bytes(schema: &SchemaRef, batches: &[RecordBatch]) -> Result<Vec<u8>, Error> {

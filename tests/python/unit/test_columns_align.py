@@ -74,6 +74,16 @@ def test_a_clock_that_would_fill_the_memory_is_refused(tmp_path):
         mavwire.open_log(path).align(["HEARTBEAT"], rate="1us")
 
 
+def test_a_table_that_would_fill_the_memory_is_refused(tmp_path):
+    path = tmp_path / "wide.tlog"
+    battery = mavlink.MAVLink_battery_status_message(0, 0, 0, 0, [0] * 10, 0, 0, 0, 0)
+    path.write_bytes(record(pack(battery, 0), T0) + record(pack(battery, 1), T0 + 100_000_000))
+    log = mavwire.open_log(path)
+    with pytest.raises(ValueError, match="100000001 ticks with 27 values"):
+        log.align(["BATTERY_STATUS"], rate="1us")
+    assert len(log.align(["BATTERY_STATUS"], rate="100us")) == 1_000_001
+
+
 def test_info_counts_what_the_messages_say(tmp_path):
     path = tmp_path / "flight.tlog"
     traffic.generate(path, 5_000, systems=2, loss=0.02, corruption=0.01)

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import mavwire
 import pytest
-from dataflash_writer import sample
 from mavwire import cli, traffic
 from mavwire.logs.conversion import convert
 from unit.column_tools import log_of_every_type
@@ -156,13 +155,13 @@ def test_convert_goes_on_where_it_stopped(flight, every, tmp_path):
 def test_what_is_no_log_is_a_row_with_an_error(flight, tmp_path):
     other = tmp_path / "text.tlog"
     other.write_text("this is no telemetry log\n" * 100)
-    dataflash = tmp_path / "flight.BIN"
-    sample().write(dataflash)
+    archive = tmp_path / "flight.zip"
+    archive.write_bytes(b"PK\x03\x04" + bytes(1000))
     empty = tmp_path / "empty.tlog"
     empty.write_bytes(b"")
-    rows = convert([other, dataflash, empty, flight], tmp_path / "out")
+    rows = convert([other, archive, empty, flight], tmp_path / "out")
     assert "no record in it" in str(rows[0].error)
-    assert "a dataflash log, not a telemetry log" in str(rows[1].error)
+    assert "a ZIP archive, not a telemetry log" in str(rows[1].error)
     assert [(row.error, row.rows) for row in rows[2:]] == [(None, 0), (None, 5_000)]
 
 

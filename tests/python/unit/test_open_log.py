@@ -14,6 +14,7 @@ import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.dialects.v20 import minimal
+from mavwire.logs import TelemetryLog
 from unit.link_tools import T0, Capture, heartbeat, pack, record
 
 SECONDS = T0 / 1e6
@@ -169,8 +170,11 @@ def test_files_that_are_no_logs(tmp_path):
         path = tmp_path / "foreign.tlog"
         path.write_bytes(content)
         with pytest.raises(mavwire.LogFormatError, match=text) as wrong:
-            mavwire.open_log(path)
+            TelemetryLog(path)
         assert str(path) in str(wrong.value)
+        if "dataflash" not in text:
+            with pytest.raises(mavwire.LogFormatError, match=text):
+                mavwire.open_log(path)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")

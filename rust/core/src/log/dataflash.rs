@@ -7,6 +7,7 @@
 //! Reading takes two steps, both pure functions over slices, so that stretches of a log can be worked on side by side:
 //! [`Definitions::collect`] finds the layouts, [`index`] the records. [`value`] decodes a field of a record.
 
+mod clock;
 mod definitions;
 mod field;
 mod layout;
@@ -14,8 +15,9 @@ mod records;
 pub mod text;
 mod units;
 
+pub use clock::{Clock, ClockFinder, TimeRule};
 pub use definitions::{Definitions, MAX_DEFINITIONS};
-pub use field::{FieldKind, Value, value};
+pub use field::{ARRAY_LEN, FieldKind, Value, half, value};
 pub use layout::{FMT_LAYOUT_LEN, Field, Layout, LayoutError, TimeUnit, log_text};
 pub use records::{Found, RecordEntry, index, look};
 pub use units::Units;

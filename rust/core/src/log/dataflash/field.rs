@@ -44,7 +44,7 @@ pub enum FieldKind {
 }
 
 /// Elements of an `a` field.
-pub(super) const ARRAY_LEN: usize = 32;
+pub const ARRAY_LEN: usize = 32;
 
 impl FieldKind {
     /// The kind that a format character stands for.
@@ -175,7 +175,7 @@ fn slice(body: &[u8], offset: usize, len: usize) -> &[u8] {
 }
 
 /// The value of a half precision float (IEEE 754 binary16).
-fn half(bits: u16) -> f64 {
+pub fn half(bits: u16) -> f64 {
     let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
     let fraction = f64::from(bits & 0x3FF);
     match bits >> 10 & 0x1F {

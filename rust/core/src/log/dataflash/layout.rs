@@ -148,13 +148,29 @@ impl Layout {
         self.value(self.field_index(name)?, body)
     }
 
+    /// The value of a field as a float, scaled; `None` for texts and arrays.
+    #[inline]
+    pub fn number(&self, index: usize, body: &[u8]) -> Option<f64> {
+        let field = self.fields.get(index)?;
+        let stored = value(field.kind, body, usize::from(field.offset)).as_f64()?;
+        Some(if field.kind.scale().is_some() { field.kind.scaled(stored) } else { stored })
+    }
+
+    /// The same as an integer, the nearest one; what no integer holds is the largest or smallest there is.
+    #[inline]
+    pub fn count(&self, index: usize, body: &[u8]) -> Option<i64> {
+        match self.value(index, body)? {
+            Value::Integer(number) if self.fields[index].kind.scale().is_none() => Some(number),
+            Value::Unsigned(number) => Some(i64::try_from(number).unwrap_or(i64::MAX)),
+            _ => self.number(index, body).map(|number| number.round() as i64),
+        }
+    }
+
     /// Seconds since start, for types that carry a time.
     #[inline]
     pub fn seconds(&self, body: &[u8]) -> Option<f64> {
         let (index, unit) = self.time?;
-        let field = self.fields.get(index)?;
-        let stored = value(field.kind, body, usize::from(field.offset)).as_f64()?;
-        let stored = if field.kind.scale().is_some() { field.kind.scaled(stored) } else { stored };
+        let stored = self.number(index, body)?;
         Some(stored * if unit == TimeUnit::Micros { 1e-6 } else { 1e-3 })
     }
 }

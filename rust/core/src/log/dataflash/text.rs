@@ -1,5 +1,9 @@
 //! The text form of a dataflash log: a line for each record, `NAME, VALUE, VALUE`.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::definitions::MAX_DEFINITIONS;
 use super::layout::{Layout, LayoutError, split_columns};
 
 /// Bytes of the longest line that is looked at; whatever is longer is no record.
@@ -97,4 +101,63 @@ pub fn layout(line: &str, delimiter: Delimiter) -> Result<Layout, LayoutError> {
     let mut layout = Layout::new(type_id, 0, name.to_owned(), format.to_owned(), columns)?;
     layout.len = len;
     Ok(layout)
+}
+
+/// The layouts of a text log, by name and place.
+#[derive(Debug, Clone)]
+pub struct TextDefinitions {
+    delimiter: Delimiter,
+    layouts: Vec<Arc<Layout>>,
+    /// Name -> offsets from which layouts hold, and their indices, in the order of the log.
+    by_name: HashMap<Vec<u8>, Vec<(u64, u16)>>,
+}
+
+impl TextDefinitions {
+    /// Only what every log has: the layout of FMT itself.
+    pub fn new(delimiter: Delimiter) -> Self {
+        let mut new = Self { delimiter, layouts: Vec::new(), by_name: HashMap::new() };
+        new.add(Layout::of_fmt(), 0);
+        new
+    }
+
+    /// Takes in a line that stands at `offset`, if it is a FMT line.
+    pub fn collect(&mut self, line: &[u8], offset: u64) {
+        if line.starts_with(b"FMT,")
+            && let Ok(layout) = layout(&decode_line(trimmed(line)), self.delimiter)
+        {
+            self.add(layout, offset);
+        }
+    }
+
+    fn add(&mut self, layout: Layout, offset: u64) {
+        let places = self.by_name.entry(layout.name.as_bytes().to_vec()).or_default();
+        let known = places.last().map(|&(_, index)| &self.layouts[usize::from(index)]);
+        if known.is_some_and(|known| **known == layout) || self.layouts.len() >= MAX_DEFINITIONS {
+            return;
+        }
+        let from = if places.is_empty() { 0 } else { offset };
+        places.push((from, self.layouts.len() as u16));
+        self.layouts.push(Arc::new(layout));
+    }
+
+    /// What stands between values.
+    pub fn delimiter(&self) -> Delimiter {
+        self.delimiter
+    }
+
+    /// The layouts of the records.
+    pub fn layouts(&self) -> &[Arc<Layout>] {
+        &self.layouts
+    }
+
+    /// Index of the layout of a line that has all the values it should have.
+    #[inline]
+    pub fn of_line(&self, line: &[u8], offset: u64) -> Option<u16> {
+        let places = self.by_name.get(name(line, self.delimiter))?;
+        let behind = places.partition_point(|(from, _)| *from <= offset);
+        let (_, index) = places.get(behind.checked_sub(1)?)?;
+        let fields = self.layouts.get(usize::from(*index))?.columns.len();
+        let complete = fields == 0 || nth_value(line, self.delimiter, fields - 1).is_some();
+        complete.then_some(*index)
+    }
 }

@@ -1,0 +1,85 @@
+"""What the subcommands that write a log have in common: their options, progress, and report."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from mavwire.cli._errors import CommandError
+from mavwire.cli._progress import Progress
+
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Callable
+    from datetime import datetime
+
+    from mavwire.logs.rewriting import Rewritten
+
+
+def add_common(parser: ArgumentParser) -> None:
+    """LOG, --out, --dialect and --quiet."""
+    parser.add_argument("log", metavar="LOG", help="telemetry log or raw stream, also .gz and .zst")
+    parser.add_argument("-o", "--out", required=True, metavar="FILE", help="log to write")
+    parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
+    parser.add_argument("--quiet", action="store_true", help="no report and no progress")
+
+
+def run(args: Namespace, logs: list[str], work: Callable[..., Rewritten]) -> int:
+    """Let `work(progress=)` write `args.out`, and tell what became of the logs."""
+    size = sum(os.path.getsize(log) for log in logs if os.path.isfile(log))
+    bar = Progress(args.out, enabled=not args.quiet)
+    try:
+        done = work(progress=lambda read: bar.update(min(100.0, 100.0 * read / max(size, 1))))
+    except (ValueError, ImportError) as error:
+        raise CommandError(str(error)) from error
+    finally:
+        bar.finish()
+    if not args.quiet:
+        print(report(args.out, done))
+    return 0
+
+
+def report(out: str, done: Rewritten) -> str:
+    """What was done, in lines."""
+    lines = [f"{out}: {done.written:,} of {done.records:,} records"]
+    if done.bad_bytes:
+        lines.append(
+            f"  left out {done.bad_bytes:,} bytes in {done.bad_places:,} places: no record"
+        )
+    if done.restamped:
+        lines.append(f"  replaced {done.restamped:,} times that damage made implausible")
+    if done.damage:
+        lines.append(f"  the compressed log ends early: {done.damage}")
+    return "\n".join(lines)
+
+
+def split(text: str | None) -> list[str] | None:
+    """The words between commas; None for none given."""
+    if text is None:
+        return None
+    return [one.strip() for one in text.split(",") if one.strip()]
+
+
+def systems_of(text: str | None) -> list[int] | None:
+    """System ids between commas; CommandError for what is no number."""
+    try:
+        return None if text is None else [int(one) for one in split(text) or ()]
+    except ValueError as error:
+        raise CommandError(f"--systems takes numbers between commas, not {text!r}") from error
+
+
+def time_of(text: str | None) -> float | datetime | None:
+    """Seconds since 1970, or a date and time; UTC where it names no zone."""
+    if text is None:
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        pass
+    from datetime import UTC, datetime
+
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError as error:
+        raise CommandError(f"no time: {text!r}") from error
+    return time if time.tzinfo is not None else time.replace(tzinfo=UTC)

@@ -1,0 +1,45 @@
+"""`mavwire anonymize LOG -o FILE`: a telemetry log without what tells who flew where.
+
+Positions are shifted, all by the same degrees; serial numbers, call signs, passwords and the like
+are emptied; signatures, keys, and messages that may hold anything are left out. Times, altitudes,
+headings and magnetic fields stay: a log with a known flight in it can still be recognised.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from mavwire.cli._errors import CommandError
+from mavwire.cli._rewriting import add_common, run
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the subcommand."""
+    add_common(parser)
+    parser.add_argument(
+        "--shift",
+        metavar="NORTH,EAST",
+        help="degrees; the same for logs that belong together (default: made up)",
+    )
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the subcommand."""
+    from mavwire.logs.rewriting import anonymize
+
+    work = partial(anonymize, args.log, args.out, shift=_shift(args.shift), dialect=args.dialect)
+    return run(args, [args.log], work)
+
+
+def _shift(text: str | None) -> tuple[float, float] | None:
+    if text is None:
+        return None
+    try:
+        north, east = (float(one) for one in text.split(","))
+    except ValueError as error:
+        raise CommandError(f"--shift takes two numbers, NORTH,EAST, not {text!r}") from error
+    return north, east

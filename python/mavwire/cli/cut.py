@@ -1,0 +1,34 @@
+"""`mavwire cut LOG -o FILE`: some of the records of a telemetry log as a log of their own.
+
+By message type, system and time. Bytes that belong to no record are left out.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from mavwire.cli._rewriting import add_common, run, split, systems_of, time_of
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the subcommand."""
+    add_common(parser)
+    parser.add_argument("--types", help="message types, separated by commas (default: all)")
+    parser.add_argument("--systems", help="system ids, separated by commas (default: all)")
+    parser.add_argument("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00")
+    parser.add_argument("--end", help="first time that is not wanted any more")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the subcommand."""
+    from mavwire.logs.rewriting import cut
+
+    work = partial(
+        cut, args.log, args.out, split(args.types), systems_of(args.systems),
+        time_of(args.start), time_of(args.end), dialect=args.dialect,
+    )  # fmt: skip
+    return run(args, [args.log], work)

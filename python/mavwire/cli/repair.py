@@ -1,0 +1,27 @@
+"""`mavwire repair LOG -o FILE`: the good records of a damaged telemetry log, for any reader.
+
+Bytes that belong to no record are left out, and times that damage made implausible are replaced by
+that of the last good record. Says what it did.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from mavwire.cli._rewriting import add_common, run
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the subcommand."""
+    add_common(parser)
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the subcommand."""
+    from mavwire.logs.rewriting import repair
+
+    return run(args, [args.log], partial(repair, args.log, args.out, dialect=args.dialect))

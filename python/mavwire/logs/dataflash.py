@@ -1,0 +1,202 @@
+"""`DataflashLog`: ArduPilot's logs, binary and text, behind the face of `TelemetryLog`.
+
+Messages come from `DFReader`, tables from the native reader of tables; both say the same.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+from mavwire._native import DataflashTables
+
+from .query import Query
+from .table import Table, tidy
+from .telemetry import LogFormatError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+    from datetime import datetime
+    from typing import Self
+
+    from .summary import LogInfo
+
+
+class DataflashLog:
+    """A dataflash log. Iterating gives its messages (`DFMessage`) in the order of the file.
+
+    Each pass opens the file anew. Raises FileNotFoundError and its kin, LogFormatError for a file
+    that holds something else.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = os.fspath(path)
+        self.closed = False
+        self._surveyed: tuple[int, DataflashTables] | None = None
+        self._tables()
+
+    def __repr__(self) -> str:
+        return f"<DataflashLog {self.path!r}{' (closed)' if self.closed else ''}>"
+
+    def _tables(self) -> DataflashTables:
+        """The native reader, renewed when the file has grown."""
+        if self.closed:
+            raise ValueError(f"the log is closed: {self.path!r}")
+        size = os.path.getsize(self.path)
+        if self._surveyed is None or self._surveyed[0] != size:
+            tables = DataflashTables.open(self.path)
+            if tables is None:
+                raise LogFormatError(f"no dataflash log: {self.path!r}")
+            self._surveyed = (size, tables)
+        return self._surveyed[1]
+
+    @property
+    def types(self) -> dict[str, list[str]]:
+        """The record types that the log describes, and the columns of their tables."""
+        return self._tables().types()
+
+    # -- messages
+
+    def __iter__(self) -> Iterator[Any]:
+        return self.messages()
+
+    def messages(
+        self,
+        types: str | Iterable[str] | None = None,
+        systems: int | Iterable[int] | None = None,
+        start: float | datetime | None = None,
+        end: float | datetime | None = None,
+    ) -> Iterator[Any]:
+        """The messages of some types with `start <= time < end`, as DFReader gives them.
+
+        `types`: names of record types. Times are seconds since 1970 or datetimes; `_timestamp` of a
+        message is such a time where the log has a GPS fix, else seconds since the autopilot's start.
+        `systems` is there for `TelemetryLog`; ValueError for anything but None.
+        """
+        query = Query.of_dataflash(types, systems, None, start, end)
+        query.check_dataflash()
+        self._tables()
+        return self._messages(query)
+
+    def _messages(self, query: Query) -> Iterator[Any]:
+        from mavwire.DFReader import DFReader_binary, DFReader_text
+
+        with open(self.path, "rb") as file:
+            head = file.read(4)
+        if head.startswith((b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd")):
+            raise ValueError(f"messages of a compressed log are read as tables only: {self.path!r}")
+        start = float("-inf") if query.start is None else query.start
+        end = float("inf") if query.end is None else query.end
+        reader_class = DFReader_binary if self._is_binary() else DFReader_text
+        with reader_class(self.path) as reader:
+            while (msg := reader.recv_match(type=query.names, strict=True)) is not None:
+                if start <= msg._timestamp < end:
+                    yield msg
+
+    def _is_binary(self) -> bool:
+        return self._tables().is_binary
+
+    def __len__(self) -> int:
+        """How many records the log has."""
+        return self.info().messages
+
+    def __bool__(self) -> bool:
+        return True
+
+    # -- tables
+
+    def __getitem__(self, name: str) -> Table:
+        """The records of a type as a table; KeyError if the log describes none of that name."""
+        if not isinstance(name, str) or name not in self.types:
+            raise KeyError(f"the log describes no record type {name!r}")
+        return self.read(name)[name]
+
+    def read(
+        self,
+        types: str | Iterable[str] | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        start: float | datetime | None = None,
+        end: float | datetime | None = None,
+        *,
+        units: str | None = None,
+        enums: str | None = None,
+        wide: bool = False,
+    ) -> dict[str, Table]:
+        """Tables of several types in one pass: `mavwire.read` on this log.
+
+        `systems` is there for `TelemetryLog`; ValueError for anything but None. `enums` changes
+        nothing: no column has an enum.
+        """
+        query = Query.of_dataflash(types, systems, fields, start, end, units, enums)
+        return read_tables(self._tables(), self.path, query, fields, wide)
+
+    def align(
+        self,
+        types: Iterable[str],
+        *,
+        on: str | None = None,
+        rate: str | float | None = None,
+        method: str = "ffill",
+        tolerance: str | float | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        units: str | None = None,
+    ) -> Table:
+        """One wide table of several types on a common clock; see `mavwire.logs.align`."""
+        from .align import align
+
+        names = list(types)
+        wanted = {*names, on} if on is not None else set(names)
+        tables = self.read(sorted(wanted), systems, fields, units=units)
+        return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
+
+    def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
+        """What is in the log: types, rates, gaps, damage; nothing of senders, of which it has one.
+
+        `pulse`, if given, is told now and then how many bytes are read.
+        """
+        from .summary import GAP_SECONDS, info_of
+
+        return info_of(self.path, self._tables().summary(int(GAP_SECONDS * 1e6), pulse))
+
+    # -- closing
+
+    def close(self) -> None:
+        """No more passes can begin; those under way go on to their end."""
+        self.closed = True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+def read_tables(
+    tables: DataflashTables,
+    path: str,
+    query: Query,
+    fields: str | Iterable[str] | None,
+    wide: bool,
+) -> dict[str, Table]:
+    """Whole tables of a dataflash log. ValueError for a type that the log does not describe, or a
+    field that no wanted type has.
+    """
+    from .reading import joined
+
+    query.check_dataflash()
+    known = tables.types()
+    for name in query.names or ():
+        if name not in known:
+            raise ValueError(f"the log describes no record type {name!r}: {path!r}")
+    if fields is not None:
+        columns = {one for name in query.names or known for one in known[name]}
+        for field in [fields] if isinstance(fields, str) else fields:
+            if field not in columns:
+                raise ValueError(f"no wanted type has a field {field!r}")
+    found = joined(tables.columns(query), path)
+    for name in query.names or ():
+        if name not in found:
+            found[name] = tidy(name, tables.empty(name, query), path)
+    return {name: table.wide() if wide else table for name, table in sorted(found.items())}

@@ -1,0 +1,161 @@
+"""Telemetry logs made of others: `cut`, `repair`, `anonymize`, `merge`.
+
+The records are found and written natively, in blocks, so that memory does not depend on the size of
+a log. A log that is damaged gives all its good records. The output appears when it is complete, and
+is refused where it is one of the inputs. gzip and zstd are decompressed on the way.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mavwire._native import LogRewrite
+
+from .query import Query
+from .reading import check_readable, native_dialect
+from .sources import is_dataflash
+from .telemetry import LogFormatError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from datetime import datetime
+    from types import ModuleType
+
+MOST_NORTH = 8.0
+MOST_EAST = 180.0
+"""Degrees that positions are shifted by at most where nobody says how far. More to the north would
+bend what was flown far from the equator.
+"""
+
+
+@dataclass(frozen=True)
+class Rewritten:
+    """What became of logs."""
+
+    bytes: int
+    """Read, decompressed."""
+    records: int
+    """Good ones in them."""
+    written: int
+    bad_bytes: int
+    """Bytes that belong to no record and are left out."""
+    bad_places: int
+    restamped: int
+    """Records behind damage whose time was days off and is now that of the last good one."""
+    damage: str | None
+    """What is wrong with a compressed file; everything before that was read."""
+
+
+def cut(
+    path: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    types: str | type | Iterable[str | type] | None = None,
+    systems: int | Iterable[int] | None = None,
+    start: float | datetime | None = None,
+    end: float | datetime | None = None,
+    *,
+    dialect: str | ModuleType = "all",
+    progress: Callable[[int], object] | None = None,
+) -> Rewritten:
+    """Write the records of some types and systems with `start <= time < end` to a log of their own.
+
+    The arguments are those of `TelemetryLog.messages`; ids that the dialect lacks are kept unless
+    `types` says otherwise. A raw stream gives a raw stream. `progress` is told the bytes read.
+    ValueError for an argument that makes no sense, LogFormatError for what is no telemetry log.
+    """
+    module, native = native_dialect(dialect)
+    query = Query.of(module, types, systems, None, start, end)
+    query.check_telemetry()
+    inputs, target = _checked([path], out)
+    return _run(LogRewrite.select(inputs[0], native, query, target), inputs, progress)
+
+
+def repair(
+    path: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    dialect: str | ModuleType = "all",
+    progress: Callable[[int], object] | None = None,
+) -> Rewritten:
+    """Write all good records of a damaged log, which any reader then finds.
+
+    A record is good if its checksum is; times that damage made implausible are replaced. Ids that
+    the dialect lacks have no checksum that could be told, and are kept where they stand in line.
+    """
+    return cut(path, out, dialect=dialect, progress=progress)
+
+
+def anonymize(
+    path: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    shift: tuple[float, float] | None = None,
+    dialect: str | ModuleType = "all",
+    progress: Callable[[int], object] | None = None,
+) -> Rewritten:
+    """Write a log without what tells who flew where; docs/columns.md lists what that is.
+
+    Positions are moved by `shift`, degrees to the north and to the east, which is made up where it
+    is None. ValueError where it is not finite or beyond 90 and 360 degrees.
+    """
+    if shift is None:
+        random = secrets.SystemRandom()
+        shift = (random.uniform(-MOST_NORTH, MOST_NORTH), random.uniform(-MOST_EAST, MOST_EAST))
+    if not (abs(shift[0]) <= 90 and abs(shift[1]) <= 360):
+        raise ValueError(f"a shift is degrees to the north and east, not {shift!r}")
+    _, native = native_dialect(dialect)
+    inputs, target = _checked([path], out)
+    rewrite = LogRewrite.select(inputs[0], native, Query(), target, shift)
+    return _run(rewrite, inputs, progress)
+
+
+def merge(
+    paths: Iterable[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    *,
+    dialect: str | ModuleType = "all",
+    progress: Callable[[int], object] | None = None,
+) -> Rewritten:
+    """Write the good records of several logs as one, in the order of time.
+
+    Each log is read in its own order; of records of one time those of the first log come first.
+    ValueError for a raw stream, which has no times.
+    """
+    _, native = native_dialect(dialect)
+    inputs, target = _checked(paths, out)
+    return _run(LogRewrite.merge(inputs, native, target), inputs, progress)
+
+
+def _checked(
+    paths: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str]
+) -> tuple[list[str], str]:
+    """The names as texts; raises what tells why they cannot be read or written."""
+    inputs, out = [os.fspath(path) for path in paths], os.fspath(out)
+    if not inputs:
+        raise ValueError("no logs to read")
+    for path in inputs:
+        check_readable(path)
+        if os.path.exists(out) and os.path.samefile(path, out):
+            raise ValueError(f"{out!r} is the log itself: choose another file to write")
+        if is_dataflash(path):
+            raise LogFormatError(f"a dataflash log, not a telemetry log: {path!r}")
+    if os.path.isdir(out):
+        raise ValueError(f"{out!r} is a folder: name the file to write")
+    return inputs, out
+
+
+def _run(rewrite: Any, paths: list[str], progress: Callable[[int], object] | None) -> Rewritten:
+    try:
+        while rewrite.step():
+            if progress is not None:
+                progress(rewrite.outcome()["bytes"])
+        done = Rewritten(**rewrite.outcome())
+        if done.bytes and not done.records:
+            raise LogFormatError(f"no telemetry log, there is no record in it: {paths[0]!r}")
+        rewrite.commit()
+    finally:
+        rewrite.abandon()
+    return done

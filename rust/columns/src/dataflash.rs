@@ -1,0 +1,17 @@
+//! Dataflash logs as tables, binary and text: one for each record type, by its name.
+//!
+//! A log describes its own records, so reading begins with a [`Survey`]: a run that finds the descriptions, the units and the
+//! clock. [`Reader`] then hops over the records, sorts them by table, and gathers field by field like the reader of telemetry
+//! logs. Values are those of `DFReader`.
+
+mod layout;
+mod lines;
+mod reader;
+mod summary;
+mod survey;
+mod walk;
+
+pub use layout::{TableLayout, table_layout};
+pub use reader::{Reader, Wanted};
+pub use summary::summary;
+pub use survey::{Form, Open, Survey, recognise};

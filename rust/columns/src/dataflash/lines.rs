@@ -1,0 +1,73 @@
+//! The lines of a text log, block by block.
+
+use mavwire_core::log::dataflash::text::{MAX_LINE_LEN, trimmed};
+
+/// Splits blocks into lines; one that is longer than anything that is read is passed over.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Lines {
+    /// Within a line that is too long.
+    within: bool,
+}
+
+/// A line of a block.
+pub(super) struct Line<'a> {
+    /// Where it starts.
+    pub(super) at: usize,
+    /// Where the next one starts.
+    pub(super) next: usize,
+    /// Without the white space at its end; `None` for (a part of) one that is too long.
+    pub(super) bytes: Option<&'a [u8]>,
+}
+
+impl Lines {
+    /// Hands over the lines of a block; bytes dealt with.
+    pub(super) fn each(
+        &mut self,
+        block: &[u8],
+        at_end: bool,
+        mut line: impl FnMut(Line<'_>),
+    ) -> usize {
+        let mut at = 0;
+        while at < block.len() {
+            let rest = &block[at..];
+            let found = memchr::memchr(b'\n', rest);
+            let len = found.unwrap_or(rest.len());
+            let is_whole = found.is_some() || at_end;
+            if !is_whole && len < MAX_LINE_LEN && !self.within {
+                break;
+            }
+            let too_long = self.within || len >= MAX_LINE_LEN;
+            let next = at + len + usize::from(found.is_some());
+            line(Line { at, next, bytes: (!too_long).then(|| trimmed(&rest[..len])) });
+            self.within = !is_whole;
+            at = next;
+        }
+        at
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_the_same_in_any_blocks() {
+        let long = "x".repeat(MAX_LINE_LEN + 10);
+        let log = format!("one\n\n two \r\n{long}\nthree\n{long}");
+        let wanted = ["one", "", " two", "three"];
+        for block in [1, 7, 100, 70_000, 1 << 20] {
+            let (mut lines, mut start, mut end) = (Lines::default(), 0, 0);
+            let (mut found, mut bad) = (Vec::new(), 0);
+            while start < log.len() {
+                let at_end = end == log.len();
+                end = (end + block).min(log.len());
+                start += lines.each(&log.as_bytes()[start..end], at_end, |line| match line.bytes {
+                    Some(bytes) => found.push(String::from_utf8_lossy(bytes).into_owned()),
+                    None => bad += line.next - line.at,
+                });
+            }
+            assert_eq!(found, wanted, "blocks of {block}");
+            assert_eq!(bad, 2 * long.len() + 1);
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! What is in a dataflash log, counted in one pass.
+
+use std::sync::Arc;
+
+use super::survey::{NO_TABLE, Open, Survey, begin};
+use super::walk::Walk;
+use crate::error::Error;
+use crate::summary::{Count, Summary};
+
+/// Reads a log to its end; types are counted by table. See [`Summary::read`].
+///
+/// # Errors
+/// What reading says, and what `pulse` answers.
+pub fn summary<E: From<Error>>(
+    survey: &Arc<Survey>,
+    open: Open<'_>,
+    gap: u64,
+    mut pulse: impl FnMut(u64) -> Result<(), E>,
+) -> Result<Summary, E> {
+    let (mut blocks, _) = begin(open).map_err(Error::from)?;
+    let mut walk = Walk::new(Arc::clone(survey));
+    let types = vec![Count::default(); survey.tables.len()];
+    let mut sum = Summary { stamped: survey.clock.is_some(), types, ..Summary::default() };
+    loop {
+        let next = blocks.next(|block, at_end| {
+            let mut bad = Vec::new();
+            let record = |place: super::walk::Place, time: i64| {
+                let time = u64::try_from(time).unwrap_or(0);
+                sum.add_time(time, gap);
+                let table = survey.table_of[usize::from(place.layout)];
+                if table == NO_TABLE {
+                    sum.unlisted += 1;
+                } else {
+                    sum.types[usize::from(table)].add(time);
+                }
+            };
+            let consumed = walk.block(block, at_end, record, |range| bad.push(range));
+            sum.add_bad(&bad);
+            sum.bytes += consumed as u64;
+            (consumed, ())
+        });
+        if next.map_err(Error::from)?.is_none() {
+            sum.damage = blocks.damage().map(str::to_owned);
+            return Ok(sum);
+        }
+        pulse(sum.bytes)?;
+    }
+}

@@ -1,0 +1,312 @@
+//! A telemetry log made of another: its good records, or some of them, perhaps without what tells who flew where.
+
+use std::io::{Read, Write};
+use std::sync::Arc;
+
+use mavwire_core::anonymize::Anonymizer;
+use mavwire_core::log::tlog::Located;
+use mavwire_core::registry::Registry;
+
+use crate::error::Error;
+use crate::input::Blocks;
+use crate::scan::{Framing, LogScanner, Scanned, header_at};
+use crate::select::Wanted;
+
+/// What became of a log.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Outcome {
+    /// Bytes read, decompressed.
+    pub bytes: u64,
+    /// Good records in them.
+    pub records: u64,
+    /// Records that were written.
+    pub written: u64,
+    /// Bytes of no record.
+    pub bad_bytes: u64,
+    /// Places where such bytes are; one that goes on in another block counts again.
+    pub bad_places: u64,
+    /// Records behind damage whose time was not believed and is now that of the last good one.
+    pub restamped: u64,
+}
+
+impl Outcome {
+    fn add(&mut self, scanned: &Scanned) {
+        self.bytes += scanned.consumed as u64;
+        self.records += scanned.records.len() as u64;
+        self.bad_bytes += scanned.bad.iter().map(|range| range.len() as u64).sum::<u64>();
+        self.bad_places += scanned.bad.len() as u64;
+        self.restamped += scanned.distrusted.len() as u64;
+    }
+}
+
+/// A log being rewritten.
+pub struct Rewrite {
+    blocks: Blocks,
+    scanner: LogScanner,
+    framing: Framing,
+    wanted: Wanted,
+    anonymizer: Option<Anonymizer>,
+    outcome: Outcome,
+}
+
+impl Rewrite {
+    /// A run that keeps what is `wanted`.
+    ///
+    /// # Errors
+    /// What reading says.
+    pub fn new(
+        source: Box<dyn Read + Send>,
+        registry: Arc<Registry>,
+        wanted: Wanted,
+        anonymizer: Option<Anonymizer>,
+    ) -> Result<Self, Error> {
+        let (blocks, framing) = Blocks::new(source)?.with_framing(&registry)?;
+        let scanner = LogScanner::new(registry, framing);
+        Ok(Self { blocks, scanner, framing, wanted, anonymizer, outcome: Outcome::default() })
+    }
+
+    /// Whether records have times.
+    pub fn framing(&self) -> Framing {
+        self.framing
+    }
+
+    /// What became of the log so far.
+    pub fn outcome(&self) -> Outcome {
+        self.outcome
+    }
+
+    /// What is wrong with the compressed file, of which everything before that was read.
+    pub fn damage(&self) -> Option<&str> {
+        self.blocks.damage()
+    }
+
+    /// Writes what is kept of another block; false at the end.
+    ///
+    /// # Errors
+    /// What reading and writing say.
+    pub fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
+        let Self { blocks, scanner, framing, wanted, anonymizer, outcome } = self;
+        let kept = blocks.next(|block, at_end| {
+            let scanned = scanner.scan(block, at_end);
+            let mut kept = Vec::with_capacity(scanned.consumed);
+            for record in &scanned.records {
+                let is_kept = wanted.wants(block, framing.lead(), &scanned, *record)
+                    && put(&mut kept, block, *framing, &scanned, *record, scanner, anonymizer);
+                outcome.written += u64::from(is_kept);
+            }
+            outcome.add(&scanned);
+            (scanned.consumed, kept)
+        })?;
+        let Some(kept) = kept else { return Ok(false) };
+        out.write_all(&kept)?;
+        Ok(true)
+    }
+}
+
+/// Appends a record; false if nothing of it may be kept.
+fn put(
+    out: &mut Vec<u8>,
+    block: &[u8],
+    framing: Framing,
+    scanned: &Scanned,
+    record: Located,
+    scanner: &LogScanner,
+    anonymizer: &Option<Anonymizer>,
+) -> bool {
+    let lead = framing.lead();
+    let Some(header) = header_at(block, record.at, lead) else { return false };
+    let (start, before) = (record.at as usize + lead, out.len());
+    let frame = &block[start..start + header.frame_len()];
+    if framing == Framing::Stamped {
+        out.extend_from_slice(&scanned.time(block, record.at).to_be_bytes());
+    }
+    match anonymizer {
+        None => out.extend_from_slice(frame),
+        Some(anonymizer) => {
+            let entry = scanner.registry().lookup(header.msgid);
+            if !anonymizer.apply(frame, &header, entry, out) {
+                out.truncate(before);
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// Bytes that the blocks of all logs have together.
+const MERGED_BYTES: usize = 64 << 20;
+/// The least that a block has.
+const LEAST_BLOCK: usize = 256 << 10;
+
+/// Several logs being merged in the order of time.
+pub struct Merge {
+    logs: Vec<Input>,
+    outcome: Outcome,
+}
+
+/// One of them: the records of a block, and how many of them were taken.
+struct Input {
+    blocks: Blocks,
+    scanner: LogScanner,
+    bytes: Vec<u8>,
+    /// Time, and where it ends in `bytes`.
+    records: Vec<(u64, usize)>,
+    taken: usize,
+    ended: bool,
+}
+
+impl Merge {
+    /// A run over logs; each is read in its own order, and of records of one time that of the first log comes first.
+    ///
+    /// # Errors
+    /// What reading says; a raw stream, which has no times, with its place among the logs.
+    pub fn new(
+        sources: Vec<Box<dyn Read + Send>>,
+        registry: &Arc<Registry>,
+    ) -> Result<Result<Self, usize>, Error> {
+        let block = (MERGED_BYTES / sources.len().max(1)).max(LEAST_BLOCK);
+        Self::in_blocks(sources, registry, block)
+    }
+
+    fn in_blocks(
+        sources: Vec<Box<dyn Read + Send>>,
+        registry: &Arc<Registry>,
+        block: usize,
+    ) -> Result<Result<Self, usize>, Error> {
+        let mut logs = Vec::new();
+        for (place, source) in sources.into_iter().enumerate() {
+            let source = crate::input::decompressed(source)?;
+            let (blocks, framing) = Blocks::of_size(source, block).with_framing(registry)?;
+            if framing == Framing::Raw {
+                return Ok(Err(place));
+            }
+            let scanner = LogScanner::new(Arc::clone(registry), framing);
+            let (bytes, records) = (Vec::new(), Vec::new());
+            logs.push(Input { blocks, scanner, bytes, records, taken: 0, ended: false });
+        }
+        Ok(Ok(Self { logs, outcome: Outcome::default() }))
+    }
+
+    /// What became of the logs so far.
+    pub fn outcome(&self) -> Outcome {
+        self.outcome
+    }
+
+    /// What is wrong with the compressed files.
+    pub fn damage(&self) -> Option<&str> {
+        self.logs.iter().find_map(|log| log.blocks.damage())
+    }
+
+    /// Writes what can be ordered until the next block of a log is needed; false at the end.
+    ///
+    /// # Errors
+    /// What reading and writing say.
+    pub fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
+        for log in &mut self.logs {
+            while log.taken == log.records.len() && !log.ended {
+                log.refill(&mut self.outcome)?;
+            }
+        }
+        let mut any = false;
+        let mut merged = Vec::new();
+        loop {
+            let next = |(place, log): (usize, &Input)| {
+                log.records.get(log.taken).map(|&(time, _)| (time, place))
+            };
+            let Some((_, place)) = self.logs.iter().enumerate().filter_map(next).min() else {
+                break;
+            };
+            let log = &mut self.logs[place];
+            merged.extend_from_slice(log.take());
+            (any, self.outcome.written) = (true, self.outcome.written + 1);
+            if log.taken == log.records.len() && !log.ended {
+                break;
+            }
+        }
+        out.write_all(&merged)?;
+        Ok(any)
+    }
+}
+
+impl Input {
+    fn take(&mut self) -> &[u8] {
+        let start = if self.taken == 0 { 0 } else { self.records[self.taken - 1].1 };
+        let end = self.records[self.taken].1;
+        self.taken += 1;
+        &self.bytes[start..end]
+    }
+
+    fn refill(&mut self, outcome: &mut Outcome) -> Result<(), Error> {
+        let Self { blocks, scanner, bytes, records, taken, ended } = self;
+        bytes.clear();
+        records.clear();
+        *taken = 0;
+        let more = blocks.next(|block, at_end| {
+            let scanned = scanner.scan(block, at_end);
+            for record in &scanned.records {
+                let framing = Framing::Stamped;
+                if put(bytes, block, framing, &scanned, *record, scanner, &None) {
+                    records.push((scanned.time(block, record.at), bytes.len()));
+                }
+            }
+            outcome.add(&scanned);
+            (scanned.consumed, ())
+        })?;
+        *ended = more.is_none();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mavwire_core::builtin;
+    use mavwire_core::frame::{self, Header};
+    use mavwire_schema::WireVersion;
+
+    /// HEARTBEATs of a system at these times.
+    fn log(times: impl Iterator<Item = u64>, sysid: u8) -> Vec<u8> {
+        let mut log = Vec::new();
+        for (seq, time) in times.enumerate() {
+            let header = Header {
+                version: WireVersion::V2,
+                payload_len: 0,
+                incompat_flags: 0,
+                compat_flags: 0,
+                seq: seq as u8,
+                sysid,
+                compid: 1,
+                msgid: 0,
+            };
+            log.extend_from_slice(&time.to_be_bytes());
+            frame::encode(&mut log, header, &[1; 9], 50).expect("a frame");
+        }
+        log
+    }
+
+    #[test]
+    fn any_blocks_merge_to_the_same() {
+        let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
+        let registry = Arc::new(Registry::new(dialect));
+        let logs = [
+            log((0..300).map(|n| 1000 + 7 * n), 1),
+            log((0..100).map(|n| 1000 + 21 * n), 2),
+            log((0..500).map(|n| 400 + 3 * n), 3),
+            Vec::new(),
+        ];
+        let mut expected: Vec<&[u8]> = logs.iter().flat_map(|log| log.chunks(29)).collect();
+        // Stable: of one time, the first log's comes first.
+        expected.sort_by_key(|record| record[..8].to_vec());
+        for block in [1, 50, 1000, 1 << 20] {
+            let source = |log: &Vec<u8>| -> Box<dyn Read + Send> {
+                Box::new(std::io::Cursor::new(log.clone()))
+            };
+            let sources = logs.iter().map(source).collect();
+            let merge = Merge::in_blocks(sources, &registry, block).expect("reading");
+            let (mut merge, mut out) = (merge.expect("times"), Vec::new());
+            while merge.advance(&mut out).expect("merging") {}
+            assert_eq!(out, expected.concat(), "blocks of {block}");
+            assert_eq!((merge.outcome().written, merge.outcome().bad_bytes), (900, 0));
+        }
+    }
+}

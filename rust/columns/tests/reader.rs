@@ -1,0 +1,59 @@
+//! Limits of batches: however small they are, every record is in one batch, and reading ends.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::sync::LazyLock;
+
+use common::{log, registry};
+use mavwire_columns::layout::Options;
+use mavwire_columns::reader::{Limits, Reader};
+use mavwire_columns::select::Wanted;
+
+/// More than the block that is read at once.
+const RECORDS: usize = 250_000;
+
+/// Rows, and batches, by message index.
+fn read(limits: Limits) -> BTreeMap<u16, (usize, usize)> {
+    static LOG: LazyLock<Vec<u8>> = LazyLock::new(|| log(&registry(), 1, RECORDS, 8));
+    let (registry, source) = (registry(), Box::new(Cursor::new(&LOG[..])));
+    let (wanted, options) = (Wanted::default(), Options::default());
+    let mut reader = Reader::new(source, registry, wanted, options, limits).expect("a reader");
+    let mut found = BTreeMap::new();
+    while let Some(batches) = reader.advance().expect("batches") {
+        for batch in batches {
+            let (rows, count) = found.entry(batch.index).or_insert((0, 0));
+            *rows += batch.rows.num_rows();
+            *count += 1;
+        }
+    }
+    found
+}
+
+fn rows(found: &BTreeMap<u16, (usize, usize)>) -> Vec<(u16, usize)> {
+    found.iter().map(|(&index, &(rows, _))| (index, rows)).collect()
+}
+
+#[test]
+fn without_limits_a_type_is_one_batch() {
+    let found = read(Limits::NONE);
+    assert_eq!(found.len(), 3);
+    assert!(found.values().all(|&(rows, batches)| rows > RECORDS / 5 && batches == 1));
+}
+
+#[test]
+fn a_table_too_large_for_one_array_comes_in_pieces() {
+    let found = read(Limits { table_bytes: 1000, ..Limits::NONE });
+    assert_eq!(rows(&found), rows(&read(Limits::NONE)));
+    assert!(found.values().all(|&(_, batches)| batches > 1), "{found:?}");
+}
+
+#[test]
+fn reading_ends_with_the_smallest_of_limits() {
+    let whole = rows(&read(Limits::NONE));
+    for bytes in [0, 3, 100] {
+        let found = read(Limits { bytes, ..Limits::NONE });
+        assert_eq!(rows(&found), whole, "{bytes} bytes");
+    }
+}

@@ -1,0 +1,128 @@
+//! `DataflashTables`: what a dataflash log says about itself, and its records as tables.
+
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use mavwire_columns::Error;
+use mavwire_columns::dataflash::{self, Form, Survey, Wanted, table_layout};
+use mavwire_columns::layout::Options;
+use mavwire_columns::reader::Decode;
+use mavwire_link::files;
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::columns::{LogColumns, Query, Stopped, Teller, count_row, summary_dict};
+use crate::convert::Converter;
+use crate::table::{RecordBatches, columns_error};
+
+/// A dataflash log, binary or text, that was gone through once for what it says about itself.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct DataflashTables {
+    path: PathBuf,
+    survey: Arc<Survey>,
+}
+
+/// Opens a log for as often as it is read.
+fn opener(path: &Path) -> impl Fn() -> io::Result<Box<dyn Read + Send>> + '_ {
+    move || files::open(path)
+}
+
+impl DataflashTables {
+    fn reader(&self, query: &Query) -> Result<Box<dyn Decode>, Error> {
+        let (start, end) = query.span();
+        let wanted = Wanted { names: query.names.clone(), start, end };
+        let (open, options) = (opener(&self.path), query.options());
+        let survey = Arc::clone(&self.survey);
+        Ok(Box::new(dataflash::Reader::new(survey, &open, wanted, &options, query.limits())?))
+    }
+}
+
+#[pymethods]
+impl DataflashTables {
+    /// The log at `path`; None if it is no dataflash log.
+    #[staticmethod]
+    fn open(py: Python<'_>, path: PathBuf) -> PyResult<Option<Self>> {
+        let tell = Teller(None);
+        let survey = py.detach(|| {
+            let open = opener(&path);
+            if !dataflash::recognise(open().map_err(Error::from)?).map_err(Error::from)? {
+                return Ok(None);
+            }
+            Survey::read(&open, || tell.tell(0))
+        });
+        let survey = survey.map_err(Stopped::into_err)?;
+        Ok(survey.map(|survey| Self { path, survey: Arc::new(survey) }))
+    }
+
+    /// Whether a file begins as a dataflash log does.
+    #[staticmethod]
+    fn recognises(py: Python<'_>, path: PathBuf) -> PyResult<bool> {
+        Ok(py.detach(|| dataflash::recognise(files::open(&path)?))?)
+    }
+
+    /// Whether it is a binary log; else it is text.
+    #[getter]
+    fn is_binary(&self) -> bool {
+        matches!(self.survey.form, Form::Binary(_))
+    }
+
+    /// The columns of each record type that the log describes, `{name: [column, ...]}`.
+    fn types<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let types = PyDict::new(py);
+        for (table, name) in self.survey.tables.iter().enumerate() {
+            let table = table_layout(&self.survey, table, &Options::default());
+            let names: Vec<_> = table.layout.columns.iter().map(|column| &column.name).collect();
+            types.set_item(&**name, names)?;
+        }
+        Ok(types)
+    }
+
+    /// A table without rows of a record type, with the columns that `query` asks for. `KeyError` for no such type.
+    fn empty(&self, name: &str, query: Query) -> PyResult<RecordBatches> {
+        let missing = || PyKeyError::new_err(name.to_owned());
+        let table = self.survey.table(name).ok_or_else(missing)?;
+        let layout = table_layout(&self.survey, table, &query.options()).layout;
+        Ok(RecordBatches::new(Arc::clone(&layout.schema), Vec::new()))
+    }
+
+    /// One run over the log, giving tables.
+    fn columns(&self, py: Python<'_>, query: Query) -> PyResult<LogColumns> {
+        py.detach(|| self.reader(&query)).map(LogColumns::new).map_err(columns_error)
+    }
+
+    /// One run over the log, writing `folder/TYPE/file`.
+    fn convert(
+        &self,
+        py: Python<'_>,
+        query: Query,
+        folder: PathBuf,
+        file: String,
+        format: &str,
+        compression: &str,
+    ) -> PyResult<Converter> {
+        let reader = py.detach(|| self.reader(&query)).map_err(columns_error)?;
+        Converter::new(reader, folder, file, format, compression)
+    }
+
+    /// What is in the log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
+    fn summary<'py>(
+        &self,
+        py: Python<'py>,
+        gap: u64,
+        pulse: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let tell = Teller(pulse);
+        let open = opener(&self.path);
+        let sum =
+            py.detach(|| dataflash::summary(&self.survey, &open, gap, |bytes| tell.tell(bytes)));
+        let sum = sum.map_err(Stopped::into_err)?;
+        let types = PyDict::new(py);
+        let counted = self.survey.tables.iter().zip(&sum.types);
+        for (name, count) in counted.filter(|(_, count)| count.messages > 0) {
+            types.set_item(&**name, count_row(count))?;
+        }
+        summary_dict(py, &sum, types)
+    }
+}

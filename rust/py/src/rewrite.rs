@@ -1,0 +1,152 @@
+//! `LogRewrite`: a telemetry log made of others, without the interpreter.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use mavwire_columns::Error;
+use mavwire_columns::rewrite::{Merge, Outcome, Rewrite};
+use mavwire_columns::scan::Framing;
+use mavwire_core::anonymize::{Anonymizer, Shift};
+use mavwire_link::files::{self, Draft};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::columns::Query;
+use crate::dialect::Dialect;
+use crate::table::columns_error;
+
+enum Run {
+    One(Box<Rewrite>),
+    Several(Merge),
+}
+
+impl Run {
+    fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
+        match self {
+            Self::One(rewrite) => rewrite.advance(out),
+            Self::Several(merge) => merge.advance(out),
+        }
+    }
+
+    fn outcome(&self) -> (Outcome, Option<&str>) {
+        match self {
+            Self::One(rewrite) => (rewrite.outcome(), rewrite.damage()),
+            Self::Several(merge) => (merge.outcome(), merge.damage()),
+        }
+    }
+}
+
+struct Work {
+    run: Run,
+    /// `None` when it was committed or abandoned.
+    draft: Option<Draft>,
+}
+
+/// One run over logs that writes another, which appears when it is complete.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct LogRewrite {
+    work: Mutex<Work>,
+}
+
+impl LogRewrite {
+    fn new(run: Run, out: &std::path::Path) -> PyResult<Self> {
+        Ok(Self { work: Mutex::new(Work { run, draft: Some(Draft::create(out)?) }) })
+    }
+
+    fn with<T>(&self, take: impl FnOnce(&mut Work) -> T) -> T {
+        take(&mut self.work.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[pymethods]
+impl LogRewrite {
+    /// The records of `path` that `query` asks for to `out`; positions are shifted by `shift` degrees to the north and
+    /// east, and identifiers emptied, unless that is None.
+    #[staticmethod]
+    #[pyo3(signature = (path, dialect, query, out, shift=None))]
+    fn select(
+        py: Python<'_>,
+        path: PathBuf,
+        dialect: &Dialect,
+        query: Query,
+        out: PathBuf,
+        shift: Option<(f64, f64)>,
+    ) -> PyResult<Self> {
+        let registry = &dialect.registry;
+        let wanted = query.wanted(dialect);
+        let is_timed = query.start.is_some() || query.end.is_some();
+        let anonymizer = shift.map(|(latitude, longitude)| {
+            Anonymizer::new(registry.dialect(), Shift { latitude, longitude })
+        });
+        let rewrite = py
+            .detach(|| Rewrite::new(files::open(&path)?, Arc::clone(registry), wanted, anonymizer));
+        let rewrite = rewrite.map_err(columns_error)?;
+        if is_timed && rewrite.framing() == Framing::Raw {
+            return Err(no_times(&path));
+        }
+        Self::new(Run::One(Box::new(rewrite)), &out)
+    }
+
+    /// All good records of several logs to `out`, in the order of time.
+    #[staticmethod]
+    fn merge(
+        py: Python<'_>,
+        paths: Vec<PathBuf>,
+        dialect: &Dialect,
+        out: PathBuf,
+    ) -> PyResult<Self> {
+        let merge = py.detach(|| {
+            let sources = paths.iter().map(|path| files::open(path)).collect::<Result<_, _>>()?;
+            Merge::new(sources, &dialect.registry)
+        });
+        match merge.map_err(columns_error)? {
+            Ok(merge) => Self::new(Run::Several(merge), &out),
+            Err(place) => Err(no_times(&paths[place])),
+        }
+    }
+
+    /// Another block; false at the end.
+    fn step(&self, py: Python<'_>) -> PyResult<bool> {
+        py.check_signals()?;
+        let step = |work: &mut Work| match &mut work.draft {
+            Some(draft) => work.run.advance(draft),
+            None => Ok(false),
+        };
+        py.detach(|| self.with(step)).map_err(columns_error)
+    }
+
+    /// Gives the file its name. Without it nothing is left of it.
+    fn commit(&self, py: Python<'_>) -> PyResult<()> {
+        Ok(py.detach(|| self.with(|work| work.draft.take().map_or(Ok(()), Draft::commit)))?)
+    }
+
+    /// Removes what was written and not committed.
+    fn abandon(&self, py: Python<'_>) {
+        py.detach(|| self.with(|work| drop(work.draft.take())));
+    }
+
+    /// What became of the logs so far, as a dict of counts; see `mavwire.logs.rewriting`.
+    fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (outcome, damage) = py.detach(|| {
+            self.with(|work| {
+                let (outcome, damage) = work.run.outcome();
+                (outcome, damage.map(str::to_owned))
+            })
+        });
+        let dict = PyDict::new(py);
+        dict.set_item("bytes", outcome.bytes)?;
+        dict.set_item("records", outcome.records)?;
+        dict.set_item("written", outcome.written)?;
+        dict.set_item("bad_bytes", outcome.bad_bytes)?;
+        dict.set_item("bad_places", outcome.bad_places)?;
+        dict.set_item("restamped", outcome.restamped)?;
+        dict.set_item("damage", damage)?;
+        Ok(dict)
+    }
+}
+
+fn no_times(path: &std::path::Path) -> PyErr {
+    PyValueError::new_err(format!("{} is a raw stream, which has no times", path.display()))
+}

@@ -1,0 +1,208 @@
+"""cut, repair, anonymize and merge write logs that say what they should and nothing else."""
+
+from __future__ import annotations
+
+import gzip
+import os
+from datetime import UTC, datetime
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import mavwire
+import numpy as np
+import pytest
+from mavwire import traffic
+from mavwire.cli import main
+from mavwire.dialects.v20 import all as mavlink
+from mavwire.logs.rewriting import anonymize, cut, merge, repair
+from unit.column_tools import log_of_every_type
+from unit.link_tools import T0, heartbeat, record
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("logs") / "flight.tlog"
+    traffic.generate(path, 5000, systems=2)
+    return path
+
+
+def rows(path: Path | str, **selection: Any) -> list[tuple[float, bytes]]:
+    """Time and frame of each message."""
+    log = mavwire.open_log(path)
+    return [(msg._timestamp, bytes(msg.get_msgbuf())) for msg in log.messages(**selection)]
+
+
+@pytest.mark.parametrize(
+    "selection",
+    [
+        {},
+        {"types": ["ATTITUDE", "GPS_RAW_INT"]},
+        {"systems": 2},
+        {"types": "ATTITUDE", "systems": 1},
+    ],
+)
+def test_cut(flight, tmp_path, selection):
+    out = tmp_path / "out.tlog"
+    done = cut(flight, out, **selection)
+    expected = rows(flight, **selection)
+    assert rows(out) == expected
+    assert (done.records, done.written, done.bad_bytes) == (5000, len(expected), 0)
+    assert os.listdir(tmp_path) == ["out.tlog"]
+
+
+def test_cut_by_time(flight, tmp_path):
+    times = [time for time, _ in rows(flight)]
+    start, end = times[1000], times[3000]
+    out = tmp_path / "out.tlog"
+    cut(flight, out, start=start, end=end)
+    assert rows(out) == rows(flight, start=start, end=end)
+    start_text = datetime.fromtimestamp(start, UTC).isoformat()
+    assert main(["cut", str(flight), "-o", str(out), "--start", start_text, "--quiet"]) == 0
+    assert rows(out) == rows(flight, start=datetime.fromisoformat(start_text))
+
+
+def test_cut_of_a_raw_stream(flight, tmp_path):
+    raw, out = tmp_path / "flight.raw", tmp_path / "out.raw"
+    frames = [frame for _, frame in rows(flight)]
+    raw.write_bytes(b"".join(frames))
+    cut(raw, out, systems=1)
+    assert out.read_bytes() == b"".join(frame for frame in frames if frame[5] == 1)
+    with pytest.raises(ValueError, match="no times"):
+        cut(raw, out, start=1.0)
+
+
+def test_compressed(flight, tmp_path):
+    packed, out = tmp_path / "flight.tlog.gz", tmp_path / "out.tlog"
+    packed.write_bytes(gzip.compress(flight.read_bytes()))
+    assert repair(packed, out).damage is None
+    assert out.read_bytes() == flight.read_bytes()
+    packed.write_bytes(packed.read_bytes()[:-30_000])
+    assert repair(packed, out).damage is not None
+    assert flight.read_bytes().startswith(out.read_bytes()[:1000])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_repair(flight, tmp_path, seed):
+    random, data = Random(seed), bytearray(flight.read_bytes())
+    for _ in range(40):
+        at = random.randrange(len(data))
+        data[at : at + random.randrange(3)] = random.randbytes(random.randrange(30))
+    damaged, out = tmp_path / "damaged.tlog", tmp_path / "out.tlog"
+    damaged.write_bytes(data)
+    done = repair(damaged, out)
+    assert rows(out) == rows(damaged)
+    assert done.bytes == len(data)
+    assert done.bad_bytes == len(data) - out.stat().st_size > 0
+    again = repair(out, tmp_path / "again.tlog")
+    assert (again.bad_bytes, again.records) == (0, done.written)
+
+
+def test_merge(flight, tmp_path):
+    parts = [tmp_path / f"{n}.tlog" for n in (1, 2)]
+    cut(flight, parts[0], systems=1)
+    cut(flight, parts[1], systems=[n for n in range(256) if n != 1])
+    out = tmp_path / "out.tlog"
+    assert merge(parts, out).written == 5000
+    assert sorted(rows(out)) == sorted(rows(flight))
+    assert [time for time, _ in rows(out)] == sorted(time for time, _ in rows(flight))
+    merge([flight, flight], out)
+    assert sorted(rows(out)) == sorted(rows(flight) * 2)
+    assert main(["merge", *map(str, parts), "--exact", "-o", str(out), "-q"]) == 0
+    assert len(rows(out)) == 5000
+
+
+def test_anonymize(flight, tmp_path):
+    out = tmp_path / "out.tlog"
+    done = anonymize(flight, out, shift=(2.5, -40.0))
+    before, after = mavwire.read(flight), mavwire.read(out)
+    assert done.written == sum(map(len, after.values()))
+    for name in ("GPS_RAW_INT", "GLOBAL_POSITION_INT"):
+        one, other = before[name], after[name]
+        assert (other["lat"] - one["lat"] == 25_000_000).all()
+        assert (other["lon"].astype("int64") - one["lon"] == -400_000_000).all()
+        same = set(one.columns) - {"lat", "lon"}
+        assert all((one[column] == other[column]).all() for column in same)
+    assert (before["ATTITUDE"]["roll"] == after["ATTITUDE"]["roll"]).all()
+    made_up = tmp_path / "made_up.tlog"
+    anonymize(flight, made_up)
+    moved = mavwire.read(made_up, "GPS_RAW_INT")["GPS_RAW_INT"]["lat"]
+    assert len(np.unique(moved - before["GPS_RAW_INT"]["lat"])) == 1
+
+
+def test_anonymize_every_type(tmp_path):
+    path, out = tmp_path / "all.tlog", tmp_path / "out.tlog"
+    log_of_every_type(path)
+    before = mavwire.read(path)
+    done = anonymize(path, out, shift=(3.0, 5.0))
+    after = mavwire.read(out)
+    assert done.bad_bytes == 0 and mavwire.open_log(out).info().bad_bytes == 0
+    left_out = set(before) - set(after)
+    assert {"SETUP_SIGNING", "TUNNEL", "OPEN_DRONE_ID_LOCATION"} <= left_out
+    assert len(left_out) < 45
+    changed = {
+        f"{name}.{column}"
+        for name, table in after.items()
+        for column in table.columns
+        if str(table[column].tolist()) != str(before[name][column].tolist())
+    }
+    assert {"GPS_RAW_INT.lat", "HIGH_LATENCY2.longitude", "AUTOPILOT_VERSION.uid"} <= changed
+    assert {"ADSB_VEHICLE.ICAO_address", "ADSB_VEHICLE.callsign"} <= changed
+    words = ("lat", "lon", "lng", "uid", "ICAO", "callsign", "serial", "password", "ssid", "MMSI",
+             "passkey", "pin", "puk", "apn", "id", ".x", ".y", ".text", "param", "registration")  # fmt: skip
+    assert not [one for one in changed if not any(word in one for word in words)], changed
+
+
+def test_signatures_go(tmp_path):
+    path, out = tmp_path / "signed.tlog", tmp_path / "out.tlog"
+    mav = mavlink.MAVLink(None, 1, 1)
+    mav.signing.secret_key, mav.signing.sign_outgoing = bytes(32), True
+    frame = mavlink.MAVLink_heartbeat_message(1, 2, 3, 4, 5, 3).pack(mav)
+    path.write_bytes(record(frame, T0))
+    assert mavwire.open_log(path).info().signed == 1
+    anonymize(path, out)
+    info = mavwire.open_log(out).info()
+    assert (info.messages, info.signed, info.bad_bytes) == (1, 0, 0)
+
+
+def test_what_is_refused(flight, tmp_path):
+    copy = tmp_path / "copy.tlog"
+    copy.write_bytes(flight.read_bytes())
+    link = tmp_path / "link.tlog"
+    link.symlink_to(copy)
+    for out in (copy, link):
+        with pytest.raises(ValueError, match="the log itself"):
+            repair(copy, out)
+        assert main(["repair", str(copy), "-o", str(out)]) != 0
+    with pytest.raises(ValueError, match="folder"):
+        repair(copy, tmp_path)
+    with pytest.raises(ValueError, match="the log itself"):
+        merge([flight, copy], copy)
+    with pytest.raises(FileNotFoundError):
+        repair(tmp_path / "none.tlog", tmp_path / "out.tlog")
+    with pytest.raises(ValueError, match="no message"):
+        cut(copy, tmp_path / "out.tlog", types="NOPE")
+    with pytest.raises(ValueError, match="shift"):
+        anonymize(copy, tmp_path / "out.tlog", shift=(float("nan"), 0))
+    noise = tmp_path / "noise.tlog"
+    noise.write_bytes(b"nothing of all this is a log " * 50)
+    with pytest.raises(mavwire.LogFormatError, match="no record"):
+        repair(noise, tmp_path / "out.tlog")
+    assert sorted(os.listdir(tmp_path)) == ["copy.tlog", "link.tlog", "noise.tlog"]
+
+
+def test_the_commands_say_what_they_did(tmp_path, capsys):
+    path, out = tmp_path / "flight.tlog", tmp_path / "out.tlog"
+    frames = [record(heartbeat(seq=n), T0 + 1000 * n) for n in range(10)]
+    path.write_bytes(b"".join(frames[:5]) + b"junk" + b"".join(frames[5:]))
+    assert main(["repair", str(path), "-o", str(out)]) == 0
+    assert capsys.readouterr().out == (
+        f"{out}: 10 of 10 records\n  left out 4 bytes in 1 places: no record\n"
+    )
+    assert out.read_bytes() == b"".join(frames)
+    assert main(["cut", str(path), "-o", str(out), "--systems", "x"]) != 0
+    assert "--systems" in capsys.readouterr().err
+    assert main(["anonymize", str(path), "-o", str(out), "--shift", "1"]) != 0
+    assert "NORTH,EAST" in capsys.readouterr().err
+    assert main(["anonymize", str(path), "-o", str(out), "--quiet"]) == 0
+    assert capsys.readouterr().out == ""
