@@ -22,6 +22,8 @@ COMMANDS = {
     "info": ("mavwire.cli.info", "what is in a log: types, rates, systems, losses"),
     "dump": ("mavwire.cli.dump", "print the messages of a log as text, JSON or CSV"),
     "convert": ("mavwire.cli.convert", "telemetry logs to Parquet, CSV, JSON lines or Arrow files"),
+    "plot": ("mavwire.cli.plot", "fields and formulas over time, as an image or a page"),
+    "map": ("mavwire.cli.map", "where a vehicle was, as a page, KML or GPX"),
     "parms": ("mavwire.tools.mavparms", "the parameters in logs, or how they changed"),
     "flightmodes": ("mavwire.tools.mavflightmodes", "flight modes and the time in each"),
     "mission": ("mavwire.tools.mavmission", "the mission in a log as a waypoint file"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import RecordBatches, empty_table
 from mavwire.logs.query import Query
-from mavwire.logs.reading import _batches, native_dialect
+from mavwire.logs.reading import _batches, native_dialect, no_rows
 from mavwire.logs.table import Table
 
 from .places import ByteRange, localised
@@ -53,7 +53,7 @@ def decode(
     for msgid in query.types or ():
         name = module.mavlink_map[msgid].msgname
         if name not in tables:
-            tables[name] = empty_table(native, msgid, query)
+            tables[name] = no_rows(native, msgid, query)
     return {name: Table(name, tables[name], path) for name in sorted(tables)}
 
 

@@ -40,10 +40,14 @@ class Store:
 
     def write(self, name: str, content: bytes) -> None:
         """Write or replace a file, which is never seen half written."""
-        path = self.place(name)
-        draft = path + ".part"
-        with open(draft, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(draft, path)
+        write_file(self.place(name), content)
+
+
+def write_file(path: str, content: bytes) -> None:
+    """Write or replace a file, which is never seen half written."""
+    draft = path + ".part"
+    with open(draft, "wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(draft, path)
