@@ -176,11 +176,20 @@ def _from_messages(
         if not changes or changes[-1][1] != link.flightmode:
             changes.append((msg._timestamp, link.flightmode))
         kind = msg.get_type()
-        if kind not in wanted or (condition is not None and not link.check_condition(condition)):
+        if kind not in wanted or not _holds(condition, link):
             continue
         for one in wanted[kind]:
             one.take(msg, kind, link.messages)
     return [one.series() for one in collectors], changes
+
+
+def _holds(condition: str | None, link: Any) -> bool:
+    """Whether a condition holds now. ValueError names one that cannot be evaluated."""
+    try:
+        return bool(link.check_condition(condition))
+    except Exception as error:  # whatever a function of an expression raises
+        text = f"{type(error).__name__}: {error}"
+        raise ValueError(f"the condition {condition!r}: {text}") from error
 
 
 def vehicle_messages(
