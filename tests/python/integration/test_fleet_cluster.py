@@ -108,3 +108,12 @@ def test_the_command_uses_the_cluster_of_an_address(tmp_path, logs, capsys, clus
     assert cli.main(argv) == 0
     assert capsys.readouterr().out.count(": converted, 300 rows in ") == 6
     assert written(out) == expected(logs)
+
+
+def test_the_command_starts_processes_of_its_own(tmp_path, logs, capsys):
+    pytest.importorskip("distributed")
+    out = tmp_path / "out"
+    pattern = str(logs[0].parent / "*.tlog")
+    assert cli.main(["convert", pattern, "-o", str(out), "--workers", "1", "--quiet"]) == 0
+    assert capsys.readouterr().out == ""
+    assert written(out) == expected(logs)
