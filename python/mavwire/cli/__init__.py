@@ -25,6 +25,8 @@ COMMANDS = {
     "cut": ("mavwire.cli.cut", "some records of a telemetry log as a log of their own"),
     "repair": ("mavwire.cli.repair", "the good records of a damaged telemetry log"),
     "anonymize": ("mavwire.cli.anonymize", "a telemetry log without places and identifiers"),
+    "plot": ("mavwire.cli.plot", "fields and formulas over time, as an image or a page"),
+    "map": ("mavwire.cli.map", "where a vehicle was, as a page, KML or GPX"),
     "parms": ("mavwire.tools.mavparms", "the parameters in logs, or how they changed"),
     "flightmodes": ("mavwire.tools.mavflightmodes", "flight modes and the time in each"),
     "mission": ("mavwire.tools.mavmission", "the mission in a log as a waypoint file"),

@@ -1,7 +1,9 @@
 """`mavwire convert LOG... -o OUT`: logs to Parquet, CSV, JSON lines or Arrow files.
 
 One folder for each message type, one file in it for each log, and a manifest with what became of
-every log. A second run does what is missing.
+every log. A second run does what is missing. With --workers or --scheduler many logs are converted
+at the same time, by processes of this machine or a Dask cluster; LOG may then be a pattern or a URL
+too (needs pip install 'mavwire[fleet]').
 """
 
 from __future__ import annotations
@@ -15,6 +17,9 @@ from mavwire.cli._rewriting import split, systems_of, time_of
 
 if TYPE_CHECKING:
     import argparse
+    from typing import Any
+
+    from mavwire.logs.conversion import Converted
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,27 +41,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00")
     parser.add_argument("--end", help="first time that is not wanted any more")
     parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
+    cluster = parser.add_mutually_exclusive_group()
+    cluster.add_argument("--workers", type=int, metavar="N", help="processes of this machine")
+    cluster.add_argument("--scheduler", metavar="ADDRESS", help="of a cluster: tcp://host:8786")
     parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
 
 
 def main(args: argparse.Namespace) -> int:
     """Run the subcommand; 1 where a log could not be read."""
-    from mavwire.logs.conversion import convert
-
+    options = {
+        "format": args.format,
+        "compression": args.compression,
+        "types": split(args.types),
+        "systems": systems_of(args.systems),
+        "start": time_of(args.start),
+        "end": time_of(args.end),
+        "dialect": args.dialect,
+    }
     bars = _Bars(enabled=not args.quiet)
     try:
-        rows = convert(
-            args.logs,
-            args.out,
-            format=args.format,
-            compression=args.compression,
-            types=split(args.types),
-            systems=systems_of(args.systems),
-            start=time_of(args.start),
-            end=time_of(args.end),
-            dialect=args.dialect,
-            progress=bars.update,
-        )
+        rows = _convert(args, options, bars)
     except ValueError as error:
         raise CommandError(str(error)) from error
     finally:
@@ -72,8 +76,32 @@ def main(args: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
+def _convert(args: argparse.Namespace, options: dict[str, Any], bars: _Bars) -> list[Converted]:
+    if args.workers is None and args.scheduler is None:
+        from mavwire.logs.conversion import convert
+
+        return convert(args.logs, args.out, progress=bars.update, **options)
+    from mavwire import fleet
+
+    try:
+        return fleet.convert(
+            args.logs,
+            args.out,
+            args.scheduler,
+            workers=args.workers,
+            progress=lambda done, logs: bars.update(f"{logs:,} logs", 100.0 * done / logs),
+            **options,
+        )
+    except ImportError as error:
+        raise CommandError(str(error)) from error
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        raise CommandError(str(error)) from error
+
+
 class _Bars:
-    """A progress bar for the log that is being converted."""
+    """A progress bar for the log that is being converted, or for all of them."""
 
     def __init__(self, enabled: bool) -> None:
         self.enabled = enabled

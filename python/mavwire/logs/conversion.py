@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire.links.recognise import read_head
 
-from .query import Query
+from .query import Query, check_fields
 from .reading import check_readable, native_dialect
 from .sources import open_converter
+from .store import Files, Store
 from .telemetry import HEAD_SIZE, not_telemetry
 
 if TYPE_CHECKING:
@@ -89,6 +90,38 @@ def convert(
     and where `out/manifest.json` is not one of these; a log that cannot be read is a row with an
     `error`.
     """
+    compression, native, query, how = prepare(
+        format, compression, types, systems, None, start, end, dialect
+    )
+    out = os.fspath(out)
+    manifest = Manifest(Store(out), how)
+    job = Job(out, native, query, format, compression, progress)
+    names = manifest.names([os.path.abspath(os.fspath(path)) for path in paths])
+    rows = []
+    for path, name in names.items():
+        row = manifest.done(path)
+        if row is None:
+            row = job.run(path, name)
+            manifest.add(row)
+            manifest.store()
+        rows.append(row)
+    return rows
+
+
+def prepare(
+    format: str,
+    compression: str | None,
+    types: str | type | Iterable[str | type] | None,
+    systems: int | Iterable[int] | None,
+    fields: str | Iterable[str] | None,
+    start: float | datetime | None,
+    end: float | datetime | None,
+    dialect: str | ModuleType,
+) -> tuple[str, Any, Query, dict[str, Any]]:
+    """The compression, the native dialect, what to read, and the options that a manifest keeps.
+
+    ValueError for an argument that makes no sense.
+    """
     if format not in FORMATS:
         raise ValueError(f"format must be one of {', '.join(FORMATS)}, not {format!r}")
     compression = compression or COMPRESSIONS[format][0]
@@ -96,28 +129,18 @@ def convert(
         choices = ", ".join(COMPRESSIONS[format])
         raise ValueError(f"{format} is compressed with one of {choices}, not {compression!r}")
     module, native = native_dialect(dialect)
-    query = Query.of(module, types, systems, None, start, end)
+    query = Query.of(module, types, systems, fields, start, end)
+    check_fields(module, query, fields)
     query.batch_rows, query.batch_bytes = BATCH_ROWS, BATCH_BYTES
-    out = os.fspath(out)
-    os.makedirs(out, exist_ok=True)
     how = {"format": format, "compression": compression, **asdict(query)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))
-    manifest = _Manifest(out, how)
-    job = _Job(out, native, query, format, compression, progress)
-    earlier = {row.path: row.name for row in manifest.rows.values()}
-    names = _names([os.path.abspath(os.fspath(path)) for path in paths], earlier)
-    rows = []
-    for path, name in names.items():
-        row = manifest.done(path)
-        if row is None:
-            row = job.run(path, name)
-            manifest.add(row)
-        rows.append(row)
-    return rows
+    return compression, native, query, how
 
 
 @dataclass
-class _Job:
+class Job:
+    """How logs become files below `out`."""
+
     out: str
     native: Any
     query: Query
@@ -126,11 +149,11 @@ class _Job:
     progress: Callable[[str, float], object] | None
 
     def run(self, path: str, name: str) -> Converted:
+        """Convert a log to `out/MESSAGE/name`; what went wrong is in the row."""
         row = Converted(path, name)
         try:
             check_readable(path)
-            status = os.stat(path)
-            row.size, row.mtime_ns = status.st_size, status.st_mtime_ns
+            row.size, row.mtime_ns = file_status(path)
             self._convert(path, name, row)
         except (OSError, ValueError) as error:
             row.error = f"{type(error).__name__}: {error}"
@@ -158,16 +181,24 @@ class _Job:
             converter.abandon()
 
 
-class _Manifest:
-    """What was converted into a folder, and how."""
+class Manifest:
+    """What was converted into a folder, and how. `status` gives size and time of a log, or raises
+    OSError.
+    """
 
-    def __init__(self, out: str, how: dict[str, Any]) -> None:
-        self.out = out
-        self.path = os.path.join(out, MANIFEST)
+    def __init__(
+        self,
+        store: Files,
+        how: dict[str, Any],
+        status: Callable[[str], tuple[int, int]] | None = None,
+    ) -> None:
+        self._store = store
+        self._status = status or file_status
         self.how = json.loads(json.dumps(how))
         self.rows: dict[str, Converted] = {}
-        if os.path.lexists(self.path):
-            stored = _stored(self.path)
+        content = store.read(MANIFEST)
+        if content is not None:
+            stored = _stored(content, store.place(MANIFEST))
             if stored["options"] == self.how:
                 self.rows = {row["path"]: Converted(**row) for row in stored["logs"]}
 
@@ -177,25 +208,44 @@ class _Manifest:
         if row is None or row.error is not None:
             return None
         try:
-            status = os.stat(path)
+            status = self._status(path)
         except OSError:
             return None
-        there = all(os.path.exists(os.path.join(self.out, name)) for name in row.files)
-        if not there or (status.st_size, status.st_mtime_ns) != (row.size, row.mtime_ns):
+        there = all(self._store.exists(name) for name in row.files)
+        if not there or status != (row.size, row.mtime_ns):
             return None
         return replace(row, skipped=True)
 
     def add(self, row: Converted) -> None:
-        """Note a log and store the manifest, which is never seen half written."""
+        """Note a log."""
         self.rows[row.path] = row
+
+    def store(self) -> None:
+        """Write the manifest, which is never seen half written."""
         logs = [{key: getattr(one, key) for key in _ROW} for one in self.rows.values()]
         content = {"version": VERSION, "options": self.how, "logs": logs}
-        draft = self.path + ".part"
-        with open(draft, "w", encoding="utf-8") as file:
-            json.dump(content, file, indent=1)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(draft, self.path)
+        self._store.write(MANIFEST, json.dumps(content, indent=1).encode())
+
+    def names(self, paths: list[str]) -> dict[str, str]:
+        """A name for the files of each log."""
+        earlier = {row.path: row.name for row in self.rows.values()}
+        return _names(paths, earlier, self.taken())
+
+    def taken(self) -> set[str]:
+        """What files of logs are called, without folder and suffix."""
+        suffix = FORMATS[self.how["format"]]
+        files = {
+            os.path.basename(name).rpartition(suffix)[0]
+            for row in self.rows.values()
+            for name in row.files
+        }
+        return files | {row.name for row in self.rows.values()}
+
+
+def file_status(path: str) -> tuple[int, int]:
+    """Bytes of a file, and when it was changed in nanoseconds since 1970."""
+    status = os.stat(path)
+    return status.st_size, status.st_mtime_ns
 
 
 _ROW = {
@@ -211,13 +261,12 @@ _ROW = {
 """What the manifest holds of `Converted`."""
 
 
-def _stored(path: str) -> dict[str, Any]:
+def _stored(content: bytes, path: str) -> dict[str, Any]:
     """The content of a manifest; ValueError for a file of something else, which is not ours to
     replace.
     """
     try:
-        with open(path, encoding="utf-8") as file:
-            stored = json.load(file)
+        stored = json.loads(content)
         if _is_manifest(stored):
             return dict(stored)
     except (ValueError, RecursionError):
@@ -246,12 +295,11 @@ def _is_row(row: Any) -> bool:
     return row["name"] not in ("", ".", "..") and os.path.basename(row["name"]) == row["name"]
 
 
-def _names(paths: list[str], earlier: dict[str, str]) -> dict[str, str]:
-    """A name for the files of each log, unique among them and those of `earlier` runs: the log's
-    own, numbered where two are called the same.
+def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[str, str]:
+    """A name for the files of each log, that of the `earlier` run or one that is not `taken`: the
+    log's own, numbered where two are called the same.
     """
     names: dict[str, str] = {}
-    taken = set(earlier.values())
     for path in paths:
         if path in names:
             continue

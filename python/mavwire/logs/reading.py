@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_table
@@ -78,7 +79,7 @@ def read(
     for msgid in query.types or ():
         name = module.mavlink_map[msgid].msgname
         if name not in tables:
-            tables[name] = tidy(name, empty_table(native, msgid, query), path)
+            tables[name] = tidy(name, no_rows(native, msgid, query), path)
     return {name: table.wide() if wide else table for name, table in sorted(tables.items())}
 
 
@@ -89,6 +90,15 @@ def joined(columns: LogColumns, path: str) -> dict[str, Table]:
         for name, batches in found:
             pieces.setdefault(name, []).append(batches)
     return {name: tidy(name, RecordBatches.joined(some), path) for name, some in pieces.items()}
+
+
+def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:
+    """The table of a message that is not in a log; of the wanted columns those that it has."""
+    if query.columns is None:
+        return empty_table(native, msgid, query)
+    every = empty_table(native, msgid, replace(query, columns=None)).names
+    columns = [name for name in query.columns if name in every]
+    return empty_table(native, msgid, replace(query, columns=columns))
 
 
 def scan(

@@ -216,6 +216,12 @@ def test_types_that_are_not_in_the_log_give_empty_tables(flight):
     assert set(table.to_numpy()) == set(table.columns)
 
 
+def test_fields_that_only_some_of_the_types_have(flight):
+    tables = mavwire.read(flight, ["ATTITUDE", "WHEEL_DISTANCE"], fields=["roll", "distance"])
+    assert [table.columns[4:] for table in tables.values()] == [["roll"], ["distance"]]
+    assert len(tables["WHEEL_DISTANCE"]) == 0
+
+
 @pytest.mark.parametrize(
     ("wanted", "error", "said"),
     [

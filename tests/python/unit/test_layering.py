@@ -54,7 +54,9 @@ LAYERS = (
     ("links",),
     ("mavutil",),
 )
-HEAVY = {"numpy", "pyarrow", "polars", "pandas", "matplotlib", "dask", "serial", "rich", "wsproto"}
+HEAVY = set(
+    "numpy pyarrow polars pandas matplotlib dask distributed fsspec serial rich wsproto".split()
+)
 # The only modules that name pymavlink: its descriptions are read as data, and the shadow runs it
 # beside the parser.
 NAMES_PYMAVLINK = re.compile(

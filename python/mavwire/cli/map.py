@@ -1,0 +1,38 @@
+"""`mavwire map LOG --out FILE`: where a vehicle was, coloured by flight mode, with home and mission.
+
+FILE ends in .html (a page to zoom in, which needs no network), .kml or .gpx.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavwire.cli._errors import CommandError
+from mavwire.cli.plot import check_output
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the subcommand."""
+    parser.add_argument("log", metavar="LOG", help="telemetry or dataflash log")
+    parser.add_argument("-o", "--out", required=True, metavar="FILE", help=".html, .kml or .gpx")
+    parser.add_argument("--system", type=int, metavar="ID", help="default: the first autopilot")
+    parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
+    parser.add_argument("--quiet", action="store_true", help="no summary")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the subcommand."""
+    from mavwire import plots
+
+    check_output(args.out, [args.log])
+    try:
+        track = plots.draw_map(args.log, args.out, system=args.system, dialect=args.dialect)
+    except (ValueError, ImportError) as error:
+        raise CommandError(str(error)) from error
+    if not args.quiet:
+        waypoints = f", {len(track.waypoints)} waypoints" if track.waypoints else ""
+        print(f"{args.out}: {len(track.times):,} positions{waypoints}")
+    return 0

@@ -1,0 +1,89 @@
+"""`mavwire plot LOG... EXPR... --out FILE`: values of logs over time, as an image or a page.
+
+An expression is a field such as ATTITUDE.roll, or a formula of fields as mavgraph takes them:
+"degrees(ATTITUDE.pitch)", "mag_field(RAW_IMU)", "BATTERY_STATUS[0].voltages[0]*0.001",
+"VFR_HUD.alt{VFR_HUD.groundspeed>5}". With :2 behind it, it has the axis on the right. Flight modes
+are shaded. FILE ends in .png, .svg or .pdf (needs matplotlib), or in .html, a page to zoom in.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING
+
+from mavwire.cli._errors import CommandError
+from mavwire.cli._output import same_file
+
+if TYPE_CHECKING:
+    import argparse
+
+LOG_SUFFIXES = (".tlog", ".bin", ".log", ".px4log", ".csv", ".raw", ".mavlink", ".gz", ".zst")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the subcommand."""
+    parser.add_argument(
+        "what",
+        metavar="LOG or EXPR",
+        nargs="+",
+        help="logs, and what to plot of them, in any order",
+    )
+    parser.add_argument("-o", "--out", required=True, metavar="FILE", help="image or page")
+    parser.add_argument("--labels", help="names for the legend, separated by commas")
+    parser.add_argument("--title", help="default: the names of the logs")
+    parser.add_argument("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'")
+    parser.add_argument("--system", type=int, metavar="ID", help="default: the first autopilot")
+    parser.add_argument(
+        "--relative",
+        action="store_true",
+        help="seconds from the start of each log, to compare them",
+    )
+    parser.add_argument("--no-modes", action="store_true", help="do not shade flight modes")
+    parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
+    parser.add_argument("--quiet", action="store_true", help="say nothing of what was left out")
+
+
+def main(args: argparse.Namespace) -> int:
+    """Run the subcommand."""
+    from mavwire import plots
+
+    logs = [one for one in args.what if _is_log(one)]
+    expressions = [one for one in args.what if not _is_log(one)]
+    if not logs:
+        raise CommandError(f"there is no log among {', '.join(args.what)}")
+    if not expressions:
+        raise CommandError("what of it? Name a field, such as ATTITUDE.roll")
+    check_output(args.out, logs)
+    try:
+        done = plots.plot(
+            logs,
+            expressions,
+            args.out,
+            labels=None if args.labels is None else args.labels.split(","),
+            title=args.title,
+            condition=args.condition,
+            system=args.system,
+            relative=args.relative,
+            modes=not args.no_modes,
+            dialect=args.dialect,
+        )
+    except (ValueError, ImportError) as error:
+        raise CommandError(str(error)) from error
+    if not args.quiet:
+        for note in done.notes:
+            print(f"mavwire plot: {note}", file=sys.stderr)
+        print(f"{done.path}: {done.points:,} points")
+    return 0
+
+
+def check_output(out: str, logs: list[str]) -> None:
+    """CommandError where a picture would replace a log."""
+    for log in logs:
+        if same_file(log, out):
+            raise CommandError(f"--out {out} is a log that is read; name another file")
+
+
+def _is_log(name: str) -> bool:
+    """Whether an argument is a file, or can only mean one."""
+    return os.path.exists(name) or name.lower().endswith(LOG_SUFFIXES)

@@ -1,0 +1,66 @@
+"""The Dask client that a run uses: the user's, one of a scheduler, or a cluster of this machine."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@contextmanager
+def connected(client: Any, workers: int | None) -> Iterator[Any]:
+    """A client: `client` itself, one of the scheduler at that address, or of a local cluster of
+    `workers` processes. ImportError where there is no Dask, OSError where no scheduler answers.
+    """
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise ImportError("Dask is needed: pip install 'mavwire[fleet]'") from error
+    if client is not None and not isinstance(client, str):
+        yield client
+    elif client is not None:
+        with Client(client, set_as_default=False) as made:
+            yield made
+    else:
+        with _local_cluster(workers) as cluster, Client(cluster, set_as_default=False) as made:
+            yield made
+
+
+def _local_cluster(workers: int | None) -> Any:
+    """A cluster of processes, which is closed as a context manager."""
+    from distributed import LocalCluster
+
+    processors = os.cpu_count() or 1
+    count = workers or processors
+    # Each process decodes on as many threads as are its share of the processors.
+    share = {"RAYON_NUM_THREADS": str(max(1, processors // count))}
+    with _deaf_to_interrupts():
+        return LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            dashboard_address="127.0.0.1:0",
+            silence_logs=logging.ERROR,
+            env=share,
+        )
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Ctrl-C goes to all processes of a terminal. Those that are made here inherit that they do not
+    hear it: this one ends them in good order, without a traceback from each. It does not hear it
+    meanwhile either, which takes some seconds.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

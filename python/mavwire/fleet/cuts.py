@@ -1,0 +1,64 @@
+"""Where a large log may be cut, so that its parts give exactly the rows of the whole.
+
+What a reader finds at a place depends on the bytes before it: whether it stands in the middle of
+damage, which time it believed last, which unknown ids it has met. So the log is read once, without
+making tables, and is cut only at places the reader came by where none of that matters: between good
+records, far from damage, in a log that holds no unknown ids. Where there are none, it stays whole.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mavwire._native import LogColumns
+from mavwire.logs.query import Query
+from mavwire.logs.reading import native_dialect
+from mavwire.logs.selection import UNKNOWN
+from mavwire.logs.summary import summarise
+
+from .places import ByteRange, localised
+
+if TYPE_CHECKING:
+    from mavwire.logs.summary import LogInfo
+
+CLEAN = 64 << 10
+"""Bytes without damage in front of a cut: more than a frame may claim to reach."""
+PROBE = 64 << 10
+"""Bytes by which a reader tells whether records have times."""
+WHOLE = (b"\x1f\x8b", b"\x28\xb5", b"\xa3\x95")
+"""How logs begin that cannot be cut: compressed ones and dataflash."""
+
+
+def find_cuts(path: str, part_bytes: int, dialect: str = "all") -> list[ByteRange]:
+    """The parts of a local log, of at least `part_bytes` each; none where it has to stay whole."""
+    with open(path, "rb") as file:
+        if file.read(2) in WHOLE:
+            return []
+    places: list[int] = []
+    info = summarise(path, native_dialect(dialect)[1], places.append)
+    if any(name.startswith(UNKNOWN) for name in info.types):
+        return []
+    cuts = [0]
+    for place in places:
+        far = place - cuts[-1] >= part_bytes and info.bytes - place >= part_bytes
+        if far and _is_clean(place, info) and _begins_alike(path, place, info, dialect):
+            cuts.append(place)
+    ranges = list(zip(cuts, [*cuts[1:], info.bytes], strict=True))
+    return ranges if len(ranges) > 1 else []
+
+
+def _is_clean(place: int, info: LogInfo) -> bool:
+    """Whether good records stand on both sides of a place, and nothing else for a while before."""
+    if info.bad_count > len(info.bad) and place >= info.bad[-1][0]:
+        return False  # not all damage is listed
+    return not any(start <= place and start + length > place - CLEAN for start, length in info.bad)
+
+
+def _begins_alike(path: str, place: int, info: LogInfo, dialect: str) -> bool:
+    """Whether a reader that begins there takes the log for what it is."""
+    head = place, min(place + PROBE, info.bytes)
+    with localised(path, head) as copy:
+        reader = LogColumns(copy, native_dialect(dialect)[1], Query(types=[]))
+        for _ in reader:
+            pass
+    return reader.stamped == info.stamped and reader.damage is None

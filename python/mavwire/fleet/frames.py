@@ -1,0 +1,74 @@
+"""`dask_frame`: a message type of many logs as a Dask data frame."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from .cuts import find_cuts
+from .decoding import decode
+from .grouping import TASK_BYTES, grouped, may_be_cut
+from .places import ByteRange, expand, status
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from datetime import datetime
+
+Source = tuple[str, ByteRange | None]
+
+
+def dask_frame(
+    paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    type: str,
+    columns: str | Iterable[str] | None = None,
+    *,
+    systems: int | Iterable[int] | None = None,
+    start: float | datetime | None = None,
+    end: float | datetime | None = None,
+    units: str | None = None,
+    enums: str | None = None,
+    dialect: str = "all",
+    task_bytes: int = TASK_BYTES,
+    storage_options: Mapping[str, Any] | None = None,
+) -> Any:
+    """The messages of one type of many logs as a `dask.dataframe.DataFrame`, in the order of the logs.
+
+    Needs dask, pandas and pyarrow. A partition is some `task_bytes` of logs: several small ones, or
+    a part of a large one. `columns` are the names of those that are wanted; the other arguments are
+    those of `mavwire.read`. Nothing but large logs is read before the frame is computed. A log that
+    is missing raises OSError here.
+    """
+    import dask
+    import dask.dataframe as dd
+
+    wanted = None if columns is None else [columns] if isinstance(columns, str) else list(columns)
+    how = {
+        "types": type, "columns": wanted, "systems": systems, "start": start, "end": end,
+        "units": units, "enums": enums, "dialect": dialect, "storage_options": storage_options,
+    }  # fmt: skip
+    sizes = {path: status(path, storage_options)[0] for path in expand(paths, storage_options)}
+    large = [path for path, size in sizes.items() if may_be_cut(path, size, task_bytes)]
+    found = dask.compute(*[dask.delayed(find_cuts)(path, task_bytes, dialect) for path in large])
+    parts = dict(zip(large, found, strict=True))
+    sources: list[tuple[Source, int]] = []
+    for path, size in sizes.items():
+        ranges = parts.get(path)
+        if ranges:
+            sources += [((path, one), one[1] - one[0]) for one in ranges]
+        else:
+            sources.append(((path, None), size))
+    load = partial(_load, how=how)
+    with dask.config.set({"dataframe.convert-string": False}):  # lists are no texts
+        return dd.from_map(load, grouped(sources, task_bytes) or [[]], meta=load([]))
+
+
+def _load(sources: list[Source], how: dict[str, Any]) -> Any:
+    """Some logs, one behind the other, as a pandas data frame."""
+    import pandas as pd
+
+    if not sources:
+        return decode(os.devnull, **how)[how["types"]].to_pandas()
+    tables = [decode(path, byte_range, **how) for path, byte_range in sources]
+    frames = [table[how["types"]].to_pandas() for table in tables]
+    return frames[0] if len(frames) == 1 else pd.concat(frames, ignore_index=True)

@@ -1,0 +1,278 @@
+"""`convert` and `to_parquet`: a fleet of logs to files.
+
+The client hands out tasks and keeps the manifest; workers read logs and write files. What the
+manifest has is not done again.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any
+
+from mavwire.logs.conversion import FORMATS, Converted, Manifest, prepare
+
+from .clients import connected
+from .cuts import find_cuts
+from .grouping import TASK_BYTES, group_bytes, grouped, may_be_cut
+from .places import ByteRange, expand, status
+from .stores import Folder, Remote, store_of
+from .tasks import Piece, Recipe, convert_pieces, staging
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+    from datetime import datetime
+
+STORE_EVERY = 5.0
+"""Seconds between two writings of the manifest."""
+LOOKERS = 16
+"""Threads that ask for the sizes of logs."""
+
+
+def to_parquet(
+    paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    client: Any = None,
+    **options: Any,
+) -> list[Converted]:
+    """Convert logs to `out/MESSAGE/LOG.parquet`; `convert` has the options."""
+    return convert(paths, out, client, format="parquet", **options)
+
+
+def convert(
+    paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    client: Any = None,
+    *,
+    workers: int | None = None,
+    format: str = "parquet",
+    compression: str | None = None,
+    types: str | Iterable[str] | None = None,
+    systems: int | Iterable[int] | None = None,
+    fields: str | Iterable[str] | None = None,
+    start: float | datetime | None = None,
+    end: float | datetime | None = None,
+    dialect: str = "all",
+    task_bytes: int = TASK_BYTES,
+    storage_options: Mapping[str, Any] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[Converted]:
+    """Convert logs to `out/MESSAGE/LOG.parquet` (or .csv, .jsonl, .arrow) on a Dask cluster.
+
+    `paths` are paths, patterns such as `logs/**/*.tlog`, and URLs of fsspec, one or several; `out`
+    is a folder that all workers see, or a URL. `client` is a `distributed.Client` or the address of
+    a scheduler; None is a cluster of `workers` processes on this machine, one for each processor.
+    `fields` names the fields that become columns. `progress` is told how many logs are done, of how
+    many. The other arguments, and what is returned, are those of `mavwire.logs.conversion.convert`.
+
+    Small logs are done together and large ones in parts of at least `task_bytes`, which give exactly
+    the rows of the whole. A log that is missing or cannot be read is a row with an `error`. What a
+    worker that dies had under way is done by another one; nothing is there twice. A run that is
+    interrupted goes on where it stopped when it is started again. ImportError where Dask is not
+    installed, OSError where the scheduler is gone, ValueError for an argument that makes no sense.
+    """
+    compression, _, query, how = prepare(
+        format, compression, types, systems, fields, start, end, dialect
+    )
+    if (workers is not None and workers < 1) or task_bytes < 1:
+        raise ValueError("workers and task_bytes must be at least 1")
+    out = os.fspath(out).removeprefix("file://")
+    logs = expand(paths, storage_options)
+    known = _statuses(logs, storage_options)
+    store = store_of(out, storage_options)
+    manifest = Manifest(store, how, lambda path: _known(known[path]))
+    names = manifest.names(logs)
+    with staging(out) as folder:
+        options = dict(storage_options or {})
+        recipe = Recipe(out, folder, query, dialect, format, compression, options)
+        run = _Run(store, manifest, recipe, task_bytes, progress)
+        todo = run.begin(names, known)
+        if todo:
+            with connected(client, workers) as cluster:
+                run.work(cluster, todo)
+    return [run.rows[path] for path in names]
+
+
+def _statuses(
+    logs: list[str], options: Mapping[str, Any] | None
+) -> dict[str, tuple[int, int] | Exception]:
+    def ask(path: str) -> tuple[int, int] | Exception:
+        try:
+            return status(path, options)
+        except Exception as error:  # whatever fsspec's file systems raise
+            return error
+
+    with ThreadPoolExecutor(LOOKERS) as pool:
+        return dict(zip(logs, pool.map(ask, logs), strict=True))
+
+
+def _known(found: tuple[int, int] | Exception) -> tuple[int, int]:
+    if isinstance(found, Exception):
+        raise OSError(str(found))
+    return found
+
+
+class _Run:
+    """Rows of the logs of one run, and what is still missing of them."""
+
+    def __init__(
+        self,
+        store: Folder | Remote,
+        manifest: Manifest,
+        recipe: Recipe,
+        task_bytes: int,
+        progress: Callable[[int, int], object] | None,
+    ) -> None:
+        self.store = store
+        self.manifest = manifest
+        self.recipe = recipe
+        self.task_bytes = task_bytes
+        self.progress = progress
+        self.rows: dict[str, Converted] = {}
+        self._logs = self._done = 0
+        self._taken: set[str] = set()
+        self._parts: dict[str, list[Converted]] = {}
+        """What is known of logs of which parts are missing."""
+        self._missing: dict[str, int] = {}
+        self._jobs: dict[str, list[Piece]] = {}
+        """The pieces that a future is about, by its key; one that looks for cuts has one."""
+        self._stored = time.monotonic()
+
+    def begin(
+        self, names: dict[str, str], known: dict[str, tuple[int, int] | Exception]
+    ) -> list[Piece]:
+        """Take over what was done before; the logs that are to do, in order."""
+        self._logs = len(names)
+        self._taken = self.manifest.taken() | set(names.values())
+        todo = []
+        for path, name in names.items():
+            found = known[path]
+            if isinstance(found, Exception):
+                error = f"{type(found).__name__}: {found}"
+                self._finish(Converted(path, name, error=error))
+            elif (row := self.manifest.done(path)) is not None:
+                self.rows[path] = row
+                self._done += 1
+            else:
+                self.rows[path] = Converted(path, name, *found)
+                todo.append(Piece(path, name))
+        self._store_now()
+        return todo
+
+    def work(self, client: Any, todo: list[Piece]) -> None:
+        """Have all of it done. What was done is in the manifest, whatever happens."""
+        from distributed import as_completed
+
+        try:
+            pending = as_completed(self._begin_tasks(client, todo), loop=client.loop)
+            for future in pending:
+                pending.update(self._completed(client, future))
+        finally:
+            self._store_now()
+
+    def _begin_tasks(self, client: Any, todo: list[Piece]) -> list[Any]:
+        sizes = {piece: self.rows[piece.path].size for piece in todo}
+        large = [p for p in todo if may_be_cut(p.path, sizes[p], self.task_bytes)]
+        small = [(piece, size) for piece, size in sizes.items() if piece not in set(large)]
+        workers = len(client.scheduler_info(n_workers=-1)["workers"]) or 1
+        room = group_bytes(sum(size for _, size in small), workers, self.task_bytes)
+        looking = [self._look_for_cuts(client, piece) for piece in large]
+        return looking + [self._submit(client, group) for group in grouped(small, room)]
+
+    def _look_for_cuts(self, client: Any, piece: Piece) -> Any:
+        future = client.submit(
+            find_cuts, piece.path, self.task_bytes, self.recipe.dialect, pure=False
+        )
+        self._jobs[future.key] = [piece]
+        return future
+
+    def _submit(self, client: Any, pieces: list[Piece]) -> Any:
+        for piece in pieces:
+            self._missing.setdefault(piece.path, 1)
+        future = client.submit(convert_pieces, pieces, self.recipe, pure=False)
+        self._jobs[future.key] = pieces
+        return future
+
+    def _completed(self, client: Any, future: Any) -> list[Any]:
+        """Take over what a task found; the tasks that follow from it."""
+        pieces = self._jobs.pop(future.key)
+        if future.status == "cancelled":
+            raise ConnectionError(
+                "the scheduler is gone or has dropped the tasks: start again to go on"
+            )
+        looked = pieces[0].path not in self._missing
+        if future.status != "error":
+            found = future.result()
+            if looked:
+                return [self._submit(client, [p]) for p in self._cut(pieces[0], found)]
+            for row in found:
+                self._add(row)
+            return []
+        if looked:  # the conversion will say what is wrong
+            return [self._submit(client, pieces)]
+        if len(pieces) > 1:  # one of them may be what ends workers
+            return [self._submit(client, [piece]) for piece in pieces]
+        error = future.exception()
+        text = f"{type(error).__name__}: {error}"
+        self._add(Converted(pieces[0].path, pieces[0].name, error=text))
+        return []
+
+    def _cut(self, piece: Piece, ranges: list[ByteRange]) -> list[Piece]:
+        if not ranges:
+            return [piece]
+        self._missing[piece.path] = len(ranges)
+        return [Piece(piece.path, self._part_name(piece.name, n), r) for n, r in enumerate(ranges)]
+
+    def _part_name(self, name: str, number: int) -> str:
+        mark = "+"
+        while (part := f"{name}{mark}{number:04d}") in self._taken:
+            mark += "+"
+        self._taken.add(part)
+        return part
+
+    def _add(self, row: Converted) -> None:
+        """A log or a part is done; when all parts are, the log is."""
+        parts = self._parts.setdefault(row.path, [])
+        parts.append(row)
+        self._missing[row.path] -= 1
+        if self._missing[row.path]:
+            return
+        del self._missing[row.path], self._parts[row.path]
+        whole = self.rows[row.path]
+        for part in parts:
+            whole.rows += part.rows
+            whole.bad_bytes += part.bad_bytes
+            whole.files.update(part.files)
+            whole.error = whole.error or part.error
+        if len(parts) > 1:
+            whole.files = dict(sorted(whole.files.items()))
+            if whole.error is not None:  # some of a log looks like all of it
+                self._remove(whole.files)
+                whole.files, whole.rows = {}, 0
+        self._finish(whole)
+
+    def _finish(self, row: Converted) -> None:
+        """Note the outcome of a log. Files that it had and has no more would be rows of nothing."""
+        earlier = self.manifest.rows.get(row.path)
+        if earlier is not None and row.error is None:
+            self._remove(name for name in earlier.files if name not in row.files)
+        self.rows[row.path] = row
+        self.manifest.add(row)
+        self._done += 1
+        if self.progress is not None:
+            self.progress(self._done, self._logs)
+        if time.monotonic() - self._stored >= STORE_EVERY:
+            self._store_now()
+
+    def _remove(self, names: Iterable[str]) -> None:
+        """Remove files of ours. The manifest may have been written by anyone."""
+        for name in list(names):
+            folder, _, file = name.partition("/")
+            ours = folder.isidentifier() and FORMATS[self.recipe.format] in file
+            if ours and not {"/", "\\"} & set(file):
+                self.store.remove(name)
+
+    def _store_now(self) -> None:
+        self.manifest.store()
+        self._stored = time.monotonic()

@@ -1,0 +1,78 @@
+"""Where a fleet's files go: a folder, or a place of fsspec."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+from mavwire.logs.store import Store
+
+from .places import file_system, is_url
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+class Folder(Store):
+    """A local folder, on a disk that all workers see."""
+
+    def publish(self, draft: str, name: str) -> None:
+        """Give a file of the same disk its name, in place of any that has it."""
+        place = self.place(name)
+        os.makedirs(os.path.dirname(place), exist_ok=True)
+        os.replace(draft, place)
+
+    def remove(self, name: str) -> None:
+        """Remove a file, if it is there."""
+        try:
+            os.remove(self.place(name))
+        except FileNotFoundError:
+            pass
+
+
+class Remote:
+    """A place that fsspec opens. Object stores show an object when all of it is there."""
+
+    def __init__(self, url: str, options: Mapping[str, Any] | None = None) -> None:
+        self.root = url.rstrip("/")
+        self.fs, self._inner = file_system(self.root, options)
+
+    def place(self, name: str) -> str:
+        """The URL of a file."""
+        return f"{self.root}/{name}"
+
+    def _path(self, name: str) -> str:
+        return f"{self._inner.rstrip('/')}/{name}"
+
+    def exists(self, name: str) -> bool:
+        """Whether there is such a file."""
+        return bool(self.fs.exists(self._path(name)))
+
+    def read(self, name: str) -> bytes | None:
+        """The content of a file; None where there is none."""
+        try:
+            return bytes(self.fs.cat_file(self._path(name)))
+        except FileNotFoundError:
+            return None
+
+    def write(self, name: str, content: bytes) -> None:
+        """Write or replace a file."""
+        self.fs.makedirs(os.path.dirname(self._path(name)), exist_ok=True)
+        self.fs.pipe_file(self._path(name), content)
+
+    def publish(self, draft: str, name: str) -> None:
+        """Copy a local file there, in place of any that has the name."""
+        self.fs.makedirs(os.path.dirname(self._path(name)), exist_ok=True)
+        self.fs.put_file(draft, self._path(name))
+
+    def remove(self, name: str) -> None:
+        """Remove a file, if it is there."""
+        try:
+            self.fs.rm_file(self._path(name))
+        except FileNotFoundError:
+            pass
+
+
+def store_of(out: str, options: Mapping[str, Any] | None = None) -> Folder | Remote:
+    """The store of a path or URL."""
+    return Remote(out, options) if is_url(out) else Folder(out)

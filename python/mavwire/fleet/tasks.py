@@ -1,0 +1,101 @@
+"""What a worker does: convert some logs, or parts of logs, and give their files their names.
+
+A task may be done twice: a worker that dies takes what it did with it, one that was only thought
+dead goes on. Each attempt writes files in a folder of its own, and only whole files get names,
+which are the same in each attempt.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mavwire.logs.conversion import Converted, Job
+from mavwire.logs.reading import native_dialect
+
+from .places import ByteRange, is_url, localised
+from .stores import Folder, store_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mavwire.logs.query import Query
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A log, or a part of one."""
+
+    path: str
+    name: str
+    """What its files are called, without suffix."""
+    byte_range: ByteRange | None = None
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How logs are converted, and where to."""
+
+    out: str
+    staging: str | None
+    """A folder on the disk of `out` for files that are not complete; None for a place of fsspec."""
+    query: Query
+    dialect: str
+    format: str
+    compression: str
+    storage_options: dict[str, Any] | None = None
+
+
+def convert_pieces(pieces: list[Piece], recipe: Recipe) -> list[Converted]:
+    """A row for each piece; size and time of the log are left to the client."""
+    return [_convert(piece, recipe) for piece in pieces]
+
+
+def _convert(piece: Piece, recipe: Recipe) -> Converted:
+    row = Converted(piece.path, piece.name)
+    try:
+        source = localised(piece.path, piece.byte_range, recipe.storage_options)
+        with source as local, _workspace(recipe) as folder:
+            native = native_dialect(recipe.dialect)[1]
+            job = Job(folder, native, recipe.query, recipe.format, recipe.compression, None)
+            made = job.run(local, piece.name)
+            if made.error is not None:
+                row.error = made.error.replace(local, piece.path)
+            publish(folder, made, recipe)
+            row.rows, row.bad_bytes, row.files = made.rows, made.bad_bytes, made.files
+    except (
+        Exception
+    ) as error:  # whatever fsspec's file systems raise: one log does not end the rest
+        row.error = f"{type(error).__name__}: {error}"
+    return row
+
+
+def publish(folder: str, made: Converted, recipe: Recipe) -> None:
+    """Give the files in a folder their names in `out`."""
+    store = store_of(recipe.out, recipe.storage_options)
+    made.files = {name.replace(os.sep, "/"): rows for name, rows in made.files.items()}
+    for name in made.files:
+        store.publish(os.path.join(folder, *name.split("/")), name)
+
+
+@contextmanager
+def _workspace(recipe: Recipe) -> Iterator[str]:
+    with tempfile.TemporaryDirectory(
+        prefix="task-", dir=recipe.staging, ignore_cleanup_errors=True
+    ) as folder:
+        yield folder
+
+
+@contextmanager
+def staging(out: str) -> Iterator[str | None]:
+    """The folder for incomplete files of one run, gone with what is left in it afterwards."""
+    if is_url(out):
+        yield None
+        return
+    with tempfile.TemporaryDirectory(
+        prefix=".staging-", dir=Folder(out).root, ignore_cleanup_errors=True
+    ) as folder:
+        yield folder

@@ -1,0 +1,53 @@
+"""Where converted files and their manifest go: a folder."""
+
+from __future__ import annotations
+
+import os
+from typing import Protocol
+
+
+class Files(Protocol):
+    """What a manifest needs of the place it is kept at."""
+
+    def place(self, name: str) -> str: ...
+    def exists(self, name: str) -> bool: ...
+    def read(self, name: str) -> bytes | None: ...
+    def write(self, name: str, content: bytes) -> None: ...
+
+
+class Store:
+    """A local folder. Names are paths below it, with `/`."""
+
+    def __init__(self, root: str) -> None:
+        self.root = root
+        os.makedirs(root, exist_ok=True)
+
+    def place(self, name: str) -> str:
+        """The path of a file."""
+        return os.path.join(self.root, *name.split("/"))
+
+    def exists(self, name: str) -> bool:
+        """Whether there is such a file."""
+        return os.path.exists(self.place(name))
+
+    def read(self, name: str) -> bytes | None:
+        """The content of a file; None where there is none. OSError for what is no file."""
+        path = self.place(name)
+        if not os.path.lexists(path):
+            return None
+        with open(path, "rb") as file:
+            return file.read()
+
+    def write(self, name: str, content: bytes) -> None:
+        """Write or replace a file, which is never seen half written."""
+        write_file(self.place(name), content)
+
+
+def write_file(path: str, content: bytes) -> None:
+    """Write or replace a file, which is never seen half written."""
+    draft = path + ".part"
+    with open(draft, "wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(draft, path)

@@ -1,0 +1,17 @@
+"""Pictures of logs: values over time (`plot`), and where a vehicle was (`draw_map`).
+
+    from mavwire import plots
+
+    plots.plot(["flight.tlog"], ["ATTITUDE.roll", "VFR_HUD.alt:2"], "plot.html")
+    plots.draw_map("flight.tlog", "track.html")
+
+HTML pages hold everything they need and load nothing; images need matplotlib
+(`pip install 'mavwire[plot]'`), and all of it NumPy.
+"""
+
+from __future__ import annotations
+
+from .charts import plot
+from .maps import draw_map
+
+__all__ = ["draw_map", "plot"]

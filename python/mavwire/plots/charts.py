@@ -1,0 +1,142 @@
+"""`plot`: expressions over logs as an image or a page."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mavwire.logs.store import write_file
+
+from .expressions import parse
+from .modes import Span
+from .series import LogSeries, read_series
+
+IMAGES = (".png", ".svg", ".pdf")
+PAGES = (".html", ".htm")
+YEAR_10000 = 253_402_300_800
+"""Seconds since 1970 of the first time that calendars do not have."""
+
+
+@dataclass
+class Line:
+    """One line of a chart."""
+
+    label: str
+    right: bool
+    times: Any
+    """Seconds, since 1970 or since the first value."""
+    values: Any
+
+
+@dataclass
+class Chart:
+    """What is drawn."""
+
+    title: str
+    lines: list[Line]
+    modes: list[Span]
+    absolute: bool
+    """Times are since 1970."""
+
+
+@dataclass
+class Plotted:
+    """What `plot` has done."""
+
+    path: str
+    points: int
+    notes: list[str]
+    """What was left out, and why."""
+
+
+def plot(
+    logs: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    expressions: str | Sequence[str],
+    out: str | os.PathLike[str],
+    *,
+    labels: Sequence[str] | None = None,
+    title: str | None = None,
+    condition: str | None = None,
+    system: int | None = None,
+    relative: bool = False,
+    modes: bool = True,
+    dialect: str = "all",
+) -> Plotted:
+    """Draw expressions such as `ATTITUDE.roll` or `degrees(ATTITUDE.pitch):2` over time.
+
+    `out` ends in .png, .svg or .pdf (needs matplotlib), or in .html. `:2` is the axis on the right.
+    `labels` stand in the legend for the expressions. `condition` leaves out messages at which it
+    does not hold; `system` is the vehicle's id, by default the first autopilot that is heard.
+    `relative` counts seconds from the first value of each log, so that several can be compared.
+    `modes` shades the flight modes of the first log. Raises OSError for files that cannot be read or
+    written, ImportError where matplotlib is missing, ValueError for what cannot be plotted.
+    """
+    paths = [os.fspath(one) for one in ([logs] if isinstance(logs, str | os.PathLike) else logs)]
+    texts = [expressions] if isinstance(expressions, str) else list(expressions)
+    out = os.fspath(out)
+    suffix = os.path.splitext(out)[1].lower()
+    if suffix not in IMAGES + PAGES:
+        raise ValueError(f"plots are {', '.join(IMAGES + PAGES)}, which {out!r} does not end in")
+    if not paths or not texts:
+        raise ValueError("a plot needs a log and an expression")
+    if labels is not None and len(labels) != len(texts):
+        raise ValueError(f"{len(texts)} expressions have {len(labels)} labels")
+    parsed = [parse(text) for text in texts]
+    read = [
+        read_series(path, parsed, condition=condition, system=system, dialect=dialect)
+        for path in paths
+    ]
+    chart = _chart(read, labels or [one.text for one in parsed], title, relative, modes)
+    notes = _notes(read)
+    points = sum(len(line.times) for line in chart.lines)
+    if not points:
+        raise ValueError("; ".join(notes))
+    if suffix in PAGES:
+        from .pages import chart_page
+
+        content = chart_page(chart)
+    else:
+        from .images import chart_image
+
+        content = chart_image(chart, suffix.removeprefix("."))
+    write_file(out, content)
+    return Plotted(out, points, notes)
+
+
+def _chart(
+    read: list[LogSeries], labels: Sequence[str], title: str | None, relative: bool, modes: bool
+) -> Chart:
+    lines: list[Line] = []
+    shown: list[Span] = []
+    firsts = [float(one.times[0]) for log in read for one in log.series if len(one.times)]
+    relative = relative or any(not 0 <= time < YEAR_10000 for time in _bounds(read))
+    for number, log in enumerate(read):
+        own = [float(one.times[0]) for one in log.series if len(one.times)]
+        zero = min(own, default=0.0) if relative else 0.0
+        name = f"{os.path.basename(log.path)}: " if len(read) > 1 else ""
+        for label, one in zip(labels, log.series, strict=True):
+            right = one.expression.right
+            lines.append(Line(name + label, right, one.times - zero, one.values))
+        if modes and number == 0 and firsts:
+            shown = [Span(s.mode, s.start - zero, s.end - zero) for s in log.modes]
+    names = ", ".join(os.path.basename(log.path) for log in read)
+    return Chart(names if title is None else title, lines, shown, not relative)
+
+
+def _bounds(read: list[LogSeries]) -> list[float]:
+    filled = [one.times for log in read for one in log.series if len(one.times)]
+    return [float(bound) for times in filled for bound in (times.min(), times.max())]
+
+
+def _notes(read: list[LogSeries]) -> list[str]:
+    notes = []
+    for log in read:
+        for one in log.series:
+            text = one.expression.text
+            if one.left_out:
+                notes.append(f"{log.path}: {text}: {one.left_out:,} left out: {one.error}")
+            elif not len(one.times):
+                notes.append(f"{log.path}: {text}: there are no values")
+    return notes

@@ -1,0 +1,187 @@
+"""What is plotted: `EXPR`, or `EXPR:2` for the axis on the right.
+
+An expression over plain fields of one message type is computed over whole columns; every other one
+is evaluated message by message, as conditions are.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import math
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from mavwire.expression.compiler import compile_text
+from mavwire.expression.evaluate import _split
+from mavwire.expression.names import known_names
+from mavwire.logs.query import HEADER
+
+STATE_NAMES = frozenset(("MAV", "HOME"))
+"""Names of the vehicle's state, which are no messages of the log."""
+EXACT = 2**53
+"""Integers beyond this are not all doubles."""
+
+Columns = Callable[[str], Any]
+"""A column of the message as doubles, by its name."""
+
+_OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+_FUNCTIONS = {
+    "abs": "abs", "fabs": "abs", "degrees": "degrees", "radians": "radians", "sin": "sin",
+    "cos": "cos", "tan": "tan", "sqrt": "sqrt", "atan2": "arctan2", "hypot": "hypot",
+}  # fmt: skip
+"""Functions of `math`, and what NumPy calls them."""
+
+
+@dataclass(frozen=True)
+class Expression:
+    """One thing to plot."""
+
+    text: str
+    right: bool
+    """On the axis on the right."""
+    types: frozenset[str]
+    """The messages at which it has a new value."""
+    instances: dict[str, int] = field(default_factory=dict, hash=False)
+    """Of types of which only one instance is named: which."""
+    plain: bool = False
+    """It can be computed over columns."""
+
+    @property
+    def type(self) -> str:
+        """The message type of a plain expression."""
+        return next(iter(self.types))
+
+    def fields(self) -> set[str]:
+        """The fields of a plain expression."""
+        nodes = ast.walk(ast.parse(self.text.strip(), mode="eval"))
+        return {node.attr for node in nodes if isinstance(node, ast.Attribute)}
+
+    def over(self, columns: Columns) -> Any:
+        """The values of a plain expression; not finite where there is none."""
+        import numpy as np
+
+        with np.errstate(all="ignore"):
+            return _value(ast.parse(self.text.strip(), mode="eval").body, columns)
+
+
+def parse(text: str) -> Expression:
+    """An expression as written; ValueError says what is wrong with it, ExpressionError among them."""
+    right = text.endswith(":2")
+    body = text[:-2] if right else text.removesuffix(":1")
+    if not body.strip():
+        raise ValueError(f"no expression: {text!r}")
+    value, condition = _split(body)
+    trees = []
+    for part in [value] if condition is None else [value, condition]:
+        try:
+            compile_text(part)
+        except SyntaxError as error:
+            raise ValueError(f"no expression: {text!r}: {error.msg}") from error
+        trees.append(ast.parse(part.lstrip(" \t"), mode="eval"))
+    types = frozenset(_messages(trees))
+    if not types:
+        raise ValueError(f"no message is named in {text!r}: write TYPE.field, as in ATTITUDE.roll")
+    plain = condition is None and len(types) == 1 and _is_plain(trees[0].body)
+    return Expression(body, right, types, _instances(trees, types), plain)
+
+
+def _messages(trees: list[ast.Expression]) -> set[str]:
+    """The names that are neither functions nor variables of a comprehension."""
+    nodes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)]
+    bound = {node.id for node in nodes if isinstance(node.ctx, ast.Store)}
+    known = known_names()
+    names = {node.id for node in nodes} - bound - STATE_NAMES
+    return {name for name in names if name not in known}
+
+
+def _instances(trees: list[ast.Expression], types: frozenset[str]) -> dict[str, int]:
+    """Types that stand only as `TYPE[n]`, always with the same number."""
+    found: dict[str, set[int | None]] = {name: set() for name in types}
+    for tree in trees:
+        inside = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name):
+                inside.add(node.value)
+                if node.value.id in types:
+                    found[node.value.id].add(_index(node.slice))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Name) and node.id in types and node not in inside:
+                found[node.id].add(None)
+    single = {name: next(iter(some)) for name, some in found.items() if len(some) == 1}
+    return {name: number for name, number in single.items() if number is not None}
+
+
+def _index(node: ast.expr) -> int | None:
+    number = node.value if isinstance(node, ast.Constant) else None
+    return number if type(number) is int and number >= 0 else None
+
+
+def _is_plain(node: ast.AST) -> bool:
+    if isinstance(node, ast.Constant):
+        number = node.value
+        return type(number) in (int, float) and abs(number) <= EXACT  # type: ignore[arg-type]
+    if isinstance(node, ast.Attribute):
+        return isinstance(node.value, ast.Name) and node.value.id not in known_names()
+    if isinstance(node, ast.Subscript):
+        return (
+            isinstance(node.value, ast.Attribute)
+            and _index(node.slice) is not None
+            and (_is_plain(node.value))
+        )
+    if isinstance(node, ast.UnaryOp):
+        return type(node.op) in _OPERATORS and _is_plain(node.operand)
+    if isinstance(node, ast.BinOp):
+        return type(node.op) in _OPERATORS and _is_plain(node.left) and _is_plain(node.right)
+    if isinstance(node, ast.Call):
+        return _is_known(node.func) and not node.keywords and all(map(_is_plain, node.args))
+    return False
+
+
+def _is_known(node: ast.AST) -> bool:
+    """Whether it names a function that NumPy has too, and that nobody has replaced."""
+    if not isinstance(node, ast.Name) or node.id not in _FUNCTIONS:
+        return False
+    original = getattr(math, node.id, None) or getattr(builtins, node.id)
+    return known_names()[node.id] is original
+
+
+def _value(node: ast.AST, columns: Columns) -> Any:
+    import numpy as np
+
+    match node:
+        case ast.Constant():
+            return np.float64(node.value)  # type: ignore[arg-type]
+        case ast.Attribute():
+            return columns(node.attr)
+        case ast.Subscript():
+            values, index = _value(node.value, columns), _index(node.slice)
+            if values.ndim < 2 or index is None or index >= values.shape[1]:
+                raise ValueError(f"{ast.unparse(node)}: there is no such element")
+            return values[:, index]
+        case ast.UnaryOp():
+            return _OPERATORS[type(node.op)](_value(node.operand, columns))
+        case ast.BinOp():
+            left, right = _value(node.left, columns), _value(node.right, columns)
+            return _OPERATORS[type(node.op)](left, right)
+        case ast.Call(func=ast.Name(id=name)):
+            arguments = [_value(one, columns) for one in node.args]
+            try:
+                return getattr(np, _FUNCTIONS[name])(*arguments)
+            except TypeError as error:
+                raise ValueError(f"{ast.unparse(node)}: {name} takes other arguments") from error
+    raise ValueError(f"{ast.unparse(node)} is no expression over columns")
+
+
+def column_of(name: str) -> str:
+    """The column that holds a field."""
+    return f"{name}_" if name in HEADER else name

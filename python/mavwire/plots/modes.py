@@ -1,0 +1,87 @@
+"""Flight modes of a vehicle over a log, and colours for them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from mavwire.links.modes import mode_string_v10
+from mavwire.links.tracking import MAV_AUTOPILOT_INVALID, MAV_COMP_ID_GIMBAL, NOT_VEHICLES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from mavwire.logs.table import Table
+
+COLOURS = (
+    "#4c78a8", "#f58518", "#54a24b", "#e45756", "#b279a2", "#72b7b2", "#eeca3b", "#9d755d",
+    "#ff9da6", "#79706e",
+)  # fmt: skip
+MOST_SPANS = 10_000
+"""Changes of mode that are shown; whoever makes a log chooses their number."""
+UNKNOWN = "UNKNOWN"
+
+
+@dataclass(frozen=True)
+class Span:
+    """A stretch of time in one mode, seconds since 1970."""
+
+    mode: str
+    start: float
+    end: float
+
+
+def vehicle_rows(heartbeats: Table) -> Any:
+    """Which HEARTBEAT rows come from an autopilot: a mask."""
+    import numpy as np
+
+    others = np.isin(heartbeats["type"], list(NOT_VEHICLES))
+    gimbal = heartbeats["compid"] == MAV_COMP_ID_GIMBAL
+    return ~others & ~gimbal & (heartbeats["autopilot"] != MAV_AUTOPILOT_INVALID)
+
+
+def vehicle_of(heartbeats: Table) -> int | None:
+    """The system of the first autopilot that is heard."""
+    systems = heartbeats["sysid"][vehicle_rows(heartbeats)]
+    return int(systems[0]) if len(systems) else None
+
+
+def mode_changes(heartbeats: Table, system: int | None) -> list[tuple[float, str]]:
+    """When a system went into which mode."""
+    import numpy as np
+
+    rows = vehicle_rows(heartbeats) & (heartbeats["sysid"] == (system or 0))
+    names = ("type", "autopilot", "base_mode", "custom_mode")
+    columns = [heartbeats[name][rows] for name in names]
+    times = heartbeats["timestamp"][rows].astype("int64") * 1e-6
+    if not len(times):
+        return []
+    differs = np.zeros(len(times), bool)
+    differs[0] = True
+    for column in columns:
+        differs[1:] |= column[1:] != column[:-1]
+    found: list[tuple[float, str]] = []
+    for row in np.flatnonzero(differs):
+        values = {name: int(column[row]) for name, column in zip(names, columns, strict=True)}
+        mode = mode_string_v10(SimpleNamespace(get_msgId=lambda: 0, **values))
+        found.append((float(times[row]), mode))
+    return found
+
+
+def spans(changes: Iterable[tuple[float, str]], end: float | None) -> list[Span]:
+    """Stretches of time, each to the next change of mode, the last to `end`."""
+    distinct: list[tuple[float, str]] = []
+    for time, mode in changes:
+        if mode != UNKNOWN and (not distinct or distinct[-1][1] != mode):
+            distinct.append((time, mode))
+    distinct = distinct[:MOST_SPANS]
+    ends = [time for time, _ in distinct[1:]]
+    if distinct:
+        ends.append(max(distinct[-1][0], end if end is not None else distinct[-1][0]))
+    return [Span(mode, t, after) for (t, mode), after in zip(distinct, ends, strict=True)]
+
+
+def colours_of(modes: Iterable[str]) -> dict[str, str]:
+    """A colour for each mode, in the order they first come."""
+    return {mode: COLOURS[n % len(COLOURS)] for n, mode in enumerate(dict.fromkeys(modes))}

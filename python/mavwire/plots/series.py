@@ -1,0 +1,249 @@
+"""The values of expressions over a log, and the flight modes meanwhile."""
+
+from __future__ import annotations
+
+import os
+from contextlib import closing
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from mavwire.expression import evaluate_expression
+from mavwire.links.recognise import log_kind
+
+from .expressions import EXACT, Expression, column_of
+from .modes import Span, mode_changes, spans, vehicle_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from mavwire.logs.table import Table
+
+
+@dataclass
+class Series:
+    """One expression over one log: arrays of seconds since 1970 and of values, all finite."""
+
+    expression: Expression
+    times: Any
+    values: Any
+    left_out: int = 0
+    """Messages at which it failed."""
+    error: str | None = None
+    """How it failed first."""
+
+
+@dataclass
+class LogSeries:
+    """What one log shows."""
+
+    path: str
+    series: list[Series]
+    modes: list[Span] = field(default_factory=list)
+
+
+def read_series(
+    path: str,
+    expressions: Sequence[Expression],
+    *,
+    condition: str | None = None,
+    system: int | None = None,
+    dialect: str = "all",
+) -> LogSeries:
+    """The series of a log, in the order of the expressions.
+
+    `condition` leaves out messages at which it does not hold. `system` is the vehicle's, by default
+    the first autopilot that is heard. Raises OSError for a log that cannot be read, ValueError for
+    one that is none, that has no times, and for a field or type that its definitions do not have.
+    """
+    if not is_telemetry(path):
+        made, changes = _from_messages(path, expressions, condition, system, dialect)
+        return LogSeries(path, made, spans(changes, _end(made)))
+    plain = [one for one in expressions if one.plain and condition is None]
+    tables = _tables(path, plain, dialect)
+    heartbeats = tables["HEARTBEAT"]
+    if system is None:
+        system = vehicle_of(heartbeats) or busiest_system(path, dialect)
+    found = {one: _from_table(one, tables[one.type], system) for one in plain}
+    other = [one for one in expressions if found.get(one) is None]
+    if other:
+        made, _ = _from_messages(path, other, condition, system, dialect)
+        found.update(zip(other, made, strict=True))
+    series = [one for one in map(found.get, expressions) if one is not None]
+    return LogSeries(path, series, spans(mode_changes(heartbeats, system), _end(series)))
+
+
+def is_telemetry(path: str) -> bool:
+    """Whether it is to be read as a telemetry log; OSError for what cannot be read at all."""
+    from mavwire.logs.reading import check_readable
+
+    check_readable(path)
+    csv = path.lower().endswith(".csv")
+    return not csv and log_kind(path, readonly=True) not in ("dataflash", "text")
+
+
+def _end(series: Sequence[Series]) -> float | None:
+    return max((float(one.times.max()) for one in series if len(one.times)), default=None)
+
+
+# -- columns
+
+
+def _tables(path: str, plain: Sequence[Expression], dialect: str) -> dict[str, Table]:
+    from mavwire.logs import open_log, read
+    from mavwire.logs.reading import native_dialect
+
+    classes = native_dialect(dialect)[0].mavlink_map.values()
+    known = {cls.msgname: cls for cls in classes}
+    fields = {"type", "autopilot", "base_mode", "custom_mode"}
+    for one in plain:
+        for name in one.fields() if one.type in known else ():
+            if name not in known[one.type].fieldnames:
+                raise ValueError(f"{one.text}: {one.type} has no field {name!r}")
+        fields |= one.fields()
+    open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
+    types = sorted({"HEARTBEAT", *(one.type for one in plain)})
+    tables = read(path, types, fields=sorted(fields), dialect=dialect)
+    if any(len(t) and bool(_is_nat(t["timestamp"][:1])) for t in tables.values()):
+        raise ValueError(f"a raw stream has no times to plot over: {path!r}")
+    return tables
+
+
+def busiest_system(path: str, dialect: str) -> int | None:
+    """The system that most messages of a telemetry log come from."""
+    from mavwire.logs import open_log
+
+    counts: dict[int, int] = {}
+    for (system, _), sender in open_log(path, dialect=dialect).info().senders.items():
+        counts[system] = counts.get(system, 0) + sender.count.messages
+    return max(counts, key=lambda one: counts[one], default=None)
+
+
+def _is_nat(times: Any) -> bool:
+    import numpy as np
+
+    return bool(np.isnat(times).any())
+
+
+def _from_table(one: Expression, table: Table, system: int | None) -> Series | None:
+    """A plain expression over its table; None where doubles would not be exact."""
+    import numpy as np
+
+    rows = slice(None) if system is None else table["sysid"] == system
+
+    def column(name: str) -> Any:
+        values = table[column_of(name)][rows]
+        if values.dtype.kind not in "iuf":
+            raise ValueError(f"{one.text}: {name} holds texts, which cannot be plotted")
+        if values.dtype.itemsize == 8 and values.dtype.kind in "iu" and len(values):
+            large = max(abs(int(values.max())), abs(int(values.min()))) > EXACT
+            if large:
+                raise _InexactError
+        return values.astype(np.float64)
+
+    try:
+        values = np.asarray(one.over(column))
+    except _InexactError:
+        return None
+    if values.ndim > 1:
+        raise ValueError(f"{one.text} is an array: name an element, as in {one.text}[0]")
+    times = table["timestamp"][rows].astype("int64") * 1e-6
+    good = np.isfinite(values)
+    return Series(one, times[good], values[good])
+
+
+class _InexactError(Exception):
+    """There are integers that doubles do not hold."""
+
+
+# -- messages
+
+
+def _from_messages(
+    path: str,
+    expressions: Sequence[Expression],
+    condition: str | None,
+    system: int | None,
+    dialect: str,
+) -> tuple[list[Series], list[tuple[float, str]]]:
+    """Evaluate at each message, with the newest messages of the vehicle; and the modes it was in."""
+    collectors = [_Collector(one) for one in expressions]
+    wanted: dict[str, list[_Collector]] = {}
+    for one in collectors:
+        for name in one.expression.types:
+            wanted.setdefault(name, []).append(one)
+    changes: list[tuple[float, str]] = []
+    for msg, link in vehicle_messages(path, [*wanted, "MODE"], system, dialect):
+        if not changes or changes[-1][1] != link.flightmode:
+            changes.append((msg._timestamp, link.flightmode))
+        kind = msg.get_type()
+        if kind not in wanted or not _holds(condition, link):
+            continue
+        for one in wanted[kind]:
+            one.take(msg, kind, link.messages)
+    return [one.series() for one in collectors], changes
+
+
+def _holds(condition: str | None, link: Any) -> bool:
+    """Whether a condition holds now. ValueError names one that cannot be evaluated."""
+    try:
+        return bool(link.check_condition(condition))
+    except Exception as error:  # whatever a function of an expression raises
+        text = f"{type(error).__name__}: {error}"
+        raise ValueError(f"the condition {condition!r}: {text}") from error
+
+
+def vehicle_messages(
+    path: str, types: list[str], system: int | None, dialect: str
+) -> Iterator[tuple[Any, Any]]:
+    """The vehicle's messages of some types as mavutil gives them, with the link."""
+    from mavwire import mavutil
+    from mavwire.cli._reading import definitions
+
+    with definitions(dialect), closing(mavutil.mavlink_connection(os.fspath(path))) as link:
+        telemetry = hasattr(link, "mav")
+        if telemetry and system is not None:
+            link.sysid = system
+        while (msg := link.recv_match(type=types)) is not None:
+            if not telemetry or msg.get_srcSystem() == link.sysid:
+                yield msg, link
+
+
+class _Collector:
+    """Gathers the values of one expression."""
+
+    def __init__(self, expression: Expression) -> None:
+        self.expression = expression
+        self._times: list[float] = []
+        self._values: list[float] = []
+        self._failed = 0
+        self._error: str | None = None
+
+    def take(self, msg: Any, kind: str, messages: dict[str, Any]) -> None:
+        """The vehicle has sent a message that the expression names."""
+        instance = self.expression.instances.get(kind)
+        if instance is not None and not _is_instance(msg, instance):
+            return
+        try:
+            value = evaluate_expression(self.expression.text, messages)
+            number = None if value is None else float(value)
+        except Exception as error:  # whatever a function of an expression raises
+            self._failed += 1
+            self._error = self._error or f"{type(error).__name__}: {error}"
+            return
+        if number is not None and abs(number) < float("inf"):
+            self._times.append(msg._timestamp)
+            self._values.append(number)
+
+    def series(self) -> Series:
+        """What was gathered."""
+        import numpy as np
+
+        times, values = np.array(self._times, float), np.array(self._values, float)
+        return Series(self.expression, times, values, self._failed, self._error)
+
+
+def _is_instance(msg: Any, number: int) -> bool:
+    """Whether a message is of one instance; True for types without."""
+    fmt = getattr(msg, "fmt", None)
+    name = fmt.instance_field if fmt is not None else getattr(msg, "_instance_field", None)
+    return name is None or getattr(msg, name, number) == number

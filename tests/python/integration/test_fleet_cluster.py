@@ -1,0 +1,119 @@
+"""A cluster of two processes, one of which dies in the middle of its work."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import mavwire
+import pytest
+from mavwire import cli, traffic
+from mavwire.fleet import to_parquet
+
+# Dask's own threads end when they like.
+pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0",
+        local_directory=str(tmp_path_factory.mktemp("dask")), silence_logs=50,
+    ) as made:  # fmt: skip
+        yield made
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    folder = tmp_path_factory.mktemp("logs")
+    paths = [folder / f"flight{n}.tlog" for n in range(6)]
+    for n, path in enumerate(paths):
+        traffic.generate(path, 300, seed=n)
+    return paths
+
+
+def expected(paths: list[Path]) -> dict[str, int]:
+    """The files there have to be, and their rows."""
+    return {
+        f"{name}/{path.stem}.parquet": len(table)
+        for path in paths
+        for name, table in mavwire.read(path).items()
+    }
+
+
+def written(out: Path) -> dict[str, int]:
+    """All files of a folder with their rows, but the manifest."""
+    parquet = pytest.importorskip("pyarrow.parquet")
+    files = {p for p in out.rglob("*") if p.is_file() and p.name != "manifest.json"}
+    return {str(p.relative_to(out)): parquet.read_table(p).num_rows for p in files}
+
+
+def kill_once(flag: str, path: str) -> None:
+    """Have the first worker that has published half of a log's files end itself."""
+    import os
+    import signal
+
+    from mavwire.fleet import tasks
+
+    original = tasks.publish
+
+    def publish(folder: str, made: Any, recipe: Any) -> None:
+        if made.path.endswith(path):
+            half = dict(list(made.files.items())[: len(made.files) // 2])
+            try:
+                os.close(os.open(flag, os.O_CREAT | os.O_EXCL))
+            except FileExistsError:
+                pass
+            else:
+                whole, made.files = made.files, half
+                original(folder, made, recipe)
+                made.files = whole
+                os.kill(os.getpid(), signal.SIGKILL)
+        original(folder, made, recipe)
+
+    tasks.publish = publish
+
+
+def on_each_worker(client: Any, flag: Path, name: str) -> None:
+    """Run `kill_once` there; as text, since workers do not know the modules of the tests."""
+    import inspect
+
+    source = "from __future__ import annotations\nfrom typing import Any\n" + inspect.getsource(
+        kill_once
+    )
+    client.run(lambda: exec(f"{source}\nkill_once({str(flag)!r}, {name!r})", {}))
+
+
+def test_a_worker_that_is_killed_loses_nothing_and_doubles_nothing(tmp_path, cluster, logs):
+    distributed = pytest.importorskip("distributed")
+    flag, out, wrong = tmp_path / "killed", tmp_path / "out", tmp_path / "wrong.tlog"
+    wrong.write_bytes(b"no log" * 100)
+    with distributed.Client(cluster, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=120)
+        on_each_worker(client, flag, "flight3.tlog")
+        rows = to_parquet([*logs, wrong, tmp_path / "none.tlog"], out, client)
+    assert flag.exists(), "no worker was killed"
+    assert [row.error is None for row in rows] == [True] * 6 + [False] * 2
+    assert [row.rows for row in rows] == [300] * 6 + [0] * 2
+    assert written(out) == expected(logs)
+    assert not list(out.glob(".staging-*")), "nothing is left of the worker that was killed"
+    assert {name: n for row in rows for name, n in row.files.items()} == expected(logs)
+
+
+def test_the_command_uses_the_cluster_of_an_address(tmp_path, logs, capsys, cluster):
+    out = tmp_path / "out"
+    address = cluster.scheduler_address
+    argv = ["convert", *map(str, logs), "-o", str(out), "--scheduler", address]
+    assert cli.main(argv) == 0
+    assert capsys.readouterr().out.count(": converted, 300 rows in ") == 6
+    assert written(out) == expected(logs)
+
+
+def test_the_command_starts_processes_of_its_own(tmp_path, logs, capsys):
+    pytest.importorskip("distributed")
+    out = tmp_path / "out"
+    pattern = str(logs[0].parent / "*.tlog")
+    assert cli.main(["convert", pattern, "-o", str(out), "--workers", "1", "--quiet"]) == 0
+    assert capsys.readouterr().out == ""
+    assert written(out) == expected(logs)

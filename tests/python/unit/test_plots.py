@@ -1,0 +1,336 @@
+"""Plots show what the messages say, and what a log holds never becomes markup or code."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+from mavwire import cli, mavutil, plots, traffic
+from mavwire.dialects.v20 import all as mavlink
+from mavwire.expression import ExpressionError
+from mavwire.plots.expressions import parse
+from mavwire.plots.modes import Span, colours_of, spans
+from mavwire.plots.pages import extremes
+from mavwire.plots.series import read_series
+from unit.link_tools import T0, heartbeat, pack, record
+
+HOSTILE = "</script><script>alert(1)</script><!-- $x^ \u2028\x00\ud800&\"'"
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("logs") / "flight.tlog"
+    traffic.generate(path, 6_000, systems=2)
+    return path
+
+
+def attitudes(path: Path, count: int = 20, custom_modes: tuple[int, ...] = (0, 3)) -> None:
+    """A log in which the roll rises, with changes of mode in even spaces."""
+    out = b""
+    for n in range(count):
+        mode = custom_modes[n * len(custom_modes) // count]
+        beat = mavlink.MAVLink_heartbeat_message(2, 3, 81, mode, 4, 3)
+        attitude = mavlink.MAVLink_attitude_message(n, n / 10, -n / 10, 0, 0, 0, 0)
+        out += record(pack(beat), T0 + n * 1_000_000)
+        out += record(pack(attitude), T0 + n * 1_000_000 + 500_000)
+    path.write_bytes(out)
+
+
+class Page(HTMLParser):
+    """The elements of a page, the texts of its scripts, and everything that leads elsewhere."""
+
+    def __init__(self, content: bytes) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.scripts: list[str] = []
+        self.links: list[str] = []
+        self.feed(content.decode())
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.links += [value or "" for name, value in attrs if name in ("src", "href")]
+
+    def handle_data(self, data: str) -> None:
+        if self.tags[-1:] == ["script"]:
+            self.scripts.append(data)
+
+    def data(self) -> Any:
+        """What the page draws."""
+        return json.loads(self.scripts[0])
+
+
+def numbers(text: str) -> Any:
+    return np.frombuffer(base64.b64decode(text), "<f8")
+
+
+# -- expressions
+
+
+@pytest.mark.parametrize(
+    ("text", "types", "plain", "right"),
+    [
+        ("ATTITUDE.roll", {"ATTITUDE"}, True, False),
+        ("degrees(ATTITUDE.pitch):2", {"ATTITUDE"}, True, True),
+        ("-ATTITUDE.roll*2+1:1", {"ATTITUDE"}, True, False),
+        ("BATTERY_STATUS.voltages[0]/1000", {"BATTERY_STATUS"}, True, False),
+        ("BATTERY_STATUS[0].current_battery", {"BATTERY_STATUS"}, False, False),
+        ("ATTITUDE.roll%2", {"ATTITUDE"}, False, False),
+        ("ATTITUDE.roll-VFR_HUD.alt", {"ATTITUDE", "VFR_HUD"}, False, False),
+        ("ATTITUDE.roll{VFR_HUD.alt>3}", {"ATTITUDE", "VFR_HUD"}, False, False),
+        ("mag_field(RAW_IMU)", {"RAW_IMU"}, False, False),
+        ("sum([v for v in BATTERY_STATUS.voltages])", {"BATTERY_STATUS"}, False, False),
+    ],
+)
+def test_what_an_expression_is(text, types, plain, right):
+    found = parse(text)
+    assert (found.types, found.plain, found.right) == (types, plain, right)
+
+
+@pytest.mark.parametrize("text", ["", ":2", "ATTITUDE.roll+", "1+1", "MAV.flightmode", "a{b"])
+def test_what_is_no_expression_is_named(text):
+    with pytest.raises(ValueError):
+        parse(text)
+
+
+@pytest.mark.parametrize("text", ["__import__('os')", "ATTITUDE.__class__", "open('x')"])
+def test_expressions_reach_nothing_but_messages(flight, tmp_path, text):
+    with pytest.raises((ExpressionError, ValueError)):
+        plots.plot(flight, f"{text}", tmp_path / "x.html")
+    assert not (tmp_path / "x.html").exists()
+
+
+EXPRESSIONS = [
+    "ATTITUDE.roll",
+    "degrees(ATTITUDE.pitch)",
+    "-VFR_HUD.alt*2+1",
+    "atan2(ATTITUDE.roll, ATTITUDE.pitch)",
+    "BATTERY_STATUS.voltages[0]/1000",
+    "GPS_RAW_INT.lat*1e-7",
+    "SYSTEM_TIME.time_unix_usec",
+    "sqrt(abs(ATTITUDE.roll))",
+    "HEARTBEAT.custom_mode",
+    "RAW_IMU.xacc/RAW_IMU.yacc",
+    "MISSION_CURRENT.seq",
+]
+
+
+@pytest.mark.parametrize("text", EXPRESSIONS)
+def test_columns_give_what_messages_give(flight, text):
+    (fast,) = read_series(str(flight), [parse(text)]).series
+    assert fast.expression.plain
+    # A condition that always holds is asked of messages.
+    (slow,) = read_series(str(flight), [parse(text)], condition="1").series
+    assert len(fast.times) > 10
+    np.testing.assert_array_equal(fast.times, slow.times)
+    np.testing.assert_allclose(fast.values, slow.values, rtol=1e-13)
+
+
+def test_each_message_of_the_vehicle_is_a_point(flight):
+    link = mavutil.mavlink_connection(str(flight))
+    expected = []
+    while (msg := link.recv_match(type=["ATTITUDE"])) is not None:
+        if msg.get_srcSystem() == 2:
+            expected.append((msg._timestamp, msg.roll))
+    link.close()
+    (series,) = read_series(str(flight), [parse("ATTITUDE.roll")], system=2).series
+    assert list(zip(series.times.tolist(), series.values.tolist(), strict=True)) == expected
+
+
+def test_values_that_are_none_are_left_out_and_told_of(tmp_path):
+    path = tmp_path / "a.tlog"
+    attitudes(path)
+    done = plots.plot(path, ["sqrt(ATTITUDE.pitch)", "log(ATTITUDE.roll)"], tmp_path / "a.html")
+    assert done.points == 20, "the root of -0, and 19 logarithms"
+    (note,) = done.notes
+    assert note.startswith(f"{path}: log(ATTITUDE.roll): 1 left out: ValueError: ")
+    done = plots.plot(path, ["ATTITUDE.roll", "WIND.speed"], tmp_path / "a.html")
+    assert done.notes == [f"{path}: WIND.speed: there are no values"]
+    with pytest.raises(ValueError, match="there are no values"):
+        plots.plot(path, "WIND.speed", tmp_path / "b.html")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("ATTITUDE.rol", "no field 'rol'"),
+        ("ATITUDE.roll", "did you mean 'ATTITUDE'"),
+        ("STATUSTEXT.text", "texts"),
+        ("BATTERY_STATUS.voltages", "name an element"),
+        ("BATTERY_STATUS.voltages[10]", "no such element"),
+        ("ATTITUDE.roll[0]", "no such element"),
+        ("sin(ATTITUDE.roll,ATTITUDE.roll,ATTITUDE.roll,ATTITUDE.roll)", "other arguments"),
+    ],
+)
+def test_fields_that_are_not_there_are_named(flight, tmp_path, text, said):
+    with pytest.raises(ValueError, match=said.replace("[", r"\[")):
+        plots.plot(flight, text, tmp_path / "x.html")
+
+
+def test_a_log_without_times_is_named(tmp_path):
+    path = tmp_path / "stream.raw"
+    path.write_bytes(heartbeat() * 50)
+    with pytest.raises(ValueError, match="no times"):
+        plots.plot(path, "HEARTBEAT.type", tmp_path / "x.html")
+
+
+# -- modes
+
+
+def test_flight_modes(tmp_path):
+    path = tmp_path / "a.tlog"
+    attitudes(path, custom_modes=(0, 3, 3, 6))
+    (span, auto, rtl) = read_series(str(path), [parse("ATTITUDE.roll")]).modes
+    assert [one.mode for one in (span, auto, rtl)] == ["STABILIZE", "AUTO", "RTL"]
+    assert (span.start, span.end, auto.end) == (T0 / 1e6, T0 / 1e6 + 5, T0 / 1e6 + 15)
+    assert rtl.end == T0 / 1e6 + 19.5
+
+
+def test_modes_of_messages_are_those_of_columns(flight):
+    fast = read_series(str(flight), [parse("ATTITUDE.roll")]).modes
+    link = mavutil.mavlink_connection(str(flight))
+    changes = []
+    while (msg := link.recv_match(type=["HEARTBEAT"])) is not None:
+        if msg.get_srcSystem() == link.sysid:
+            changes.append((msg._timestamp, link.flightmode))
+    link.close()
+    assert [(s.mode, s.start) for s in fast] == [(s.mode, s.start) for s in spans(changes, None)]
+    assert colours_of(["A", "B", "A"]).keys() == {"A", "B"}
+
+
+def test_a_flood_of_modes_is_bounded():
+    changes = [(float(n), f"MODE{n}") for n in range(20_000)]
+    assert len(spans(changes, 30_000.0)) == 10_000
+    assert spans([], 1.0) == []
+    assert spans([(1.0, "UNKNOWN"), (2.0, "AUTO")], 3.0) == [Span("AUTO", 2.0, 3.0)]
+
+
+# -- pages
+
+
+def test_a_page_holds_the_values_and_loads_nothing(tmp_path):
+    log, out = tmp_path / "a.tlog", tmp_path / "a.html"
+    attitudes(log)
+    plots.plot(log, ["ATTITUDE.roll", "ATTITUDE.pitch:2"], out)
+    page = Page(out.read_bytes())
+    assert page.tags.count("script") == 2 and page.links == []
+    assert b"http" not in out.read_bytes().replace(b"http-equiv", b"")
+    data = page.data()
+    roll, pitch = data["lines"]
+    assert numbers(roll["x"]).tolist() == [float(n) for n in range(20)]
+    np.testing.assert_allclose(numbers(pitch["y"]), -np.arange(20) / 10, rtol=1e-6)
+    assert (roll["right"], pitch["right"], pitch["label"]) == (False, True, "ATTITUDE.pitch")
+    assert (data["zero"], data["absolute"]) == (T0 / 1e6 + 0.5, True)
+    assert [one["mode"] for one in data["modes"]] == ["STABILIZE", "AUTO"]
+
+
+def test_names_are_data_and_never_markup(tmp_path):
+    log, out = tmp_path / "<img src=x onerror=alert(1)>.tlog", tmp_path / "a.html"
+    attitudes(log)
+    plots.plot([log, log], "ATTITUDE.roll", out, labels=[HOSTILE], title=HOSTILE)
+    page = Page(out.read_bytes())
+    assert page.tags.count("script") == 2 and "img" not in page.tags and page.links == []
+    label = page.data()["lines"][0]["label"]
+    assert label == f"{log.name}: {HOSTILE}"
+
+
+def test_many_points_keep_their_extremes():
+    values = np.array([Random(1).random() for _ in range(10_007)])
+    values[5_000], values[7_001] = 9.0, -9.0
+    kept = extremes(values, 1_000)
+    assert len(kept) <= 1_000 and {0, 5_000, 7_001, 10_006} <= set(kept.tolist())
+    assert (np.diff(kept) > 0).all()
+    assert extremes(values, 20_000).tolist() == list(range(10_007))
+
+
+# -- images
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_images(tmp_path, suffix):
+    pytest.importorskip("matplotlib")
+    log, out = tmp_path / "a$b_$.tlog", tmp_path / f"a.{suffix}"
+    attitudes(log, custom_modes=(0, 3, 99))
+    plots.plot(log, ["ATTITUDE.roll", "ATTITUDE.pitch:2"], out, labels=["_$\\frac$ \x01", "\u6f22"])
+    content = out.read_bytes()
+    assert content.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix])
+    assert [one.name for one in tmp_path.iterdir() if one.suffix == ".part"] == []
+
+
+def test_an_image_shows_lines_axes_and_modes(tmp_path):
+    pytest.importorskip("matplotlib")
+    from matplotlib.figure import Figure
+    from mavwire.plots import images
+    from mavwire.plots.charts import Chart, Line
+
+    times = np.arange(10.0) + 1.6e9
+    modes = [Span("AUTO", 1.6e9, 1.6e9 + 5), Span("RTL", 1.6e9 + 5, 1.6e9 + 9)]
+    lines = [Line("a", False, times, times % 7), Line("b", True, times, times % 3)]
+    figure = Figure()
+    images._draw(figure, Chart("title", lines, modes, absolute=True))
+    left, right = figure.axes
+    assert [len(axes.lines) for axes in (left, right)] == [1, 1]
+    assert [text.get_text().strip() for text in left.texts] == ["AUTO", "RTL"]
+    assert [text.get_text() for text in right.get_legend().get_texts()] == ["a", "b (right)"]
+    figure.savefig(io.BytesIO())
+
+
+def test_times_that_no_calendar_has(tmp_path):
+    pytest.importorskip("matplotlib")
+    path = tmp_path / "far.tlog"
+    attitude = mavlink.MAVLink_attitude_message(0, 1, 2, 3, 0, 0, 0)
+    stamps = (2**60, 2**60 + 10**6, 2**61)
+    path.write_bytes(b"".join(record(pack(attitude), one) for one in stamps))
+    for suffix in ("png", "html"):
+        assert plots.plot(path, "ATTITUDE.roll", tmp_path / f"x.{suffix}").points == 3
+    assert Page((tmp_path / "x.html").read_bytes()).data()["absolute"] is False
+
+
+def test_several_logs_side_by_side(tmp_path):
+    logs = [tmp_path / "a.tlog", tmp_path / "b.tlog"]
+    for log in logs:
+        attitudes(log)
+    logs[1].write_bytes(logs[1].read_bytes().replace(b"\x00\x05\xaf", b"\x00\x05\xb0"))
+    plots.plot(logs, "ATTITUDE.roll", tmp_path / "x.html", relative=True)
+    data = Page((tmp_path / "x.html").read_bytes()).data()
+    assert [one["label"] for one in data["lines"]] == [f"{n}.tlog: ATTITUDE.roll" for n in "ab"]
+    assert {numbers(one["x"])[0] for one in data["lines"]} == {0.0}
+
+
+# -- the command
+
+
+def test_the_command(tmp_path, flight, capsys):
+    out = tmp_path / "x.html"
+    argv = ["plot", "ATTITUDE.roll", str(flight), "VFR_HUD.alt:2", "-o", str(out)]
+    assert cli.main(argv) == 0
+    assert capsys.readouterr().out.startswith(f"{out}: ")
+    assert len(Page(out.read_bytes()).data()["lines"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["{log}", "ATTITUDE.roll", "-o", "x.jpg"], "does not end in"),
+        (["{log}", "-o", "x.html"], "what of it?"),
+        (["ATTITUDE.roll", "-o", "x.html"], "there is no log"),
+        (["none.tlog", "ATTITUDE.roll", "-o", "x.html"], "none.tlog"),
+        (["{log}", "ATTITUDE.roll", "-o", "{log}"], "is a log that is read"),
+        (["{log}", "ATTITUDE.roll", "-o", "no/folder/x.html"], "no/folder"),
+        (["{log}", "ATTITUDE.roll", "--labels", "a,b", "-o", "x.html"], "labels"),
+        (["{log}", "ATTITUDE.roll", "--dialect", "nope", "-o", "x.html"], "nope"),
+        (["{log}", "ATTITUDE.roll", "--condition", "1+", "-o", "x.html"], "the condition '1+'"),
+    ],
+)
+def test_the_command_says_what_is_wrong(tmp_path, flight, capsys, monkeypatch, words, said):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["plot", *(word.format(log=flight) for word in words)]) == 1
+    error = capsys.readouterr().err
+    assert said in error and "Traceback" not in error
+    assert list(tmp_path.iterdir()) == []
