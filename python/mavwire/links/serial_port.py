@@ -20,6 +20,15 @@ RESET_INTERVAL = 1.0
 READ_SIZE = 4096
 
 
+def _check_baud(baud: Any, device: str) -> None:
+    """ValueError before a port is opened for nothing."""
+    try:
+        int(baud)
+    except ValueError:
+        reason = f"the baud rate {baud!r} of the serial port {device} is not a number"
+        raise ValueError(reason) from None
+
+
 class mavserial(ChunkedLink):
     """`device` is a port name, or `name,baud` where no such file exists."""
 
@@ -35,6 +44,7 @@ class mavserial(ChunkedLink):
     ) -> None:
         if "," in device and not os.path.exists(device):
             device, baud = device.rsplit(",", 1)  # type: ignore[assignment]
+            _check_baud(baud, device)
         self.baud = baud
         self.device = device
         self.autoreconnect = autoreconnect

@@ -56,7 +56,8 @@ class mavtcp(StreamLink):
         """One connection attempt: a connected, still blocking socket."""
         import socket
 
-        port = socket.create_connection(self.destination_addr, timeout=CONNECT_TIMEOUT)
+        host, number = self.destination_addr
+        port = socket.create_connection((host or "localhost", number), timeout=CONNECT_TIMEOUT)
         prepare_tcp(port)
         return port
 

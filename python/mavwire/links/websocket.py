@@ -249,7 +249,10 @@ class mavwebsocket_client(_WebSocketLink):
 
         port: Any
         try:
-            port = socket.create_connection(self.destination_addr, timeout=HANDSHAKE_TIMEOUT)
+            host, number = self.destination_addr
+            port = socket.create_connection(
+                (host or "localhost", number), timeout=HANDSHAKE_TIMEOUT
+            )
         except OSError as error:
             if error.errno in PEER_NOT_UP:
                 return False
