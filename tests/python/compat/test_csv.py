@@ -92,3 +92,9 @@ def test_what_the_reference_refuses_is_read() -> None:
     Path("bytes.csv").write_bytes(b"t;x\n1;\xff\n")
     assert r"CSV {t : 1.0, x : \xff, }" in transcript("mavwire", "csv:bytes.csv", {})
     assert transcript("mavwire", "csv:plain.csv:zero_time_base=1", {})[0] == "CSVReader"
+    Path("quote.csv").write_text(f't;x\n1;2\n2;"{"a" * 200_000}\n3;4\n')
+    assert "CSV {t : 1.0, x : 2.0, }" in transcript("mavwire", "csv:quote.csv", {})
+    Path("quote.csv").write_text('t;x\n1;"' + "a" * 200_000 + '"\n3;4\n')
+    assert "CSV {t : 3.0, x : 4.0, }" in transcript("mavwire", "csv:quote.csv", {})
+    Path("quote.csv").write_text("t" * 200_000)
+    assert transcript("mavwire", "csv:quote.csv", {})[0].startswith("ValueError no headings")
