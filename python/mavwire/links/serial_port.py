@@ -141,7 +141,9 @@ class mavserial(ChunkedLink):
         self.portdead = True
 
     def write(self, buf: bytes) -> Any:
-        """Send one frame; -1 when the port is dead, which is printed once."""
+        """Send one frame; -1 when the port is dead, which is printed once, or closed."""
+        if self._closed:
+            return -1
         try:
             return self.port.write(bytes(buf))
         except Exception:  # whatever the driver raises, the port is unusable

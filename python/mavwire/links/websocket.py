@@ -206,9 +206,11 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
         return self._receive()
 
     def write(self, buf: bytes) -> None:
-        """Send one frame to the client, if there is one."""
+        """Send one frame to the client; without one it is dropped and counted."""
         if self._established():
             self._write_message(buf)
+        else:
+            self._writer.dropped_frames += 1
 
 
 def split_device(device: str) -> tuple[str, str, str]:
@@ -313,6 +315,8 @@ class mavwebsocket_client(_WebSocketLink):
         return early or self._receive()
 
     def write(self, data: bytes) -> None:
-        """Send one frame, if the server is there."""
+        """Send one frame; while the server is not there it is dropped and counted."""
         if self._established() or (self.port is None and not self._closed and self.connect()):
             self._write_message(data)
+        else:
+            self._writer.dropped_frames += 1

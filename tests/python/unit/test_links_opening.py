@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 
 import pytest
@@ -57,3 +58,22 @@ def test_a_client_without_a_host_connects_to_this_machine() -> None:
             peer.send(heartbeat())
             assert link.recv_match(blocking=True, timeout=WAIT).get_type() == "HEARTBEAT"
             peer.close()
+
+
+def test_sending_on_closed_and_unconnected_links(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("serial")
+    ends = os.openpty()
+    with mavutil.mavlink_connection(os.ttyname(ends[1])) as link:
+        pass
+    assert link.write(heartbeat()) == -1
+    assert capsys.readouterr().out == ""
+    for end in ends:
+        os.close(end)
+    pytest.importorskip("wsproto")
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+    for device in ("wsserver:127.0.0.1:0", f"ws:127.0.0.1:{port}"):
+        with mavutil.mavlink_connection(device) as link:
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert link.frames_dropped == 2
