@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 from .chunked import READ_SIZE
+from .names import connect_to
 from .stream import StreamLink, StreamWriter
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
@@ -54,10 +55,8 @@ class mavtcp(StreamLink):
 
     def _connect(self) -> Any:
         """One connection attempt: a connected, still blocking socket."""
-        import socket
-
         host, number = self.destination_addr
-        port = socket.create_connection((host or "localhost", number), timeout=CONNECT_TIMEOUT)
+        port = connect_to(host, number, CONNECT_TIMEOUT)
         prepare_tcp(port)
         return port
 

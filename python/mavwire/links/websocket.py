@@ -8,6 +8,7 @@ from __future__ import annotations
 import errno
 
 from .chunked import READ_SIZE
+from .names import connect_to
 from .one_client import OneClientLink, listen_on
 from .stream import StreamLink, StreamWriter
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port, wait_readable
@@ -247,14 +248,9 @@ class mavwebsocket_client(_WebSocketLink):
 
     def connect(self) -> bool:
         """Connect and shake hands, blocking; whether the server was there to be connected to."""
-        import socket
-
         port: Any
         try:
-            host, number = self.destination_addr
-            port = socket.create_connection(
-                (host or "localhost", number), timeout=HANDSHAKE_TIMEOUT
-            )
+            port = connect_to(*self.destination_addr, HANDSHAKE_TIMEOUT)
         except OSError as error:
             if error.errno in PEER_NOT_UP:
                 return False
