@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import os
-import signal
+import queue
 import socket
 import subprocess
 import sys
@@ -19,6 +19,8 @@ PAUSE = 0.0002
 # A stream is over when nothing came for so long.
 SILENCE = 1.5
 PACKET = 36
+# How often each of many links gets a datagram.
+ROUNDS = 20
 
 
 def frames(package: str) -> list[bytes]:
@@ -148,6 +150,49 @@ def idle(package: str, links: str) -> dict[str, Any]:
     return {"share": (time.process_time() - cpu) / (time.perf_counter() - began)}
 
 
+def responsive(package: str, links: str) -> dict[str, Any]:
+    """Seconds from a datagram to its message in hand, the usual and the longest, while many links wait
+    in one process, each in a thread or a task of its own. The datagrams go to one after another.
+    """
+    waiting = [connect(package, "udpin") for _ in range(int(links))]
+    arrived: queue.SimpleQueue[float] = queue.SimpleQueue()
+    receive_all = receive_in_tasks if package.endswith(".aio") else receive_in_threads
+    receive_all(package, [link for link, _ in waiting], arrived)
+    time.sleep(0.5)
+    frame, took = frames(package)[0], []
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        for n in range(ROUNDS * len(waiting)):
+            time.sleep(PAUSE)
+            sent = time.perf_counter()
+            sock.sendto(frame, ("127.0.0.1", waiting[n % len(waiting)][1]))
+            took.append(arrived.get(timeout=20) - sent)
+    return {"median": sorted(took)[len(took) // 2], "longest": max(took)}
+
+
+def receive_in_threads(package: str, links: list[Any], arrived: queue.SimpleQueue[float]) -> None:
+    def receive(link: Any) -> None:
+        while link.recv_match(blocking=True) is not None:
+            arrived.put(time.perf_counter())
+
+    for link in links:
+        threading.Thread(target=receive, args=[link], daemon=True).start()
+
+
+def receive_in_tasks(package: str, links: list[Any], arrived: queue.SimpleQueue[float]) -> None:
+    import asyncio
+
+    aio = importlib.import_module(package)
+
+    async def receive(link: Any) -> None:
+        async for _ in aio.Link(link):
+            arrived.put(time.perf_counter())
+
+    async def main() -> None:
+        await asyncio.gather(*map(receive, links))
+
+    threading.Thread(target=lambda: asyncio.run(main()), daemon=True).start()
+
+
 def idle_aio(package: str, links: str) -> dict[str, Any]:
     import asyncio
 
@@ -165,26 +210,6 @@ def idle_aio(package: str, links: str) -> dict[str, Any]:
         return share
 
     return {"share": asyncio.run(main())}
-
-
-def interrupt(package: str) -> dict[str, Any]:
-    """The longest of ten times from a signal to the end of a blocking receive."""
-    link, _ = connect(package, "udpin")
-    longest = 0.0
-    for n in range(10):
-        sent = [0.0]
-
-        def interrupt_soon(when: float, sent: list[float] = sent) -> None:
-            time.sleep(when)
-            sent[0] = time.perf_counter()
-            os.kill(os.getpid(), signal.SIGINT)
-
-        threading.Thread(target=interrupt_soon, args=[0.2 + 0.013 * n]).start()
-        try:
-            link.recv_match(blocking=True)
-        except KeyboardInterrupt:
-            longest = max(longest, time.perf_counter() - sent[0])
-    return {"seconds": longest}
 
 
 def main(what: str, *arguments: str) -> None:

@@ -109,7 +109,10 @@ class CSVReader:
         self.messages: dict[str, Any] = {"MAV": self}
         self.f.seek(0)
         self.reader: Iterator[list[str]] = csv.reader(self.f, delimiter=self.separator)
-        headings = next(self.reader, None)
+        try:
+            headings = next(self.reader, None)
+        except csv.Error as error:
+            raise ValueError(f"no headings in {self.filename!r}: {error}") from None
         if headings is None:
             raise ValueError(f"no headings in {self.filename!r}")
         self.fmt = CSVFormat(headings, self.messages, self.timestamp_expression)
@@ -131,7 +134,7 @@ class CSVReader:
     def count_lines(self) -> int:
         """Count the rows, which rewinds."""
         self._rewind()
-        count = sum(1 for _ in self.reader)
+        count = sum(1 for _ in self._rows())
         self._rewind()
         return count
 
@@ -141,8 +144,18 @@ class CSVReader:
             self.linecount = self.count_lines()
         return self.linecount
 
+    def _rows(self) -> Iterator[list[str]]:
+        """What is left, without what no row can be made of: a quote that nothing closes."""
+        while True:
+            try:
+                yield next(self.reader)
+            except StopIteration:
+                return
+            except csv.Error:
+                continue
+
     def _parse_next(self) -> CSVMessage | None:
-        row = next((row for row in self.reader if row), None)
+        row = next((row for row in self._rows() if row), None)
         return None if row is None else CSVMessage(self.message_type, self.fmt, row)
 
     def _add_msg(self, m: CSVMessage) -> None:

@@ -192,7 +192,17 @@ def _serial(device: str, o: Options) -> Any:
 
 
 def connect(device: str, options: Options) -> Any:
-    """The link that `device` names. Errors name the device and what it lacks."""
+    """The link that `device`, a string or a path, names. Errors name it and say what it lacks."""
+    device = os.fsdecode(device)
+    try:
+        return _connect(device, options)
+    except OSError as error:
+        # Beside the text, which programs compare with that of the operating system.
+        error.add_note(f"while opening {device!r}")
+        raise
+
+
+def _connect(device: str, options: Options) -> Any:
     for prefix, open_link in PREFIXES.items():
         if device.startswith(prefix):
             return open_link(device[len(prefix) :], options)

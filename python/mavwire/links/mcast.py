@@ -27,7 +27,24 @@ def group_and_port(device: str) -> tuple[str, int]:
     if ":" not in device:
         device = f"{DEFAULT_GROUP}:{device}"
     group, port = split_host_port(device, "mcast")
-    return group or DEFAULT_GROUP, port
+    if not group:
+        return DEFAULT_GROUP, port
+    return _checked(group), port
+
+
+def _checked(group: str) -> str:
+    """`group`; ValueError if it is no multicast address."""
+    import ipaddress
+
+    try:
+        is_group = ipaddress.ip_address(group).is_multicast
+    except ValueError:
+        is_group = False
+    if not is_group:
+        raise ValueError(
+            f"mcast: {group!r} is no multicast address, 224.0.0.0 to 239.255.255.255 or ff00::/8"
+        )
+    return group
 
 
 class mavmcast(ChunkedLink):

@@ -20,6 +20,15 @@ RESET_INTERVAL = 1.0
 READ_SIZE = 4096
 
 
+def _check_baud(baud: Any, device: str) -> None:
+    """ValueError before a port is opened for nothing."""
+    try:
+        int(baud)
+    except ValueError:
+        reason = f"the baud rate {baud!r} of the serial port {device} is not a number"
+        raise ValueError(reason) from None
+
+
 class mavserial(ChunkedLink):
     """`device` is a port name, or `name,baud` where no such file exists."""
 
@@ -35,6 +44,7 @@ class mavserial(ChunkedLink):
     ) -> None:
         if "," in device and not os.path.exists(device):
             device, baud = device.rsplit(",", 1)  # type: ignore[assignment]
+            _check_baud(baud, device)
         self.baud = baud
         self.device = device
         self.autoreconnect = autoreconnect
@@ -131,7 +141,9 @@ class mavserial(ChunkedLink):
         self.portdead = True
 
     def write(self, buf: bytes) -> Any:
-        """Send one frame; -1 when the port is dead, which is printed once."""
+        """Send one frame; -1 when the port is dead, which is printed once, or closed."""
+        if self._closed:
+            return -1
         try:
             return self.port.write(bytes(buf))
         except Exception:  # whatever the driver raises, the port is unusable

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 from .chunked import READ_SIZE
+from .names import connect_to
 from .stream import StreamLink, StreamWriter
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
@@ -54,9 +55,8 @@ class mavtcp(StreamLink):
 
     def _connect(self) -> Any:
         """One connection attempt: a connected, still blocking socket."""
-        import socket
-
-        port = socket.create_connection(self.destination_addr, timeout=CONNECT_TIMEOUT)
+        host, number = self.destination_addr
+        port = connect_to(host, number, CONNECT_TIMEOUT)
         prepare_tcp(port)
         return port
 

@@ -10,6 +10,7 @@ import errno
 import time
 
 from .chunked import ChunkedLink
+from .names import look_up
 from .waiting import (
     address_family,
     ask_for_room,
@@ -202,7 +203,7 @@ class mavudp(ChunkedLink):
 
         host, number = self.destination_addr
         try:
-            found = socket.getaddrinfo(host, number, self.port.family, socket.SOCK_DGRAM)
+            found = look_up(host, number, self.port.family, socket.SOCK_DGRAM)
         except (OSError, UnicodeError, OverflowError):
             return None
         return found[0][4]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from .recognise import is_serial_name
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
@@ -93,8 +95,13 @@ def split_host_port(device: str, kind: str) -> tuple[str, int]:
     """`host:port` or `[v6 address]:port` as a pair; ValueError names `kind` of link otherwise."""
     host, separator, port = device.rpartition(":")
     bracketed = host.startswith("[") and host.endswith("]")
-    if not separator or (":" in host and not bracketed):
+    if not separator:
         raise ValueError(f"{kind} ports must be specified as host:port")
+    if (":" in host and not bracketed) or host.startswith("/") or is_serial_name(host):
+        raise ValueError(
+            f"{kind} ports must be specified as host:port, which {device!r} is not; "
+            "an IPv6 address stands in brackets, the baud rate of a serial port behind a comma"
+        )
     try:
         number = int(port)
     except ValueError:

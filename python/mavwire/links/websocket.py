@@ -8,6 +8,7 @@ from __future__ import annotations
 import errno
 
 from .chunked import READ_SIZE
+from .names import connect_to
 from .one_client import OneClientLink, listen_on
 from .stream import StreamLink, StreamWriter
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port, wait_readable
@@ -206,9 +207,11 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
         return self._receive()
 
     def write(self, buf: bytes) -> None:
-        """Send one frame to the client, if there is one."""
+        """Send one frame to the client; without one it is dropped and counted."""
         if self._established():
             self._write_message(buf)
+        else:
+            self._writer.dropped_frames += 1
 
 
 def split_device(device: str) -> tuple[str, str, str]:
@@ -245,11 +248,9 @@ class mavwebsocket_client(_WebSocketLink):
 
     def connect(self) -> bool:
         """Connect and shake hands, blocking; whether the server was there to be connected to."""
-        import socket
-
         port: Any
         try:
-            port = socket.create_connection(self.destination_addr, timeout=HANDSHAKE_TIMEOUT)
+            port = connect_to(*self.destination_addr, HANDSHAKE_TIMEOUT)
         except OSError as error:
             if error.errno in PEER_NOT_UP:
                 return False
@@ -310,6 +311,8 @@ class mavwebsocket_client(_WebSocketLink):
         return early or self._receive()
 
     def write(self, data: bytes) -> None:
-        """Send one frame, if the server is there."""
+        """Send one frame; while the server is not there it is dropped and counted."""
         if self._established() or (self.port is None and not self._closed and self.connect()):
             self._write_message(data)
+        else:
+            self._writer.dropped_frames += 1

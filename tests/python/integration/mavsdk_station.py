@@ -1,6 +1,8 @@
 """A ground station made of MAVSDK: flies a PX4-like vehicle and prints what it saw as JSON.
 
-python mavsdk_station.py udpin://127.0.0.1:PORT
+python mavsdk_station.py udpin://127.0.0.1:PORT [visit]
+
+`visit`: it only waits for a position and for parameters.
 """
 
 from __future__ import annotations
@@ -141,12 +143,19 @@ async def fly(system: Any) -> dict[str, Any]:
     return found
 
 
+async def visit(system: Any) -> dict[str, Any]:
+    found: dict[str, Any] = {"health": await health(TelemetryAsync(system))}
+    found["params"] = await parameters(ParamAsync(system))
+    return found
+
+
 async def main() -> None:
+    task = visit if sys.argv[2:] == ["visit"] else fly
     configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
     async with Mavsdk(configuration) as mavsdk:
         await mavsdk.add_any_connection(sys.argv[1])
         system = await mavsdk.first_autopilot(WAIT)
-        print(json.dumps(await asyncio.wait_for(fly(system), 2 * WAIT)))
+        print(json.dumps(await asyncio.wait_for(task(system), 2 * WAIT)))
 
 
 if __name__ == "__main__":

@@ -5,12 +5,14 @@ mavsdk_server.
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from integration.relays import null_modem
 from integration.station_tools import needs, report
 from mavwire.sim import Vehicle, serve
 from unit.link_tools import free_port
@@ -44,6 +46,32 @@ def test_mavsdk_flies_the_px4_like_vehicle() -> None:
     assert found["mission"]["progress"] == sorted(found["mission"]["progress"])
     assert found["offboard"] == pytest.approx([5, -5, -8], abs=0.6)
     assert found["landed"] and vehicle.landed
+
+
+def ends(kind: str) -> tuple[str, str]:
+    """Where the vehicle is, and what MAVSDK calls it."""
+    if kind == "tcp":
+        port = free_port()
+        return f"tcpin:127.0.0.1:{port}", f"tcpout://127.0.0.1:{port}"
+    port = free_port(socket.SOCK_DGRAM)
+    return f"udpin:127.0.0.1:{port}", f"udpout://127.0.0.1:{port}"
+
+
+@needs("mavsdk")
+@pytest.mark.parametrize("kind", ["udp", "tcp", "serial"])
+def test_mavsdk_visits_over_other_transports(kind: str) -> None:
+    vehicle = Vehicle("px4")
+    with contextlib.ExitStack() as stack:
+        if kind == "serial":
+            pytest.importorskip("serial")
+            here, there = stack.enter_context(null_modem())
+            device, connection = f"{here},57600", f"serial://{there}:57600"
+        else:
+            device, connection = ends(kind)
+        stack.enter_context(serve(device, vehicle, speed=4))
+        found = report([sys.executable, str(FOLDER / "mavsdk_station.py"), connection, "visit"])
+    assert found["params"]["count"] == len(vehicle.params)
+    assert vehicle.params["COM_FLTMODE1"] == -5
 
 
 @needs("mavsdk_grpc", "grpc", "google")

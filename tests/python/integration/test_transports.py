@@ -9,13 +9,13 @@ import select
 import socket
 import subprocess
 import sys
-import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from integration.relays import null_modem, tls_server, unix_server
 from mavwire import mavutil
-from unit.link_tools import free_port
+from unit.link_tools import free_port, make_certificate
 
 HERE = Path(__file__).parent
 WAIT = 60.0
@@ -56,52 +56,28 @@ def peer(
 
 
 @contextlib.contextmanager
-def null_modem() -> Iterator[tuple[str, str]]:
-    """Two serial ports that are connected to each other."""
-    import tty
-
-    ends = [os.openpty() for _ in range(2)]
-    for end in ends:
-        for fd in end:
-            tty.setraw(fd)
-    stop_here, stop_there = os.pipe()
-    across = {ends[0][0]: ends[1][0], ends[1][0]: ends[0][0]}
-
-    def pump() -> None:
-        while True:
-            readable, _, _ = select.select([*across, stop_here], [], [])
-            if stop_here in readable:
-                return
-            for fd in readable:
-                os.write(across[fd], os.read(fd, 4096))
-
-    pumping = threading.Thread(target=pump)
-    pumping.start()
-    try:
-        yield os.ttyname(ends[0][1]), os.ttyname(ends[1][1])
-    finally:
-        os.close(stop_there)
-        pumping.join()
-        for fd in (*ends[0], *ends[1], stop_here):
-            os.close(fd)
-
-
-@contextlib.contextmanager
-def ends_of(kind: str) -> Iterator[tuple[str, str]]:
+def ends_of(kind: str, certificate: Path | None, folder: Path) -> Iterator[tuple[str, str]]:
     """The device strings of the end that listens and of the one that connects."""
+    datagram = kind in ("udp", "udpbcast", "mcast")
+    port = free_port(socket.SOCK_DGRAM if datagram else socket.SOCK_STREAM)
     if kind == "serial":
         with null_modem() as devices:
             yield devices
-        return
-    datagram = kind in ("udp", "udpbcast", "udp6", "mcast")
-    port = free_port(socket.SOCK_DGRAM if datagram else socket.SOCK_STREAM)
-    yield {
-        "udp": (f"udpin:127.0.0.1:{port}", f"udpout:127.0.0.1:{port}"),
-        "udpbcast": (f"udpin:127.0.0.1:{port}", f"udpbcast:127.0.0.1:{port}"),
-        "tcp": (f"tcpin:127.0.0.1:{port}", f"tcp:127.0.0.1:{port}"),
-        "ws": (f"wsserver:127.0.0.1:{port}", f"ws:127.0.0.1:{port}"),
-        "mcast": (f"mcast:{port}", f"mcast:{port}"),
-    }[kind]
+    elif kind == "uds":
+        with unix_server(folder / "socket"):
+            yield f"uds:{folder}/socket", f"unix:{folder}/socket"
+    elif kind == "wss":
+        assert certificate is not None
+        with tls_server(certificate, port) as encrypted:
+            yield f"wsserver:127.0.0.1:{port}", f"wss:localhost:{encrypted}"
+    else:
+        yield {
+            "udp": (f"udpin:127.0.0.1:{port}", f"udpout:127.0.0.1:{port}"),
+            "udpbcast": (f"udpin:127.0.0.1:{port}", f"udpbcast:127.0.0.1:{port}"),
+            "tcp": (f"tcpin:127.0.0.1:{port}", f"tcp:127.0.0.1:{port}"),
+            "ws": (f"wsserver:127.0.0.1:{port}", f"ws:127.0.0.1:{port}"),
+            "mcast": (f"mcast:{port}", f"mcast:{port}"),
+        }[kind]
 
 
 def converse(link, signed: bool) -> None:
@@ -123,12 +99,16 @@ def converse(link, signed: bool) -> None:
 
 @pytest.mark.parametrize("signed", [False, True], ids=["unsigned", "signed"])
 @pytest.mark.parametrize("listens", [True, False], ids=["listening", "connecting"])
-@pytest.mark.parametrize("kind", ["udp", "udpbcast", "tcp", "mcast", "ws", "serial"])
-def test_a_conversation(kind: str, listens: bool, signed: bool, oracle: str) -> None:
-    needed = {"ws": "wsproto", "serial": "serial"}.get(kind)
+@pytest.mark.parametrize("kind", ["udp", "udpbcast", "tcp", "uds", "mcast", "ws", "wss", "serial"])
+def test_a_conversation(
+    kind: str, listens: bool, signed: bool, oracle: str,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    needed = {"ws": "wsproto", "wss": "wsproto", "serial": "serial"}.get(kind)
     if needed is not None and importlib.util.find_spec(needed) is None:
         pytest.skip(f"{needed} is not installed: pip install -r requirements/test.txt")
-    with ends_of(kind) as (listening, connecting):
+    certificate = make_certificate(tmp_path, monkeypatch) if kind == "wss" else None
+    with ends_of(kind, certificate, tmp_path) as (listening, connecting):
         if listens:
             with (
                 mavutil.mavlink_connection(listening) as link,

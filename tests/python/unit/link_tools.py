@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import os
 import random
+import shutil
 import socket
 import struct
+import subprocess
+from pathlib import Path
 from typing import Any
 
+import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
 
@@ -99,3 +103,18 @@ def free_port(kind: int = socket.SOCK_STREAM) -> int:
                 continue
             return PORTS[_next_port]
     raise OSError("no port is free")
+
+
+def make_certificate(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A certificate for localhost with its key in one file, which clients trust. Skips without openssl."""
+    if shutil.which("openssl") is None:
+        pytest.skip("needs openssl to make a certificate")
+    path, made = folder / "certificate.pem", folder / "made.pem"
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost",
+         "-addext", "subjectAltName=DNS:localhost", "-keyout", path, "-out", made],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    path.write_bytes(path.read_bytes() + made.read_bytes())
+    monkeypatch.setenv("SSL_CERT_FILE", str(path))
+    return path

@@ -53,6 +53,7 @@ def test_junk_between_records(tmp_path: Path) -> None:
 
 
 def test_any_mutation_is_read_to_its_end(tmp_path: Path) -> None:
+    """R67."""
     rng = random.Random(2)
     whole = bytes(sample().data)
     for _ in range(150):

@@ -103,6 +103,7 @@ OUT_OF_REACH = [
 
 @pytest.mark.parametrize("text", OUT_OF_REACH)
 def test_refused(text: str) -> None:
+    """R69."""
     with pytest.raises(ExpressionError, match=r"^expression refused") as raised:
         evaluate_expression(text, MESSAGES)
     assert raised.value.reason
@@ -126,6 +127,7 @@ def test_error_says_what_and_where() -> None:
 
 
 def test_nothing_that_an_expression_knows_is_a_module() -> None:
+    """R69."""
     for name, value in known_names().items():
         assert not isinstance(value, types.ModuleType), name
         assert not name.startswith("_"), name

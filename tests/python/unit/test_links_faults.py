@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import errno
 import os
-import shutil
 import signal
 import socket
 import ssl
-import subprocess
 import threading
 import time
 
 import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
-from unit.link_tools import Capture, heartbeat
+from unit.link_tools import Capture, heartbeat, make_certificate
 from watchdog import watched
 
 WAIT = 60
@@ -226,24 +224,9 @@ def test_a_closed_websocket_link_stays_closed():
             server.accept()
 
 
-@pytest.fixture
-def certificate(tmp_path, monkeypatch):
-    """A certificate for localhost with its key in one file, which clients trust."""
-    if shutil.which("openssl") is None:
-        pytest.skip("needs openssl to make a certificate")
-    path = tmp_path / "certificate.pem"
-    subprocess.run(
-        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost",
-         "-addext", "subjectAltName=DNS:localhost", "-keyout", path, "-out", tmp_path / "c"],
-        check=True, capture_output=True,
-    )  # fmt: skip
-    path.write_bytes(path.read_bytes() + (tmp_path / "c").read_bytes())
-    monkeypatch.setenv("SSL_CERT_FILE", str(path))
-    return path
-
-
-def test_a_websocket_under_tls_outlives_silence(certificate):
+def test_a_websocket_under_tls_outlives_silence(tmp_path, monkeypatch):
     wsproto = pytest.importorskip("wsproto")
+    certificate = make_certificate(tmp_path, monkeypatch)
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(certificate)
     listener = socket.create_server(("127.0.0.1", 0))

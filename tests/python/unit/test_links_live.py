@@ -377,6 +377,7 @@ def test_unix_sockets(tmp_path, capsys):
 
 
 def test_a_program_runs_only_with_the_prefix(tmp_path):
+    """R69."""
     directory = tmp_path / "bin"
     directory.mkdir()
     program = directory / "vehicle"

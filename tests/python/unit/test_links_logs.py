@@ -45,6 +45,7 @@ def whole_records(cut: int) -> int:
 
 @pytest.mark.parametrize("options", [{}, {"append": True}], ids=["indexed", "stream"])
 def test_every_cut_gives_every_whole_record(tmp_path, options):
+    """R67."""
     path = tmp_path / "cut.tlog"
     for cut in range(len(LOG) + 1):
         path.write_bytes(LOG[:cut])
@@ -69,6 +70,7 @@ def test_empty_log_has_an_empty_index(tmp_path):
 
 @pytest.mark.parametrize("junk", [b"\x00", b"\xfd" * 7, b"\xfe\x01\x02", b"text " * 40, bytes(999)])
 def test_foreign_bytes_raise_nothing(tmp_path, junk):
+    """R67."""
     path = tmp_path / "foreign.tlog"
     path.write_bytes(junk)
     for options in ({}, {"append": True}, {"notimestamps": True}):

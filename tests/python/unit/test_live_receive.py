@@ -331,12 +331,17 @@ def test_datagrams_that_the_system_dropped_are_counted(udp):
 
 
 BLOCKED = """
-import os, socket, sys
-from mavwire import mavutil
+import asyncio, os, socket, sys
+from mavwire import aio, mavutil
 kind, call = sys.argv[1:]
 if kind == "tcp":
     server = socket.create_server(("127.0.0.1", 0))
     link = mavutil.mavlink_connection("tcp:127.0.0.1:%d" % server.getsockname()[1])
+elif kind == "uds":
+    server = socket.socket(socket.AF_UNIX)
+    server.bind("socket")
+    server.listen()
+    link = mavutil.mavlink_connection("uds:socket")
 elif kind == "tty":
     other, port = os.openpty()
     link = mavutil.mavlink_connection(os.ttyname(port) + ",57600")
@@ -348,9 +353,16 @@ elif kind == "lost":
     server.close()
 else:
     link = mavutil.mavlink_connection(kind)
-try:
+async def wait(call):
+    link_of_loop = aio.Link(link)
     print("ready", flush=True)
-    eval("link." + call)
+    await eval("link_of_loop." + call)
+try:
+    if call.startswith("await "):
+        asyncio.run(wait(call.removeprefix("await ")))
+    else:
+        print("ready", flush=True)
+        eval("link." + call)
 except KeyboardInterrupt:
     print("interrupted")
 """
@@ -366,16 +378,30 @@ except KeyboardInterrupt:
         ("lost", "recv_match(blocking=True)"),
         ("tcpin:127.0.0.1:0", "location()"),
         ("tty", "wait_gps_fix()"),
+        ("uds", "waypoint_current()"),
+        ("udpout:127.0.0.1:9", "location(relative_alt=True)"),
+        ("exec:", "wait_heartbeat()"),
+        ("wsserver:127.0.0.1:0", "recv_match(blocking=True)"),
+        ("udpin:127.0.0.1:0", "await recv_match()"),
+        ("uds", "await wait_heartbeat()"),
+        ("wsserver:127.0.0.1:0", "await param_fetch_all(sysid=1)"),
     ],
 )
-def test_blocking_calls_can_be_interrupted(kind, call):
+def test_blocking_calls_can_be_interrupted(kind, call, tmp_path):
     """R65: how quickly is measured by the benchmark."""
     if kind == "tty":
         pytest.importorskip("serial")
+    if kind.startswith("ws"):
+        pytest.importorskip("wsproto")
+    if kind.startswith("exec"):
+        program = tmp_path / "silent"
+        program.write_text("#!/bin/sh\ncat > /dev/null\n")  # ends with its input
+        program.chmod(0o755)
+        kind = f"exec:{program}"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     with subprocess.Popen(
         [sys.executable, "-c", BLOCKED, kind, call],
-        env=environment, stdout=subprocess.PIPE, text=True,
+        cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True,
     ) as child:  # fmt: skip
         assert child.stdout.readline() == "ready\n"
         time.sleep(0.3)

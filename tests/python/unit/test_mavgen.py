@@ -175,6 +175,7 @@ INJECTION = "\"\"\"\n'''\nimport os; os.abort()\n{0} {name} \\x22 \\"
 
 
 def test_module_holds_literals_and_one_call(tmp_path: Path) -> None:
+    """R69."""
     described = document(message(), enum(("KIND_A", "1"))).replace(">d<", f">{INJECTION}<")
     evil = tmp_path / "a'\"\\\n{x}"
     path = write(evil, 'it\'s\n"import os".xml', described)

@@ -1,0 +1,79 @@
+"""What `mavlink_connection` makes of devices: mistakes are named, ports have the names of every system."""
+
+from __future__ import annotations
+
+import os
+import socket
+
+import pytest
+from mavwire import mavutil
+from unit.link_tools import heartbeat
+
+WAIT = 60.0
+
+
+@pytest.mark.parametrize(
+    ("device", "what"),
+    [
+        ("COM3:57600", "behind a comma"),
+        ("serial:/dev/ttyUSB0:57600", "'serial:/dev/ttyUSB0:57600' is not"),
+        ("udp://127.0.0.1:14550", "'//127.0.0.1:14550' is not"),
+        ("mcast:1.2.3.4:5", "'1.2.3.4' is no multicast address"),
+        ("mcast:localhost:5", "'localhost' is no multicast address"),
+        ("COM3,fast", "baud rate 'fast' of the serial port COM3 is not a number"),
+        ("/dev/ttyS99,", "baud rate '' of the serial port /dev/ttyS99 is not a number"),
+    ],
+)
+def test_mistaken_devices_say_what_is_expected(device: str, what: str) -> None:
+    with pytest.raises(ValueError, match=what):
+        mavutil.mavlink_connection(device)
+
+
+@pytest.mark.parametrize("name", ["COM3", "COM12,57600", r"\\.\COM10", "/dev/ttyUSB0,921600"])
+def test_serial_ports_have_the_names_of_every_system(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mavutil, "mavserial", lambda device, **kw: (device, kw["baud"]))
+    assert mavutil.mavlink_connection(name, baud=9600) == (name, 9600)
+
+
+def test_errors_of_the_system_name_the_device(tmp_path) -> None:
+    with pytest.raises(FileNotFoundError) as error:
+        mavutil.mavlink_connection(f"uds:{tmp_path}/none", retries=1)
+    assert error.value.__notes__ == [f"while opening 'uds:{tmp_path}/none'"]
+
+
+def test_a_path_is_a_device_too(tmp_path) -> None:
+    with pytest.raises(FileNotFoundError, match="no such log"):
+        mavutil.mavlink_connection(tmp_path / "none.tlog")
+    with pytest.raises(TypeError, match="PathLike"):
+        mavutil.mavlink_connection(14550)
+
+
+def test_a_client_without_a_host_connects_to_this_machine() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        listener.settimeout(WAIT)
+        with mavutil.mavlink_connection(f"tcp::{listener.getsockname()[1]}") as link:
+            peer, _ = listener.accept()
+            peer.send(heartbeat())
+            assert link.recv_match(blocking=True, timeout=WAIT).get_type() == "HEARTBEAT"
+            peer.close()
+
+
+def test_sending_on_closed_and_unconnected_links(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("serial")
+    ends = os.openpty()
+    with mavutil.mavlink_connection(os.ttyname(ends[1])) as link:
+        pass
+    assert link.write(heartbeat()) == -1
+    assert capsys.readouterr().out == ""
+    for end in ends:
+        os.close(end)
+    pytest.importorskip("wsproto")
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+    for device in ("wsserver:127.0.0.1:0", f"ws:127.0.0.1:{port}"):
+        with mavutil.mavlink_connection(device) as link:
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert link.frames_dropped == 2
