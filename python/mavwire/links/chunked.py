@@ -13,7 +13,7 @@ import time
 
 from mavwire._native import LiveLink
 
-from .mavfile import mavfile
+from .mavfile import link_dict, mavfile
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ READ_SIZE = 65536
 class ChunkedLink(LiveLink, mavfile):
     """A link whose `recv(None)` returns everything that one read can bring."""
 
+    __dict__ = link_dict
     # The class whose methods the native ones stand for; a subclass that replaces one of them is
     # read through the methods here.
     _quick_class: type

@@ -50,17 +50,28 @@ _ATTRIBUTES = (
     "message_hooks", "idle_hooks", "uptime", "notimestamps", "_timestamp",
     "WIRE_PROTOCOL_VERSION", "stop_on_EOF", "portdead",
 )  # fmt: skip
+# Where attributes that are properties keep their values.
+_HIDDEN = ("_sysid", "_data_map")
+
+
+def _attributes(link: mavfile) -> dict[str, Any]:
+    shown = (*_ATTRIBUTES, *link._own_attributes)
+    own = instance_dict(link)
+    first = {name: own[name] for name in own if name not in shown and name not in _HIDDEN}
+    return first | {name: getattr(link, name) for name in shown if hasattr(link, name)}
+
+
+# What `vars(link)` gives. A class with a native base beside mavfile gets a `__dict__` of Python's,
+# unless it says that this is its own.
+link_dict = property(_attributes)
 
 
 class mavfile(Target, Tracking, Commands, Signing, Link):
     """One link. `fd` is a descriptor to wait on, or None; `address` names the other end."""
 
-    @property
-    def __dict__(self) -> dict[str, Any]:  # type: ignore[override]
-        own = instance_dict(self)
-        hidden = (*_ATTRIBUTES, "_sysid")
-        first = {name: value for name, value in own.items() if name not in hidden}
-        return first | {name: getattr(self, name) for name in _ATTRIBUTES}
+    __dict__ = link_dict
+    # Further names for `vars()`, of attributes that stand in no instance dictionary.
+    _own_attributes: tuple[str, ...] = ()
 
     # Recording failures are counted, not raised. Class attributes, so that `vars()` of a link
     # shows pymavlink's attributes alone until something fails.

@@ -25,6 +25,11 @@ class mavmmaplog(mavlogfile):
     With `resync="rescan"` the index holds the good records and all of them.
     """
 
+    _own_attributes = (
+        *mavlogfile._own_attributes,
+        "data_map", "offset", "type_nums", "offsets", "instance_offsets", "instance_lengths",
+    )  # fmt: skip
+
     def __init__(
         self,
         filename: str,

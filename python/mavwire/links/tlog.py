@@ -12,7 +12,7 @@ import time
 
 from mavwire._native import LogLink
 
-from .mavfile import mavfile
+from .mavfile import link_dict, mavfile
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,6 +28,9 @@ class mavlogfile(LogLink, mavfile):
     `notimestamps`: a raw stream without record headers; messages are stamped with `uptime`.
     `robust_parsing` is accepted and has no effect: damage is always BAD_DATA.
     """
+
+    __dict__ = link_dict
+    _own_attributes: tuple[str, ...] = ("percent", "_last_message", "_last_timestamp", "_link")
 
     # A log that is read ignores what is sent to it, so that programs can replay through it.
     discarded_writes = 0

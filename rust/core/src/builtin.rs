@@ -8,11 +8,6 @@ static LIBRARY: LazyLock<Library<'static>> = LazyLock::new(|| {
     Library::from_blob(blob).expect("the build script wrote the blob with the same code")
 });
 
-/// The definition files, to resolve a user's XML on top of.
-pub fn library() -> &'static Library<'static> {
-    &LIBRARY
-}
-
 /// Names of the dialects, sorted.
 pub fn names() -> impl Iterator<Item = &'static str> {
     LIBRARY.names()

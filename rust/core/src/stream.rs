@@ -35,11 +35,6 @@ impl FrameStream {
         Self { scanner: Scanner::new(policy), buffer: Vec::new(), start: 0 }
     }
 
-    /// The scanner, for its settings.
-    pub fn scanner_mut(&mut self) -> &mut Scanner {
-        &mut self.scanner
-    }
-
     /// Appends received bytes.
     pub fn push(&mut self, bytes: &[u8]) {
         self.compact();

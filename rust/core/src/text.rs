@@ -3,7 +3,7 @@
 //! Numbers are spelled as Python spells them, text fields end at their first NUL and show U+FFFD for each byte that is
 //! not ASCII.
 
-use crate::codec::{integer, read};
+use crate::codec::{Number, field_bytes, number};
 use crate::frame::MAX_PAYLOAD_LEN;
 use crate::pyfloat;
 use mavwire_schema::{Field, FieldType, Message};
@@ -63,9 +63,7 @@ pub fn write_field_json(out: &mut String, field: &Field, payload: &[u8]) {
 
 /// Appends the text of a `char` or `char[n]` field.
 pub fn write_char_text(out: &mut String, field: &Field, payload: &[u8]) {
-    let start = usize::from(field.offset).min(payload.len());
-    let end = (start + field.elements()).min(payload.len());
-    let bytes = &payload[start..end];
+    let bytes = field_bytes(field, payload);
     let bytes = &bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())];
     match std::str::from_utf8(bytes) {
         Ok(text) if text.is_ascii() => out.push_str(text),
@@ -146,12 +144,10 @@ fn write_number(
     offset: usize,
     write_float: fn(&mut String, f64),
 ) {
-    match field_type {
-        FieldType::F32 => write_float(out, f32::from_le_bytes(read(payload, offset)).into()),
-        FieldType::F64 => write_float(out, f64::from_le_bytes(read(payload, offset))),
-        FieldType::U64 => write_unsigned(out, u64::from_le_bytes(read(payload, offset))),
-        _ => {
-            let value = integer(field_type, payload, offset) as i64;
+    match number(field_type, payload, offset) {
+        Number::Float(value) => write_float(out, value),
+        Number::Unsigned(value) => write_unsigned(out, value),
+        Number::Signed(value) => {
             if value < 0 {
                 out.push('-');
             }

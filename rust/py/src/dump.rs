@@ -17,11 +17,12 @@ use pyo3::types::PyBytes;
 use crate::dump_line::{Column, Item, Labels, Line, Style, write_line};
 use crate::log::LogLink;
 use crate::message::payload_of;
-use crate::parse::Step;
+use crate::parse::{self, Step};
+use crate::turn;
 
 /// Bytes collected before they are written.
 const CHUNK: usize = 256 * 1024;
-/// How often a long run looks whether the user wants to stop it, and tells how far it is.
+/// Messages between two turns of other threads; then the run tells how far it is, too.
 const PULSE: u64 = 16 * 1024;
 /// Answers about unknown message ids that are remembered: ids are chosen by whoever sends.
 const MAX_UNKNOWN: usize = 4096;
@@ -116,6 +117,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             return Err(PyRuntimeError::new_err("the log is not ready to be dumped"));
         }
         let mav = LogLink::mav(log)?;
+        parse::obey_ignore_checksum(&mav)?;
         let registry = mav.get().dialect.get().registry.clone();
         let count = registry.dialect().messages.len();
         let style = style(&options, &registry)?;
@@ -141,7 +143,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             self.take(&found)?;
             seen += 1;
             if seen.is_multiple_of(PULSE) {
-                self.log.py().check_signals()?;
+                turn::give_way(self.log.py())?;
                 let percent = self.log.as_super().get().state().percent;
                 self.options.progress.call1((percent,))?;
             }
@@ -249,7 +251,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             self.records.clear();
             record.call1((bytes,))?;
         }
-        py.check_signals()
+        turn::give_way(py)
     }
 }
 

@@ -8,9 +8,10 @@ use pyo3::prelude::*;
 
 use crate::log::LogLink;
 use crate::log_index::{Indexed, LogIndex, Stop, find_record};
+use crate::turn;
 
-/// Bytes between two looks at whether the user wants to stop.
-const STRETCH: u64 = 16 * 1024 * 1024;
+/// Bytes between two turns of other threads.
+const STRETCH: u64 = 4 * 1024 * 1024;
 
 /// Indexes a log; `progress` gets each new whole percent. The first record of each type is read for real.
 pub(crate) fn build(
@@ -52,7 +53,7 @@ pub(crate) fn build(
             }
         };
         reports.report(offset)?;
-        log.py().check_signals()?;
+        turn::give_way(log.py())?;
     }
     Ok(index)
 }

@@ -164,24 +164,7 @@ impl MessageInfo {
     }
 
     fn in_wire_order(&self) -> impl Iterator<Item = &Field> {
-        let definition = &self.info.definition;
-        definition.wire_order.iter().map(|&i| &definition.fields[usize::from(i)])
-    }
-
-    /// Format of Python's `struct` module, wire order.
-    fn struct_format(&self) -> String {
-        let mut format = String::from("<");
-        for field in self.in_wire_order() {
-            if field.array_length != 0 {
-                format.push_str(&field.array_length.to_string());
-            }
-            format.push(match (field.is_char(), field.array_length) {
-                (true, 0) => 'c',
-                (true, _) => 's',
-                (false, _) => field.field_type.struct_code(),
-            });
-        }
-        format
+        self.info.definition.wire_fields().map(|(_, field)| field)
     }
 }
 
@@ -281,7 +264,7 @@ impl MessageInfo {
     /// Format of Python's `struct` module, wire order.
     #[getter]
     fn unpacker_format(&self) -> String {
-        self.struct_format()
+        self.info.definition.struct_format()
     }
 
     /// Name of the field that tells instances apart, and its payload offset.

@@ -72,6 +72,7 @@ mod system;
 mod table;
 mod text;
 mod tracking;
+mod turn;
 mod values;
 mod x25;
 

@@ -3,11 +3,13 @@
 //! All of it stands behind one lock that is taken once per message: a lock costs as much as decoding three fields. No
 //! Python code runs while it is held.
 
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
 use mavwire_core::sequence::SequenceTracker;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyFloat, PyInt, PyList, PyTuple, PyType};
+use pyo3::types::{PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
 
 use crate::lock::{Guard, Lock};
 use crate::log_reader::LogReader;
@@ -362,4 +364,18 @@ pub(crate) fn overrides(class: &Bound<'_, PyType>, methods: &[&str]) -> PyResult
         }
     }
     Ok(false)
+}
+
+/// Sets an attribute of a link; one of the `methods` that the quick paths stand for turns these off for good.
+pub(crate) fn set_attr(
+    link: &Bound<'_, PyAny>,
+    name: &Bound<'_, PyString>,
+    value: &Bound<'_, PyAny>,
+    methods: &[&str],
+    quick: &AtomicBool,
+) -> PyResult<()> {
+    if methods.contains(&name.to_str()?) {
+        quick.store(false, Relaxed);
+    }
+    crate::dict::generic_set_attr(link, name, Some(value))
 }

@@ -15,7 +15,7 @@ use pyo3::types::{PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 
 use crate::dict;
 use crate::filter::Filter;
-use crate::link::{Link, overrides};
+use crate::link::{Link, overrides, set_attr};
 use crate::live_source::{LiveSource, Transport};
 use crate::lock::{Guard, Lock};
 use crate::message::Message;
@@ -224,10 +224,7 @@ impl LiveLink {
         name: &Bound<'_, PyString>,
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        if QUICK_METHODS.contains(&name.to_str()?) {
-            slf.get().quick.store(false, Relaxed);
-        }
-        dict::generic_set_attr(slf.as_any(), name, Some(value))
+        set_attr(slf.as_any(), name, value, &QUICK_METHODS, &slf.get().quick)
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {

@@ -11,11 +11,12 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 
+use crate::dict;
 use crate::filter::Filter;
 use crate::index_build;
-use crate::link::{Link, overrides};
+use crate::link::{Link, overrides, set_attr};
 use crate::lock::Lock;
 use crate::log_index::LogIndex;
 use crate::log_reader::{LogReader, seconds};
@@ -23,9 +24,9 @@ use crate::log_wanted::{self, Wanted};
 use crate::mavlink::MAVLink;
 use crate::message::Message;
 use crate::slot::Slot;
-use crate::tracking;
+use crate::{parse, tracking, turn};
 
-/// Methods whose replacement in a subclass turns the quick paths off.
+/// Methods whose replacement turns the quick paths off.
 const QUICK_METHODS: [&str; 9] = [
     "recv",
     "pre_message",
@@ -38,7 +39,7 @@ const QUICK_METHODS: [&str; 9] = [
     "_delivered",
 ];
 
-/// How often a long run looks whether the user wants to stop it.
+/// Messages of a long run between two turns of other threads: two milliseconds or so.
 pub(crate) const SIGNAL_INTERVAL: u64 = 16 * 1024;
 
 /// A telemetry log as a link.
@@ -46,7 +47,7 @@ pub(crate) const SIGNAL_INTERVAL: u64 = 16 * 1024;
 pub(crate) struct LogLink {
     index: Lock<Option<LogIndex>>,
     wanted: Lock<Option<Wanted>>,
-    /// No subclass replaces what the quick paths stand for.
+    /// Nobody replaced what the quick paths stand for.
     quick: AtomicBool,
     /// The last message, unless `LinkState::last_fresh` tells which it was.
     pub(crate) last: Slot<Message>,
@@ -59,6 +60,11 @@ impl LogLink {
             let state = slf.as_super().get().state();
             state.reader.is_some() && !state.is_recording() && !state.has_own_parser()
         }
+    }
+
+    /// Takes over what the dialect module says about checksums, once for each call of the user's.
+    pub(crate) fn obey_module(slf: &Bound<'_, Self>) -> PyResult<()> {
+        parse::obey_ignore_checksum(&Self::mav(slf)?)
     }
 
     /// Does something with the reader; `None` while the log is not open for reading.
@@ -144,6 +150,18 @@ impl LogLink {
             last: Slot::new(),
         };
         Ok(PyClassInitializer::from(Link::empty()).add_subclass(log))
+    }
+
+    fn __setattr__(
+        slf: &Bound<'_, Self>,
+        name: &Bound<'_, PyString>,
+        value: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        set_attr(slf.as_any(), name, value, &QUICK_METHODS, &slf.get().quick)
+    }
+
+    fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
+        dict::generic_set_attr(slf.as_any(), name, None)
     }
 
     /// How much of the log is read, 0 to 100.
@@ -256,6 +274,7 @@ impl LogLink {
     /// The next message, BAD_DATA and UNKNOWN included; None at the end of the log.
     fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         if Self::is_quick(slf) {
+            Self::obey_module(slf)?;
             return Ok(Self::next_message(slf)?.map(Bound::into_any));
         }
         Self::call_slowly(slf, "_recv_msg_slowly", ())
@@ -276,6 +295,7 @@ impl LogLink {
             let arguments = (condition, r#type, blocking, timeout);
             return Self::call_slowly(slf, "_recv_match_slowly", arguments);
         }
+        Self::obey_module(slf)?;
         let py = slf.py();
         let filter = Filter::new(r#type, Self::is_indexed(slf))?;
         let skip = r#type.filter(|_| Self::is_indexed(slf));
@@ -295,7 +315,7 @@ impl LogLink {
             }
             seen += 1;
             if seen.is_multiple_of(SIGNAL_INTERVAL) {
-                py.check_signals()?;
+                turn::give_way(py)?;
             }
         }
         if blocking {

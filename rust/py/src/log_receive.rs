@@ -24,7 +24,12 @@ impl LogLink {
         if let Some(message) = Self::next_plain(slf)? {
             return Ok(Some(message));
         }
-        if slf.as_super().get().state().first_byte {
+        let is_first = {
+            let mut state = slf.as_super().get().state();
+            state.percent = state.reader.as_ref().map_or(state.percent, |reader| reader.percent());
+            state.first_byte
+        };
+        if is_first {
             Self::detect_version(slf)?;
         }
         let mav = Self::mav(slf)?;
@@ -122,7 +127,6 @@ impl LogLink {
         let mut guard = slf.as_super().get().state();
         let state = &mut *guard;
         let Some(reader) = state.reader.as_mut() else { return Ok(Step::Nothing) };
-        state.percent = reader.percent();
         let robust = native.robust_parsing.load(Relaxed);
         let (step, fed) = reader.next(&mut native.parser(), native.dialect.get(), robust)?;
         shared::add(&native.counters.bytes_received, fed as u64);

@@ -29,6 +29,8 @@ pub(crate) struct Parser {
     /// Unread bytes that must be there before another look can say more than the last one.
     awaited: usize,
     pub(crate) scanner: Scanner,
+    /// Unread bytes at the front that the scanner has gone over as noise: strict parsing takes them one at a time.
+    noise_left: usize,
     pub(crate) expected_length: usize,
     pub(crate) have_prefix_error: bool,
     /// Signing of the link, here because whoever has the parser has to ask it.
@@ -100,6 +102,7 @@ impl Parser {
             parsed: 0,
             awaited: 1,
             scanner: Scanner::new(Resync::Skip),
+            noise_left: 0,
             expected_length: SHORTEST_FRAME,
             have_prefix_error: false,
             signing: None,
@@ -118,6 +121,7 @@ impl Parser {
 
     pub(crate) fn set_resync(&mut self, resync: Resync) {
         self.scanner = Scanner::new(resync);
+        self.noise_left = 0;
         self.awaited = 1;
     }
 
@@ -138,6 +142,7 @@ impl Parser {
 
     fn restart(&mut self) {
         self.scanner.reset();
+        self.noise_left = 0;
         self.awaited = 1;
     }
 
@@ -233,11 +238,12 @@ impl Parser {
                 rest = &rest[len..];
                 continue;
             }
-            let found = match rest {
+            stopped = Some(match rest {
                 [] => Found::Incomplete { needed: 1 },
+                // Noise starts no good frame, so what is left of it stands in front of the run.
+                _ if self.noise_left > 0 => Found::Noise { len: self.noise_left },
                 _ => self.scanner.next(rest, &dialect.registry),
-            };
-            stopped = Some(found);
+            });
             break;
         }
         if let Some(&(_, last)) = run.frames.last() {
@@ -269,8 +275,15 @@ impl Parser {
         for (_, len, stream) in run.iter().skip(delivered) {
             bytes.extend_from_slice(&stream[..len]);
         }
-        if let Some(Step::Frame { bytes: taken, .. } | Step::Bad { bytes: taken, .. }) = step {
-            bytes.extend_from_slice(&taken);
+        match step {
+            Some(Step::Frame { bytes: taken, .. } | Step::Bad { bytes: taken, .. }) => {
+                bytes.extend_from_slice(&taken);
+            }
+            Some(Step::BadPrefix(Some(byte))) => {
+                bytes.push(byte);
+                self.have_prefix_error = false;
+            }
+            Some(Step::BadPrefix(None) | Step::Nothing) | None => {}
         }
         bytes.extend_from_slice(self.unread());
         self.replace(&bytes);
@@ -299,7 +312,10 @@ impl Parser {
         if unread.is_empty() {
             return Step::Nothing;
         }
-        let found = self.scanner.next(unread, &dialect.registry);
+        let found = match self.noise_left {
+            0 => self.scanner.next(unread, &dialect.registry),
+            len => Found::Noise { len },
+        };
         self.take_found(found, robust)
     }
 
@@ -331,10 +347,12 @@ impl Parser {
         match found {
             Found::Noise { len } => {
                 if robust {
+                    self.noise_left = 0;
                     self.expected_length = SHORTEST_FRAME;
                     return Step::Bad { bytes: self.take(len), error: None };
                 }
                 self.parsed += 1;
+                self.noise_left = len - 1;
                 let first_of_run = !std::mem::replace(&mut self.have_prefix_error, true);
                 Step::BadPrefix(first_of_run.then_some(first))
             }

@@ -118,8 +118,8 @@ pub enum Reason {
     InvalidName(String),
     #[error("include '{0}' is not the path of a file")]
     InvalidPath(String),
-    #[error("'{0}' is a reserved word")]
-    ReservedName(String),
+    #[error("'{name}' is {why}")]
+    ReservedName { name: String, why: &'static str },
     #[error("{what} '{text}' is not a number from {min} to {max}")]
     InvalidNumber { what: &'static str, text: String, min: i128, max: i128 },
     #[error("{what} '{text}' is neither true nor false")]

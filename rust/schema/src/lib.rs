@@ -7,8 +7,7 @@
 //! 2. [`Dialect`] is a set of files put together for one wire version, with offsets, lengths and `crc_extra`
 //!    ([`resolve`]).
 //!
-//! A [`Library`] holds the encoded built-in files and resolves a user's XML on top of them. Every complaint is a
-//! [`SchemaError`] with file, line, column and a typed [`Reason`]. There is no I/O: closures answer for files.
+//! A [`Library`] holds the encoded built-in files. Every complaint is a [`SchemaError`] with file, line, column and a typed [`Reason`]. There is no I/O: closures answer for files.
 
 #![forbid(unsafe_code)]
 

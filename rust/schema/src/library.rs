@@ -1,12 +1,12 @@
-//! The built-in definitions as one compact blob, and reading a user's XML on top of them. Files stay encoded until they
-//! are asked for: a program that uses one dialect decodes only the files that dialect includes.
+//! The built-in definitions as one compact blob. Files stay encoded until they are asked for: a program that uses one
+//! dialect decodes only the files that dialect includes.
 
 use serde::{Deserialize, Serialize};
 
 use crate::definitions::Definitions;
 use crate::dialect::{Dialect, WireVersion};
 use crate::error::{Reason, SchemaError};
-use crate::parse::{ParseOptions, dialect_name, parse_definitions};
+use crate::parse::dialect_name;
 use crate::resolve::resolve;
 
 /// Encodes files for [`Library`] and [`decode_blob`]. The build script of `mavwire-core` does this once.
@@ -87,25 +87,5 @@ impl<'a> Library<'a> {
     /// [`Reason::NotFound`] where there is no such dialect.
     pub fn resolve(&self, name: &str, wire_version: WireVersion) -> Result<Dialect, SchemaError> {
         resolve(name, &mut |path| self.definitions(path), wire_version)
-    }
-
-    /// A user's dialect. `read` answers a path with the text of that XML file, or `None` where there is none: then the
-    /// library's file of that name is taken, so that a user's file may include `common.xml` without having it.
-    /// `read` does the I/O and reports its failures as [`Reason::Unreadable`].
-    ///
-    /// # Errors
-    /// Those of [`parse_definitions`] and [`resolve`], and what `read` answers.
-    pub fn resolve_xml(
-        &self,
-        main: &str,
-        read: &mut dyn FnMut(&str) -> Result<Option<String>, SchemaError>,
-        options: &ParseOptions,
-        wire_version: WireVersion,
-    ) -> Result<Dialect, SchemaError> {
-        let mut lookup = |path: &str| match read(path)? {
-            Some(text) => parse_definitions(path, &text, options),
-            None => self.definitions(path),
-        };
-        resolve(main, &mut lookup, wire_version)
     }
 }

@@ -24,8 +24,8 @@ const MAX_V1_ID: u32 = 255;
 /// [`dialect_name`]`(path)`.
 ///
 /// The order of messages and enums is that of the files: `main`, then its includes breadth-first. Enums of the same name
-/// become one, with entries in ascending order. For [`WireVersion::V1`], messages with ids above 255 and extension
-/// fields are left out.
+/// become one, with entries in ascending order. For [`WireVersion::V1`], messages with ids above 255, extension fields,
+/// and messages that have no other fields are left out.
 ///
 /// # Errors
 /// What `lookup` answers; includes that are missing, circular, or more than 5 levels deep; ids, names or values used
@@ -76,6 +76,10 @@ impl Messages {
                     continue;
                 }
                 message.fields.retain(|field| !field.is_extension);
+                // Nothing is left of a message of extension fields alone: no frame can carry it.
+                if message.fields.is_empty() {
+                    continue;
+                }
             }
             let place = Place { file: Rc::clone(&path), line: message.line };
             let name: Rc<str> = message.name.to_ascii_uppercase().into();

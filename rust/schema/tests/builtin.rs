@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mavwire_schema::{
-    Definitions, Library, ParseOptions, WireVersion, encode_blob, parse_definitions,
+    Definitions, Library, ParseOptions, WireVersion, encode_blob, parse_definitions, resolve,
 };
 
 fn shipped() -> Vec<Definitions> {
@@ -106,9 +106,11 @@ fn a_user_s_file_may_include_shipped_ones() {
     let library = Library::from_blob(&blob).unwrap();
     let text = "<mavlink><include>common.xml</include><messages><message id=\"999999\" name=\"MINE\">\
                 <field type=\"uint8_t\" name=\"a\" enum=\"MAV_TYPE\"/></message></messages></mavlink>";
-    let mut read = |path: &str| Ok((path == "dir/my.xml").then(|| text.to_owned()));
-    let options = ParseOptions::default();
-    let dialect = library.resolve_xml("dir/my.xml", &mut read, &options, WireVersion::V2).unwrap();
+    let mut lookup = |path: &str| match path {
+        "dir/my.xml" => parse_definitions(path, text, &ParseOptions::default()),
+        _ => library.definitions(path),
+    };
+    let dialect = resolve("dir/my.xml", &mut lookup, WireVersion::V2).unwrap();
     assert_eq!(dialect.name, "my");
     assert_eq!(dialect.messages.len(), 211);
     assert_eq!(dialect.messages[0].name, "MINE");

@@ -218,14 +218,47 @@ fn names_are_identifiers_that_python_can_have() {
         let error = parse(&messages(&message(1, "Q", &field("uint8_t", name))));
         assert!(error.is_err(), "{name:?}");
     }
-    for name in ["class", "None", "self", "force_mavlink1", "__class__"] {
+    for (name, why) in [
+        ("class", "a reserved word"),
+        ("None", "a reserved word"),
+        ("self", "a reserved word"),
+        ("force_mavlink1", "a reserved word"),
+        ("get_type", "a method of messages"),
+        ("to_json", "a method of messages"),
+        ("_info", "no name for a field: the underscore"),
+        ("_fieldnames", "no name for a field: the underscore"),
+        ("__class__", "no name for a field: the underscore"),
+    ] {
         let error = parse_error(&messages(&message(1, "Q", &field("uint8_t", name))));
-        assert!(error.ends_with(&format!("'{name}' is a reserved word")), "{error}");
+        assert!(error.starts_with("my.xml:2:"), "{error}");
+        assert!(error.contains(&format!("message Q: '{name}' is {why}")), "{error}");
     }
-    let error = parse_error(&entries("<entry value=\"1\" name=\"import\"/>"));
-    assert!(error.ends_with("enum E: 'import' is a reserved word"), "{error}");
-    for name in ["id", "type", "len", "_x", &"a".repeat(128)] {
+    for name in ["id", "type", "len", "name", "x_", &"a".repeat(128)] {
         parse(&messages(&message(1, "Q", &field("uint8_t", name)))).expect(name);
+    }
+}
+
+#[test]
+fn entries_have_names_that_modules_leave_to_them() {
+    let entry = |name: &str| entries(&format!("<entry value=\"1\" name=\"{name}\"/>"));
+    let error = parse_error(&entry("import"));
+    assert!(error.ends_with("enum E: 'import' is a reserved word"), "{error}");
+    for name in [
+        "__name__",
+        "WIRE_PROTOCOL_VERSION",
+        "MAVLink_foo_message",
+        "MAVLink",
+        "MAVLINK_MSG_ID_FOO",
+        "enums",
+        "x25crc",
+    ] {
+        let error = parse_error(&entry(name));
+        assert!(error.starts_with("my.xml:2:"), "{error}");
+        let reason = format!("'{name}' is a name that dialect modules have for something else");
+        assert!(error.ends_with(&reason), "{error}");
+    }
+    for name in ["MAV_TYPE_GENERIC", "MAVLINK_DATA_STREAM_IMG_JPEG", "_X", "self", "get_type"] {
+        parse(&entry(name)).expect(name);
     }
 }
 

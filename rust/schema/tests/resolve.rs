@@ -211,11 +211,14 @@ fn version_1_leaves_out_what_its_frames_cannot_carry() {
         + "<extensions/><field type=\"uint32_t\" name=\"b\" enum=\"GONE\" instance=\"true\"/>";
     let content = message(255, "SMALL", &fields)
         + &message(256, "LARGE", &field("uint8_t", "a"))
-        + &message(256, "SAME_ID", &field("uint8_t", "a"));
+        + &message(256, "SAME_ID", &field("uint8_t", "a"))
+        + &message(100, "EXTENDED", &("<extensions/>".to_owned() + &field("uint8_t", "a")));
     let dialect = resolve_files(&[("m.xml", messages(&content))], WireVersion::V1).unwrap();
     assert_eq!(names(&dialect), ["SMALL"]);
     let small = &dialect.messages[0];
     assert_eq!((small.fields.len(), small.max_len, small.instance_field), (1, 1, None));
+    let extended = message(100, "EXTENDED", &("<extensions/>".to_owned() + &field("uint8_t", "a")));
+    assert_eq!(names(&resolve_v2(&[("m.xml", messages(&extended))])), ["EXTENDED"]);
 }
 
 #[test]

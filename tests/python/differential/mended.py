@@ -1,6 +1,6 @@
 """pymavlink's log readers without some of their faults, so that damaged logs can be compared.
 
-docs/compatibility_mavutil.md lists them. A seek leaves the rest of a cut frame in the parser, which
+docs/compatibility.md lists them. A seek leaves the rest of a cut frame in the parser, which
 spoils the record behind it. The index stores whatever comes out of a type's first record under the
 name of that type. The switch to MAVLink 2 comes with the first message that the dialect knows, and
 forgets the counters and what the parser holds. Behind a MAVLink 2 frame at least 12 bytes are read,

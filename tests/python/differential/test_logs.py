@@ -40,7 +40,7 @@ def transcript(package: str, reader: str, *paths: Path, v2: bool = False) -> sub
 def compare(subject: str, oracle: str, reader: str, path: Path, v2: bool = False) -> int:
     """Compare two transcripts line by line; the number of lines.
 
-    A damaged log may differ where docs/compatibility_mavutil.md says so. It is then compared with
+    A damaged log may differ where docs/compatibility.md says so. It is then compared with
     the reference without the faults listed there, and has to be equal to that.
     """
     count, first = difference(subject, oracle, reader, path, v2)

@@ -13,6 +13,7 @@ from unit.link_tools import T0, free_port, heartbeat, record
 
 WAIT = 60.0
 TYPES = ("HEARTBEAT", "ATTITUDE")
+LINK_METHODS = ("recv", "recv_msg", "pre_message", "post_message")
 REPLACED = ("parse_char", "parse_buffer", "decode", "bytes_needed", "check_signature", "send")
 
 
@@ -99,6 +100,29 @@ def test_a_method_of_a_log(both: list[Ours], kind: str, name: str, wanted: str |
 
     _, while_replaced, *_ = agree(both, scenario)
     assert while_replaced == (name in ("parse_char", "decode", "bytes_needed"))
+
+
+@pytest.mark.parametrize("kind", ["mavlogfile", "mavmmaplog"])
+@pytest.mark.parametrize("name", LINK_METHODS)
+@pytest.mark.parametrize("wanted", [None, "ATTITUDE"])
+def test_a_method_of_the_log_itself(
+    both: list[Ours], kind: str, name: str, wanted: str | None
+) -> None:
+    def scenario(package: Ours) -> Any:
+        log = package.open(kind)
+        log.recv_msg()
+        calls = spy(log, name)
+        seen = [name_of(log.recv_match(type=wanted)) for _ in range(3)]
+        # How often `recv` is asked depends on the reader.
+        times = bool(calls) if name == "recv" else len(calls)
+        delattr(log, name)
+        calls.clear()
+        seen.append(name_of(log.recv_match(type=wanted)))
+        log.close()
+        return seen, times, calls, log.mav_count, log.mav_loss
+
+    _, times, *_ = agree(both, scenario)
+    assert times
 
 
 @pytest.mark.parametrize("kind", ["mavlogfile", "mavmmaplog"])

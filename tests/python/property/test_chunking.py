@@ -49,6 +49,25 @@ def outcome(
     return good, everything, bytes(mav.buf[mav.buf_index :])
 
 
+def strict_frames(chunks: list[bytes], resync: Resync) -> list[bytes]:
+    """Frames of the messages of a parser that raises instead of giving BAD_DATA."""
+    mav = mavlink.MAVLink(None)
+    mav.resync = resync
+    good = []
+    for chunk in chunks:
+        data, before = chunk, -1
+        while mav.buf_len() + len(data) != before:
+            before = mav.buf_len() + len(data)
+            try:
+                message = mav.parse_char(data)
+            except mavlink.MAVError:
+                message = None
+            data = b""
+            if message is not None:
+                good.append(bytes(message.get_msgbuf()))
+    return good
+
+
 @pytest.mark.parametrize("resync", ["skip", "rescan"])
 @given(stream=STREAMS, cuts=st.lists(st.integers(0, 600), max_size=20), parse_char=st.booleans())
 @settings(max_examples=300, deadline=None)
@@ -65,3 +84,6 @@ def test_any_chunking_gives_the_same_messages(
         assert good == whole[0]
         # Nothing is lost and nothing comes twice.
         assert everything + waiting == stream
+    # And a strict parser loses none of them.
+    for strict in ([stream], [stream[n : n + 1] for n in range(len(stream))], chunks):
+        assert strict_frames(strict, resync) == whole[0]

@@ -28,7 +28,6 @@ ALLOWED_CRATES = {
     "columns": {"schema", "core"},
     "link": {"schema", "core"},
     "py": {"schema", "core", "columns", "link"},
-    "fuzz": {"schema", "core", "columns", "link"},
 }
 # Foreign crate -> the crates that may use it.
 RESERVED_CRATES = {

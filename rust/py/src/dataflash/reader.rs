@@ -16,6 +16,7 @@ use super::shape;
 use super::source::Source;
 use super::state::{Kind, Search, State, Taken};
 use crate::lock::Lock;
+use crate::turn;
 
 /// Records that are passed over before the user's wish to stop is heeded.
 const BUDGET: u32 = 1 << 16;
@@ -79,7 +80,7 @@ impl DataflashReader {
                     let kind = taken.kind;
                     return Ok(Some((Self::post(slf, taken)?, kind)));
                 }
-                Search::Paused => py.check_signals()?,
+                Search::Paused => turn::give_way(py)?,
                 Search::End => return Ok(None),
             }
         }
@@ -365,7 +366,7 @@ impl DataflashReader {
     fn skip_to_type(&self, py: Python<'_>, r#type: Bound<'_, PyAny>, strict: bool) -> PyResult<()> {
         self.latch(py, &Types::new(Some(&r#type))?, strict)?;
         loop {
-            py.check_signals()?;
+            turn::give_way(py)?;
             let mut guard = self.state.lock(py);
             let state = &mut *guard;
             let (Some(source), Some(wanted)) = (state.source.as_mut(), &state.latched) else {

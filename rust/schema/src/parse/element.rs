@@ -6,16 +6,6 @@ use crate::definitions::{Deprecation, Status};
 use crate::error::{Reason, SchemaError, excerpt};
 use crate::limits::MAX_NAME_LEN;
 
-/// Words that cannot be the name of a field or of an enum entry, because both become names in Python code: keywords, and
-/// for fields (below) the parameters that the generated functions have already.
-const KEYWORDS: [&str; 35] = [
-    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue",
-    "def", "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import",
-    "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while",
-    "with", "yield",
-];
-const PARAMETERS: [&str; 2] = ["self", "force_mavlink1"];
-
 /// A file being read: its name, its line starts, and what to keep.
 pub(super) struct Source<'a> {
     name: &'a str,
@@ -76,17 +66,14 @@ impl<'a> Source<'a> {
         Ok(name.to_owned())
     }
 
-    /// The `name` of a field or of an enum entry.
+    /// The `name` of a field or of an enum entry, as `check` allows it.
     pub(super) fn variable(
         &self,
         node: Node<'_, '_>,
-        is_field: bool,
+        check: fn(&str) -> Result<(), Reason>,
     ) -> Result<String, SchemaError> {
         let name = self.identifier(node)?;
-        let parameter = is_field && (PARAMETERS.contains(&&*name) || name.starts_with("__"));
-        if parameter || KEYWORDS.contains(&&*name) {
-            return Err(self.error(node, Reason::ReservedName(name)));
-        }
+        check(&name).map_err(|reason| self.error(node, reason))?;
         Ok(name)
     }
 

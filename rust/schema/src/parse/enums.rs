@@ -3,6 +3,7 @@
 use roxmltree::Node;
 
 use super::element::{Source, optional};
+use super::reserved;
 use crate::definitions::{CommandParam, EnumDef, EnumEntryDef};
 use crate::error::{Reason, SchemaError, excerpt};
 use crate::number::{MAX_VALUE, MIN_VALUE, parse_decimal, parse_value};
@@ -45,7 +46,7 @@ fn read_enum(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumDef, SchemaE
 }
 
 fn read_entry(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumEntryDef, SchemaError> {
-    let name = source.variable(node, false)?;
+    let name = source.variable(node, reserved::check_entry)?;
     let within = |error: SchemaError| error.within(format!("entry {name}"));
     let mut entry = EnumEntryDef {
         line: source.line(node),

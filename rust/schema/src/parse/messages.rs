@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use roxmltree::Node;
 
 use super::element::{Source, optional};
+use super::reserved;
 use crate::definitions::{FieldDef, FieldType, MessageDef};
 use crate::error::{Reason, SchemaError, excerpt};
 use crate::layout::check_fields;
@@ -85,7 +86,7 @@ fn read_field(
     node: Node<'_, '_>,
     is_extension: bool,
 ) -> Result<FieldDef, SchemaError> {
-    let name = source.variable(node, true)?;
+    let name = source.variable(node, reserved::check_field)?;
     let within = |error: SchemaError| error.within(format!("field {name}"));
     let type_text = source.required(node, "type").map_err(within)?;
     let (field_type, array_length) =

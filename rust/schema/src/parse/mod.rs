@@ -4,6 +4,7 @@
 mod element;
 mod enums;
 mod messages;
+mod reserved;
 
 use roxmltree::{Document, Node, ParsingOptions};
 

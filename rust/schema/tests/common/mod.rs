@@ -5,8 +5,8 @@
 use std::collections::HashMap;
 
 use mavwire_schema::{
-    Definitions, Dialect, Library, Message, ParseOptions, SchemaError, WireVersion, encode_blob,
-    parse_definitions,
+    Definitions, Dialect, Message, ParseOptions, Reason, SchemaError, WireVersion,
+    parse_definitions, resolve,
 };
 
 /// Wraps `content` in the root element, which opens on line 1.
@@ -50,9 +50,11 @@ pub fn resolve_files(
     version: WireVersion,
 ) -> Result<Dialect, SchemaError> {
     let files: HashMap<&str, &String> = files.iter().map(|(name, text)| (*name, text)).collect();
-    let blob = encode_blob(&[]);
-    let mut read = |path: &str| Ok(files.get(path).map(|text| (*text).clone()));
-    Library::from_blob(&blob)?.resolve_xml("m.xml", &mut read, &ParseOptions::default(), version)
+    let mut lookup = |path: &str| match files.get(path) {
+        Some(text) => parse_definitions(path, text, &ParseOptions::default()),
+        None => Err(SchemaError::new(path, Reason::NotFound)),
+    };
+    resolve("m.xml", &mut lookup, version)
 }
 
 /// Resolves `m.xml` for version 2.

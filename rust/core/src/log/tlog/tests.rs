@@ -1,7 +1,7 @@
 //! Clean, cut and damaged logs.
 
 use super::*;
-use crate::testing::{HEARTBEAT_V1, HEARTBEAT_V2, encode, header, noise, registry};
+use crate::testing::{HEARTBEAT_V1, encode, header, noise, registry};
 use mavwire_schema::WireVersion::V2;
 
 const START: u64 = 1_600_000_000_000_000;
@@ -58,27 +58,11 @@ fn expected(records: &[Vec<u8>]) -> Vec<(u64, Vec<u8>)> {
     records.iter().map(|record| (stamp(record), record[STAMP_LEN..].to_vec())).collect()
 }
 
-fn index(bytes: &[u8], check: bool) -> (Vec<RecordEntry>, ChunkIndex) {
-    let mut records = Vec::new();
-    let index = index_chunk(bytes, 1000, &registry(), check, &mut records);
-    (records, index)
-}
-
 #[test]
-fn a_record_is_stamp_and_frame() {
-    let bytes = record(START + 2, &HEARTBEAT_V1);
-    match parse_record(&bytes) {
-        Parsed::Record { len: 25, stamp, frame } => {
-            assert_eq!((stamp.micros(), stamp.link()), (START + 2, 2));
-            assert_eq!(frame.bytes(), HEARTBEAT_V1);
-        }
-        other => panic!("{other:?}"),
-    }
-    for len in 0..bytes.len() {
-        let Parsed::Incomplete { needed } = parse_record(&bytes[..len]) else { panic!("{len}") };
-        assert!(needed > len && needed <= bytes.len(), "{len}");
-    }
-    assert!(matches!(parse_record(&[0; 20]), Parsed::NoRecord));
+fn a_stamp_is_a_time_and_a_link() {
+    let stamp = Stamp::parse(&record(START + 2, &HEARTBEAT_V1)).expect("eight bytes");
+    assert_eq!((stamp.micros(), stamp.link()), (START + 2, 2));
+    assert!(Stamp::parse(&[0; 7]).is_none());
     assert_eq!(Stamp::encode(START + 3, 1), (START + 1).to_be_bytes());
 }
 
@@ -103,7 +87,6 @@ fn cut_at_every_offset_every_whole_record_is_returned() {
         });
         let whole: Vec<Vec<u8>> = whole.cloned().collect();
         assert!(scan(&bytes[..cut], 64) == expected(&whole), "scan cut at {cut}");
-        assert_eq!(index(&bytes[..cut], true).0.len(), whole.len(), "index cut at {cut}");
     }
 }
 
@@ -137,46 +120,6 @@ fn damage_costs_only_the_damaged_records() {
     assert_eq!(lost, 0);
 }
 
-#[test]
-fn the_index_hops_as_pymavlink_does() {
-    let heartbeat = record(START, &HEARTBEAT_V2);
-    let offsets = |bytes: &[u8]| -> Vec<u64> {
-        index(bytes, false).0.iter().map(|record| record.offset - 1000).collect()
-    };
-    let with = |middle: &[u8]| [&heartbeat, middle, &heartbeat].concat();
-    assert_eq!(offsets(&with(&heartbeat)), [0, 29, 58]);
-    assert_eq!(offsets(&with(&[1, 2, 3])), [0, 32]);
-    assert_eq!(offsets(&with(&[0; 20])), [0, 49]);
-    let mut damaged = heartbeat.clone();
-    damaged[28] ^= 1;
-    assert_eq!(offsets(&with(&damaged)), [0, 29, 58]);
-    let checked: Vec<bool> =
-        index(&with(&damaged), true).0.iter().map(|record| record.checksum_ok).collect();
-    assert_eq!(checked, [true, false, true]);
-    let mut signed = heartbeat.clone();
-    signed[10] = 1;
-    signed.extend([0; 13]);
-    assert_eq!(offsets(&with(&signed)), [0, 29, 71]);
-}
-
-#[test]
-fn the_index_names_what_it_found_and_what_was_cut_off() {
-    let unknown = record(START, &encode(header(V2, 70_000, 0), &[1]));
-    let bytes = [&unknown[..], &record(START, &HEARTBEAT_V2)].concat();
-    let (records, whole) = index(&bytes, true);
-    assert_eq!(whole, ChunkIndex { consumed: bytes.len(), cut_off: None });
-    assert_eq!((records[0].msgid, records[0].entry), (70_000, None));
-    assert_eq!((records[1].msgid, records[1].frame_len), (0, 21));
-    assert_eq!(records[1].entry, registry().lookup(0));
-    for missing in 1..=21 {
-        let (records, cut) = index(&bytes[..bytes.len() - missing], true);
-        assert_eq!((records.len(), cut.consumed), (1, unknown.len()));
-        let offset = cut.cut_off.map(|record| record.offset);
-        let header_is_there = missing <= 11;
-        assert_eq!(offset, header_is_there.then_some(1000 + unknown.len() as u64), "{missing}");
-    }
-}
-
 proptest::proptest! {
     #[test]
     fn arbitrary_bytes_never_panic(
@@ -186,8 +129,5 @@ proptest::proptest! {
         chunk in 1usize..400,
     ) {
         scan(&bytes, chunk);
-        let (records, index) = index(&bytes, true);
-        proptest::prop_assert!(index.consumed <= bytes.len());
-        proptest::prop_assert!(records.len() <= bytes.len() / 16);
     }
 }
