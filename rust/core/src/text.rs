@@ -149,31 +149,13 @@ fn write_number(
     match field_type {
         FieldType::F32 => write_float(out, f32::from_le_bytes(read(payload, offset)).into()),
         FieldType::F64 => write_float(out, f64::from_le_bytes(read(payload, offset))),
-        FieldType::U64 => write_unsigned(out, u64::from_le_bytes(read(payload, offset))),
-        _ => {
-            let value = integer(field_type, payload, offset) as i64;
-            if value < 0 {
-                out.push('-');
-            }
-            write_unsigned(out, value.unsigned_abs());
-        }
+        FieldType::U64 => write_integer(out, u64::from_le_bytes(read(payload, offset))),
+        _ => write_integer(out, integer(field_type, payload, offset) as i64),
     }
 }
 
-/// Appends a decimal number.
-fn write_unsigned(out: &mut String, mut value: u64) {
-    if value < 10 {
-        return out.push(char::from(b'0' + value as u8));
-    }
-    let mut digits = [0; 20];
-    let mut start = digits.len();
-    while value > 0 {
-        start -= 1;
-        digits[start] = b'0' + (value % 10) as u8;
-        value /= 10;
-    }
-    // Digits are ASCII, so this never falls back.
-    out.push_str(std::str::from_utf8(&digits[start..]).unwrap_or_default());
+fn write_integer(out: &mut String, value: impl itoa::Integer) {
+    out.push_str(itoa::Buffer::new().format(value));
 }
 
 #[cfg(test)]
