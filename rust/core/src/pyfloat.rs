@@ -14,50 +14,24 @@ pub fn write_repr(out: &mut String, value: f64) {
     let mut buffer = zmij::Buffer::new();
     let text = buffer.format_finite(value);
     let magnitude = value.abs();
-    let fixed = magnitude == 0.0 || (1e-4..1e16).contains(&magnitude);
-    if fixed && !text.contains('e') {
+    // Without an exponent in `text` too, as the tests make sure.
+    if magnitude == 0.0 || (1e-4..1e16).contains(&magnitude) {
         out.push_str(text);
     } else {
-        respell(out, text, fixed);
+        write_exponent(out, text);
     }
 }
 
-/// Writes the number in `text` (digits, perhaps a point, perhaps an exponent) in fixed or exponent form.
-fn respell(out: &mut String, text: &str, fixed: bool) {
+/// Writes the number in `text` (digits, perhaps a point, perhaps an exponent) in exponent form.
+fn write_exponent(out: &mut String, text: &str) {
     let (sign, text) = text.strip_prefix('-').map_or(("", text), |rest| ("-", rest));
     let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
     let all = [whole, fraction].concat();
     let leading = all.len() - all.trim_start_matches('0').len();
-    let digits = all.trim_matches('0');
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    // The value is 0.digits times ten to this power.
-    let point = exponent + whole.len() as i32 - leading as i32;
+    let (first, rest) = all.trim_matches('0').split_at(1);
+    let exponent = exponent.parse().unwrap_or(0) + whole.len() as i32 - leading as i32 - 1;
     out.push_str(sign);
-    if fixed {
-        write_fixed(out, digits, point);
-    } else {
-        write_exponent(out, digits, point - 1);
-    }
-}
-
-fn write_fixed(out: &mut String, digits: &str, point: i32) {
-    let zeros = |out: &mut String, count: i32| (0..count).for_each(|_| out.push('0'));
-    if point <= 0 {
-        out.push_str("0.");
-        zeros(out, -point);
-        out.push_str(digits);
-        return;
-    }
-    let (whole, fraction) = digits.split_at(digits.len().min(point as usize));
-    out.push_str(whole);
-    zeros(out, point - whole.len() as i32);
-    out.push('.');
-    out.push_str(if fraction.is_empty() { "0" } else { fraction });
-}
-
-fn write_exponent(out: &mut String, digits: &str, exponent: i32) {
-    let (first, rest) = digits.split_at(1);
     out.push_str(first);
     if !rest.is_empty() {
         out.push('.');
@@ -118,6 +92,14 @@ mod tests {
     }
 
     proptest::proptest! {
+        #[test]
+        fn the_exponent_begins_where_pythons_does(value in 1e-4_f64..1e16, power in -4_i32..16) {
+            for value in [value, value.fract() * 10.0_f64.powi(power)] {
+                let expected = !(value == 0.0 || (1e-4..1e16).contains(&value));
+                proptest::prop_assert_eq!(repr(value).contains('e'), expected, "{}", value);
+            }
+        }
+
         #[test]
         fn reads_back_as_the_same_number(value in proptest::num::f64::NORMAL | proptest::num::f64::SUBNORMAL) {
             let text = repr(value);

@@ -146,30 +146,13 @@ fn write_number(
 ) {
     match number(field_type, payload, offset) {
         Number::Float(value) => write_float(out, value),
-        Number::Unsigned(value) => write_unsigned(out, value),
-        Number::Signed(value) => {
-            if value < 0 {
-                out.push('-');
-            }
-            write_unsigned(out, value.unsigned_abs());
-        }
+        Number::Unsigned(value) => write_integer(out, value),
+        Number::Signed(value) => write_integer(out, value),
     }
 }
 
-/// Appends a decimal number.
-fn write_unsigned(out: &mut String, mut value: u64) {
-    if value < 10 {
-        return out.push(char::from(b'0' + value as u8));
-    }
-    let mut digits = [0; 20];
-    let mut start = digits.len();
-    while value > 0 {
-        start -= 1;
-        digits[start] = b'0' + (value % 10) as u8;
-        value /= 10;
-    }
-    // Digits are ASCII, so this never falls back.
-    out.push_str(std::str::from_utf8(&digits[start..]).unwrap_or_default());
+fn write_integer(out: &mut String, value: impl itoa::Integer) {
+    out.push_str(itoa::Buffer::new().format(value));
 }
 
 #[cfg(test)]

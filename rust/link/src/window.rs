@@ -14,7 +14,11 @@ const CHUNK: usize = 256 * 1024;
 #[derive(Debug)]
 pub struct FileWindow {
     file: File,
+    /// As long as it ever had to be: clearing it again for each read near the end of the file would cost more than the
+    /// read.
     buffer: Vec<u8>,
+    /// Bytes of the buffer that are the file's.
+    filled: usize,
     /// Where in the file the buffer begins.
     start: u64,
 }
@@ -25,7 +29,7 @@ impl FileWindow {
     /// # Errors
     /// What the operating system says.
     pub fn open(path: &Path) -> io::Result<Self> {
-        Ok(Self { file: File::open(path)?, buffer: Vec::new(), start: 0 })
+        Ok(Self { file: File::open(path)?, buffer: Vec::new(), filled: 0, start: 0 })
     }
 
     /// Bytes of the file now.
@@ -52,19 +56,19 @@ impl FileWindow {
     pub fn at(&mut self, offset: u64, wanted: usize) -> io::Result<&[u8]> {
         if let Some(skip) = offset.checked_sub(self.start)
             && let Ok(skip) = usize::try_from(skip)
-            && skip.saturating_add(wanted) <= self.buffer.len()
+            && skip.saturating_add(wanted) <= self.filled
         {
-            return Ok(&self.buffer[skip..]);
+            return Ok(&self.buffer[skip..self.filled]);
         }
         self.refill(offset, wanted)?;
-        Ok(&self.buffer)
+        Ok(&self.buffer[..self.filled])
     }
 
     /// The bytes from `offset` on that are there without reading; none outside of what was read last.
     #[must_use]
     pub fn buffered(&self, offset: u64) -> &[u8] {
         let skip = offset.checked_sub(self.start).and_then(|skip| usize::try_from(skip).ok());
-        skip.and_then(|skip| self.buffer.get(skip..)).unwrap_or_default()
+        skip.and_then(|skip| self.buffer[..self.filled].get(skip..)).unwrap_or_default()
     }
 
     fn left_from(&self, offset: u64) -> io::Result<usize> {
@@ -75,21 +79,24 @@ impl FileWindow {
     fn refill(&mut self, offset: u64, wanted: usize) -> io::Result<()> {
         // No more than there is, because `wanted` may come from a user.
         let wanted = if wanted > CHUNK { wanted.min(self.left_from(offset)?) } else { wanted };
-        self.buffer.resize(CHUNK.max(wanted), 0);
+        let wanted = CHUNK.max(wanted);
+        if self.buffer.len() < wanted {
+            self.buffer.resize(wanted, 0);
+        }
         self.start = offset;
-        let mut filled = 0;
-        while filled < self.buffer.len() {
-            match read_at(&self.file, &mut self.buffer[filled..], offset + filled as u64) {
+        self.filled = 0;
+        while self.filled < wanted {
+            let free = &mut self.buffer[self.filled..wanted];
+            match read_at(&self.file, free, offset + self.filled as u64) {
                 Ok(0) => break,
-                Ok(count) => filled += count,
+                Ok(count) => self.filled += count,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) => {
-                    self.buffer.clear();
+                    self.filled = 0;
                     return Err(error);
                 }
             }
         }
-        self.buffer.truncate(filled);
         Ok(())
     }
 }

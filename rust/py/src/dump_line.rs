@@ -67,7 +67,7 @@ impl Labels {
             Style::Silent | Style::Csv { .. } => {
                 return Self { head: String::new(), fields: Vec::new() };
             }
-            Style::Standard { .. } => (format!("{name} {{"), "", " : "),
+            Style::Standard { .. } => (format!(": {name} {{"), "", " : "),
             Style::Json { .. } => {
                 (format!("{{\"meta\": {{\"type\": \"{name}\", \"timestamp\": "), "\"", "\": ")
             }
@@ -126,7 +126,6 @@ fn write_standard(out: &mut String, line: &Line<'_>, show_source: bool, show_seq
     let hundredths = (line.time * 100.0) as u64 % 100;
     out.push(char::from(b'0' + (hundredths / 10) as u8));
     out.push(char::from(b'0' + (hundredths % 10) as u8));
-    out.push_str(": ");
     match line.item {
         Item::Known { message, labels, payload, .. } => {
             out.push_str(&labels.head);
@@ -134,12 +133,12 @@ fn write_standard(out: &mut String, line: &Line<'_>, show_source: bool, show_seq
             out.push('}');
         }
         Item::Unknown { msgid, frame } => {
-            append(out, format_args!("UNKNOWN_{msgid} {{data:["));
+            append(out, format_args!(": UNKNOWN_{msgid} {{data:["));
             write_hex(out, frame);
             out.push_str("]}");
         }
         Item::Bad { frame, reason } => {
-            append(out, format_args!("BAD_DATA {{{reason}, data:["));
+            append(out, format_args!(": BAD_DATA {{{reason}, data:["));
             write_hex(out, frame);
             out.push_str("]}");
         }

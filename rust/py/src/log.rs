@@ -297,8 +297,9 @@ impl LogLink {
         }
         Self::obey_module(slf)?;
         let py = slf.py();
-        let filter = Filter::new(r#type, Self::is_indexed(slf))?;
-        let skip = r#type.filter(|_| Self::is_indexed(slf));
+        let is_indexed = Self::is_indexed(slf);
+        let filter = Filter::new(r#type, is_indexed)?;
+        let skip = r#type.filter(|_| is_indexed);
         let mut seen: u64 = 0;
         loop {
             if let Some(types) = skip {

@@ -147,6 +147,7 @@ impl Field {
     }
 
     /// Text: `char` or `char[n]`.
+    #[inline]
     pub fn is_char(&self) -> bool {
         self.field_type == FieldType::Char
     }

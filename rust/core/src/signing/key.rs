@@ -15,7 +15,9 @@ pub type Digest = [u8; 6];
 
 const KEY_LEN: usize = 32;
 const BLOCK: usize = 64;
-const BLOCKS: usize = 5;
+const MAX_BLOCKS: usize = 5;
+/// Enough for payloads of up to 68 bytes; clearing five costs some nanoseconds more.
+const USUAL_BLOCKS: usize = 2;
 /// One bit of padding and the length in bits.
 const PADDING: usize = 1 + 8;
 
@@ -75,10 +77,16 @@ impl fmt::Debug for SecretKey {
 /// The digest over key and `parts`, which together are the frame from STX through the timestamp.
 pub fn sig48(key: &SecretKey, parts: &[&[u8]]) -> Digest {
     let len = KEY_LEN + parts.iter().map(|part| part.len()).sum::<usize>();
-    if len + PADDING > BLOCKS * BLOCK {
-        return sig48_long(key, parts);
+    match (len + PADDING).div_ceil(BLOCK) {
+        ..=USUAL_BLOCKS => sig48_in::<USUAL_BLOCKS>(key, parts, len),
+        ..=MAX_BLOCKS => sig48_in::<MAX_BLOCKS>(key, parts, len),
+        _ => sig48_long(key, parts),
     }
-    let mut blocks = [[0; BLOCK]; BLOCKS];
+}
+
+/// The same for `len` bytes that fit `N` blocks with their padding.
+fn sig48_in<const N: usize>(key: &SecretKey, parts: &[&[u8]], len: usize) -> Digest {
+    let mut blocks = [[0; BLOCK]; N];
     let message = blocks.as_flattened_mut();
     message[..KEY_LEN].copy_from_slice(&key.0);
     let mut at = KEY_LEN;
