@@ -398,6 +398,13 @@ warnings.simplefilter("ignore")
 bridge = Bridge(["udpin:127.0.0.1:0"]).start()
 child = os.fork()
 if child == 0:
+    for ask in (bridge.stats, lambda: bridge.add("udpin:127.0.0.1:0", name="b"), lambda: bridge.send(b"")):
+        try:
+            ask()
+        except RuntimeError as error:
+            assert "stopped" in str(error)
+        else:
+            os._exit(1)
     bridge.stop()
     os._exit(0)
 assert os.waitpid(child, 0)[1] == 0
