@@ -6,8 +6,9 @@ import re
 from dataclasses import dataclass, field
 
 from .config import Config
+from .checks import whole
 from .errors import ConfigError
-from .options import DEFAULT_BAUD, Endpoint, Recording, whole
+from .options import DEFAULT_BAUD, Endpoint, Recording
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

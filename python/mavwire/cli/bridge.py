@@ -12,6 +12,7 @@ examples:
   mavwire bridge --master /dev/ttyACM0,115200 --out udpout:10.0.0.2:14550 --out tcpin:0.0.0.0:5760
   mavwire bridge serial:/dev/ttyAMA0:57600 udps:0.0.0.0:5600 --record logs/
   mavwire bridge --config main.conf --status
+  mavwire bridge udpin:0.0.0.0:14550 --http :8080
 """
 
 from __future__ import annotations
@@ -21,14 +22,17 @@ import signal
 import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli.sim import duration
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from mavwire.bridge import Bridge
-    from mavwire.bridge.metrics import MetricsServer
+    from mavwire.bridge.serving import HttpServer
 
 # How long the program sleeps at a time when there is nothing to show.
 PAUSE = 0.5
@@ -72,6 +76,11 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--metrics", type=listen_address, metavar="[HOST]:PORT",
         help="serve /metrics for Prometheus and /stats as JSON; HOST is 127.0.0.1 if not given",
     )  # fmt: skip
+    show.add_argument(
+        "--http", type=listen_address, metavar="[HOST]:PORT",
+        help="serve a page with all messages, links and plots; HOST is 127.0.0.1 if not given, "
+        "and on others the address that is printed has a token",
+    )  # fmt: skip
     parser.add_argument("--duration", type=duration, metavar="T", help="end after this time")
 
 
@@ -96,18 +105,16 @@ def _run(bridge: Bridge, args: Namespace) -> int:
         raise CommandError(_describe(error)) from None
     except RuntimeError as error:
         raise CommandError(str(error)) from None
-    server: MetricsServer | None = None
+    last = None
     try:
-        if args.metrics is not None:
-            server = _metrics(bridge, *args.metrics)
-        print(_announcement(bridge, server), file=sys.stderr, flush=True)
-        _watch(bridge, args)
-    except KeyboardInterrupt:
-        pass  # the usual way to end it
+        # Ctrl-C is the usual way to end it.
+        with suppress(KeyboardInterrupt), ExitStack() as stack:
+            servers = [stack.enter_context(server) for server in _servers(bridge, args)]
+            print(_announcement(bridge, servers), file=sys.stderr, flush=True)
+            _watch(bridge, args)
     finally:
-        if server is not None:
-            server.close()
-        last = bridge.stats() if args.json is not None else None
+        if args.json is not None:
+            last = bridge.stats()
         bridge.stop()
     if last is not None:
         print(json.dumps(last), flush=True)
@@ -150,23 +157,38 @@ def _describe(error: OSError) -> str:
     return f"{error.filename}: {error.strerror}" if error.filename else str(error)
 
 
-def _metrics(bridge: Bridge, host: str, port: int) -> MetricsServer:
+def _servers(bridge: Bridge, args: Namespace) -> Iterator[HttpServer]:
+    """The HTTP servers that are asked for, opened one by one."""
     from mavwire.bridge.metrics import MetricsServer
 
+    if args.metrics is not None:
+        yield _served("--metrics", MetricsServer, bridge, args.metrics)
+    if args.http is not None:
+        from mavwire.bridge.inspector import Inspector
+
+        try:
+            yield _served("--http", Inspector, bridge, args.http)
+        except ImportError:
+            raise CommandError("--http needs wsproto: pip install 'mavwire[ws]'") from None
+
+
+def _served(
+    option: str, server: type[HttpServer], bridge: Bridge, address: tuple[str, int]
+) -> HttpServer:
+    host, port = address
     try:
-        return MetricsServer(bridge, host, port)
+        return server(bridge, host, port)
     except OSError as error:
-        raise CommandError(f"--metrics {host}:{port}: {error.strerror or error}") from None
+        raise CommandError(f"{option} {host}:{port}: {error.strerror or error}") from None
 
 
-def _announcement(bridge: Bridge, server: MetricsServer | None) -> str:
+def _announcement(bridge: Bridge, servers: list[HttpServer]) -> str:
     stats = bridge.stats()
     links = dict.fromkeys(one["endpoint"] for one in stats["links"] if one["endpoint"])
     text = f"routing between {', '.join(links)}"
     if stats["recording"]:
         text += f"; recording to {stats['recording']['path']}"
-    if server is not None:
-        text += f"; metrics on port {server.port}"
+    text += "".join(f"; {server.note}" for server in servers)
     return f"{text}; Ctrl-C ends it"
 
 
