@@ -30,7 +30,7 @@ class Kind(NamedTuple):
     name: str
     system: int
     component: int
-    count: int
+    frames: int
     time: float
     link: str
 
@@ -203,7 +203,8 @@ class Bridge:
         """Each message of the dialect from each component that came, in no order."""
         known = self.dialect.mavlink_map
         return [
-            Kind(msgid, known[msgid].msgname, *rest) for msgid, *rest in self._running().kinds()
+            Kind(msgid, known[msgid].msgname, system, component, frames, time, link)
+            for msgid, system, component, frames, time, link in self._running().kinds()
         ]
 
     def stats(self) -> dict[str, Any]:

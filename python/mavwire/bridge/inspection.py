@@ -1,4 +1,4 @@
-"""What the web inspector tells its page, as JSON: who is there, what comes how often, and the newest values of what is open."""
+"""What the web inspector tells its page, as JSON: who is there, what comes how often, and what is new."""
 
 from __future__ import annotations
 
@@ -44,11 +44,13 @@ class View:
 
     def tables(self) -> str:
         """Links, components and kinds of messages with their counts; BridgeError at the end."""
-        kinds = sorted(self._bridge.kinds(), key=lambda kind: (kind.system, kind.component, kind.id))
+        kinds = sorted(
+            self._bridge.kinds(), key=lambda kind: (kind.system, kind.component, kind.id)
+        )
         stats = self._bridge.stats()
         shown = kinds[:MAX_KINDS]
         stats["kinds"] = [
-            [kind.system, kind.component, kind.id, kind.count, kind.time, kind.link]
+            [kind.system, kind.component, kind.id, kind.frames, kind.time, kind.link]
             for kind in shown
         ]
         stats["hidden"] = len(kinds) - len(shown)
@@ -108,5 +110,3 @@ def plain(value: object) -> object:
     if isinstance(value, int) and abs(value) > MAX_SAFE:
         return str(value)
     return value
-
-

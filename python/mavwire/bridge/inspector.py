@@ -40,7 +40,7 @@ CHUNK = 256 * 1024
 
 
 class _Handler(Handler):
-    def do_GET(self) -> None:
+    def get(self) -> None:
         address = urlsplit(self.path)
         if not self._is_meant() or not self._is_allowed(address.query):
             return
@@ -70,7 +70,9 @@ class _Handler(Handler):
         token = self.server.owner.token
         given = parse_qs(query).get("token", [""])[0]
         if token and not hmac.compare_digest(given.encode(), token.encode()):
-            self.send_error(HTTPStatus.FORBIDDEN, "the address lacks the token that the bridge printed")
+            self.send_error(
+                HTTPStatus.FORBIDDEN, "the address lacks the token that the bridge printed"
+            )
             return False
         return True
 
@@ -163,7 +165,9 @@ class _Conversation:
         except (ProtocolError, ValueError):
             self._connection.sendall(self._web.send(CloseConnection(1007, "not understood")))
         except RuntimeError:
-            self._connection.sendall(self._web.send(CloseConnection(1001, "the bridge has stopped")))
+            self._connection.sendall(
+                self._web.send(CloseConnection(1001, "the bridge has stopped"))
+            )
 
     def _listen(self, until: float) -> bool:
         """Hear what the browser says up to a moment; False if it says no more."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
-from .config import Config
 from .checks import whole
+from .config import Config
 from .errors import ConfigError
 from .options import DEFAULT_BAUD, Endpoint, Recording
 

@@ -92,7 +92,7 @@ def _escaped(text: str) -> str:
 
 
 class _Handler(Handler):
-    def do_GET(self) -> None:
+    def get(self) -> None:
         path = self.path.partition("?")[0]
         if path not in ("/metrics", "/stats"):
             self.send_error(404)

@@ -6,7 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
-from .border import AUTOMATION_OPTIONS, BORDER_OPTIONS, Automation, Border, automation_from, border_from
+from .border import (
+    AUTOMATION_OPTIONS,
+    BORDER_OPTIONS,
+    Automation,
+    Border,
+    automation_from,
+    border_from,
+)
 from .checks import flag, rate, seconds, text, whole
 from .errors import ConfigError
 
@@ -98,8 +105,8 @@ class Link:
     sniffer: bool = False
     inbound: Filter = Filter()
     outbound: Filter = Filter()
-    border: Border = Border()
-    automation: Automation = Automation()
+    border: Border = field(default_factory=Border)
+    automation: Automation = field(default_factory=Automation)
     bytes_per_second: float | None = None
     message_rate: float | None = None
     message_rates: list[tuple[int, float]] = field(default_factory=list)

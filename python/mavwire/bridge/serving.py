@@ -1,4 +1,4 @@
-"""What the bridge's HTTP servers have in common: a thread that accepts, one for each connection, and no more than so many."""
+"""What the bridge's HTTP servers have in common: a thread that accepts, and one for each of a few connections."""
 
 from __future__ import annotations
 
@@ -95,6 +95,13 @@ class Handler(BaseHTTPRequestHandler):
     server_version = "mavwire"
     sys_version = ""
     protocol_version = "HTTP/1.1"
+
+    def get(self) -> None:
+        """Answer a GET request."""
+        raise NotImplementedError
+
+    def do_GET(self) -> None:
+        self.get()
 
     def answer(self, content_type: str, body: bytes, headers: dict[str, str] | None = None) -> None:
         """200 with a body."""

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
     from mavwire.bridge import Bridge
     from mavwire.bridge.serving import HttpServer
+    from mavwire.bridge.sinks import Sink
 
 # How long the program sleeps at a time when there is nothing to show.
 PAUSE = 0.5
@@ -81,6 +82,10 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="serve a page with all messages, links and plots; HOST is 127.0.0.1 if not given, "
         "and on others the address that is printed has a token",
     )  # fmt: skip
+    parser.add_argument(
+        "--sink", metavar="ADDRESS", action="append", default=[],
+        help="publish what comes: mqtt://HOST/PREFIX, mqtts://..., zenoh: or zenoh:tcp/HOST:PORT",
+    )  # fmt: skip
     parser.add_argument("--duration", type=duration, metavar="T", help="end after this time")
 
 
@@ -109,8 +114,11 @@ def _run(bridge: Bridge, args: Namespace) -> int:
     try:
         # Ctrl-C is the usual way to end it.
         with suppress(KeyboardInterrupt), ExitStack() as stack:
-            servers = [stack.enter_context(server) for server in _servers(bridge, args)]
-            print(_announcement(bridge, servers), file=sys.stderr, flush=True)
+            beside: list[HttpServer | Sink] = []
+            for one in _beside(bridge, args):
+                stack.push(one)
+                beside.append(one)
+            print(_announcement(bridge, beside), file=sys.stderr, flush=True)
             _watch(bridge, args)
     finally:
         if args.json is not None:
@@ -157,8 +165,8 @@ def _describe(error: OSError) -> str:
     return f"{error.filename}: {error.strerror}" if error.filename else str(error)
 
 
-def _servers(bridge: Bridge, args: Namespace) -> Iterator[HttpServer]:
-    """The HTTP servers that are asked for, opened one by one."""
+def _beside(bridge: Bridge, args: Namespace) -> Iterator[HttpServer | Sink]:
+    """The HTTP servers and sinks that are asked for, opened one by one."""
     from mavwire.bridge.metrics import MetricsServer
 
     if args.metrics is not None:
@@ -170,6 +178,23 @@ def _servers(bridge: Bridge, args: Namespace) -> Iterator[HttpServer]:
             yield _served("--http", Inspector, bridge, args.http)
         except ImportError:
             raise CommandError("--http needs wsproto: pip install 'mavwire[ws]'") from None
+    for text in args.sink:
+        yield _sink(bridge, text)
+
+
+def _sink(bridge: Bridge, text: str) -> Sink:
+    from mavwire.bridge import ConfigError
+    from mavwire.bridge.sinks import open_sink
+
+    try:
+        return open_sink(bridge, text)
+    except ImportError as error:
+        extra = text.partition(":")[0].removesuffix("s")
+        raise CommandError(f"--sink: {error}: pip install 'mavwire[{extra}]'") from None
+    except ConfigError as error:
+        raise CommandError(f"--sink: {error}", 2) from None
+    except OSError as error:
+        raise CommandError(f"--sink: {error}") from None
 
 
 def _served(
@@ -182,13 +207,13 @@ def _served(
         raise CommandError(f"{option} {host}:{port}: {error.strerror or error}") from None
 
 
-def _announcement(bridge: Bridge, servers: list[HttpServer]) -> str:
+def _announcement(bridge: Bridge, beside: list[HttpServer | Sink]) -> str:
     stats = bridge.stats()
     links = dict.fromkeys(one["endpoint"] for one in stats["links"] if one["endpoint"])
     text = f"routing between {', '.join(links)}"
     if stats["recording"]:
         text += f"; recording to {stats['recording']['path']}"
-    text += "".join(f"; {server.note}" for server in servers)
+    text += "".join(f"; {one.note}" for one in beside)
     return f"{text}; Ctrl-C ends it"
 
 

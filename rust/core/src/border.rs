@@ -19,6 +19,7 @@ use crate::x25;
 
 /// What a border does. By default it is open.
 #[derive(Debug, Clone, Default)]
+#[allow(clippy::struct_excessive_bools)] // each is asked for by itself
 pub struct BorderOptions {
     /// Frames leave in this version.
     pub version: Option<WireVersion>,

@@ -164,10 +164,11 @@ impl TextLogFile {
         while let Some(line) = self.line_at(at)? {
             at = line.next;
             let bytes = &self.window.buffered(line.offset)[..line.len];
-            if !line.too_long && !trimmed(bytes).is_empty() {
-                if let Some(&place) = places.get(&key_of(bytes)) {
-                    found[place].1.push(line.offset);
-                }
+            if !line.too_long
+                && !trimmed(bytes).is_empty()
+                && let Some(&place) = places.get(&key_of(bytes))
+            {
+                found[place].1.push(line.offset);
             }
             tell(progress, at, &mut told)?;
         }

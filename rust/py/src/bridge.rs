@@ -28,6 +28,9 @@ create_exception!(
 /// How long one wait may last before the user's signals are looked at.
 const WAIT_SLICE: Duration = Duration::from_millis(200);
 
+/// Message id, system, component, frames, time and link of the last one.
+type KindRow = (u32, u8, u8, u64, f64, String);
+
 fn to_python(error: Error) -> PyErr {
     match error {
         Error::Io { link, error } => match error.raw_os_error() {
@@ -124,7 +127,7 @@ impl BridgeCore {
 
     /// Every kind of message that came: message id, system, component, how many, when the last one came and over which
     /// link.
-    fn kinds(&self, py: Python<'_>) -> PyResult<Vec<(u32, u8, u8, u64, f64, String)>> {
+    fn kinds(&self, py: Python<'_>) -> PyResult<Vec<KindRow>> {
         let list = || {
             let hub = self.bridge.hub()?;
             let row = |Kind { info, count }: Kind| {

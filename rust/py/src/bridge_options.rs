@@ -96,6 +96,7 @@ impl FilterOption {
 
 /// `mavwire.bridge.border.Border`.
 #[derive(FromPyObject)]
+#[allow(clippy::struct_excessive_bools)] // as in the core
 struct BorderOption {
     version: Option<u8>,
     key: Option<Vec<u8>>,

@@ -95,11 +95,12 @@ def test_links_that_only_read_and_links_that_are_silent() -> None:
             udp_peer(bridge, "vehicles") as vehicle,
             udp_peer(bridge, "mute") as mute,
         ):
-            for one, system in ((vehicle, 1), (viewer, 255), (mute, 2)):
-                one.send(heartbeat(sysid=system))
-                wait_until("it", lambda: sum(
-                    len(peers(bridge, name)) for name in ("viewers", "vehicles", "mute")
-                ) >= (1 if system == 1 else 2 if system == 255 else 3))  # noqa: B023
+            vehicle.send(heartbeat(sysid=1))
+            wait_until("a vehicle", lambda: peers(bridge, "vehicles"))
+            viewer.send(heartbeat(sysid=255))
+            wait_until("a viewer", lambda: peers(bridge, "viewers"))
+            mute.send(heartbeat(sysid=2))
+            wait_until("another", lambda: peers(bridge, "mute"))
             viewer.send(command(1))
             wait_until("both", lambda: peers(bridge, "viewers")[0]["filtered_in"] == 2)
             wait_until("it", lambda: bridge.latest("HEARTBEAT", 2))

@@ -71,7 +71,9 @@ def test_a_page_is_told_what_comes_and_the_values_of_what_it_opens(
         assert "MAV_MODE_FLAG_CUSTOM_MODE_ENABLED" in beat_values[2][1].split(" | ")
         assert angle_values[:3] == [[1, ""], [0.25, ""], ["nan", ""]]
         vehicle.send(pack(mavlink.MAVLink_attitude_message(2, 0.5, 0, 0, 0, 0, 0), 2, 7))
-        newer = page.until(lambda told: told.get("values", {}).get("7/1/30", [0, [[1]]])[1][0][0] == 2)
+        newer = page.until(
+            lambda told: told.get("values", {}).get("7/1/30", [0, [[1]]])[1][0][0] == 2
+        )
         assert newer
 
 
@@ -91,7 +93,7 @@ def test_each_type_is_described_once(bridge: Bridge) -> None:
 def test_kinds_of_messages_are_counted(bridge: Bridge) -> None:
     for seq in range(3):
         bridge.send(heartbeat(seq=seq, sysid=4))
-    (kind,) = wait_until("them", lambda: [one for one in bridge.kinds() if one.count == 3])
+    (kind,) = wait_until("them", lambda: [one for one in bridge.kinds() if one.frames == 3])
     assert (kind.id, kind.name, kind.system, kind.component, kind.link) == (
         0, "HEARTBEAT", 4, 1, "program",
     )  # fmt: skip
@@ -170,9 +172,7 @@ def test_the_recording_can_be_downloaded(tmp_path: Path) -> None:
         '{"open": [[1, 2, true]]}', '{"open": [["a", {}, []]]}', "[" * 5000, "x" * (MAX_REQUEST + 1),
     ],
 )  # fmt: skip
-def test_nonsense_ends_the_conversation_and_nothing_else(
-    inspector: Inspector, said: str
-) -> None:
+def test_nonsense_ends_the_conversation_and_nothing_else(inspector: Inspector, said: str) -> None:
     with WebSocketClient(inspector.port, "/ws") as page:
         page.send(said)
         assert page.closed() == 1007

@@ -28,9 +28,7 @@ def stats(uptime: float, **changes: Any) -> dict[str, Any]:
 
 def test_rows_show_rates_since_the_last_look() -> None:
     before, now = stats(10.0), stats(12.0, received=300, sent=60, frames=41)
-    assert link_rows(now, before) == [
-        ["gcs", "", "up", "100", "5", "1.50", "1", "", "2", "3"]
-    ]
+    assert link_rows(now, before) == [["gcs", "", "up", "100", "5", "1.50", "1", "", "2", "3"]]
     assert component_rows(now, before) == [["1", "1", "0", "4", "6", "0.2 s", "a, b"]]
 
 

@@ -93,22 +93,23 @@ impl Port {
         entry: Option<Entry>,
         moment: Moment,
     ) {
-        match self.wire {
-            _ if self.muted => self.outbox.dropped += 1,
-            Wire::Down => self.outbox.dropped += 1,
-            Wire::Program => {}
-            Wire::Stream(_) | Wire::Datagrams(..) => {
-                let urgent = self.urgent.contains(&header.msgid);
-                let since = moment.now as u32;
-                let Some(border) = &self.border else {
-                    return self.outbox.push(frame, urgent, since);
-                };
-                let now = timestamp_from_unix_micros(moment.unix);
-                match border.outgoing(frame, entry, now) {
-                    Some(frame) => self.outbox.push(&frame, urgent, since),
-                    None => self.traffic.unconverted += 1,
-                }
+        if self.muted || matches!(self.wire, Wire::Down) {
+            self.outbox.dropped += 1;
+            return;
+        }
+        if matches!(self.wire, Wire::Program) {
+            return;
+        }
+        let urgent = self.urgent.contains(&header.msgid);
+        let since = moment.now as u32;
+        if let Some(border) = &self.border {
+            let now = timestamp_from_unix_micros(moment.unix);
+            match border.outgoing(frame, entry, now) {
+                Some(frame) => self.outbox.push(&frame, urgent, since),
+                None => self.traffic.unconverted += 1,
             }
+        } else {
+            self.outbox.push(frame, urgent, since);
         }
     }
 
