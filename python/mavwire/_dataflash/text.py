@@ -35,16 +35,21 @@ class DFReader_text(DFReader):
         self.init_clock()
 
     def init_arrays(self, progress_callback: Callable[[int], Any] | None = None) -> None:
-        """Go through the log: `formats`, `offsets`, `counts`, and the names of the types.
+        """Go through the log: `formats`, `counts`, and the names of the types.
 
-        `offsets` and `counts` have the first four characters of a line up to the comma as keys.
+        `counts` has the first four characters of a line up to the comma as keys.
         """
         self._init_contents(progress_callback)
         self.formats = {fmt.name: fmt for fmt in self._layouts}
         self.name_to_id = {fmt.name: fmt.type for fmt in self._layouts}
         self.id_to_name = {fmt.type: fmt.name for fmt in self._layouts}
-        self.offsets, self._count = self._lines()
-        self.counts = {key: len(offsets) for key, offsets in self.offsets.items()}
+        counts, self._count = self._lines()
+        self.counts = dict(counts)
+
+    @property
+    def offsets(self) -> dict[str, list[int]]:
+        """Offsets of the lines, by the keys of `counts`."""
+        return dict(self._line_offsets())
 
     @property
     def type_list(self) -> list[str] | None:

@@ -34,7 +34,10 @@ class BridgeCore:
         """The newest message of an id, from a system and a component or from any."""
 
     def tap(self, messages: list[int] | None, systems: list[int] | None) -> BridgeTap:
-        """The frames from now on, of some message ids and systems or of all."""
+        """The frames from now on, of some message ids and systems or of all. BridgeError in a fork."""
+
+    def kinds(self) -> list[tuple[int, int, int, int, float, str]]:
+        """Each kind of message: id, system, component, how many, time and link of the last one."""
 
     def stop(self) -> None:
         """Stops the bridge and waits for that."""

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from .bridge import Bridge
+from .bridge import Bridge, Kind
 from .config import Config, load_config
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
@@ -19,6 +19,7 @@ __all__ = [
     "ConfigError",
     "Endpoint",
     "FrameBatches",
+    "Kind",
     "Link",
     "Recording",
     "load_config",

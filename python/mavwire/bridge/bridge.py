@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from typing import NamedTuple
 
+from .checks import whole
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches
-from .options import Endpoint, Link, Recording, Settings, link_from, numbered, whole
+from .options import Endpoint, Link, Recording, Settings, link_from, numbered
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -19,6 +21,18 @@ if TYPE_CHECKING:
     from mavwire._native import BridgeCore
 
     from .config import Config
+
+
+class Kind(NamedTuple):
+    """A message from a component: how many came, and time and link of the last one."""
+
+    id: int
+    name: str
+    system: int
+    component: int
+    frames: int
+    time: float
+    link: str
 
 
 class Bridge:
@@ -184,6 +198,14 @@ class Bridge:
         return FrameBatches(tap, max_batch, max_latency)
 
     # -- what it tells
+
+    def kinds(self) -> list[Kind]:
+        """Each message of the dialect from each component that came, in no order."""
+        known = self.dialect.mavlink_map
+        return [
+            Kind(msgid, known[msgid].msgname, system, component, frames, time, link)
+            for msgid, system, component, frames, time, link in self._running().kinds()
+        ]
 
     def stats(self) -> dict[str, Any]:
         """Counters of links and components, and of the recording: what docs/bridge.md lists."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
+from .checks import whole
 from .errors import ConfigError
-from .options import DEFAULT_BAUD, Endpoint, whole
+from .options import DEFAULT_BAUD, Endpoint
 
 WORDS = {
     "udpout": "udpout",

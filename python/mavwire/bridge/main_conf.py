@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 
 from mavwire._wording import did_you_mean
 
+from .checks import whole
 from .config import Config
 from .errors import ConfigError
-from .options import DEFAULT_BAUD, Endpoint, Recording, whole
+from .options import DEFAULT_BAUD, Endpoint, Recording
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

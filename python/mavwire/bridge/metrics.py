@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import threading
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+from .serving import Handler, HttpServer
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any, Self
-
-    from .bridge import Bridge
+    from typing import Any
 
 PREFIX = "mavwire_bridge"
 # Key of `Bridge.stats()["links"]` -> what it counts.
@@ -29,13 +27,18 @@ LINK_COUNTERS = {
     "send_errors": "attempts to send that the system refused",
     "damaged": "damaged frames received",
     "junk_bytes": "bytes received that belong to no good frame",
+    "unverified": "frames received without the signature that they need",
+    "unconverted": "frames that the version of the link cannot carry",
     "refused": "peers turned away",
     "connections": "connections made",
 }
+# Key of a link's `latency` -> Prometheus' word for it.
+QUANTILES = {"p50": "0.5", "p99": "0.99", "p99.9": "0.999"}
 COMPONENT_COUNTERS = {
     "frames": "frames heard from a component",
     "bytes": "bytes of these frames",
     "lost": "frames missing in the sequence numbers",
+    "duplicates": "copies of its frames that came over another link",
 }
 RECORDING_COUNTERS = {
     "records": "records written",
@@ -66,6 +69,11 @@ def prometheus(stats: dict[str, Any]) -> str:
            [(who, one["queued_bytes"]) for who, one in links])  # fmt: skip
     family("link_up", "gauge", "1 if the link is connected or listening",
            [(who, int(one["state"] in ("up", "listening"))) for who, one in links])  # fmt: skip
+    overruns = [(who, one["overrun"]) for who, one in links if one["overrun"] is not None]
+    family("link_overrun_total", "counter", "datagrams that the system dropped unread", overruns)
+    family("link_latency_seconds", "summary", "from a frame's arrival to its leaving over the link",
+           [({**who, "quantile": quantile}, one["latency"][key]) for who, one in links
+            for key, quantile in QUANTILES.items() if one["latency"][key] is not None])  # fmt: skip
     components = [
         ({"system": str(one["system"]), "component": str(one["component"])}, one)
         for one in stats["components"]
@@ -83,71 +91,25 @@ def _escaped(text: str) -> str:
     return text.replace("\\", r"\\").replace('"', r"\"").replace("\n", r"\n")
 
 
-class MetricsServer:
-    """Answers HTTP requests about a bridge on a thread, until it is closed. OSError if the port is taken."""
-
-    def __init__(self, bridge: Bridge, host: str, port: int) -> None:
-        self._server = _Server((host, port), _Handler)
-        self._server.bridge = bridge
-        self._thread = threading.Thread(
-            target=self._server.serve_forever, args=(0.1,), name="mavwire-metrics", daemon=True
-        )
-        self._thread.start()
-
-    @property
-    def port(self) -> int:
-        """The port it listens on."""
-        return int(self._server.server_address[1])
-
-    def close(self) -> None:
-        """Answer no more."""
-        self._server.shutdown()
-        self._server.server_close()
-        self._thread.join()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()
-
-
-class _Server(ThreadingHTTPServer):
-    daemon_threads = True
-    bridge: Bridge
-
-    def handle_error(self, request: Any, client_address: Any) -> None:
-        """A client that went away or talks nonsense is its own affair."""
-
-
-class _Handler(BaseHTTPRequestHandler):
-    server: _Server
-    timeout = 10.0
-    server_version = "mavwire"
-    sys_version = ""
-
-    def do_GET(self) -> None:
+class _Handler(Handler):
+    def get(self) -> None:
         path = self.path.partition("?")[0]
         if path not in ("/metrics", "/stats"):
             self.send_error(404)
             return
         try:
-            stats = self.server.bridge.stats()
+            stats = self.server.owner.bridge.stats()
         except RuntimeError:
             self.send_error(503, "the bridge has stopped")
             return
         if path == "/stats":
-            self._answer("application/json", json.dumps(stats))
+            self.answer("application/json", json.dumps(stats).encode())
         else:
-            self._answer("text/plain; version=0.0.4; charset=utf-8", prometheus(stats))
+            self.answer("text/plain; version=0.0.4; charset=utf-8", prometheus(stats).encode())
 
-    def _answer(self, content_type: str, text: str) -> None:
-        body = text.encode()
-        self.send_response(200)
-        self.send_header("Content-Type", content_type)
-        self.send_header("Content-Length", str(len(body)))
-        self.end_headers()
-        self.wfile.write(body)
 
-    def log_message(self, format: str, *args: Any) -> None:
-        """Nothing: standard error belongs to the program."""
+class MetricsServer(HttpServer):
+    """Answers `/metrics` and `/stats` on threads, until it is closed. OSError if the port is taken."""
+
+    handler = _Handler
+    purpose = "metrics"

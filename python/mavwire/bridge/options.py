@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from mavwire._wording import did_you_mean
 
+from .border import (
+    AUTOMATION_OPTIONS,
+    BORDER_OPTIONS,
+    Automation,
+    Border,
+    automation_from,
+    border_from,
+)
+from .checks import flag, rate, seconds, text, whole
 from .errors import ConfigError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Mapping
     from typing import Any
 
 KINDS = ("udpout", "udpin", "udpbcast", "tcp", "tcpin", "serial")
@@ -97,9 +106,12 @@ class Link:
     sniffer: bool = False
     inbound: Filter = Filter()
     outbound: Filter = Filter()
+    border: Border = field(default_factory=Border)
+    automation: Automation = field(default_factory=Automation)
     bytes_per_second: float | None = None
     message_rate: float | None = None
     message_rates: list[tuple[int, float]] = field(default_factory=list)
+    urgent: list[int] = field(default_factory=list)
     queue: int = 256 * 1024
     datagram: int = 0
     peer_timeout: float = 60.0
@@ -115,24 +127,33 @@ def link_from(
     """
     known = {
         "name", "group", "private", "sniffer", "bytes_per_second", "rate", "rates", "queue_bytes",
-        "datagram_bytes", "peer_timeout", "retry",
+        "datagram_bytes", "peer_timeout", "retry", "urgent", "read_only", "silent",
+        *BORDER_OPTIONS, *AUTOMATION_OPTIONS,
         *(f"{verb}_{what}_{way}" for verb in ("allow", "block") for what in _LISTS
           for way in _DIRECTIONS),
     }  # fmt: skip
     for option in options:
         if option not in known:
             raise ConfigError(f"unknown option {option!r}{did_you_mean(option, known)}")
+
+    def message_ids(name: str, values: object) -> list[int]:
+        return [_named(name, message_id, value) for value in _listed(name, values)]
+
+    urgent = options.get("urgent")
     return Link(
-        name=_text("name", options.get("name", str(endpoint))),
+        name=text("name", options.get("name", str(endpoint))),
         endpoint=endpoint,
-        group=None if options.get("group") is None else _text("group", options["group"]),
-        private=_flag("private", options.get("private", False)),
-        sniffer=_flag("sniffer", options.get("sniffer", False)),
-        inbound=_filter(options, "in", message_id),
-        outbound=_filter(options, "out", message_id),
-        bytes_per_second=_rate("bytes_per_second", options.get("bytes_per_second")),
-        message_rate=_rate("rate", options.get("rate")),
+        group=None if options.get("group") is None else text("group", options["group"]),
+        private=flag("private", options.get("private", False)),
+        sniffer=flag("sniffer", options.get("sniffer", False)),
+        inbound=_filter(options, "in", "read_only", message_ids),
+        outbound=_filter(options, "out", "silent", message_ids),
+        border=border_from(options, message_ids),
+        automation=automation_from(options),
+        bytes_per_second=rate("bytes_per_second", options.get("bytes_per_second")),
+        message_rate=rate("rate", options.get("rate")),
         message_rates=_rates(options.get("rates"), message_id),
+        urgent=[] if urgent is None else message_ids("urgent", urgent),
         queue=whole("queue_bytes", options.get("queue_bytes", Link.queue), 1 << 30, least=1024),
         datagram=whole("datagram_bytes", options.get("datagram_bytes", 0), 65_507),
         peer_timeout=seconds("peer_timeout", options.get("peer_timeout", 60.0), least=1e-3),
@@ -140,17 +161,24 @@ def link_from(
     )
 
 
-def _filter(options: Mapping[str, Any], way: str, message_id: Callable[[object], int]) -> Filter:
+def _filter(
+    options: Mapping[str, Any],
+    way: str,
+    closed: str,
+    message_ids: Callable[[str, object], list[int]],
+) -> Filter:
+    """The filter of one direction; the option `closed` lets nothing pass."""
+    if flag(closed, options.get(closed, False)):
+        return Filter(allow_messages=[])
+
     def ids(verb: str, what: str) -> list[int] | None:
         name = f"{verb}_{what}_{way}"
         values = options.get(name)
         if values is None:
             return None
-        if isinstance(values, str | bytes) or not hasattr(values, "__iter__"):
-            raise ConfigError(f"{name} must be a list, not {values!r}")
         if what == "messages":
-            return [_named(name, message_id, value) for value in values]
-        return [whole(name, value, 255) for value in values]
+            return message_ids(name, values)
+        return [whole(name, value, 255) for value in _listed(name, values)]
 
     return Filter(
         ids("allow", "messages"), ids("block", "messages") or [],
@@ -166,8 +194,14 @@ def _rates(
         return []
     if not hasattr(rates, "items"):
         raise ConfigError(f"rates must map messages to numbers, not {rates!r}")
-    pairs = ((_named("rates", message_id, name), name, rate) for name, rate in rates.items())
-    return [(msgid, _rate(f"rates: {name}", rate) or 0.0) for msgid, name, rate in pairs]
+    pairs = ((_named("rates", message_id, name), name, each) for name, each in rates.items())
+    return [(msgid, rate(f"rates: {name}", each) or 0.0) for msgid, name, each in pairs]
+
+
+def _listed(name: str, values: object) -> Iterable[object]:
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        raise ConfigError(f"{name} must be a list, not {values!r}")
+    return values
 
 
 def _named(option: str, message_id: Callable[[object], int], value: object) -> int:
@@ -177,51 +211,9 @@ def _named(option: str, message_id: Callable[[object], int], value: object) -> i
         raise ConfigError(f"{option}: {error}") from None
 
 
-def _number(name: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ConfigError(f"{name} must be a number, not {value!r}")
-    return float(value)
-
-
-def seconds(name: str, value: object, least: float = 0.0) -> float:
-    """A number of seconds, `least` or more and less than some centuries."""
-    number = _number(name, value)
-    if not least <= number <= 1e10:
-        raise ConfigError(f"{name} must be {least:g} seconds or more, not {value!r}")
-    return number
-
-
-def whole(name: str, value: object, most: int, least: int = 0) -> int:
-    """A whole number in a range."""
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise ConfigError(f"{name} must be a number from {least} to {most}, not {value!r}")
-    return value
-
-
-def _rate(name: str, value: object) -> float | None:
-    if value is None:
-        return None
-    number = _number(name, value)
-    if number <= 0:
-        raise ConfigError(f"{name} must be more than 0 a second, not {value!r}")
-    return number
-
-
 def _retry(value: object) -> float | None:
     """The longest pause between two attempts; 0 or None for no second connection."""
     return None if not value else seconds("retry", value, least=1e-3)
-
-
-def _flag(name: str, value: object) -> bool:
-    if not isinstance(value, bool):
-        raise ConfigError(f"{name} must be true or false, not {value!r}")
-    return value
-
-
-def _text(name: str, value: object) -> str:
-    if not isinstance(value, str) or not value:
-        raise ConfigError(f"{name} must be a text, not {value!r}")
-    return value
 
 
 def numbered(groups: Iterable[str], group: str | None) -> int | None:

@@ -36,9 +36,9 @@ class StatusTable:
         from rich.table import Column, Table
 
         names = [Column(name, overflow="fold") for name in ("link", "peer", "state")]
-        counts = ("in/s", "out/s", "dropped", "duplicates", "junk bytes")
+        counts = ("in/s", "out/s", "p99 ms", "dropped", "overrun", "duplicates", "junk bytes")
         links = Table(*names, *(Column(name, justify="right", overflow="fold") for name in counts))
-        components = Table("system", "component", "in/s", "lost", "age", "links")
+        components = Table("system", "component", "in/s", "lost", "duplicates", "age", "links")
         for row in link_rows(stats, self._before):
             links.add_row(*row)
         for row in component_rows(stats, self._before):
@@ -56,10 +56,13 @@ def link_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[str]]:
         last = known.get((one["name"], one["peer"]), {})
         rates = [(one[key] - last.get(key, 0)) / span for key in ("received", "sent")]
         state = f"{one['state']}: {one['error']}" if one["error"] else one["state"]
-        counts = [str(one[key]) for key in ("dropped", "duplicates", "junk_bytes")]
-        rows.append(
-            [one["name"], one["peer"] or "", state, *(f"{rate:.0f}" for rate in rates), *counts]
-        )
+        late = one["latency"]["p99"]
+        counts = [one[key] for key in ("dropped", "overrun", "duplicates", "junk_bytes")]
+        rows.append([
+            one["name"], one["peer"] or "", state, *(f"{rate:.0f}" for rate in rates),
+            "" if late is None else f"{late * 1e3:.2f}",
+            *("" if count is None else str(count) for count in counts),
+        ])  # fmt: skip
     return rows
 
 
@@ -72,5 +75,6 @@ def component_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[s
         who = (one["system"], one["component"])
         rate = (one["frames"] - known.get(who, 0)) / span
         age = f"{one['age']:.1f} s"
-        rows.append([*map(str, who), f"{rate:.0f}", str(one["lost"]), age, ", ".join(one["links"])])
+        counts = (str(one["lost"]), str(one["duplicates"]))
+        rows.append([*map(str, who), f"{rate:.0f}", *counts, age, ", ".join(one["links"])])
     return rows

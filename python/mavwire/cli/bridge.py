@@ -12,6 +12,7 @@ examples:
   mavwire bridge --master /dev/ttyACM0,115200 --out udpout:10.0.0.2:14550 --out tcpin:0.0.0.0:5760
   mavwire bridge serial:/dev/ttyAMA0:57600 udps:0.0.0.0:5600 --record logs/
   mavwire bridge --config main.conf --status
+  mavwire bridge udpin:0.0.0.0:14550 --http :8080
 """
 
 from __future__ import annotations
@@ -21,14 +22,18 @@ import signal
 import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli.sim import duration
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from mavwire.bridge import Bridge
-    from mavwire.bridge.metrics import MetricsServer
+    from mavwire.bridge.serving import HttpServer
+    from mavwire.bridge.sinks import Sink
 
 # How long the program sleeps at a time when there is nothing to show.
 PAUSE = 0.5
@@ -72,6 +77,15 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--metrics", type=listen_address, metavar="[HOST]:PORT",
         help="serve /metrics for Prometheus and /stats as JSON; HOST is 127.0.0.1 if not given",
     )  # fmt: skip
+    show.add_argument(
+        "--http", type=listen_address, metavar="[HOST]:PORT",
+        help="serve a page with all messages, links and plots; HOST is 127.0.0.1 if not given, "
+        "and on others the address that is printed has a token",
+    )  # fmt: skip
+    parser.add_argument(
+        "--sink", metavar="ADDRESS", action="append", default=[],
+        help="publish what comes: mqtt://HOST/PREFIX, mqtts://..., zenoh: or zenoh:tcp/HOST:PORT",
+    )  # fmt: skip
     parser.add_argument("--duration", type=duration, metavar="T", help="end after this time")
 
 
@@ -96,18 +110,19 @@ def _run(bridge: Bridge, args: Namespace) -> int:
         raise CommandError(_describe(error)) from None
     except RuntimeError as error:
         raise CommandError(str(error)) from None
-    server: MetricsServer | None = None
+    last = None
     try:
-        if args.metrics is not None:
-            server = _metrics(bridge, *args.metrics)
-        print(_announcement(bridge, server), file=sys.stderr, flush=True)
-        _watch(bridge, args)
-    except KeyboardInterrupt:
-        pass  # the usual way to end it
+        # Ctrl-C is the usual way to end it.
+        with suppress(KeyboardInterrupt), ExitStack() as stack:
+            beside: list[HttpServer | Sink] = []
+            for one in _beside(bridge, args):
+                stack.push(one)
+                beside.append(one)
+            print(_announcement(bridge, beside), file=sys.stderr, flush=True)
+            _watch(bridge, args)
     finally:
-        if server is not None:
-            server.close()
-        last = bridge.stats() if args.json is not None else None
+        if args.json is not None:
+            last = bridge.stats()
         bridge.stop()
     if last is not None:
         print(json.dumps(last), flush=True)
@@ -150,23 +165,55 @@ def _describe(error: OSError) -> str:
     return f"{error.filename}: {error.strerror}" if error.filename else str(error)
 
 
-def _metrics(bridge: Bridge, host: str, port: int) -> MetricsServer:
+def _beside(bridge: Bridge, args: Namespace) -> Iterator[HttpServer | Sink]:
+    """The HTTP servers and sinks that are asked for, opened one by one."""
     from mavwire.bridge.metrics import MetricsServer
 
+    if args.metrics is not None:
+        yield _served("--metrics", MetricsServer, bridge, args.metrics)
+    if args.http is not None:
+        from mavwire.bridge.inspector import Inspector
+
+        try:
+            yield _served("--http", Inspector, bridge, args.http)
+        except ImportError:
+            raise CommandError("--http needs wsproto: pip install 'mavwire[ws]'") from None
+    for text in args.sink:
+        yield _sink(bridge, text)
+
+
+def _sink(bridge: Bridge, text: str) -> Sink:
+    from mavwire.bridge import ConfigError
+    from mavwire.bridge.sinks import open_sink
+
     try:
-        return MetricsServer(bridge, host, port)
+        return open_sink(bridge, text)
+    except ImportError as error:
+        extra = text.partition(":")[0].removesuffix("s")
+        raise CommandError(f"--sink: {error}: pip install 'mavwire[{extra}]'") from None
+    except ConfigError as error:
+        raise CommandError(f"--sink: {error}", 2) from None
     except OSError as error:
-        raise CommandError(f"--metrics {host}:{port}: {error.strerror or error}") from None
+        raise CommandError(f"--sink: {error}") from None
 
 
-def _announcement(bridge: Bridge, server: MetricsServer | None) -> str:
+def _served(
+    option: str, server: type[HttpServer], bridge: Bridge, address: tuple[str, int]
+) -> HttpServer:
+    host, port = address
+    try:
+        return server(bridge, host, port)
+    except OSError as error:
+        raise CommandError(f"{option} {host}:{port}: {error.strerror or error}") from None
+
+
+def _announcement(bridge: Bridge, beside: list[HttpServer | Sink]) -> str:
     stats = bridge.stats()
     links = dict.fromkeys(one["endpoint"] for one in stats["links"] if one["endpoint"])
     text = f"routing between {', '.join(links)}"
     if stats["recording"]:
         text += f"; recording to {stats['recording']['path']}"
-    if server is not None:
-        text += f"; metrics on port {server.port}"
+    text += "".join(f"; {one.note}" for one in beside)
     return f"{text}; Ctrl-C ends it"
 
 

@@ -29,6 +29,9 @@ pub const MAX_FRAME_LEN: usize = HEADER_LEN_V2 + MAX_PAYLOAD_LEN + CHECKSUM_LEN 
 /// Bit of `incompat_flags`: a signature block follows the checksum. The only bit defined so far.
 pub const IFLAG_SIGNED: u8 = 0x01;
 
+/// Where the `incompat_flags` of a MAVLink 2 frame stand.
+pub(crate) const INCOMPAT_FLAGS_AT: usize = 2;
+
 /// Why bytes are not a valid frame. The texts are those of pymavlink, which programs compare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum FrameError {

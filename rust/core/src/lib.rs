@@ -6,11 +6,12 @@
 //!
 //! The path of a received byte: [`scan::Scanner`] finds frames in a byte stream ([`stream::FrameStream`] when it arrives
 //! in pieces), [`registry::Registry`] knows the messages of a dialect, [`signing`] says whether a frame is genuine,
-//! [`router`] where it goes, and [`codec`] turns a payload into values.
+//! [`router`] where it goes, [`border`] what it goes through there, and [`codec`] turns a payload into values.
 
 #![forbid(unsafe_code)]
 
 pub mod anonymize;
+pub mod border;
 pub mod builtin;
 pub mod codec;
 pub mod frame;

@@ -241,6 +241,7 @@ impl Router {
         }
         if self.dedup.is_duplicate(frame, source, now) {
             port.stats.duplicates += 1;
+            self.table.count_duplicate(header.sysid, header.compid);
             return Fate::Duplicate;
         }
         if header.msgid == SETUP_SIGNING {

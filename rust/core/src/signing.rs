@@ -14,7 +14,10 @@ mod streams;
 pub use key::{Digest, SecretKey, sig48};
 pub use streams::{StreamId, StreamTable};
 
-use crate::frame::{FrameBuffer, FrameRef, SIGNATURE_LEN};
+use crate::frame::{
+    CHECKSUM_LEN, FrameBuffer, FrameRef, IFLAG_SIGNED, INCOMPAT_FLAGS_AT, SIGNATURE_LEN,
+};
+use crate::x25;
 use subtle::{Choice, ConstantTimeEq};
 
 /// Unix time of signing timestamp 0: 2015-01-01 00:00 UTC, in seconds.
@@ -284,6 +287,24 @@ fn signature(frame: &[u8], key: &SecretKey, link_id: u8, timestamp: u64) -> [u8;
     let digest = sig48(key, &[frame, &block[..7]]);
     block[7..].copy_from_slice(&digest);
     block
+}
+
+/// A signed frame without its signature.
+///
+/// The checksum covers the signed flag. It is linear, so what clearing the flag changes depends on the flag's distance
+/// from the end alone: `crc_extra` is not needed, and messages that nobody knows keep a good checksum.
+pub(crate) fn without_signature(frame: &[u8]) -> Vec<u8> {
+    let end = frame.len() - SIGNATURE_LEN;
+    let checksum_at = end - CHECKSUM_LEN;
+    let mut unsigned = frame[..end].to_vec();
+    unsigned[INCOMPAT_FLAGS_AT] &= !IFLAG_SIGNED;
+    // `crc_extra` counts as one more byte behind the payload.
+    let behind_flag = checksum_at - INCOMPAT_FLAGS_AT - 1 + 1;
+    let change = x25::advance(x25::push(0, IFLAG_SIGNED), behind_flag);
+    for (byte, changed) in unsigned[checksum_at..].iter_mut().zip(change.to_le_bytes()) {
+        *byte ^= changed;
+    }
+    unsigned
 }
 
 /// The clock as a signing timestamp: 0 before 2015, [`MAX_TIMESTAMP`] from 2104 on.

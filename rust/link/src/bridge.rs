@@ -9,23 +9,30 @@
 //! | `endpoint` | where a link leads, opening and dialling |
 //! | `event_loop` | waiting, reading, writing, connections that come and go |
 //! | `switch` | bytes to frames to queues |
-//! | `port`, `outbox`, `send` | one peer, its queue, many datagrams in a call |
+//! | `port`, `outbox`, `lane`, `send` | one peer, its queue, many datagrams in a call |
+//! | `automation` | what the bridge says of its own accord |
+//! | `report`, `latency` | what it tells about itself |
 //! | `hub` | the newest frames, and taps for the program around the bridge |
 //! | `recorder` | telemetry logs |
 
+mod automation;
 mod endpoint;
 mod event_loop;
 mod hub;
+mod lane;
+mod latency;
 mod outbox;
 mod port;
 mod recorder;
+mod report;
 mod send;
 mod serial;
 mod stats;
 mod switch;
 
-pub use endpoint::{Endpoint, LinkSpec};
-pub use hub::{FrameInfo, Frames, Hub, Latest, Tap, TapFilter};
+pub use automation::AutomationOptions;
+pub use endpoint::{Endpoint, LinkSpec, PortSpec};
+pub use hub::{FrameInfo, Frames, Hub, Kind, Latest, Tap, TapFilter};
 pub use recorder::{Recording, RecordingStats};
 pub use stats::{ComponentReport, LinkReport, Stats, Traffic};
 
@@ -94,8 +101,6 @@ pub struct Bridge {
     waker: Waker,
     hub: Arc<Hub>,
     thread: Mutex<Option<JoinHandle<()>>>,
-    /// The process that has the thread: a fork has a copy of this handle, and no thread to stop.
-    process: u32,
 }
 
 impl Bridge {
@@ -114,24 +119,18 @@ impl Bridge {
         signal.set_nonblocking(true)?;
         wake.set_nonblocking(true)?;
         let waker = Waker { commands, signal: Arc::new(signal) };
-        let hub = Arc::new(Hub::default());
+        let hub = Arc::new(Hub::new());
         let (for_loop, hub_of_loop) = (waker.clone(), Arc::clone(&hub));
         let run = move || {
             let switch = Switch::new(registry, settings);
             EventLoop::new(switch, hub_of_loop, recorder, receiver, for_loop, wake).run();
         };
         let thread = std::thread::Builder::new().name("mavwire-bridge".into()).spawn(run)?;
-        let (thread, process) = (Mutex::new(Some(thread)), std::process::id());
-        Ok(Self { waker, hub, thread, process })
-    }
-
-    /// Whether this is a fork's copy of the handle: nobody would obey its commands.
-    fn is_forked(&self) -> bool {
-        self.process != std::process::id()
+        Ok(Self { waker, hub, thread: Mutex::new(Some(thread)) })
     }
 
     fn tell(&self, command: Command) -> Result<(), BridgeError> {
-        if self.is_forked() { Err(BridgeError::Stopped) } else { self.waker.send(command) }
+        if self.hub.is_forked() { Err(BridgeError::Stopped) } else { self.waker.send(command) }
     }
 
     fn ask<T>(&self, command: impl FnOnce(SyncSender<T>) -> Command) -> Result<T, BridgeError> {
@@ -177,14 +176,18 @@ impl Bridge {
     }
 
     /// What came by.
-    pub fn hub(&self) -> &Hub {
-        &self.hub
+    ///
+    /// # Errors
+    /// The bridge runs in the process that this one was forked from. Here nothing comes by, and a lock that the thread
+    /// there held is never released.
+    pub fn hub(&self) -> Result<&Hub, BridgeError> {
+        if self.hub.is_forked() { Err(BridgeError::Stopped) } else { Ok(&self.hub) }
     }
 
     /// Stops it: closes all links, ends all taps, writes what is left of a recording.
     pub fn stop(&self) {
         let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
-        if self.is_forked() {
+        if self.hub.is_forked() {
             std::mem::forget(thread);
         } else if let Some(thread) = thread {
             let _ = self.waker.send(Command::Stop);

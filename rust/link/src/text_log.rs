@@ -1,6 +1,6 @@
 //! A dataflash log in its text form: a line for each record.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -26,8 +26,8 @@ pub struct TextLogFile {
     window: FileWindow,
     len: u64,
     definitions: TextDefinitions,
-    /// First characters of a line up to the comma -> where such lines start.
-    keys: BTreeMap<String, Vec<u64>>,
+    /// First characters of a line up to the comma -> where the first such line starts, and how many there are.
+    keys: HashMap<String, (u64, u64)>,
     lines: u64,
 }
 
@@ -43,6 +43,23 @@ struct Line {
     len: usize,
 }
 
+/// What a line is counted as: its first characters up to the comma.
+fn key_of(line: &[u8]) -> String {
+    let key = &line[..line.len().min(KEY_LEN)];
+    decode_line(&key[..memchr::memchr(b',', key).unwrap_or(key.len())])
+}
+
+/// Tells now and then where a walk through the log has come to; `Interrupted` if it shall end there.
+fn tell(progress: &mut dyn FnMut(u64) -> bool, at: u64, told: &mut u64) -> io::Result<()> {
+    if at - *told > MAX_LINE_LEN as u64 {
+        *told = at;
+        if !progress(at) {
+            return Err(io::ErrorKind::Interrupted.into());
+        }
+    }
+    Ok(())
+}
+
 impl TextLogFile {
     /// Opens a file and reads what it describes.
     ///
@@ -54,7 +71,7 @@ impl TextLogFile {
         let head = window.at(0, PROBE)?;
         let delimiter = Delimiter::of(&head[..head.len().min(PROBE)]);
         let definitions = TextDefinitions::new(delimiter);
-        let mut log = Self { window, len, definitions, keys: BTreeMap::new(), lines: 0 };
+        let mut log = Self { window, len, definitions, keys: HashMap::new(), lines: 0 };
         log.collect()?;
         Ok(log)
     }
@@ -68,13 +85,11 @@ impl TextLogFile {
             if line.too_long || trimmed(bytes).is_empty() {
                 continue;
             }
-            let key = &bytes[..bytes.len().min(KEY_LEN)];
-            let key = &key[..memchr::memchr(b',', key).unwrap_or(key.len())];
-            let key = decode_line(key);
+            let key = key_of(bytes);
             self.definitions.collect(bytes, line.offset);
             self.lines += 1;
             if self.keys.len() < MAX_KEYS || self.keys.contains_key(&key) {
-                self.keys.entry(key).or_default().push(line.offset);
+                self.keys.entry(key).or_insert((line.offset, 0)).1 += 1;
             }
         }
         Ok(())
@@ -100,9 +115,38 @@ impl TextLogFile {
         self.definitions.layouts()
     }
 
-    /// Where lines start, by their first characters up to the comma.
-    pub fn keys(&self) -> &BTreeMap<String, Vec<u64>> {
-        &self.keys
+    /// Lines by their first characters up to the comma, in the order of the log.
+    pub fn counts(&self) -> Vec<(&str, u64)> {
+        let mut keys: Vec<_> = self.keys.iter().collect();
+        keys.sort_unstable_by_key(|(_, (first, _))| *first);
+        keys.into_iter().map(|(key, (_, count))| (key.as_str(), *count)).collect()
+    }
+
+    /// Where those lines start: goes through the whole log.
+    ///
+    /// # Errors
+    /// What the operating system says; `Interrupted` where `progress` ended it.
+    pub fn offsets(
+        &mut self,
+        progress: &mut dyn FnMut(u64) -> bool,
+    ) -> io::Result<Vec<(String, Vec<u64>)>> {
+        let mut found: Vec<(String, Vec<u64>)> =
+            self.counts().into_iter().map(|(key, _)| (key.to_owned(), Vec::new())).collect();
+        let places: HashMap<String, usize> =
+            found.iter().enumerate().map(|(place, (key, _))| (key.clone(), place)).collect();
+        let (mut at, mut told) = (0, 0);
+        while let Some(line) = self.line_at(at)? {
+            at = line.next;
+            let bytes = &self.window.buffered(line.offset)[..line.len];
+            if !line.too_long
+                && !trimmed(bytes).is_empty()
+                && let Some(&place) = places.get(&key_of(bytes))
+            {
+                found[place].1.push(line.offset);
+            }
+            tell(progress, at, &mut told)?;
+        }
+        Ok(found)
     }
 
     /// Lines that are not empty.
@@ -199,12 +243,7 @@ impl TextLogFile {
                 |_, field| value(field),
             );
             at = next;
-            if at - told > MAX_LINE_LEN as u64 {
-                told = at;
-                if !progress(at) {
-                    return Err(io::ErrorKind::Interrupted.into());
-                }
-            }
+            tell(progress, at, &mut told)?;
         }
         Ok(tally.finish())
     }

@@ -5,7 +5,7 @@
 use std::time::{Duration, Instant};
 
 use mavwire_core::router::Settings;
-use mavwire_link::bridge::{Bridge, BridgeError as Error, Tap, TapFilter};
+use mavwire_link::bridge::{Bridge, BridgeError as Error, Kind, Tap, TapFilter};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -27,6 +27,9 @@ create_exception!(
 
 /// How long one wait may last before the user's signals are looked at.
 const WAIT_SLICE: Duration = Duration::from_millis(200);
+
+/// Message id, system, component, frames, time and link of the last one.
+type KindRow = (u32, u8, u8, u64, f64, String);
 
 fn to_python(error: Error) -> PyErr {
     match error {
@@ -103,9 +106,8 @@ impl BridgeCore {
         sysid: Option<u8>,
         compid: Option<u8>,
     ) -> PyResult<Option<Bound<'py, Message>>> {
-        let Some(latest) = py.detach(|| self.bridge.hub().latest(msgid, sysid, compid)) else {
-            return Ok(None);
-        };
+        let find = || Ok(self.bridge.hub()?.latest(msgid, sysid, compid));
+        let Some(latest) = py.detach(find).map_err(to_python)? else { return Ok(None) };
         let frame = FrameBytes::from(&latest.frame[..]);
         let time = latest.info.time as f64 / 1e6;
         self.dialect.get().stamped(py, latest.info.index, frame, time, 0).map(Some)
@@ -116,10 +118,26 @@ impl BridgeCore {
         slf: Bound<'_, Self>,
         messages: Option<Vec<u32>>,
         systems: Option<Vec<u8>>,
-    ) -> BridgeTap {
+    ) -> PyResult<BridgeTap> {
         let filter = TapFilter { messages, systems };
-        let tap = slf.get().bridge.hub().tap(filter);
-        BridgeTap { core: slf.unbind(), tap }
+        let bridge = &slf.get().bridge;
+        let tap = slf.py().detach(|| Ok(bridge.hub()?.tap(filter))).map_err(to_python)?;
+        Ok(BridgeTap { core: slf.unbind(), tap })
+    }
+
+    /// Every kind of message that came: message id, system, component, how many, when the last one came and over which
+    /// link.
+    fn kinds(&self, py: Python<'_>) -> PyResult<Vec<KindRow>> {
+        let list = || {
+            let hub = self.bridge.hub()?;
+            let row = |Kind { info, count }: Kind| {
+                let link = hub.link_name(info.link).unwrap_or_default();
+                let time = info.time as f64 / 1e6;
+                (info.msgid, info.sysid, info.compid, count, time, link)
+            };
+            Ok(hub.kinds().into_iter().map(row).collect())
+        };
+        py.detach(list).map_err(to_python)
     }
 
     /// Stops the bridge and waits for that.
@@ -164,15 +182,22 @@ impl BridgeTap {
     ) -> PyResult<Option<FrameBatch>> {
         let latency = seconds("max_latency", max_latency)?;
         let timeout = timeout.map(|timeout| seconds("timeout", timeout)).transpose()?;
-        let max_batch = max_batch.max(1);
-        if self.wait(py, 1, timeout)? {
-            self.wait(py, max_batch, Some(latency))?;
+        let (max_batch, began) = (max_batch.max(1), Instant::now());
+        loop {
+            let left = timeout.map(|timeout| timeout.saturating_sub(began.elapsed()));
+            let there = self.wait(py, 1, left)?;
+            if there {
+                self.wait(py, max_batch, Some(latency))?;
+            }
+            let Some(frames) = py.detach(|| self.tap.take(max_batch)) else { return Ok(None) };
+            // Another thread may have been quicker.
+            if frames.infos.is_empty() && there && left.is_none_or(|left| !left.is_zero()) {
+                continue;
+            }
+            let core = self.core.get();
+            let hub = core.bridge.hub().map_err(to_python)?;
+            return Ok(Some(FrameBatch::new(core.dialect.clone_ref(py), frames, hub)));
         }
-        let Some(frames) = py.detach(|| self.tap.take(max_batch)) else {
-            return Ok(None);
-        };
-        let core = self.core.get();
-        Ok(Some(FrameBatch::new(core.dialect.clone_ref(py), frames, core.bridge.hub())))
     }
 
     /// Frames that were dropped because nobody fetched them in time.

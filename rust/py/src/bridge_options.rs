@@ -2,10 +2,14 @@
 
 use std::hash::{BuildHasher as _, Hasher as _, RandomState};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
+use mavwire_core::border::BorderOptions;
 use mavwire_core::router::{Filter, Limits, LinkOptions, Settings};
-use mavwire_link::bridge::{Endpoint, LinkSpec, Recording};
+use mavwire_core::schema::WireVersion;
+use mavwire_core::signing::SecretKey;
+use mavwire_link::bridge::{AutomationOptions, Endpoint, LinkSpec, PortSpec, Recording};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -90,6 +94,51 @@ impl FilterOption {
     }
 }
 
+/// `mavwire.bridge.border.Border`.
+#[derive(FromPyObject)]
+#[allow(clippy::struct_excessive_bools)] // as in the core
+struct BorderOption {
+    version: Option<u8>,
+    key: Option<Vec<u8>>,
+    verify: bool,
+    unsigned: Vec<u32>,
+    sign: bool,
+    strip_in: bool,
+    strip_out: bool,
+}
+
+impl BorderOption {
+    fn into_border(self) -> PyResult<BorderOptions> {
+        let key = self.key.map(|key| SecretKey::new(&key)).transpose();
+        let key = key.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(BorderOptions {
+            version: self.version.map(|n| if n == 1 { WireVersion::V1 } else { WireVersion::V2 }),
+            key: key.map(Arc::new),
+            verify: self.verify,
+            unsigned: self.unsigned,
+            sign: self.sign,
+            strip_in: self.strip_in,
+            strip_out: self.strip_out,
+            ..BorderOptions::default()
+        })
+    }
+}
+
+/// `mavwire.bridge.border.Automation`.
+#[derive(FromPyObject)]
+struct AutomationOption {
+    system: u8,
+    heartbeat: Option<f64>,
+    stream_rate: Option<u16>,
+}
+
+impl AutomationOption {
+    fn into_automation(self) -> PyResult<AutomationOptions> {
+        let heartbeat = self.heartbeat.map(|time| seconds("heartbeat", time)).transpose()?;
+        Ok(AutomationOptions { system: self.system, heartbeat, stream_rate: self.stream_rate })
+    }
+}
+
 /// `mavwire.bridge.options.Endpoint`.
 #[derive(FromPyObject)]
 struct EndpointOption {
@@ -125,9 +174,12 @@ pub(crate) struct LinkOption {
     sniffer: bool,
     inbound: FilterOption,
     outbound: FilterOption,
+    border: BorderOption,
+    automation: AutomationOption,
     bytes_per_second: Option<f64>,
     message_rate: Option<f64>,
     message_rates: Vec<(u32, f64)>,
+    urgent: Vec<u32>,
     queue: usize,
     datagram: usize,
     peer_timeout: f64,
@@ -136,23 +188,29 @@ pub(crate) struct LinkOption {
 
 impl LinkOption {
     pub(crate) fn into_spec(self) -> PyResult<LinkSpec> {
+        let options = LinkOptions {
+            group: self.group_number,
+            private: self.private,
+            sniffer: self.sniffer,
+            inbound: self.inbound.into_filter(),
+            outbound: self.outbound.into_filter(),
+            limits: Limits {
+                bytes_per_second: self.bytes_per_second,
+                message_rate: self.message_rate,
+                message_rates: self.message_rates,
+                urgent: self.urgent,
+            },
+        };
         Ok(LinkSpec {
             name: self.name,
             endpoint: self.endpoint.into_endpoint()?,
-            options: LinkOptions {
-                group: self.group_number,
-                private: self.private,
-                sniffer: self.sniffer,
-                inbound: self.inbound.into_filter(),
-                outbound: self.outbound.into_filter(),
-                limits: Limits {
-                    bytes_per_second: self.bytes_per_second,
-                    message_rate: self.message_rate,
-                    message_rates: self.message_rates,
-                },
+            port: PortSpec {
+                options,
+                border: self.border.into_border()?,
+                automation: self.automation.into_automation()?,
+                queue: self.queue,
+                datagram: self.datagram,
             },
-            queue: self.queue,
-            datagram: self.datagram,
             peer_timeout: seconds("peer_timeout", self.peer_timeout)?,
             retry: self.retry.map(|retry| seconds("retry", retry)).transpose()?,
         })

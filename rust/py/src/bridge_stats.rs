@@ -29,6 +29,8 @@ pub(crate) fn to_dict<'py>(py: Python<'py>, stats: &Stats) -> PyResult<Bound<'py
 
 fn link<'py>(py: Python<'py>, link: &LinkReport) -> PyResult<Bound<'py, PyDict>> {
     let (traffic, routed) = (&link.traffic, &link.traffic.routed);
+    let [p50, p99, p999] = link.latency.map(|micros| micros.map(|micros| f64::from(micros) / 1e6));
+    let latency = dict!(py, "p50": p50, "p99": p99, "p99.9": p999);
     Ok(dict!(py,
         "name": &link.name,
         "endpoint": &link.endpoint,
@@ -48,6 +50,10 @@ fn link<'py>(py: Python<'py>, link: &LinkReport) -> PyResult<Bound<'py, PyDict>>
         "send_errors": traffic.send_errors,
         "damaged": traffic.damaged,
         "junk_bytes": traffic.junk_bytes,
+        "unverified": traffic.unverified,
+        "unconverted": traffic.unconverted,
+        "overrun": link.overrun,
+        "latency": latency,
         "queued_bytes": link.queued,
         "refused": link.refused,
         "connections": link.connections,
@@ -62,6 +68,7 @@ fn component<'py>(py: Python<'py>, one: &ComponentReport) -> PyResult<Bound<'py,
         "frames": one.stats.frames,
         "bytes": one.stats.bytes,
         "lost": one.stats.lost,
+        "duplicates": one.stats.duplicates,
         "age": one.age,
         "links": &one.links,
     ))

@@ -396,8 +396,21 @@ import os, warnings
 from mavwire import Bridge
 warnings.simplefilter("ignore")
 bridge = Bridge(["udpin:127.0.0.1:0"]).start()
+batches = bridge.frames()
 child = os.fork()
 if child == 0:
+    for ask in (
+        bridge.stats, lambda: bridge.add("udpin:127.0.0.1:0", name="b"), lambda: bridge.send(b""),
+        lambda: bridge.latest("HEARTBEAT"), bridge.frames, bridge.kinds,
+    ):
+        try:
+            ask()
+        except RuntimeError as error:
+            assert "stopped" in str(error)
+        else:
+            os._exit(1)
+    assert batches.next() is None and batches.dropped == 0
+    batches.close()
     bridge.stop()
     os._exit(0)
 assert os.waitpid(child, 0)[1] == 0
@@ -410,6 +423,67 @@ bridge.stop()
         capture_output=True, text=True, timeout=3 * LIMIT, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+
+
+def test_a_fork_waits_for_no_lock_that_the_bridge_holds() -> None:
+    """The bridge is busy with its locks while the process forks."""
+    import subprocess
+
+    program = """
+import os, threading, warnings
+from mavwire import Bridge
+from unit.link_tools import heartbeat
+warnings.simplefilter("ignore")
+with Bridge() as bridge:
+    frames, batches, done = heartbeat() * 500, bridge.frames(), threading.Event()
+    def flood():
+        while not done.is_set():
+            bridge.send(frames)
+    sender = threading.Thread(target=flood)
+    sender.start()
+    for _ in range(20):
+        child = os.fork()
+        if child == 0:
+            assert batches.next() is None
+            try:
+                bridge.latest("HEARTBEAT")
+            except RuntimeError:
+                os._exit(0)
+            os._exit(1)
+        assert os.waitpid(child, 0)[1] == 0
+    done.set()
+    sender.join()
+"""
+    where = str(Path(__file__).parents[1])
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([where, *sys.path])},
+        capture_output=True, text=True, timeout=3 * LIMIT, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
+def test_two_threads_share_the_frames() -> None:
+    """One of them may be too late for a frame, and waits for the next; an empty batch means a time-out."""
+    count = 300
+    with Bridge() as bridge:
+        batches = bridge.frames(max_batch=1, max_latency=0)
+        got: list[int] = []
+
+        def fetch() -> None:
+            while (batch := batches.next()) is not None:
+                got.append(len(batch))
+
+        threads = [threading.Thread(target=fetch, daemon=True) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for seq in range(count):
+            bridge.send(heartbeat(seq=seq % 256))
+        wait_until("all", lambda: sum(got) == count)
+        bridge.stop()
+        for thread in threads:
+            thread.join(LIMIT)
+        assert got == [1] * count
 
 
 def test_closing_ends_the_wait_of_another_thread() -> None:

@@ -11,9 +11,13 @@ from mavwire.cli.bridge import listen_address, size
 
 LINK = {
     "name": "gcs", "peer": None, "state": "up", "error": None, "received": 100, "sent": 50,
-    "dropped": 1, "duplicates": 2, "junk_bytes": 3,
+    "dropped": 1, "duplicates": 2, "junk_bytes": 3, "overrun": None,
+    "latency": {"p50": 0.001, "p99": 0.0015, "p99.9": None},
 }  # fmt: skip
-COMPONENT = {"system": 1, "component": 1, "frames": 40, "lost": 4, "age": 0.25, "links": ["a", "b"]}
+COMPONENT = {
+    "system": 1, "component": 1, "frames": 40, "lost": 4, "duplicates": 6, "age": 0.25,
+    "links": ["a", "b"],
+}  # fmt: skip
 
 
 def stats(uptime: float, **changes: Any) -> dict[str, Any]:
@@ -24,8 +28,8 @@ def stats(uptime: float, **changes: Any) -> dict[str, Any]:
 
 def test_rows_show_rates_since_the_last_look() -> None:
     before, now = stats(10.0), stats(12.0, received=300, sent=60, frames=41)
-    assert link_rows(now, before) == [["gcs", "", "up", "100", "5", "1", "2", "3"]]
-    assert component_rows(now, before) == [["1", "1", "0", "4", "0.2 s", "a, b"]]
+    assert link_rows(now, before) == [["gcs", "", "up", "100", "5", "1.50", "1", "", "2", "3"]]
+    assert component_rows(now, before) == [["1", "1", "0", "4", "6", "0.2 s", "a, b"]]
 
 
 def test_rows_show_what_is_wrong() -> None:

@@ -166,6 +166,12 @@ def test_text_lines_around_bad_ones_come_once(tmp_path: Path) -> None:
     rows = "".join(f"A, {n}, x\nA, {n}\n" for n in range(50))
     path.write_text("header, x\nFMT, 1, 9, A, QZ, TimeUS,T\n" + rows)
     with DFReader_text(str(path)) as log:
+        assert log.counts == {"head": 1, "FMT": 1, "A": 100}
+        at = len("header, x\n")
+        assert list(log.offsets) == list(log.counts)
+        assert log.offsets["FMT"] == [at]
+        assert {key: len(found) for key, found in log.offsets.items()} == log.counts
+        assert path.read_bytes()[log.offsets["A"][1] :].startswith(b"A, 0\nA, 1, x")
         times = [message.TimeUS for message in iter(lambda: log.recv_match(type="A"), None)]
     assert times == list(range(50))
     assert max(Counter(times).values()) == 1

@@ -9,6 +9,8 @@ use crate::frame::Header;
 const SLOTS: usize = 1024;
 /// Bytes may run ahead of their rate by this long.
 const BURST: u64 = 250_000_000;
+/// Those of urgent messages by this long, at the expense of what follows.
+const URGENT_BURST: u64 = 2_000_000_000;
 const SECOND: f64 = 1e9;
 
 /// The limits of a link. By default there are none.
@@ -20,12 +22,15 @@ pub struct Limits {
     pub message_rate: Option<f64>,
     /// Messages a second of a message id, from each component.
     pub message_rates: Vec<(u32, f64)>,
+    /// Message ids that leave before others where there is not room for all.
+    pub urgent: Vec<u32>,
 }
 
 impl Limits {
     /// Everything may pass.
     pub fn is_open(&self) -> bool {
-        *self == Self::default()
+        let no_rates = self.message_rate.is_none() && self.message_rates.is_empty();
+        no_rates && self.bytes_per_second.is_none()
     }
 }
 
@@ -47,6 +52,7 @@ pub(super) struct Limiter {
     intervals: Box<[(u32, u64)]>,
     interval: Option<u64>,
     streams: Box<[Stream]>,
+    urgent: Box<[u32]>,
 }
 
 /// The time that one of so many a second takes; a rate of 0 or less lets one pass in a lifetime.
@@ -76,6 +82,7 @@ impl Limiter {
             intervals: intervals.into(),
             interval: limits.message_rate.map(interval),
             streams: vec![Stream { key: u64::MAX, due: 0 }; slots].into(),
+            urgent: limits.urgent.as_slice().into(),
         }
     }
 
@@ -83,14 +90,15 @@ impl Limiter {
     pub(super) fn admit(&mut self, header: &Header, len: usize, now: u64) -> bool {
         // The bytes are asked first but counted last: a frame that its type holds back costs nothing.
         let limited = self.byte_time.is_some();
-        if limited && self.bytes_due > now.saturating_add(BURST) {
+        let burst = if self.urgent.contains(&header.msgid) { URGENT_BURST } else { BURST };
+        if limited && self.bytes_due > now.saturating_add(burst) {
             return false;
         }
         if !self.admit_type(header, now) {
             return false;
         }
         let cost = self.byte_time.map_or(0.0, |time| time * len as f64) as u64;
-        !limited || pass(&mut self.bytes_due, now, cost, BURST)
+        !limited || pass(&mut self.bytes_due, now, cost, burst)
     }
 
     fn admit_type(&mut self, header: &Header, now: u64) -> bool {
@@ -159,6 +167,24 @@ mod tests {
         let got = passed(&limits, 30, 100_000, MS / 10); // 100 a second of 10,000, for 10 s
         assert!((1_000..=1_027).contains(&got), "{got}");
         assert_eq!(passed(&limits, 30, 1_000, 10 * MS), 1_000, "at the limit");
+    }
+
+    #[test]
+    fn urgent_messages_pass_where_others_wait_and_the_rate_is_kept() {
+        let limits =
+            Limits { bytes_per_second: Some(5_000.0), urgent: vec![76], ..Limits::default() };
+        let mut limiter = Limiter::new(&limits);
+        let mut passed = [0; 2];
+        for now in (0..10_000).map(|n| 1_000 * MS + n * MS) {
+            passed[0] += u32::from(limiter.admit(&header(V2, 30, 0), 50, now));
+            // 10 of 100 frames a second.
+            let is_due = now % (100 * MS) == 0;
+            passed[1] += u32::from(is_due && limiter.admit(&header(V2, 76, 0), 50, now));
+        }
+        assert_eq!(passed[1], 100, "all of them");
+        assert!((900..=930).contains(&passed[0]), "{passed:?}");
+        let flood = (0..10_000).filter(|n| limiter.admit(&header(V2, 76, 0), 50, n * MS)).count();
+        assert!(flood <= 1_200, "{flood}");
     }
 
     #[test]

@@ -50,6 +50,8 @@ pub struct ComponentStats {
     pub bytes: u64,
     /// Frames missing in the sequence numbers. One that comes late was counted and stays so.
     pub lost: u64,
+    /// Copies of its frames that came over another link.
+    pub duplicates: u64,
     /// When it was heard last, in microseconds.
     pub heard: u64,
 }
@@ -142,6 +144,15 @@ impl Table {
         system.learn(links, epoch);
         component.route.learn(links, epoch);
         component.route.links(epoch)
+    }
+
+    /// Counts a copy of a frame from a component that was heard before.
+    pub(super) fn count_duplicate(&mut self, sysid: u8, compid: u8) {
+        let system = self.systems[usize::from(sysid)].as_mut();
+        let component = system.and_then(|system| system.components[usize::from(compid)].as_mut());
+        if let Some(component) = component {
+            component.stats.duplicates += 1;
+        }
     }
 
     /// Links over which a system was heard.
@@ -261,7 +272,10 @@ mod tests {
         for seq in [250, 251, 254, 3, 1, 2, 4] {
             table.hear(Sender { sysid: 1, compid: 1, seq, len: 20 }, link(0), 7);
         }
-        let expected = ComponentStats { frames: 7, bytes: 140, lost: 2 + 4 + 1, heard: 7 };
+        table.count_duplicate(1, 1);
+        table.count_duplicate(1, 2); // nobody knows it
+        let lost = 2 + 4 + 1;
+        let expected = ComponentStats { frames: 7, bytes: 140, lost, duplicates: 1, heard: 7 };
         let listed: Vec<_> = table.components(7).collect();
         assert_eq!(listed, [(1, 1, expected, link(0))]);
     }

@@ -254,14 +254,22 @@ fn everyone_who_was_heard_is_listed() {
     let mut net = Net::plain(2);
     net.hear(0, (1, 1));
     net.hear(1, (255, 190));
-    net.hear(1, (255, 190));
+    let frame = net.frame((255, 190), HEARTBEAT, &[1; 9]);
+    net.feed(1, &frame);
+    assert_eq!(net.feed(0, &frame), Fate::Duplicate);
     let listed: Vec<_> = net.router.components(net.now).collect();
-    let heard = |frames, bytes, lost| ComponentStats { frames, bytes, lost, heard: NOW };
+    let heard = |frames, bytes, duplicates| ComponentStats {
+        frames,
+        bytes,
+        lost: 0,
+        duplicates,
+        heard: NOW,
+    };
     assert_eq!(
         listed,
         [
             (1, 1, heard(1, 21, 0), LinkSet::only(LinkId(0))),
-            (255, 190, heard(2, 42, 0), LinkSet::only(LinkId(1))),
+            (255, 190, heard(2, 42, 1), LinkSet::only(LinkId(1))),
         ]
     );
 }

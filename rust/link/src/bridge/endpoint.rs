@@ -9,8 +9,10 @@ use std::os::fd::{AsRawFd, RawFd};
 use std::path::PathBuf;
 use std::time::Duration;
 
+use mavwire_core::border::BorderOptions;
 use mavwire_core::router::LinkOptions;
 
+use super::automation::AutomationOptions;
 use super::serial;
 
 /// How long a connection may take to come about.
@@ -99,16 +101,27 @@ pub struct LinkSpec {
     pub name: String,
     /// Where it leads.
     pub endpoint: Endpoint,
-    /// How it takes part in routing.
-    pub options: LinkOptions,
-    /// Bytes that may wait to leave, for each peer.
-    pub queue: usize,
-    /// Frames that wait together share a datagram up to so many bytes; 0 for one frame in each.
-    pub datagram: usize,
+    /// What each of its peers gets.
+    pub port: PortSpec,
     /// A peer of a UDP server is forgotten after this long without a good frame.
     pub peer_timeout: Duration,
     /// Longest pause between two attempts to connect again; `None` gives up after the first connection ends.
     pub retry: Option<Duration>,
+}
+
+/// How a link, or each peer of a server, takes part.
+#[derive(Debug, Clone, Default)]
+pub struct PortSpec {
+    /// How it takes part in routing.
+    pub options: LinkOptions,
+    /// What frames go through there.
+    pub border: BorderOptions,
+    /// What the bridge sends of its own accord.
+    pub automation: AutomationOptions,
+    /// Bytes that may wait to leave.
+    pub queue: usize,
+    /// Frames that wait together share a datagram up to so many bytes; 0 for one frame in each.
+    pub datagram: usize,
 }
 
 /// A connected stream.

@@ -13,14 +13,15 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
 
-use mavwire_core::router::{LinkId, LinkSet, MAX_LINKS};
+use mavwire_core::router::{LinkId, LinkSet};
 
+use super::automation::Automation;
 use super::endpoint::{LinkSpec, Opened, Stream};
 use super::hub::Hub;
-use super::outbox::Outbox;
+use super::latency::Latency;
 use super::port::Wire;
 use super::recorder::Recorder;
-use super::stats::{ComponentReport, LinkReport, Stats, Traffic};
+use super::stats::{Stats, Traffic};
 use super::switch::{Moment, PROGRAM, Switch};
 use super::{BridgeError, Waker};
 use crate::address::Address;
@@ -30,7 +31,7 @@ use crate::datagrams::{BATCH, Inbox};
 use crate::readiness::poll;
 
 /// What the link is called that frames of the program around the bridge come over.
-const PROGRAM_NAME: &str = "program";
+pub(super) const PROGRAM_NAME: &str = "program";
 /// Peers of a UDP server, and connections to a TCP server.
 const MAX_PEERS: usize = 64;
 /// Batches of datagrams that are read from one socket in a round, and connections that are taken.
@@ -54,7 +55,7 @@ pub(super) enum Command {
 }
 
 /// What a link has besides its ports.
-enum Kind {
+pub(super) enum Kind {
     Datagrams(Rc<UdpSocket>, LinkId),
     DatagramServer(Rc<UdpSocket>, HashMap<Address, LinkId>),
     Listener(TcpListener),
@@ -63,23 +64,32 @@ enum Kind {
 
 /// The state of a connection that is made again.
 #[derive(Default)]
-struct Dialling {
+pub(super) struct Dialling {
     /// When to try again; `None` while connected, being connected, or given up.
-    at: Option<u64>,
+    pub(super) at: Option<u64>,
     pause: Duration,
-    under_way: bool,
-    connections: u64,
+    pub(super) under_way: bool,
+    pub(super) connections: u64,
 }
 
-struct Link {
-    spec: LinkSpec,
-    kind: Kind,
-    refused: u64,
-    error: Option<String>,
+pub(super) struct Link {
+    pub(super) spec: LinkSpec,
+    pub(super) kind: Kind,
+    pub(super) refused: u64,
+    pub(super) error: Option<String>,
     /// Of the peers that left.
-    departed: Traffic,
+    pub(super) departed: Traffic,
+    pub(super) departed_latency: Latency,
     /// A listener that cannot accept, for want of descriptors, is left alone until the next tick.
     resting: bool,
+}
+
+impl Link {
+    /// Keeps the numbers of a peer that left.
+    fn part_with(&mut self, (traffic, latency): (Traffic, Latency)) {
+        self.departed.add(&traffic);
+        self.departed_latency.add(&latency);
+    }
 }
 
 /// What a ready descriptor stands for.
@@ -93,10 +103,10 @@ enum Token {
 
 pub(super) struct EventLoop {
     pub(super) switch: Switch,
-    links: BTreeMap<u32, Link>,
+    pub(super) links: BTreeMap<u32, Link>,
     last_number: u32,
     hub: Arc<Hub>,
-    recorder: Option<Recorder>,
+    pub(super) recorder: Option<Recorder>,
     commands: Receiver<Command>,
     waker: Waker,
     wake: UnixStream,
@@ -166,6 +176,7 @@ impl EventLoop {
             }
         }
         self.redial();
+        self.switch.automate();
         if self.switch.moment.now >= self.next_tick {
             self.next_tick = self.switch.moment.now + TICK;
             self.links.values_mut().for_each(|link| link.resting = false);
@@ -214,7 +225,12 @@ impl EventLoop {
             Kind::Dialled(_, dialling) => dialling.at,
             _ => None,
         });
-        let due = retries.chain([self.next_tick]).min().unwrap_or(now);
+        let heartbeats = self
+            .switch
+            .ports()
+            .filter(|port| port.is_up())
+            .filter_map(|port| port.automation.as_ref().and_then(Automation::due));
+        let due = retries.chain(heartbeats).chain([self.next_tick]).min().unwrap_or(now);
         Duration::from_micros(due.saturating_sub(now))
     }
 
@@ -279,18 +295,15 @@ impl EventLoop {
             return None;
         }
         let wire = Wire::Datagrams(Rc::clone(socket), Some(from));
-        let (options, outbox) = (link.spec.options.clone(), outbox_of(&link.spec));
         let room = peers.len() < MAX_PEERS;
-        let added = room.then(|| self.switch.add(number, wire, options, outbox)).flatten();
+        let added = room.then(|| self.switch.add_peer(number, wire, &link.spec.port)).flatten();
         let Some(port) = added else {
             link.refused += 1;
             return None;
         };
-        peers.insert(from, port);
-        if let Some(port) = self.switch.port(port) {
-            port.peer = Some(from.socket_addr().to_string());
-        }
-        Some(port)
+        peers.insert(from, port.id);
+        port.peer = Some(from.socket_addr().to_string());
+        Some(port.id)
     }
 
     fn accept(&mut self, number: u32) {
@@ -308,12 +321,10 @@ impl EventLoop {
             };
             let Ok(stream) = Stream::tcp(stream) else { continue };
             let count = self.switch.ports().filter(|port| port.link == number).count();
-            let (options, outbox) = (link.spec.options.clone(), outbox_of(&link.spec));
             let wire = Wire::Stream(stream);
-            let added = (count < MAX_PEERS)
-                .then(|| self.switch.add(number, wire, options, outbox))
-                .flatten();
-            match added.and_then(|port| self.switch.port(port)) {
+            let room = count < MAX_PEERS;
+            let added = room.then(|| self.switch.add_peer(number, wire, &link.spec.port)).flatten();
+            match added {
                 Some(port) => port.peer = Some(from.to_string()),
                 None => link.refused += 1, // dropped, which closes it
             }
@@ -344,10 +355,11 @@ impl EventLoop {
     }
 
     fn flush(&mut self) {
+        let started = self.started;
         let dirty = std::mem::replace(&mut self.switch.dirty, LinkSet::EMPTY);
         for id in dirty.iter() {
             let Some(port) = self.switch.port(id).filter(|port| !port.blocked) else { continue };
-            if let Err(error) = port.flush() {
+            if let Err(error) = port.flush(|| started.elapsed().as_micros() as u32) {
                 self.hang_up(id, Some(error));
             }
         }
@@ -386,7 +398,7 @@ impl EventLoop {
             let pause = dialling.pause.as_micros() as u64;
             dialling.at = link.spec.retry.map(|_| self.switch.moment.now + pause);
         } else {
-            link.departed.add(&self.switch.remove(id));
+            link.part_with(self.switch.remove(id));
         }
     }
 
@@ -447,10 +459,10 @@ impl EventLoop {
                     port.is_none_or(|port| now.saturating_sub(port.heard) > timeout)
                 })
                 .collect();
-            for id in &silent {
-                link.departed.add(&self.switch.remove(*id));
-            }
             peers.retain(|_, id| !silent.contains(id));
+            for id in silent {
+                link.part_with(self.switch.remove(id));
+            }
         }
     }
 
@@ -491,17 +503,22 @@ impl EventLoop {
         let kind = self.kind(number, &spec, opened)?;
         self.last_number = number;
         self.hub.name_link(number, &spec.name);
-        let departed = Traffic::default();
-        self.links
-            .insert(number, Link { spec, kind, refused: 0, error: None, departed, resting: false });
+        let link = Link {
+            spec,
+            kind,
+            refused: 0,
+            error: None,
+            departed: Traffic::default(),
+            departed_latency: Latency::default(),
+            resting: false,
+        };
+        self.links.insert(number, link);
         Ok(())
     }
 
     fn kind(&mut self, number: u32, spec: &LinkSpec, opened: Opened) -> Result<Kind, BridgeError> {
-        let mut add = |wire| {
-            let port = self.switch.add(number, wire, spec.options.clone(), outbox_of(spec));
-            port.ok_or(BridgeError::TooManyLinks)
-        };
+        let mut add =
+            |wire| self.switch.add(number, wire, &spec.port).ok_or(BridgeError::TooManyLinks);
         Ok(match opened {
             Opened::Datagrams(socket) => {
                 let failed = |error| BridgeError::Io { link: spec.name.clone(), error };
@@ -534,106 +551,6 @@ impl EventLoop {
             self.switch.remove(id);
         }
         Ok(())
-    }
-
-    // -- statistics
-
-    fn stats(&self) -> Stats {
-        let now = self.switch.moment.now;
-        let components = self.switch.router().components(now);
-        let program = LinkReport {
-            name: PROGRAM_NAME.to_owned(),
-            state: "up",
-            traffic: self.switch.traffic(self.switch.program()),
-            ..LinkReport::default()
-        };
-        let links = self.links.iter().flat_map(|(&n, link)| self.link_reports(n, link));
-        let links = links.chain([program]);
-        let names = self.names();
-        Stats {
-            uptime: now as f64 / 1e6,
-            links: links.collect(),
-            components: components
-                .map(|(sysid, compid, stats, links)| ComponentReport {
-                    sysid,
-                    compid,
-                    stats,
-                    age: now.saturating_sub(stats.heard) as f64 / 1e6,
-                    links: unique(links.iter().filter_map(|id| names[id.index()])),
-                })
-                .collect(),
-            recording: self.recorder.as_ref().map(Recorder::stats),
-        }
-    }
-
-    /// Number of a port -> name of its link.
-    fn names(&self) -> Vec<Option<&str>> {
-        let mut names = vec![None; MAX_LINKS];
-        for port in self.switch.ports() {
-            let link = self.links.get(&port.link);
-            names[port.id.index()] = Some(link.map_or(PROGRAM_NAME, |link| &link.spec.name));
-        }
-        names
-    }
-
-    fn link_reports(&self, number: u32, link: &Link) -> Vec<LinkReport> {
-        let report = LinkReport {
-            name: link.spec.name.clone(),
-            endpoint: link.spec.endpoint.to_string(),
-            refused: link.refused,
-            error: link.error.clone(),
-            ..LinkReport::default()
-        };
-        let ports = self.switch.ports().filter(|port| port.link == number);
-        let mut reports: Vec<LinkReport> = ports
-            .map(|port| LinkReport {
-                peer: port.peer.clone(),
-                state: state_of(&port.wire, &link.kind),
-                traffic: self.switch.traffic(port.id),
-                queued: port.outbox.queued(),
-                ..report.clone()
-            })
-            .collect();
-        match &link.kind {
-            Kind::DatagramServer(..) | Kind::Listener(_) => {
-                for peer in &mut reports {
-                    (peer.refused, peer.error) = (0, None);
-                }
-                let own = LinkReport { state: "listening", traffic: link.departed, ..report };
-                reports.insert(0, own);
-            }
-            Kind::Dialled(_, dialling) => {
-                for one in &mut reports {
-                    one.connections = dialling.connections;
-                }
-            }
-            Kind::Datagrams(..) => {}
-        }
-        reports
-    }
-}
-
-fn outbox_of(spec: &LinkSpec) -> Outbox {
-    Outbox::new(spec.queue, spec.datagram)
-}
-
-fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let mut unique: Vec<String> = Vec::new();
-    for name in names {
-        if !unique.iter().any(|known| known == name) {
-            unique.push(name.to_owned());
-        }
-    }
-    unique
-}
-
-fn state_of(wire: &Wire, kind: &Kind) -> &'static str {
-    match (wire, kind) {
-        (Wire::Down, Kind::Dialled(_, dialling)) if dialling.under_way || dialling.at.is_some() => {
-            "connecting"
-        }
-        (Wire::Down, _) => "down",
-        _ => "up",
     }
 }
 

@@ -113,6 +113,7 @@ impl Waiting {
 
 #[derive(Debug)]
 struct TapShared {
+    home: Home,
     filter: TapFilter,
     waiting: Mutex<Waiting>,
     arrived: Condvar,
@@ -121,6 +122,21 @@ struct TapShared {
 /// A copy of the frames that come by. Dropping it ends that.
 #[derive(Debug)]
 pub struct Tap(Arc<TapShared>);
+
+/// The process that has the bridge's thread. A fork has copies of everything but the thread, and locks that the thread may
+/// have held.
+#[derive(Debug, Clone, Copy)]
+struct Home(u32);
+
+impl Home {
+    fn here() -> Self {
+        Self(std::process::id())
+    }
+
+    fn is_elsewhere(self) -> bool {
+        self.0 != std::process::id()
+    }
+}
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -157,6 +173,9 @@ impl TapShared {
 impl Tap {
     /// Waits up to `timeout` until so many frames are there; true if they are, or if nothing will come any more.
     pub fn wait(&self, wanted: usize, timeout: Duration) -> bool {
+        if self.0.home.is_elsewhere() {
+            return true;
+        }
         let deadline = Instant::now() + timeout;
         let mut waiting = lock(&self.0.waiting);
         loop {
@@ -173,8 +192,12 @@ impl Tap {
         }
     }
 
-    /// The frames that are there, `max_batch` at most; `None` once the bridge has stopped and all is fetched.
+    /// The frames that are there, `max_batch` at most; `None` once the bridge has stopped and all is fetched, and in a
+    /// fork.
     pub fn take(&self, max_batch: usize) -> Option<Frames> {
+        if self.0.home.is_elsewhere() {
+            return None;
+        }
         let mut waiting = lock(&self.0.waiting);
         let ended = waiting.closed && waiting.len() == 0;
         (!ended).then(|| waiting.take_front(max_batch))
@@ -182,11 +205,17 @@ impl Tap {
 
     /// Frames that were dropped because nobody fetched them.
     pub fn dropped(&self) -> u64 {
+        if self.0.home.is_elsewhere() {
+            return 0;
+        }
         lock(&self.0.waiting).dropped
     }
 
     /// Ends it: nothing is there or will come any more, and nobody waits for it.
     pub fn close(&self) {
+        if self.0.home.is_elsewhere() {
+            return;
+        }
         let mut waiting = lock(&self.0.waiting);
         *waiting = Waiting { closed: true, dropped: waiting.dropped, ..Waiting::default() };
         self.0.arrived.notify_all();
@@ -206,8 +235,19 @@ pub struct Latest {
     pub info: FrameInfo,
     /// Its bytes.
     pub frame: Vec<u8>,
+    /// Frames of its kind so far.
+    count: u64,
     /// Frames that came before it: those of a round have the same time.
     order: u64,
+}
+
+/// A message from a component, and how often it came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kind {
+    /// What the newest one is.
+    pub info: FrameInfo,
+    /// How many came.
+    pub count: u64,
 }
 
 #[derive(Debug, Default)]
@@ -220,12 +260,24 @@ struct State {
 }
 
 /// What event loop and program share.
-#[derive(Debug, Default)]
-pub struct Hub(Mutex<State>);
+#[derive(Debug)]
+pub struct Hub {
+    home: Home,
+    state: Mutex<State>,
+}
 
 impl Hub {
+    pub(super) fn new() -> Self {
+        Self { home: Home::here(), state: Mutex::default() }
+    }
+
+    /// Whether this is the copy of a fork, which nothing comes to.
+    pub(super) fn is_forked(&self) -> bool {
+        self.home.is_elsewhere()
+    }
+
     pub(super) fn deliver(&self, frames: &Frames) {
-        let mut guard = lock(&self.0);
+        let mut guard = lock(&self.state);
         let state = &mut *guard;
         for (info, bytes) in frames.iter().filter(|(info, _)| info.index.is_some()) {
             state.count += 1;
@@ -233,13 +285,16 @@ impl Hub {
             let key = (info.msgid, info.sysid, info.compid);
             if let Some(latest) = state.latest.get_mut(&key) {
                 (latest.info, latest.order) = (*info, order);
+                latest.count += 1;
                 latest.frame.clear();
                 latest.frame.extend_from_slice(bytes);
             } else {
                 if state.latest.len() >= MAX_LATEST {
                     state.latest.clear(); // someone makes up addresses; what is real comes again
                 }
-                state.latest.insert(key, Latest { info: *info, frame: bytes.to_vec(), order });
+                state
+                    .latest
+                    .insert(key, Latest { info: *info, frame: bytes.to_vec(), count: 1, order });
             }
         }
         state.taps.retain(|tap| !lock(&tap.waiting).closed);
@@ -247,23 +302,23 @@ impl Hub {
     }
 
     pub(super) fn stop(&self) {
-        let mut state = lock(&self.0);
+        let mut state = lock(&self.state);
         state.stopped = true;
         state.taps.drain(..).for_each(|tap| tap.close());
     }
 
     pub(super) fn name_link(&self, number: u32, name: &str) {
-        lock(&self.0).link_names.insert(number, name.to_owned());
+        lock(&self.state).link_names.insert(number, name.to_owned());
     }
 
     /// What the link with a number is called, or was.
     pub fn link_name(&self, number: u32) -> Option<String> {
-        lock(&self.0).link_names.get(&number).cloned()
+        lock(&self.state).link_names.get(&number).cloned()
     }
 
     /// The newest frame with a message id, from a system and component or from any.
     pub fn latest(&self, msgid: u32, sysid: Option<u8>, compid: Option<u8>) -> Option<Latest> {
-        let state = lock(&self.0);
+        let state = lock(&self.state);
         if let (Some(sysid), Some(compid)) = (sysid, compid) {
             return state.latest.get(&(msgid, sysid, compid)).cloned();
         }
@@ -275,12 +330,18 @@ impl Hub {
         matching.max_by_key(|latest| latest.order).cloned()
     }
 
+    /// Every kind of message that came, in no order.
+    pub fn kinds(&self) -> Vec<Kind> {
+        let state = lock(&self.state);
+        state.latest.values().map(|one| Kind { info: one.info, count: one.count }).collect()
+    }
+
     /// A tap for what comes from now on.
     pub fn tap(&self, filter: TapFilter) -> Tap {
-        let mut state = lock(&self.0);
+        let mut state = lock(&self.state);
         let waiting = Waiting { closed: state.stopped, ..Waiting::default() };
         let (waiting, arrived) = (Mutex::new(waiting), Condvar::new());
-        let tap = Arc::new(TapShared { filter, waiting, arrived });
+        let tap = Arc::new(TapShared { home: self.home, filter, waiting, arrived });
         if !state.stopped {
             state.taps.push(Arc::clone(&tap));
         }
@@ -310,7 +371,7 @@ mod tests {
 
     #[test]
     fn a_tap_gets_what_it_wants_in_batches_until_the_end() {
-        let hub = Hub::default();
+        let hub = Hub::new();
         let wanted = TapFilter { messages: Some((0..100).collect()), systems: Some(vec![1]) };
         let tap = hub.tap(wanted);
         assert!(!tap.wait(1, Duration::ZERO));
@@ -332,7 +393,7 @@ mod tests {
 
     #[test]
     fn a_tap_that_nobody_reads_keeps_the_newest() {
-        let hub = Hub::default();
+        let hub = Hub::new();
         let tap = hub.tap(TapFilter::default());
         for _ in 0..100 {
             hub.deliver(&frames(0..10_000));
@@ -349,7 +410,7 @@ mod tests {
 
     #[test]
     fn several_may_wait_for_one_tap() {
-        let hub = Hub::default();
+        let hub = Hub::new();
         let tap = Arc::new(hub.tap(TapFilter::default()));
         let waiter = |wanted| {
             let (tap, (done, ended)) = (Arc::clone(&tap), std::sync::mpsc::channel());
@@ -382,7 +443,7 @@ mod tests {
 
     #[test]
     fn the_newest_of_each_kind_is_kept() {
-        let hub = Hub::default();
+        let hub = Hub::new();
         let mut second = frames([30, 30]);
         second.infos[1].compid = 9;
         hub.deliver(&frames([30, 0, 30, 5_000]));
@@ -394,5 +455,12 @@ mod tests {
             (Some(1), Some(1), None)
         );
         assert!(hub.latest(5_000, None, None).is_none(), "the dialect does not know it");
+        let mut counts: Vec<(u32, u8, u64)> = hub
+            .kinds()
+            .iter()
+            .map(|kind| (kind.info.msgid, kind.info.compid, kind.count))
+            .collect();
+        counts.sort_unstable();
+        assert_eq!(counts, [(0, 1, 1), (30, 1, 3), (30, 9, 1)]);
     }
 }

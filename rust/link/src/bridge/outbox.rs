@@ -1,26 +1,33 @@
 //! What waits to leave through a link: whole frames, so many bytes at most. A link that cannot keep up loses its oldest
-//! frames, and no other link waits for it.
+//! frames, the urgent ones last, and no other link waits for it.
 
-use std::collections::VecDeque;
 use std::io;
 
 use mavwire_core::frame::MAX_FRAME_LEN;
 
-/// A bounded queue of frames, side by side in memory.
+use super::lane::Lane;
+use super::latency::Latency;
+
+/// Where urgent frames wait, and where all others do.
+const URGENT: usize = 0;
+const PLAIN: usize = 1;
+
+/// A bounded queue of frames. Urgent ones leave first.
 #[derive(Debug)]
 pub(super) struct Outbox {
-    bytes: Vec<u8>,
-    /// `bytes[start..]` waits.
-    start: usize,
-    lens: VecDeque<u16>,
+    lanes: [Lane; 2],
     /// The rest of a frame that a stream took the beginning of: it has to follow, or the stream is broken.
     rest: Vec<u8>,
+    /// When that frame arrived.
+    rest_since: u32,
     limit: usize,
     /// Frames share a datagram up to this length.
     datagram: usize,
     pub(super) sent: u64,
     pub(super) sent_bytes: u64,
     pub(super) dropped: u64,
+    /// How long the frames that left were in the bridge.
+    pub(super) latency: Latency,
 }
 
 impl Outbox {
@@ -28,66 +35,70 @@ impl Outbox {
     /// 0 for one in each.
     pub(super) fn new(limit: usize, datagram: usize) -> Self {
         Self {
-            bytes: Vec::new(),
-            start: 0,
-            lens: VecDeque::new(),
+            lanes: [Lane::default(), Lane::default()],
             rest: Vec::new(),
+            rest_since: 0,
             limit: limit.max(MAX_FRAME_LEN),
             datagram,
             sent: 0,
             sent_bytes: 0,
             dropped: 0,
+            latency: Latency::default(),
         }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.lens.is_empty() && self.rest.is_empty()
+        self.lanes.iter().all(Lane::is_empty) && self.rest.is_empty()
     }
 
     /// Bytes that wait.
     pub(super) fn queued(&self) -> usize {
-        self.bytes.len() - self.start + self.rest.len()
+        self.queued_whole() + self.rest.len()
     }
 
-    /// Queues a frame; the oldest ones make room for it.
+    fn queued_whole(&self) -> usize {
+        self.lanes[URGENT].len() + self.lanes[PLAIN].len()
+    }
+
+    /// Queues a frame that arrived at `since`; the oldest ones make room for it, and urgent ones only for another.
     #[inline]
-    pub(super) fn push(&mut self, frame: &[u8]) {
-        while self.bytes.len() - self.start + frame.len() > self.limit {
-            self.take_front();
+    pub(super) fn push(&mut self, frame: &[u8], urgent: bool, since: u32) {
+        while self.queued_whole() + frame.len() > self.limit {
             self.dropped += 1;
+            if self.lanes[PLAIN].take_front().is_none() {
+                if !urgent {
+                    return;
+                }
+                self.lanes[URGENT].take_front();
+            }
         }
-        if self.start > self.bytes.len() / 2 {
-            self.bytes.drain(..self.start);
-            self.start = 0;
-        }
-        self.bytes.extend_from_slice(frame);
-        self.lens.push_back(frame.len() as u16);
+        self.lanes[if urgent { URGENT } else { PLAIN }].push(frame, since);
     }
 
-    /// Takes the oldest frame out; its length.
-    fn take_front(&mut self) -> usize {
-        let len = usize::from(self.lens.pop_front().unwrap_or(0));
-        self.start += len;
-        len
+    /// The lane whose turn it is.
+    fn lane(&mut self) -> &mut Lane {
+        let turn = if self.lanes[URGENT].is_empty() { PLAIN } else { URGENT };
+        &mut self.lanes[turn]
     }
 
     /// Drops everything, as a link does that goes down.
     pub(super) fn clear(&mut self) {
-        self.dropped += self.lens.len() as u64 + u64::from(!self.rest.is_empty());
-        self.bytes = Vec::new();
-        self.start = 0;
-        self.lens.clear();
+        let waiting: usize = self.lanes.iter().map(Lane::frames).sum();
+        self.dropped += waiting as u64 + u64::from(!self.rest.is_empty());
+        self.lanes = [Lane::default(), Lane::default()];
         self.rest.clear();
     }
 
-    /// Writes to a stream until nothing is left or it takes no more; true if nothing is left.
+    /// Writes to a stream until nothing is left or it takes no more; true if nothing is left. `clock` tells the time
+    /// after each write.
     pub(super) fn write_to(
         &mut self,
         mut write: impl FnMut(&[u8]) -> io::Result<usize>,
+        clock: impl Fn() -> u32,
     ) -> io::Result<bool> {
         while !self.is_empty() {
             let from_rest = !self.rest.is_empty();
-            let waiting = if from_rest { &self.rest[..] } else { &self.bytes[self.start..] };
+            let waiting = if from_rest { &self.rest[..] } else { self.lane().bytes() };
             let written = match write(waiting) {
                 Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
                 Ok(written) => written,
@@ -98,41 +109,39 @@ impl Outbox {
             self.sent_bytes += written as u64;
             if from_rest {
                 self.rest.drain(..written);
-                self.sent += u64::from(self.rest.is_empty());
+                if self.rest.is_empty() {
+                    self.left(self.rest_since, clock());
+                }
             } else {
-                self.written(written);
+                self.written(written, clock());
             }
         }
         Ok(true)
     }
 
     /// Takes out what a stream took of the front.
-    fn written(&mut self, mut len: usize) {
-        while let Some(&front) = self.lens.front() {
-            let front = usize::from(front);
+    fn written(&mut self, mut len: usize, now: u32) {
+        while let Some((front, since)) = self.lane().front() {
             if len < front {
-                if len > 0 {
-                    self.rest.extend_from_slice(&self.bytes[self.start + len..self.start + front]);
-                    self.take_front();
-                }
+                let rest = self.lane().bytes()[len..front].to_vec();
+                (self.rest, self.rest_since) = (rest, since);
+                self.lane().take_front();
                 return;
             }
-            len -= self.take_front();
-            self.sent += 1;
+            len -= front;
+            self.lane().take_front();
+            self.left(since, now);
+            if len == 0 {
+                return; // the next lane is another write
+            }
         }
     }
 
-    /// How many of the waiting frames share each datagram, and how long it is.
-    fn datagrams(&self) -> impl Iterator<Item = (usize, usize)> {
-        let mut lens = self.lens.iter().map(|&len| usize::from(len)).peekable();
-        let longest = self.datagram;
-        std::iter::from_fn(move || {
-            let (mut frames, mut len) = (1, lens.next()?);
-            while let Some(next) = lens.next_if(|next| len + next <= longest) {
-                (frames, len) = (frames + 1, len + next);
-            }
-            Some((frames, len))
-        })
+    /// Counts a frame that left.
+    #[inline]
+    fn left(&mut self, since: u32, now: u32) {
+        self.sent += 1;
+        self.latency.record(now.wrapping_sub(since));
     }
 
     /// Hands the oldest frames as datagrams, `at_most` of them, to a call that says how many it took.
@@ -140,30 +149,34 @@ impl Outbox {
         &mut self,
         at_most: usize,
         send: impl FnOnce(&mut dyn Iterator<Item = &[u8]>) -> io::Result<usize>,
+        clock: impl Fn() -> u32,
     ) -> io::Result<()> {
+        let longest = self.datagram;
+        let lane = self.lane();
         let count = {
-            let mut at = self.start;
-            let mut datagrams = self.datagrams().take(at_most).map(|(_, len)| {
+            let mut at = 0;
+            let bytes = lane.bytes();
+            let mut datagrams = lane.datagrams(longest).take(at_most).map(|(_, len)| {
                 let from = at;
                 at += len;
-                &self.bytes[from..at]
+                &bytes[from..at]
             });
             send(&mut datagrams)?
         };
-        let frames: usize = self.datagrams().take(count).map(|(frames, _)| frames).sum();
+        let frames: usize = lane.datagrams(longest).take(count).map(|(frames, _)| frames).sum();
+        let now = clock();
         for _ in 0..frames {
-            self.sent_bytes += self.take_front() as u64;
-            self.sent += 1;
+            if let Some((len, since)) = self.lane().take_front() {
+                self.sent_bytes += len as u64;
+                self.left(since, now);
+            }
         }
         Ok(())
     }
 
-    /// Drops the oldest frame, which could not be sent.
+    /// Drops the frame whose turn it is, which could not be sent.
     pub(super) fn drop_front(&mut self) {
-        if !self.lens.is_empty() {
-            self.take_front();
-            self.dropped += 1;
-        }
+        self.dropped += u64::from(self.lane().take_front().is_some());
     }
 }
 
@@ -183,7 +196,7 @@ mod tests {
             out.extend_from_slice(&bytes[..len]);
             Ok(len)
         };
-        assert!(outbox.write_to(write).unwrap());
+        assert!(outbox.write_to(write, || 0).unwrap());
         out
     }
 
@@ -192,7 +205,7 @@ mod tests {
         for chunk in [1, 7, 99, 100, 101, 250, 10_000] {
             let mut outbox = Outbox::new(10_000, 0);
             let expected: Vec<u8> = (0..20).flat_map(frame).collect();
-            (0..20).for_each(|n| outbox.push(&frame(n)));
+            (0..20).for_each(|n| outbox.push(&frame(n), false, 0));
             assert_eq!(drain(&mut outbox, chunk), expected, "{chunk}");
             assert_eq!((outbox.sent, outbox.sent_bytes, outbox.dropped), (20, 2_000, 0));
             assert!(outbox.is_empty());
@@ -202,17 +215,18 @@ mod tests {
     #[test]
     fn r63_the_oldest_go_but_never_half_a_frame() {
         let mut outbox = Outbox::new(1_000, 0);
-        (0..5).for_each(|n| outbox.push(&frame(n)));
+        (0..5).for_each(|n| outbox.push(&frame(n), false, 0));
         let mut begun = Vec::new();
         let mut room = 150;
-        let blocked = outbox.write_to(|bytes| {
+        let some = |bytes: &[u8]| {
             let len = bytes.len().min(room);
             room -= len;
             begun.extend_from_slice(&bytes[..len]);
             if len == 0 { Err(io::ErrorKind::WouldBlock.into()) } else { Ok(len) }
-        });
+        };
+        let blocked = outbox.write_to(some, || 0);
         assert!(!blocked.unwrap());
-        (5..40).for_each(|n| outbox.push(&frame(n)));
+        (5..40).for_each(|n| outbox.push(&frame(n), false, 0));
         assert!(outbox.queued() <= 1_050, "{}", outbox.queued());
         begun.extend(drain(&mut outbox, 64));
         let expected: Vec<u8> = [0, 1].into_iter().chain(30..40).flat_map(frame).collect();
@@ -223,18 +237,22 @@ mod tests {
     #[test]
     fn datagrams_leave_as_many_as_were_taken() {
         let mut outbox = Outbox::new(1_000, 0);
-        (0..5).for_each(|n| outbox.push(&frame(n)));
+        (0..5).for_each(|n| outbox.push(&frame(n), false, 0));
         let mut seen = Vec::new();
         outbox
-            .send_with(3, |frames| {
-                seen.extend(frames.map(|frame| (frame[0], frame.len())));
-                Ok(2)
-            })
+            .send_with(
+                3,
+                |frames| {
+                    seen.extend(frames.map(|frame| (frame[0], frame.len())));
+                    Ok(2)
+                },
+                || 0,
+            )
             .unwrap();
         assert_eq!(seen, [(0, 100), (1, 100), (2, 100)]);
         outbox.drop_front();
         assert_eq!(drain(&mut outbox, 1_000), [frame(3), frame(4)].concat());
-        outbox.push(&frame(9));
+        outbox.push(&frame(9), false, 0);
         outbox.clear();
         outbox.drop_front();
         assert_eq!((outbox.sent, outbox.dropped, outbox.queued()), (4, 2, 0));
@@ -245,15 +263,61 @@ mod tests {
         for (longest, lens) in [(0, vec![100; 5]), (199, vec![100; 5]), (250, vec![200, 200, 100])]
         {
             let mut outbox = Outbox::new(1_000, longest);
-            (0..5).for_each(|n| outbox.push(&frame(n)));
+            (0..5).for_each(|n| outbox.push(&frame(n), false, 0));
             let mut seen = Vec::new();
             let all = |datagrams: &mut dyn Iterator<Item = &[u8]>| {
                 seen.extend(datagrams.map(<[u8]>::len));
                 Ok(seen.len())
             };
-            outbox.send_with(10, all).unwrap();
+            outbox.send_with(10, all, || 0).unwrap();
             assert_eq!((seen, outbox.sent, outbox.sent_bytes), (lens, 5, 500));
             assert!(outbox.is_empty());
         }
+    }
+
+    #[test]
+    fn urgent_frames_leave_first_and_are_dropped_last() {
+        let mut outbox = Outbox::new(1_000, 0);
+        (0..10).for_each(|n| outbox.push(&frame(n), false, 0));
+        (10..14).for_each(|n| outbox.push(&frame(n), true, 0));
+        let expected: Vec<u8> = (10..14).chain(4..10).flat_map(frame).collect();
+        assert_eq!((drain(&mut outbox, 70), outbox.dropped), (expected, 4));
+        (0..12).for_each(|n| outbox.push(&frame(n), true, 0));
+        outbox.push(&frame(99), false, 0);
+        let expected: Vec<u8> = (2..12).flat_map(frame).collect();
+        assert_eq!((drain(&mut outbox, 1_000), outbox.dropped), (expected, 7));
+        outbox.push(&frame(1), false, 0);
+        outbox.push(&frame(2), true, 0);
+        let mut seen = Vec::new();
+        for _ in 0..2 {
+            let all = |frames: &mut dyn Iterator<Item = &[u8]>| {
+                seen.extend(frames.map(|frame| frame[0]));
+                Ok(1)
+            };
+            outbox.send_with(10, all, || 0).unwrap();
+        }
+        assert_eq!((seen, outbox.is_empty()), (vec![2, 1], true));
+    }
+
+    #[test]
+    fn a_frame_is_late_by_the_time_between_arriving_and_having_left() {
+        let mut outbox = Outbox::new(1_000, 0);
+        for since in [u32::MAX, 90, 95] {
+            outbox.push(&frame(0), false, since);
+        }
+        let mut room = 150;
+        let some = |bytes: &[u8]| {
+            let len = bytes.len().min(room);
+            room -= len;
+            if len == 0 { Err(io::ErrorKind::WouldBlock.into()) } else { Ok(len) }
+        };
+        assert!(!outbox.write_to(some, || 99).unwrap());
+        assert_eq!(
+            outbox.latency.percentile(0.5),
+            Some(103),
+            "100 and its step, over the turn of the clock"
+        );
+        assert!(outbox.write_to(|bytes| Ok(bytes.len()), || 100).unwrap());
+        assert_eq!((outbox.latency.percentile(0.3), outbox.sent), (Some(5), 3));
     }
 }

@@ -5,14 +5,20 @@ use std::net::UdpSocket;
 use std::os::fd::{AsRawFd as _, RawFd};
 use std::rc::Rc;
 
+use mavwire_core::border::Border;
+use mavwire_core::frame::Header;
+use mavwire_core::registry::Entry;
 use mavwire_core::router::LinkId;
 use mavwire_core::scan::Resync;
+use mavwire_core::signing::timestamp_from_unix_micros;
 use mavwire_core::stream::FrameStream;
 
-use super::endpoint::Stream;
+use super::automation::Automation;
+use super::endpoint::{PortSpec, Stream};
 use super::outbox::Outbox;
 use super::send::{self, send_batch};
 use super::stats::Traffic;
+use super::switch::Moment;
 use crate::address::Address;
 
 /// What a port's frames leave through.
@@ -43,31 +49,73 @@ pub(super) struct Port {
     /// It takes no more until it is ready again.
     pub(super) blocked: bool,
     pub(super) traffic: Traffic,
+    /// What its frames go through; `None` if they stay as they are.
+    pub(super) border: Option<Border>,
+    pub(super) automation: Option<Automation>,
+    /// Messages that leave before others.
+    urgent: Box<[u32]>,
+    /// A peer that has yet to prove itself gets nothing.
+    pub(super) muted: bool,
 }
 
 impl Port {
-    pub(super) fn new(id: LinkId, link: u32, wire: Wire, outbox: Outbox, now: u64) -> Self {
+    pub(super) fn new(
+        id: LinkId,
+        link: u32,
+        wire: Wire,
+        spec: &PortSpec,
+        border: Option<Border>,
+        now: u64,
+    ) -> Self {
         Self {
             id,
             link,
             peer: None,
             wire,
             stream: Some(Box::new(FrameStream::new(Resync::Rescan))),
-            outbox,
+            outbox: Outbox::new(spec.queue, spec.datagram),
             heard: now,
             blocked: false,
             traffic: Traffic::default(),
+            border,
+            automation: Automation::new(&spec.automation),
+            urgent: spec.options.limits.urgent.as_slice().into(),
+            muted: false,
         }
     }
 
     /// Queues a frame, if there is anywhere to send it.
     #[inline]
-    pub(super) fn push(&mut self, frame: &[u8]) {
-        match self.wire {
-            Wire::Down => self.outbox.dropped += 1,
-            Wire::Program => {}
-            Wire::Stream(_) | Wire::Datagrams(..) => self.outbox.push(frame),
+    pub(super) fn push(
+        &mut self,
+        frame: &[u8],
+        header: &Header,
+        entry: Option<Entry>,
+        moment: Moment,
+    ) {
+        if self.muted || matches!(self.wire, Wire::Down) {
+            self.outbox.dropped += 1;
+            return;
         }
+        if matches!(self.wire, Wire::Program) {
+            return;
+        }
+        let urgent = self.urgent.contains(&header.msgid);
+        let since = moment.now as u32;
+        if let Some(border) = &self.border {
+            let now = timestamp_from_unix_micros(moment.unix);
+            match border.outgoing(frame, entry, now) {
+                Some(frame) => self.outbox.push(&frame, urgent, since),
+                None => self.traffic.unconverted += 1,
+            }
+        } else {
+            self.outbox.push(frame, urgent, since);
+        }
+    }
+
+    /// Whether there is anyone to send to.
+    pub(super) fn is_up(&self) -> bool {
+        matches!(self.wire, Wire::Stream(_) | Wire::Datagrams(..)) && !self.muted
     }
 
     /// The descriptor to wait for until the port takes more, if it is blocked.
@@ -79,18 +127,18 @@ impl Port {
         }
     }
 
-    /// Sends what is queued, as far as it goes without waiting.
+    /// Sends what is queued, as far as it goes without waiting. `clock` tells the time in microseconds.
     ///
     /// # Errors
     /// A stream is broken. What goes wrong with datagrams is counted, and nothing else.
-    pub(super) fn flush(&mut self) -> io::Result<()> {
+    pub(super) fn flush(&mut self, clock: impl Fn() -> u32) -> io::Result<()> {
         match &mut self.wire {
             Wire::Stream(stream) => {
-                self.blocked = !self.outbox.write_to(|bytes| stream.write(bytes))?;
+                self.blocked = !self.outbox.write_to(|bytes| stream.write(bytes), clock)?;
             }
             Wire::Datagrams(socket, to) => {
                 let (socket, to) = (Rc::clone(socket), *to);
-                self.blocked = !self.flush_datagrams(&socket, to);
+                self.blocked = !self.flush_datagrams(&socket, to, clock);
             }
             Wire::Down | Wire::Program => {}
         }
@@ -98,11 +146,16 @@ impl Port {
     }
 
     /// True if everything is sent.
-    fn flush_datagrams(&mut self, socket: &UdpSocket, to: Option<Address>) -> bool {
+    fn flush_datagrams(
+        &mut self,
+        socket: &UdpSocket,
+        to: Option<Address>,
+        clock: impl Fn() -> u32,
+    ) -> bool {
         let mut refused = false;
         while !self.outbox.is_empty() {
-            let sent = self.outbox.send_with(send::BATCH, |frames| send_batch(socket, frames, to));
-            match sent {
+            let send = |frames: &mut dyn Iterator<Item = &[u8]>| send_batch(socket, frames, to);
+            match self.outbox.send_with(send::BATCH, send, &clock) {
                 Ok(()) => refused = false,
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => return false,
                 // What the socket says may be about an earlier datagram, which nobody wanted: this one is tried again.

@@ -34,6 +34,10 @@ pub struct Traffic {
     pub damaged: u64,
     /// Bytes of these, and of what was no frame at all.
     pub junk_bytes: u64,
+    /// Frames that came without the good signature that they need here.
+    pub unverified: u64,
+    /// Frames that did not leave because the version of the link cannot carry them.
+    pub unconverted: u64,
 }
 
 impl Traffic {
@@ -63,6 +67,8 @@ impl Traffic {
         self.send_errors += other.send_errors;
         self.damaged += other.damaged;
         self.junk_bytes += other.junk_bytes;
+        self.unverified += other.unverified;
+        self.unconverted += other.unconverted;
     }
 }
 
@@ -82,6 +88,11 @@ pub struct LinkReport {
     pub traffic: Traffic,
     /// Bytes that wait to leave.
     pub queued: usize,
+    /// How long frames were in the bridge from arriving to having left; microseconds that a half, 99 and 99.9 of a
+    /// hundred did not exceed.
+    pub latency: [Option<u32>; 3],
+    /// Datagrams that the system dropped because they were not read in time, where it says so.
+    pub overrun: Option<u64>,
     /// Peers that were turned away because there were too many.
     pub refused: u64,
     /// Connections that came about.

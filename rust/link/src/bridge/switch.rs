@@ -1,14 +1,19 @@
 //! From bytes that arrived to frames that wait to leave: scanner, router, queues. No system call happens here.
 
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::sync::Arc;
 
-use mavwire_core::frame::Header;
+use mavwire_core::border::{Border, BorderOptions};
+use mavwire_core::frame::{FrameBuffer, Header};
 use mavwire_core::registry::{Entry, Registry};
 use mavwire_core::router::{Fate, LinkId, LinkOptions, LinkSet, MAX_LINKS, Router, Settings};
 use mavwire_core::scan::{Found, Resync, Scanner};
+use mavwire_core::signing::{SecretKey, SigningState, timestamp_from_unix_micros};
 
+use super::endpoint::PortSpec;
 use super::hub::{FrameInfo, Frames};
-use super::outbox::Outbox;
+use super::latency::Latency;
 use super::port::{Port, Wire};
 use super::stats::Traffic;
 
@@ -30,6 +35,8 @@ pub(super) struct Switch {
     router: Router,
     ports: Vec<Option<Port>>,
     program: LinkId,
+    /// One for each key that was ever used, so that what was heard before cannot be replayed to a peer that is new.
+    signing: Vec<Rc<RefCell<SigningState>>>,
     /// Ports with something to send.
     pub(super) dirty: LinkSet,
     /// What came in this round, for the program around the bridge and for the recording.
@@ -45,40 +52,68 @@ impl Switch {
             router,
             ports: (0..MAX_LINKS).map(|_| None).collect(),
             program: LinkId(0),
+            signing: Vec::new(),
             dirty: LinkSet::EMPTY,
             arrived: Frames::default(),
             moment: Moment::default(),
         };
         let options = LinkOptions { private: true, ..LinkOptions::default() };
-        if let Some(program) = switch.add(PROGRAM, Wire::Program, options, Outbox::new(0, 0)) {
+        let spec = PortSpec { options, ..PortSpec::default() };
+        if let Some(program) = switch.add(PROGRAM, Wire::Program, &spec) {
             switch.program = program;
         }
         switch
     }
 
     /// Adds a port; `None` if there is no number left for it.
-    pub(super) fn add(
-        &mut self,
-        link: u32,
-        wire: Wire,
-        options: LinkOptions,
-        outbox: Outbox,
-    ) -> Option<LinkId> {
-        let id = self.router.add_link(options)?;
-        self.ports[id.index()] = Some(Port::new(id, link, wire, outbox, self.moment.now));
+    pub(super) fn add(&mut self, link: u32, wire: Wire, spec: &PortSpec) -> Option<LinkId> {
+        let id = self.router.add_link(spec.options.clone())?;
+        let border = (!spec.border.is_open()).then(|| self.border(link, &spec.border));
+        self.ports[id.index()] = Some(Port::new(id, link, wire, spec, border, self.moment.now));
         Some(id)
     }
 
-    /// Removes a port; what became of its frames.
-    pub(super) fn remove(&mut self, id: LinkId) -> Traffic {
+    /// The same for a peer of a server: it gets nothing before it sent a signature, if it needs one.
+    pub(super) fn add_peer(&mut self, link: u32, wire: Wire, spec: &PortSpec) -> Option<&mut Port> {
+        let id = self.add(link, wire, spec)?;
+        let port = self.ports[id.index()].as_mut()?;
+        port.muted = spec.border.verify;
+        Some(port)
+    }
+
+    /// A border with the signing state of its key. Links have signatures with link ids of their own.
+    fn border(&mut self, link: u32, options: &BorderOptions) -> Border {
+        let options = BorderOptions { link_id: link as u8, ..options.clone() };
+        let state = match &options.key {
+            Some(key) => self.signing_state(key),
+            None => Rc::default(),
+        };
+        Border::new(options, state)
+    }
+
+    fn signing_state(&mut self, key: &SecretKey) -> Rc<RefCell<SigningState>> {
+        let is_same = |state: &SigningState| state.key().is_some_and(|other| other.equals(key));
+        if let Some(known) = self.signing.iter().find(|state| is_same(&state.borrow())) {
+            return Rc::clone(known);
+        }
+        let mut state = SigningState::new();
+        state.set_key(SecretKey::new(key.expose()).ok());
+        state.timestamp = timestamp_from_unix_micros(self.moment.unix);
+        let state = Rc::new(RefCell::new(state));
+        self.signing.push(Rc::clone(&state));
+        state
+    }
+
+    /// Removes a port; what became of its frames, and how long they were here.
+    pub(super) fn remove(&mut self, id: LinkId) -> (Traffic, Latency) {
         self.dirty.remove(id);
         let traffic = self.traffic(id);
         self.router.remove_link(id);
-        if let Some(mut port) = self.ports[id.index()].take() {
-            port.outbox.clear();
-            return Traffic { dropped: port.outbox.dropped, ..traffic };
-        }
-        traffic
+        let Some(mut port) = self.ports[id.index()].take() else {
+            return (traffic, Latency::default());
+        };
+        port.outbox.clear();
+        (Traffic { dropped: port.outbox.dropped, ..traffic }, port.outbox.latency)
     }
 
     pub(super) fn port(&mut self, id: LinkId) -> Option<&mut Port> {
@@ -131,8 +166,7 @@ impl Switch {
         while let Some(piece) = feed.next(&registry) {
             match piece.found {
                 Found::Frame { header, entry, .. } => {
-                    good = true;
-                    self.dispatch(id, piece.bytes, &header, entry);
+                    good |= self.admit(id, piece.bytes, &header, entry);
                 }
                 Found::Rejected { len, .. } => {
                     damaged += 1;
@@ -150,6 +184,7 @@ impl Switch {
             port.traffic.junk_bytes += junk_bytes;
             if good {
                 port.heard = now;
+                port.muted = false;
             }
         }
     }
@@ -159,13 +194,62 @@ impl Switch {
         self.feed(self.program, bytes);
     }
 
+    /// Sends what the bridge itself has to say and is due.
+    pub(super) fn automate(&mut self) {
+        let moment = self.moment;
+        for port in self.ports.iter_mut().flatten().filter(|port| port.is_up()) {
+            let due =
+                port.automation.as_mut().and_then(|automation| automation.heartbeat(moment.now));
+            if let Some(frame) = due {
+                send_own(port, &frame, &self.registry, moment);
+                self.dirty.insert(port.id);
+            }
+        }
+    }
+
+    /// Asks a vehicle for telemetry whose heartbeat came, if that is wanted.
+    fn ask(&mut self, id: LinkId, frame: &[u8], header: &Header) {
+        let moment = self.moment;
+        let Some(port) = &mut self.ports[id.index()] else { return };
+        let Some(automation) = &mut port.automation else { return };
+        let requests = automation.requests(frame, header, moment.now);
+        for request in &requests {
+            send_own(port, request, &self.registry, moment);
+            self.dirty.insert(id);
+        }
+    }
+
+    /// A good frame at the border of its port; false if it does not get in.
+    #[inline]
+    fn admit(&mut self, id: LinkId, frame: &[u8], header: &Header, entry: Option<Entry>) -> bool {
+        let Some(port) = &mut self.ports[id.index()] else { return false };
+        let has_automation = port.automation.is_some();
+        if let Some(border) = &port.border {
+            let now = timestamp_from_unix_micros(self.moment.unix);
+            let Some(entered) = border.incoming(frame, now) else {
+                port.traffic.unverified += 1;
+                return false;
+            };
+            // Without its signature its header is another one.
+            let header = Header::parse(&entered).unwrap_or(*header);
+            self.dispatch(id, &entered, &header, entry);
+        } else {
+            self.dispatch(id, frame, header, entry);
+        }
+        if has_automation {
+            self.ask(id, frame, header);
+        }
+        true
+    }
+
     #[inline]
     fn dispatch(&mut self, source: LinkId, frame: &[u8], header: &Header, entry: Option<Entry>) {
         match self.router.route(frame, header, entry, source, self.moment.now) {
             Fate::Forwarded(links) => {
+                let moment = self.moment;
                 for id in links.iter() {
                     if let Some(port) = &mut self.ports[id.index()] {
-                        port.push(frame);
+                        port.push(frame, header, entry, moment);
                     }
                 }
                 self.dirty = self.dirty | links;
@@ -185,5 +269,12 @@ impl Switch {
             index: entry.map(|entry| entry.index),
         };
         self.arrived.push(frame, info);
+    }
+}
+
+/// Queues a frame of the bridge itself at a port.
+fn send_own(port: &mut Port, frame: &FrameBuffer, registry: &Registry, moment: Moment) {
+    if let Some(header) = Header::parse(frame) {
+        port.push(frame, &header, registry.lookup(header.msgid), moment);
     }
 }

@@ -3,7 +3,6 @@
 use super::*;
 use mavwire_core::builtin;
 use mavwire_core::frame::{self, Header, MAX_FRAME_LEN};
-use mavwire_core::router::LinkOptions;
 use mavwire_core::schema::WireVersion;
 use std::io::Read as _;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -24,9 +23,7 @@ fn link(name: &str, endpoint: Endpoint) -> LinkSpec {
     LinkSpec {
         name: name.into(),
         endpoint,
-        options: LinkOptions::default(),
-        queue: 64 << 10,
-        datagram: 0,
+        port: PortSpec { queue: 64 << 10, ..PortSpec::default() },
         peer_timeout: LIMIT,
         retry: Some(Duration::from_secs(1)),
     }
@@ -311,7 +308,7 @@ fn however_the_loop_ends_its_taps_do() {
     let (commands, receiver) = sync_channel(1);
     let (signal, wake) = UnixStream::pair().unwrap();
     let waker = Waker { commands, signal: Arc::new(signal) };
-    let hub = Arc::new(Hub::default());
+    let hub = Arc::new(Hub::new());
     let tap = hub.tap(TapFilter::default());
     let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         let switch = Switch::new(registry(), Settings::new(3));

@@ -1,7 +1,9 @@
 //! The reader below `DFReader`'s classes: finds, filters and makes messages; Python is called for the few types that
 //! change a vehicle's state.
 
+use std::io;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::Delimiter;
 use mavwire_link::dataflash::Contents;
@@ -12,14 +14,11 @@ use pyo3::{PyTraverseError, PyVisit, intern};
 
 use super::clock::MicrosClock;
 use super::message::DFMessage;
-use super::shape;
-use super::source::Source;
+use super::shape::{self, Names};
+use super::source::{BUDGET, Source};
 use super::state::{Kind, Search, State, Taken};
 use crate::lock::Lock;
 use crate::turn;
-
-/// Records that are passed over before the user's wish to stop is heeded.
-const BUDGET: u32 = 1 << 16;
 
 /// Keys of `messages` beyond which no further instances are added.
 const MAX_MESSAGES: usize = 1 << 16;
@@ -87,9 +86,10 @@ impl DataflashReader {
     }
 
     /// Stamps a message and takes it into `messages` and the state.
-    fn post<'py>(slf: &Bound<'py, Self>, taken: Taken<'py>) -> PyResult<Bound<'py, DFMessage>> {
+    fn post<'py>(slf: &Bound<'py, Self>, taken: Taken) -> PyResult<Bound<'py, DFMessage>> {
         let py = slf.py();
         let Taken { message, kind, key, stamped } = taken;
+        let message = Bound::new(py, message)?;
         if !stamped {
             slf.call_method1(intern!(py, "_set_time"), (&message,))?;
         }
@@ -129,18 +129,58 @@ impl DataflashReader {
 
     /// Fixes which layouts filtered reads visit, unless that is fixed already.
     fn latch(&self, py: Python<'_>, types: &Types<'_>, strict: bool) -> PyResult<()> {
-        let mut state = self.state.lock(py);
+        let state = self.state.lock(py);
         if state.latched.is_some() {
             return Ok(());
         }
-        let wants = |kind: &Kind| -> PyResult<bool> {
-            let layout = &kind.names.layout;
-            let by_state = !strict && STATE_TYPES.contains(&layout.name.as_str());
-            Ok(by_state || types.has(kind.names.name.bind(py))?)
+        let kinds: Vec<_> = state.kinds.iter().map(|kind| Arc::clone(&kind.names)).collect();
+        drop(state);
+        // Comparing names may run Python code, which may use this reader.
+        let wants = |names: &Arc<Names>| -> PyResult<bool> {
+            let by_state = !strict && STATE_TYPES.contains(&names.layout.name.as_str());
+            Ok(by_state || types.has(names.name.bind(py))?)
         };
-        let wanted = state.kinds.iter().map(wants).collect::<PyResult<_>>()?;
-        state.latched = Some(wanted);
+        let wanted = kinds.iter().map(wants).collect::<PyResult<Vec<_>>>()?;
+        let mut state = self.state.lock(py);
+        if state.latched.is_none() && state.kinds.len() == wanted.len() {
+            state.latched = Some(wanted);
+        }
         Ok(())
+    }
+
+    /// Goes through the log while others run; `None` if it is closed. What `walk` calls with the offset it has come to
+    /// calls `progress` with each new whole percent, and returns false when that, or a signal, ends it.
+    fn walk<T: Send>(
+        &self,
+        py: Python<'_>,
+        progress: Option<Py<PyAny>>,
+        walk: impl Send + FnOnce(&mut Source, &mut dyn FnMut(u64) -> bool) -> io::Result<T>,
+    ) -> PyResult<Option<T>> {
+        let mut state = self.state.lock(py);
+        let len = state.len.max(1);
+        let Some(mut source) = state.source.take() else { return Ok(None) };
+        drop(state);
+        let (mut percent, mut failed) = (0, None);
+        let result = py.detach(|| {
+            walk(&mut source, &mut |at| {
+                let now = at * 100 / len;
+                let tell = now != percent;
+                percent = now;
+                let told = Python::attach(|py| {
+                    py.check_signals()?;
+                    match progress.as_ref().filter(|_| tell) {
+                        Some(progress) => progress.call1(py, (now,)).map(drop),
+                        None => Ok(()),
+                    }
+                });
+                told.map_err(|error| failed = Some(error)).is_ok()
+            })
+        });
+        self.state.lock(py).source = Some(source);
+        match failed {
+            Some(error) => Err(error),
+            None => Ok(Some(result?)),
+        }
     }
 }
 
@@ -174,8 +214,10 @@ impl DataflashReader {
         state.len = source.len();
         state.offset = 0;
         state.latched = None;
-        state.kinds.clear();
+        let before = std::mem::take(&mut state.kinds);
         state.source = Some(source);
+        drop(state);
+        drop(before);
         Ok(layouts)
     }
 
@@ -187,32 +229,11 @@ impl DataflashReader {
         py: Python<'py>,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let mut state = self.state.lock(py);
-        let len = state.len.max(1);
-        let Some(mut source) = state.source.take() else { return Ok(PyDict::new(py)) };
-        drop(state);
-        let (mut percent, mut failed) = (0, None);
         let progress = progress.map(Bound::unbind);
-        let contents = py.detach(|| {
-            source.contents(&mut |at| {
-                let now = at * 100 / len;
-                let tell = now != percent;
-                percent = now;
-                let told = Python::attach(|py| {
-                    py.check_signals()?;
-                    match progress.as_ref().filter(|_| tell) {
-                        Some(progress) => progress.call1(py, (now,)).map(drop),
-                        None => Ok(()),
-                    }
-                });
-                told.map_err(|error| failed = Some(error)).is_ok()
-            })
-        });
-        self.state.lock(py).source = Some(source);
-        if let Some(error) = failed {
-            return Err(error);
+        match self.walk(py, progress, |source, tell| source.contents(tell))? {
+            Some(contents) => as_dict(py, &contents),
+            None => Ok(PyDict::new(py)),
         }
-        as_dict(py, &contents?)
     }
 
     /// Sets what messages of each layout need: its `DFFormat` and the index of its instance field.
@@ -228,13 +249,15 @@ impl DataflashReader {
             let tracked = STATE_TYPES.contains(&name) && name != "ORGN";
             made.push(Kind::new(names, format.unbind(), instance, tracked));
         }
-        self.state.lock(py).kinds = made;
+        let before = std::mem::replace(&mut self.state.lock(py).kinds, made);
+        drop(before);
         Ok(())
     }
 
     /// Lets the messages' times come from `clock` without calling Python; None to call `_set_time`.
     fn _set_native_clock(&self, py: Python<'_>, clock: Option<Py<MicrosClock>>) {
-        self.state.lock(py).clock = clock;
+        let before = std::mem::replace(&mut self.state.lock(py).clock, clock);
+        drop(before);
     }
 
     /// The text between values of a text log.
@@ -243,30 +266,28 @@ impl DataflashReader {
         state.source.as_ref()?.delimiter().map(Delimiter::text)
     }
 
-    /// Where the lines of a text log start by their first characters, and how many lines there are.
-    fn _lines<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyDict>, u64)> {
+    /// The lines of a text log by their first characters, and how many there are at all.
+    fn _lines(&self, py: Python<'_>) -> (Vec<(String, u64)>, u64) {
         let state = self.state.lock(py);
-        let keys = PyDict::new(py);
-        let Some(Source::Text(file)) = &state.source else { return Ok((keys, 0)) };
-        let mut found: Vec<_> = file.keys().iter().collect();
-        found.sort_by_key(|(_, offsets)| offsets.first());
-        for (key, offsets) in found {
-            keys.set_item(key, offsets)?;
-        }
-        Ok((keys, file.lines()))
+        let Some(Source::Text(file)) = &state.source else { return (Vec::new(), 0) };
+        let counts = file.counts().into_iter().map(|(key, count)| (key.to_owned(), count));
+        (counts.collect(), file.lines())
+    }
+
+    /// Where the lines of a text log start, by their first characters.
+    fn _line_offsets(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u64>)>> {
+        let found = self.walk(py, None, |source, tell| match source {
+            Source::Text(file) => file.offsets(tell),
+            Source::Binary(_) => Ok(Vec::new()),
+        })?;
+        Ok(found.unwrap_or_default())
     }
 
     /// Offsets of all records, by layout.
     fn _offsets(&self, py: Python<'_>) -> PyResult<Vec<Vec<u64>>> {
-        let mut state = self.state.lock(py);
-        let mut offsets = vec![Vec::new(); state.kinds.len()];
-        let Some(source) = state.source.as_mut() else { return Ok(offsets) };
-        let mut at = 0;
-        while let Some(record) = source.record_at(at)? {
-            offsets[record.layout].push(record.offset);
-            at = record.next;
-        }
-        Ok(offsets)
+        let count = self.state.lock(py).kinds.len();
+        let offsets = self.walk(py, None, |source, tell| source.offsets(count, tell))?;
+        Ok(offsets.unwrap_or_else(|| vec![Vec::new(); count]))
     }
 
     /// Lets go of the file.

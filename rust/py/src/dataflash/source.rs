@@ -9,6 +9,9 @@ use mavwire_core::log::dataflash::{HEAD_LEN, Layout, TimeUnit};
 use mavwire_link::dataflash::{Contents, DataflashFile};
 use mavwire_link::text_log::TextLogFile;
 
+/// Records that are passed over before the user's wish to stop is heeded.
+pub(super) const BUDGET: u32 = 1 << 16;
+
 /// A log.
 pub(super) enum Source {
     Binary(Box<DataflashFile>),
@@ -61,6 +64,28 @@ impl Source {
             Self::Binary(file) => file.contents(progress),
             Self::Text(file) => file.contents(progress),
         }
+    }
+
+    /// Offsets of all records, by the `count` layouts. `progress` is told now and then where this has come to, and ends
+    /// it with false: `Interrupted`.
+    pub(super) fn offsets(
+        &mut self,
+        count: usize,
+        progress: &mut dyn FnMut(u64) -> bool,
+    ) -> io::Result<Vec<Vec<u64>>> {
+        let mut offsets = vec![Vec::new(); count];
+        let (mut at, mut records) = (0, 0_u32);
+        while let Some(record) = self.record_at(at)? {
+            at = record.next;
+            if let Some(offsets) = offsets.get_mut(record.layout) {
+                offsets.push(record.offset);
+            }
+            records = records.wrapping_add(1);
+            if records % BUDGET == 0 && !progress(at) {
+                return Err(io::ErrorKind::Interrupted.into());
+            }
+        }
+        Ok(offsets)
     }
 
     /// The first record at or behind `offset`.

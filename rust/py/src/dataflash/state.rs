@@ -63,8 +63,8 @@ pub(super) struct State {
 }
 
 /// A message that was read, and what is left to do with it.
-pub(super) struct Taken<'py> {
-    pub(super) message: Bound<'py, DFMessage>,
+pub(super) struct Taken {
+    pub(super) message: DFMessage,
     /// Index of its kind.
     pub(super) kind: usize,
     /// Key of its instance in `messages`; `Err` if that has to be made of the field's value.
@@ -74,8 +74,8 @@ pub(super) struct Taken<'py> {
 }
 
 /// How a search ended.
-pub(super) enum Search<'py> {
-    Found(Taken<'py>),
+pub(super) enum Search {
+    Found(Taken),
     /// Enough was looked at for once.
     Paused,
     End,
@@ -96,12 +96,12 @@ impl State {
     }
 
     /// Reads the next record of the wanted layouts, looking at `budget` records at most.
-    pub(super) fn next<'py>(
+    pub(super) fn next(
         &mut self,
-        owner: &Bound<'py, PyAny>,
+        owner: &Bound<'_, PyAny>,
         latched: bool,
         mut budget: u32,
-    ) -> PyResult<Search<'py>> {
+    ) -> PyResult<Search> {
         let py = owner.py();
         let Some(source) = self.source.as_mut() else {
             return Err(pyo3::exceptions::PyValueError::new_err("the log is closed"));
@@ -141,7 +141,7 @@ impl State {
                 known.map(|key| key.clone_ref(py)).ok_or_else(|| bytes.unwrap_or_default().into())
             });
             return Ok(Search::Found(Taken {
-                message: Bound::new(py, message)?,
+                message,
                 kind: record.layout,
                 key,
                 stamped: self.clock.is_some(),

@@ -5,14 +5,10 @@
 
 use std::borrow::Cow;
 
-use crate::frame::{
-    CHECKSUM_LEN, FrameRef, HEADER_LEN_V2, IFLAG_SIGNED, MAX_FRAME_LEN, SIGNATURE_LEN,
-};
-use crate::signing::SETUP_SIGNING;
+use crate::frame::{FrameRef, HEADER_LEN_V2, IFLAG_SIGNED, INCOMPAT_FLAGS_AT, MAX_FRAME_LEN};
+use crate::signing::{SETUP_SIGNING, without_signature};
 use crate::x25;
 
-/// Where the `incompat_flags` of a MAVLink 2 frame stand.
-const INCOMPAT_FLAGS: usize = 2;
 /// `crc_extra` of `SETUP_SIGNING`.
 const SETUP_SIGNING_EXTRA: u8 = 71;
 /// Where `secret_key` begins in the payload of `SETUP_SIGNING`, and its length.
@@ -31,29 +27,13 @@ pub fn recordable(frame: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// The checksum covers the signed flag. It is linear, so what clearing the flag changes depends on the flag's distance
-/// from the end alone: `crc_extra` is not needed, and messages that nobody knows keep a good checksum.
-fn without_signature(frame: &[u8]) -> Vec<u8> {
-    let end = frame.len() - SIGNATURE_LEN;
-    let checksum_at = end - CHECKSUM_LEN;
-    let mut unsigned = frame[..end].to_vec();
-    unsigned[INCOMPAT_FLAGS] &= !IFLAG_SIGNED;
-    // `crc_extra` counts as one more byte behind the payload.
-    let behind_flag = checksum_at - INCOMPAT_FLAGS - 1 + 1;
-    let change = x25::advance(x25::push(0, IFLAG_SIGNED), behind_flag);
-    for (byte, changed) in unsigned[checksum_at..].iter_mut().zip(change.to_le_bytes()) {
-        *byte ^= changed;
-    }
-    unsigned
-}
-
 /// The same `SETUP_SIGNING` with every byte of the key FF, whatever zeros were cut from it.
 fn without_key(frame: &FrameRef<'_>) -> Vec<u8> {
     let addressing = &frame.payload()[..frame.payload().len().min(KEY_OFFSET)];
     let mut redacted = Vec::with_capacity(MAX_FRAME_LEN);
     redacted.extend_from_slice(&frame.bytes()[..HEADER_LEN_V2]);
     redacted[1] = (KEY_OFFSET + KEY_LEN) as u8;
-    redacted[INCOMPAT_FLAGS] &= !IFLAG_SIGNED;
+    redacted[INCOMPAT_FLAGS_AT] &= !IFLAG_SIGNED;
     redacted.extend_from_slice(addressing);
     redacted.resize(HEADER_LEN_V2 + KEY_OFFSET, 0);
     redacted.resize(HEADER_LEN_V2 + KEY_OFFSET + KEY_LEN, 0xFF);

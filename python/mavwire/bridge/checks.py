@@ -1,0 +1,53 @@
+"""Checks of single options: each returns the value, or raises ConfigError with the option's name."""
+
+from __future__ import annotations
+
+import math
+
+from .errors import ConfigError
+
+
+def number(name: str, value: object) -> float:
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ConfigError(f"{name} must be a number, not {value!r}")
+    return float(value)
+
+
+def seconds(name: str, value: object, least: float = 0.0) -> float:
+    """A number of seconds, `least` or more and less than some centuries."""
+    time = number(name, value)
+    if not least <= time <= 1e10:
+        raise ConfigError(f"{name} must be {least:g} seconds or more, not {value!r}")
+    return time
+
+
+def whole(name: str, value: object, most: int, least: int = 0) -> int:
+    """A whole number in a range."""
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise ConfigError(f"{name} must be a number from {least} to {most}, not {value!r}")
+    return value
+
+
+def rate(name: str, value: object) -> float | None:
+    """So many a second; None for no limit."""
+    if value is None:
+        return None
+    each = number(name, value)
+    if each <= 0:
+        raise ConfigError(f"{name} must be more than 0 a second, not {value!r}")
+    return each
+
+
+def flag(name: str, value: object) -> bool:
+    """True or false."""
+    if not isinstance(value, bool):
+        raise ConfigError(f"{name} must be true or false, not {value!r}")
+    return value
+
+
+def text(name: str, value: object) -> str:
+    """A text that is not empty."""
+    if not isinstance(value, str) or not value:
+        raise ConfigError(f"{name} must be a text, not {value!r}")
+    return value

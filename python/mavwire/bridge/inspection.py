@@ -1,0 +1,112 @@
+"""What the web inspector tells its page, as JSON: who is there, what comes how often, and what is new."""
+
+from __future__ import annotations
+
+import json
+import math
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+    from .bridge import Bridge
+
+# Kinds of messages and messages with values that one page is told of.
+MAX_KINDS = 4000
+MAX_OPEN = 64
+# Numbers that JavaScript holds exactly.
+MAX_SAFE = 2**53
+
+
+class View:
+    """What one page sees of a bridge. `tables` and `values` give texts to send to it."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._open: list[tuple[int, int, int]] = []
+        self._described: set[int] = set()
+
+    def hear(self, text: str) -> None:
+        """What the page asks for: `{"open": [[system, component, message id], ...]}`. ValueError."""
+        try:
+            wanted = json.loads(text)["open"]
+            rows = [tuple(row) for row in wanted]
+        except (KeyError, TypeError, RecursionError) as error:
+            raise ValueError("not a request of the page") from error
+        limits = (255, 255, 2**24 - 1)
+        for row in rows:
+            if len(row) != 3 or not all(
+                type(number) is int and 0 <= number <= most
+                for number, most in zip(row, limits, strict=True)
+            ):
+                raise ValueError(f"no kind of message: {row!r}")
+        self._open = rows[:MAX_OPEN]
+
+    def tables(self) -> str:
+        """Links, components and kinds of messages with their counts; BridgeError at the end."""
+        kinds = sorted(
+            self._bridge.kinds(), key=lambda kind: (kind.system, kind.component, kind.id)
+        )
+        stats = self._bridge.stats()
+        shown = kinds[:MAX_KINDS]
+        stats["kinds"] = [
+            [kind.system, kind.component, kind.id, kind.frames, kind.time, kind.link]
+            for kind in shown
+        ]
+        stats["hidden"] = len(kinds) - len(shown)
+        new = {kind.id for kind in shown} - self._described
+        stats["types"] = {str(msgid): self._describe(msgid) for msgid in new}
+        self._described |= new
+        if stats["recording"]:
+            stats["recording"].pop("path")  # a place on this machine
+        return json.dumps(stats)
+
+    def values(self) -> str | None:
+        """The newest values of the messages that are open; None if none is."""
+        if not self._open:
+            return None
+        found: dict[str, Any] = {}
+        for system, component, msgid in self._open:
+            message = self._bridge.latest(msgid, system, component)
+            if message is not None:
+                fields = self._fields(message)
+                found[f"{system}/{component}/{msgid}"] = [message._timestamp, fields]
+        return json.dumps({"values": found})
+
+    def _describe(self, msgid: int) -> dict[str, Any]:
+        """Name and fields of a message: name, type and unit of each."""
+        kind = self._bridge.dialect.mavlink_map[msgid]
+        units = kind.fieldunits_by_name
+        types = zip(kind.fieldnames, kind.fieldtypes, strict=True)
+        fields = [[name, type_name, units.get(name, "")] for name, type_name in types]
+        return {"name": kind.msgname, "fields": fields}
+
+    def _fields(self, message: Any) -> list[list[Any]]:
+        """Value and meaning of each field."""
+        pairs = [(name, getattr(message, name)) for name in message.fieldnames]
+        return [[plain(value), self._meaning(message, name, value)] for name, value in pairs]
+
+    def _meaning(self, message: Any, field: str, value: object) -> str:
+        """What an enum calls the value; the names of the bits that are set for a bit mask."""
+        entries = self._bridge.dialect.enums.get(message.fieldenums_by_name.get(field))
+        if entries is None or not isinstance(value, int):
+            return ""
+        if message.fielddisplays_by_name.get(field) == "bitmask":
+            return " | ".join(
+                entry.name for bits, entry in entries.items() if bits and value & bits == bits
+            )
+        entry = entries.get(value)
+        return "" if entry is None else str(entry.name)
+
+
+def plain(value: object) -> object:
+    """A field's value as JSON and JavaScript can hold it: what they cannot is a text."""
+    if isinstance(value, list | tuple):
+        return [plain(element) for element in value]
+    if isinstance(value, bytes | bytearray):
+        return value.decode("utf-8", "replace")
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if isinstance(value, int) and abs(value) > MAX_SAFE:
+        return str(value)
+    return value

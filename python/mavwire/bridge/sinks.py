@@ -1,0 +1,221 @@
+"""Sinks: what a bridge sees, published to MQTT and Zenoh by a thread on the batch iterator.
+
+`PREFIX/out` gets all frames as they are, those of a batch one behind the other, and `PREFIX/SYSTEM/COMPONENT/TYPE` each
+message as JSON. A sink that is slower than the traffic loses batches, which are counted, and slows nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from urllib.parse import unquote, urlsplit
+
+from .errors import ConfigError
+from .inspection import plain
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Protocol, Self
+
+    from .bridge import Bridge
+
+    class Publisher(Protocol):
+        """Where a sink's bytes go."""
+
+        def put(self, key: str, data: bytes) -> None:
+            """Publish, OSError if that is not possible now."""
+
+        def flush(self) -> None:
+            """Wait until what was put is on its way; OSError if it does not get there."""
+
+        def close(self) -> None:
+            """End the connection."""
+
+
+DEFAULT_PREFIX = "mavlink"
+MQTT_PORT, MQTTS_PORT = 1883, 8883
+FORMS = "mqtt://HOST/PREFIX, mqtts://USER:PASSWORD@HOST:PORT/PREFIX, zenoh: or zenoh:tcp/HOST:PORT"
+MAX_PUBLISHERS = 16_384
+# How long a batch may take to leave before the sink looks whether it shall end.
+FLUSH_TIME = 5.0
+
+
+class Sink:
+    """Publishes until it is closed or the bridge stops. `published` counts messages and `failed` those that
+    got lost on the way, the last time for the reason in `error`.
+    """
+
+    def __init__(self, bridge: Bridge, publisher: Publisher, prefix: str, note: str) -> None:
+        self.note = note
+        self.published = 0
+        self.failed = 0
+        self.error: str | None = None
+        self._publisher = publisher
+        self._prefix = prefix
+        self._batches = bridge.frames()
+        self._thread = threading.Thread(target=self._run, name="mavwire-sink", daemon=True)
+        self._thread.start()
+
+    @property
+    def dropped(self) -> int:
+        """Frames that were dropped because the other end was too slow."""
+        return self._batches.dropped
+
+    def _run(self) -> None:
+        for batch in self._batches:
+            try:
+                self._publisher.put(f"{self._prefix}/out", batch.raw)
+                for message in batch:
+                    self._put(message)
+                self._publisher.flush()
+            except OSError as error:
+                self.failed += len(batch)
+                self.error = str(error)
+            else:
+                self.published += len(batch)
+                self.error = None
+
+    def _put(self, message: Any) -> None:
+        if message.get_msgId() < 0:
+            return  # the dialect does not know it
+        who = f"{message.get_srcSystem()}/{message.get_srcComponent()}"
+        key = f"{self._prefix}/{who}/{message.get_type()}"
+        self._publisher.put(key, json.dumps(described(message)).encode())
+
+    def close(self) -> None:
+        """Publish no more, and hang up."""
+        self._batches.close()
+        self._thread.join()
+        self._publisher.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+def described(message: Any) -> dict[str, Any]:
+    """A message as JSON can hold it: who sent it and when, its type, and its fields by name."""
+    return {
+        "type": message.get_type(),
+        "system": message.get_srcSystem(),
+        "component": message.get_srcComponent(),
+        "sequence": message.get_seq(),
+        "time": message._timestamp,
+        "fields": {name: plain(getattr(message, name)) for name in message.fieldnames},
+    }
+
+
+def open_sink(bridge: Bridge, text: str) -> Sink:
+    """A sink as a user writes it: one of FORMS.
+
+    ConfigError for another text, ImportError if the client library is missing, OSError if it cannot
+    be opened. A broker that does not answer yet is tried again and again.
+    """
+    word = text.partition(":")[0]
+    if word == "zenoh":
+        publisher, prefix = _zenoh(text.partition(":")[2]), DEFAULT_PREFIX
+    elif word in ("mqtt", "mqtts"):
+        publisher, prefix = _mqtt(text)
+    else:
+        raise ConfigError(f"{text!r} is no sink; say {FORMS}")
+    shown = text.rpartition("@")[2] if "@" in text else text  # without the password
+    return Sink(bridge, publisher, prefix, f"publishing to {shown}")
+
+
+def _mqtt(text: str) -> tuple[Publisher, str]:
+    try:
+        url = urlsplit(text)
+        port = url.port
+    except ValueError as error:
+        raise ConfigError(f"a sink's address is wrong: {error}") from None
+    prefix = url.path.strip("/") or DEFAULT_PREFIX
+    if not url.hostname or url.query or "#" in text or "+" in prefix:
+        raise ConfigError(f"no address of an MQTT broker; say {FORMS}")
+    secure = url.scheme == "mqtts"
+    user = None if url.username is None else unquote(url.username)
+    password = None if url.password is None else unquote(url.password)
+    port = port or (MQTTS_PORT if secure else MQTT_PORT)
+    return _Mqtt(url.hostname, port, secure, user, password), prefix
+
+
+class _Mqtt:
+    """A client of a broker, which connects by itself, again and again."""
+
+    def __init__(
+        self, host: str, port: int, secure: bool, user: str | None, password: str | None
+    ) -> None:
+        from paho.mqtt.client import Client
+        from paho.mqtt.enums import CallbackAPIVersion
+
+        self._client = Client(CallbackAPIVersion.VERSION2)
+        self._client.reconnect_delay_set(1, 8)
+        if secure:
+            self._client.tls_set()
+        if user is not None:
+            self._client.username_pw_set(user, password)
+        self._client.connect_async(host, port)
+        self._client.loop_start()
+        self._last: Any = None
+
+    def put(self, key: str, data: bytes) -> None:
+        if not self._client.is_connected():
+            raise OSError("the broker does not answer")
+        self._last = self._client.publish(key, data)
+
+    def flush(self) -> None:
+        try:
+            self._last.wait_for_publish(FLUSH_TIME)
+        except (RuntimeError, ValueError) as error:
+            raise OSError(str(error)) from None
+        if not self._last.is_published():
+            raise OSError("the broker is too slow")
+
+    def close(self) -> None:
+        self._client.disconnect()
+        self._client.loop_stop()
+
+
+def _zenoh(endpoint: str) -> Publisher:
+    import zenoh
+
+    config = zenoh.Config()
+    if endpoint:
+        config.insert_json5("connect/endpoints", json.dumps([endpoint]))
+        config.insert_json5("scouting/multicast/enabled", "false")
+        # One that does not answer yet is tried again, in the background.
+        config.insert_json5("connect/exit_on_failure", "false")
+        config.insert_json5("connect/timeout_ms", "0")
+    try:
+        return _Zenoh(zenoh.open(config))
+    except zenoh.ZError as error:
+        raise OSError(f"zenoh:{endpoint}: {error}") from None
+
+
+class _Zenoh:
+    """A session with a publisher for each key, of which there are as many as kinds of messages."""
+
+    def __init__(self, session: Any) -> None:
+        self._session = session
+        self._publishers: dict[str, Any] = {}
+
+    def put(self, key: str, data: bytes) -> None:
+        import zenoh
+
+        try:
+            if len(self._publishers) >= MAX_PUBLISHERS:
+                for publisher in self._publishers.values():
+                    publisher.undeclare()
+                self._publishers.clear()  # someone makes up addresses
+            if key not in self._publishers:
+                self._publishers[key] = self._session.declare_publisher(key)
+            self._publishers[key].put(data)
+        except zenoh.ZError as error:
+            raise OSError(str(error)) from None
+
+    def flush(self) -> None:
+        """Zenoh drops what does not leave in time."""
+
+    def close(self) -> None:
+        self._session.close()

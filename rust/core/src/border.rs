@@ -1,0 +1,256 @@
+//! What a frame goes through where it enters or leaves a network: signatures verified, put on or taken off, and the other
+//! wire version.
+//!
+//! Frames pass a router as they are. A link that has a border changes them on the way in, before they are routed, and on
+//! the way out. What a message means stays the same; what cannot be said in the other version is refused.
+
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use mavwire_schema::WireVersion;
+
+use crate::codec::payload_extended;
+use crate::frame::{FrameBuffer, FrameRef, Header, IFLAG_SIGNED};
+use crate::registry::Entry;
+use crate::signing::{SecretKey, SigningState, Verdict, without_signature};
+use crate::x25;
+
+/// What a border does. By default it is open.
+#[derive(Debug, Clone, Default)]
+#[allow(clippy::struct_excessive_bools)] // each is asked for by itself
+pub struct BorderOptions {
+    /// Frames leave in this version.
+    pub version: Option<WireVersion>,
+    /// The key to verify and to sign with.
+    pub key: Option<Arc<SecretKey>>,
+    /// What comes in needs a good signature, if there is a key.
+    pub verify: bool,
+    /// Message ids that may come in without a signature all the same.
+    pub unsigned: Vec<u32>,
+    /// Frames leave signed by this side, if there is a key, whoever signed them before.
+    pub sign: bool,
+    /// Signatures are taken off what comes in, after they were verified.
+    pub strip_in: bool,
+    /// Signatures are taken off what leaves.
+    pub strip_out: bool,
+    /// The link id of the signatures made here.
+    pub link_id: u8,
+}
+
+impl BorderOptions {
+    /// Nothing is verified and nothing changed.
+    pub fn is_open(&self) -> bool {
+        self.version.is_none() && !(self.verify || self.sign || self.strip_in || self.strip_out)
+    }
+}
+
+/// The border of one link. Links with the same key share their signing state, so that what was heard on one of them cannot
+/// be replayed on another.
+#[derive(Debug)]
+pub struct Border {
+    options: BorderOptions,
+    signing: Rc<RefCell<SigningState>>,
+}
+
+impl Border {
+    /// A border with the state that belongs to its key.
+    pub fn new(options: BorderOptions, signing: Rc<RefCell<SigningState>>) -> Self {
+        Self { options, signing }
+    }
+
+    /// What comes in needs a good signature.
+    pub fn verifies(&self) -> bool {
+        self.options.verify
+    }
+
+    /// A good frame as it enters; `None` if it has no good signature and needs one. `now` in units of signing timestamps.
+    pub fn incoming<'a>(&self, frame: &'a [u8], now: u64) -> Option<Cow<'a, [u8]>> {
+        let whole = FrameRef::parse(frame).ok()?;
+        if self.options.verify {
+            match self.signing.borrow_mut().check(&whole, Some(now)) {
+                Verdict::Good { .. } => {}
+                Verdict::Unsigned if self.options.unsigned.contains(&whole.header().msgid) => {}
+                _ => return None,
+            }
+        }
+        if self.options.strip_in && whole.header().is_signed() {
+            return Some(Cow::Owned(without_signature(frame)));
+        }
+        Some(Cow::Borrowed(frame))
+    }
+
+    /// A good frame as it leaves; `None` if it cannot be said in the version of the link, or not be signed.
+    pub fn outgoing<'a>(
+        &self,
+        frame: &'a [u8],
+        entry: Option<Entry>,
+        now: u64,
+    ) -> Option<Cow<'a, [u8]>> {
+        let whole = FrameRef::parse(frame).ok()?;
+        let header = whole.header();
+        if self.options.sign {
+            return self.signed(&whole, entry, now).map(Cow::Owned);
+        }
+        match self.options.version {
+            Some(version) if version != header.version => {
+                converted(&whole, entry, version, 0).map(|frame| Cow::Owned(frame.to_vec()))
+            }
+            _ if self.options.strip_out && header.is_signed() => {
+                Some(Cow::Owned(without_signature(frame)))
+            }
+            _ => Some(Cow::Borrowed(frame)),
+        }
+    }
+
+    fn signed(&self, frame: &FrameRef<'_>, entry: Option<Entry>, now: u64) -> Option<Vec<u8>> {
+        let mut signed = converted(frame, entry, WireVersion::V2, IFLAG_SIGNED)?;
+        let mut signing = self.signing.borrow_mut();
+        signing.sign_frame(&mut signed, self.options.link_id, Some(now)).ok()?;
+        Some(signed.to_vec())
+    }
+}
+
+/// The same message in a wire version, with flags. A message that nobody knows keeps the `crc_extra` that its checksum
+/// implies; how long it is in version 1 cannot be known.
+fn converted(
+    frame: &FrameRef<'_>,
+    entry: Option<Entry>,
+    version: WireVersion,
+    incompat_flags: u8,
+) -> Option<FrameBuffer> {
+    let header = Header { version, incompat_flags, ..*frame.header() };
+    let implied = || x25::implied_extra(x25::checksum(frame.crc_region()), frame.checksum());
+    let crc_extra = entry.map(|entry| entry.crc_extra).or_else(implied)?;
+    let mut space = [0; 255];
+    let payload = match (version, entry) {
+        (WireVersion::V2, _) => frame.payload(),
+        // Extension fields are not for version 1, and zeros are not cut there.
+        (WireVersion::V1, Some(entry)) => {
+            payload_extended(frame.payload(), entry.min_len, &mut space)
+        }
+        (WireVersion::V1, None) => return None,
+    };
+    let mut buffer = FrameBuffer::default();
+    buffer.encode(header, payload, crc_extra).ok()?;
+    Some(buffer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::encode;
+    use crate::registry::Registry;
+    use crate::testing::{HEARTBEAT_V1, HEARTBEAT_V2, header, registry};
+    use WireVersion::{V1, V2};
+
+    const NOW: u64 = 5_000_000_000;
+    /// No definition has it.
+    const UNKNOWN: u32 = 201;
+
+    fn state(key: u8) -> Rc<RefCell<SigningState>> {
+        let mut state = SigningState::new();
+        state.set_key(Some(SecretKey::new(&[key; 32]).expect("32 bytes")));
+        state.timestamp = NOW;
+        Rc::new(RefCell::new(state))
+    }
+
+    fn border(options: BorderOptions, key: u8) -> Border {
+        Border::new(options, state(key))
+    }
+
+    fn leaves(border: &Border, registry: &Registry, frame: &[u8]) -> Option<Vec<u8>> {
+        let header = Header::parse(frame).expect("a frame");
+        border.outgoing(frame, registry.lookup(header.msgid), NOW).map(Cow::into_owned)
+    }
+
+    fn frame(version: WireVersion, msgid: u32, payload: &[u8], crc_extra: u8) -> Vec<u8> {
+        let mut out = Vec::new();
+        encode(&mut out, header(version, msgid, 7), payload, crc_extra).expect("it fits");
+        out
+    }
+
+    #[test]
+    fn a_frame_leaves_in_the_version_of_the_link() {
+        let registry = registry();
+        let to = |version| border(BorderOptions { version: Some(version), ..<_>::default() }, 1);
+        for (from, into, version) in [
+            (&HEARTBEAT_V2[..], &HEARTBEAT_V1[..], V1),
+            (&HEARTBEAT_V1, &HEARTBEAT_V1, V1),
+            (&HEARTBEAT_V1, &HEARTBEAT_V2, V2),
+            (&HEARTBEAT_V2, &HEARTBEAT_V2, V2),
+        ] {
+            let mut from = from.to_vec();
+            let seq = if from[0] == 0xFD { 4 } else { 2 };
+            let mut into = into.to_vec();
+            let into_seq = if into[0] == 0xFD { 4 } else { 2 };
+            // The twins differ in their number; that of the one that goes in counts.
+            into[into_seq] = from[seq];
+            for bytes in [&mut from, &mut into] {
+                let end = bytes.len() - 2;
+                let checksum = x25::push(x25::checksum(&bytes[1..end]), 50);
+                bytes[end..].copy_from_slice(&checksum.to_le_bytes());
+            }
+            assert_eq!(leaves(&to(version), &registry, &from), Some(into), "{version:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_version_cannot_say_is_refused() {
+        let registry = registry();
+        let to = |version| border(BorderOptions { version: Some(version), ..<_>::default() }, 1);
+        let unknown = frame(V2, UNKNOWN, &[3; 20], 77);
+        assert_eq!(leaves(&to(V1), &registry, &unknown), None, "nobody knows its length");
+        let long_id = frame(V2, 17_000, &[3; 20], registry.lookup(17_000).unwrap().crc_extra);
+        assert_eq!(leaves(&to(V1), &registry, &long_id), None);
+        let old = frame(V1, UNKNOWN, &[3; 20], 77);
+        assert_eq!(leaves(&to(V2), &registry, &old), Some(unknown), "its checksum says enough");
+        assert_eq!(leaves(&to(V2), &registry, b"\xfdjunk, which is no frame"), None);
+    }
+
+    #[test]
+    fn what_is_signed_here_is_believed_there_and_once_only() {
+        let registry = registry();
+        let here = border(BorderOptions { sign: true, link_id: 9, ..<_>::default() }, 1);
+        let options = BorderOptions { verify: true, strip_in: true, ..<_>::default() };
+        let (there, stranger) = (border(options.clone(), 1), border(options, 2));
+        for plain in [HEARTBEAT_V2.to_vec(), frame(V2, UNKNOWN, &[3; 20], 77)] {
+            let signed = leaves(&here, &registry, &plain).expect("it can be signed");
+            assert_eq!(signed.len(), plain.len() + 13);
+            assert_eq!(stranger.incoming(&signed, NOW), None);
+            assert_eq!(there.incoming(&signed, NOW).as_deref(), Some(&plain[..]), "and bare");
+            assert_eq!(there.incoming(&signed, NOW), None, "a replay");
+            assert_eq!(there.incoming(&plain, NOW), None, "not signed");
+            let again = leaves(&here, &registry, &signed).expect("signed anew");
+            assert_eq!(there.incoming(&again, NOW).as_deref(), Some(&plain[..]));
+        }
+        let old = leaves(&here, &registry, &HEARTBEAT_V1).expect("version 2 from here on");
+        assert!(there.incoming(&old, NOW).is_some());
+    }
+
+    #[test]
+    fn messages_may_be_named_that_need_no_signature() {
+        let options = BorderOptions { verify: true, unsigned: vec![0], ..<_>::default() };
+        let border = border(options, 1);
+        assert!(matches!(border.incoming(&HEARTBEAT_V2, NOW), Some(Cow::Borrowed(_))));
+        assert_eq!(border.incoming(&frame(V2, 30, &[1; 28], 39), NOW), None);
+        let forged = leaves(
+            &super::tests::border(BorderOptions { sign: true, ..<_>::default() }, 2),
+            &registry(),
+            &HEARTBEAT_V2,
+        );
+        assert_eq!(border.incoming(&forged.expect("signed"), NOW), None, "a wrong one is wrong");
+    }
+
+    #[test]
+    fn signatures_are_taken_off_what_leaves() {
+        let registry = registry();
+        let here = border(BorderOptions { sign: true, ..<_>::default() }, 1);
+        let signed = leaves(&here, &registry, &HEARTBEAT_V2).expect("signed");
+        let bare = border(BorderOptions { strip_out: true, ..<_>::default() }, 1);
+        assert_eq!(leaves(&bare, &registry, &signed).as_deref(), Some(&HEARTBEAT_V2[..]));
+        assert_eq!(leaves(&bare, &registry, &HEARTBEAT_V1).as_deref(), Some(&HEARTBEAT_V1[..]));
+        assert!(BorderOptions::default().is_open() && !bare.options.is_open());
+    }
+}

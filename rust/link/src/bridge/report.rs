@@ -1,0 +1,150 @@
+//! What the event loop knows about itself, for who asks.
+
+use std::net::UdpSocket;
+use std::os::fd::AsRawFd as _;
+
+use mavwire_core::router::MAX_LINKS;
+
+use super::event_loop::{EventLoop, Kind, Link, PROGRAM_NAME};
+use super::latency::Latency;
+use super::port::Wire;
+use super::recorder::Recorder;
+use super::stats::{ComponentReport, LinkReport, Stats};
+
+impl EventLoop {
+    pub(super) fn stats(&self) -> Stats {
+        let now = self.switch.moment.now;
+        let components = self.switch.router().components(now);
+        let program = LinkReport {
+            name: PROGRAM_NAME.to_owned(),
+            state: "up",
+            traffic: self.switch.traffic(self.switch.program()),
+            ..LinkReport::default()
+        };
+        let links = self.links.iter().flat_map(|(&n, link)| self.link_reports(n, link));
+        let links = links.chain([program]);
+        let names = self.names();
+        Stats {
+            uptime: now as f64 / 1e6,
+            links: links.collect(),
+            components: components
+                .map(|(sysid, compid, stats, links)| ComponentReport {
+                    sysid,
+                    compid,
+                    stats,
+                    age: now.saturating_sub(stats.heard) as f64 / 1e6,
+                    links: unique(links.iter().filter_map(|id| names[id.index()])),
+                })
+                .collect(),
+            recording: self.recorder.as_ref().map(Recorder::stats),
+        }
+    }
+
+    /// Number of a port -> name of its link.
+    fn names(&self) -> Vec<Option<&str>> {
+        let mut names = vec![None; MAX_LINKS];
+        for port in self.switch.ports() {
+            let link = self.links.get(&port.link);
+            names[port.id.index()] = Some(link.map_or(PROGRAM_NAME, |link| &link.spec.name));
+        }
+        names
+    }
+
+    fn link_reports(&self, number: u32, link: &Link) -> Vec<LinkReport> {
+        let report = LinkReport {
+            name: link.spec.name.clone(),
+            endpoint: link.spec.endpoint.to_string(),
+            refused: link.refused,
+            error: link.error.clone(),
+            overrun: link.overrun(),
+            ..LinkReport::default()
+        };
+        let ports = self.switch.ports().filter(|port| port.link == number);
+        let mut reports: Vec<LinkReport> = ports
+            .map(|port| LinkReport {
+                peer: port.peer.clone(),
+                state: state_of(&port.wire, &link.kind),
+                traffic: self.switch.traffic(port.id),
+                queued: port.outbox.queued(),
+                latency: percentiles(&port.outbox.latency),
+                ..report.clone()
+            })
+            .collect();
+        match &link.kind {
+            Kind::DatagramServer(..) | Kind::Listener(_) => {
+                for peer in &mut reports {
+                    (peer.refused, peer.error, peer.overrun) = (0, None, None);
+                }
+                let latency = percentiles(&link.departed_latency);
+                let (state, traffic) = ("listening", link.departed);
+                let own = LinkReport { state, traffic, latency, ..report };
+                reports.insert(0, own);
+            }
+            Kind::Dialled(_, dialling) => {
+                for one in &mut reports {
+                    one.connections = dialling.connections;
+                }
+            }
+            Kind::Datagrams(..) => {}
+        }
+        reports
+    }
+}
+
+impl Link {
+    /// Datagrams that the system dropped because they were not read in time.
+    fn overrun(&self) -> Option<u64> {
+        match &self.kind {
+            Kind::Datagrams(socket, _) | Kind::DatagramServer(socket, _) => overrun(socket),
+            Kind::Listener(_) | Kind::Dialled(..) => None,
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn overrun(socket: &UdpSocket) -> Option<u64> {
+    /// Numbers that tell of a socket's memory (`SK_MEMINFO_VARS`), the last of which counts what was dropped.
+    const COUNT: usize = 9;
+    let mut numbers = [0_u32; COUNT];
+    let mut len = size_of_val(&numbers) as libc::socklen_t;
+    // SAFETY: the pointers are to so many bytes, and to their number, both of which the call may write.
+    let done = unsafe {
+        libc::getsockopt(
+            socket.as_raw_fd(),
+            libc::SOL_SOCKET,
+            libc::SO_MEMINFO,
+            numbers.as_mut_ptr().cast(),
+            &raw mut len,
+        )
+    };
+    (done == 0 && len as usize == size_of_val(&numbers)).then(|| numbers[COUNT - 1].into())
+}
+
+#[cfg(not(target_os = "linux"))]
+fn overrun(_: &UdpSocket) -> Option<u64> {
+    None
+}
+
+fn percentiles(latency: &Latency) -> [Option<u32>; 3] {
+    [0.5, 0.99, 0.999].map(|part| latency.percentile(part))
+}
+
+fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut unique: Vec<String> = Vec::new();
+    for name in names {
+        if !unique.iter().any(|known| known == name) {
+            unique.push(name.to_owned());
+        }
+    }
+    unique
+}
+
+fn state_of(wire: &Wire, kind: &Kind) -> &'static str {
+    match (wire, kind) {
+        (Wire::Down, Kind::Dialled(_, dialling)) if dialling.under_way || dialling.at.is_some() => {
+            "connecting"
+        }
+        (Wire::Down, _) => "down",
+        _ => "up",
+    }
+}

@@ -1,0 +1,76 @@
+"""The inspector's page in a real browser: a simulated vehicle on it, plotted, paused and filtered."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
+
+from integration.browser import browse, executable
+from mavwire import Bridge
+from mavwire.bridge.inspector import Inspector
+from mavwire.dialects.v20 import all as mavlink
+from mavwire.sim import Vehicle, serve
+from unit.bridge_tools import port_of
+from unit.link_tools import pack
+
+HOSTILE = "<img src=x onerror=document.title='bad'>"
+ROW = "[...document.querySelectorAll('.kind')].find(row => row.cells[0].textContent == '{}')"
+OURS = "[...document.querySelectorAll('.kind')].find(row => row.cells[1].textContent == '66/1')"
+
+
+@pytest.mark.skipif(executable() is None, reason="no Chromium: apt-get install chromium")
+def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
+    text = mavlink.MAVLink_statustext_message(6, HOSTILE.encode())
+    with (
+        Bridge(record=tmp_path / "logs") as bridge,
+        Inspector(bridge, "127.0.0.1", 0) as inspector,
+    ):
+        name = bridge.add("udpin:127.0.0.1:0", name="vehicles <b>")
+        bridge.add("tcpin:127.0.0.1:0", name="stations")
+        with (
+            serve(f"udpout:127.0.0.1:{port_of(bridge, name)}", Vehicle()),
+            browse(inspector.url, tmp_path / "profile") as page,
+        ):
+            for message in ("HEARTBEAT", "ATTITUDE", "GPS_RAW_INT"):
+                page.wait_for(f"!!{ROW.format(message)}")
+                page.run(f"{ROW.format(message)}.click()")
+            page.wait_for("document.body.innerText.includes('MAV_TYPE_QUADROTOR')")
+            page.wait_for(f"+{ROW.format('ATTITUDE')}.cells[2].textContent > 1")
+            assert page.run("document.body.innerText.includes('rad/s')")
+            for field in ("roll", "yaw"):
+                number = (
+                    f"[...{ROW.format('ATTITUDE')}.nextSibling.querySelectorAll('tr')]"
+                    f".find(row => row.cells[0].textContent == '{field}').querySelector('.plottable')"
+                )
+                page.wait_for(f"!!{number}")
+                page.run(f"{number}.click()")
+            page.wait_for("Math.min(...[...series.values()].map(one => one.points.length)) > 10")
+            assert page.run("byId('legend').textContent.includes('ATTITUDE.yaw (1/1)')")
+            assert page.run("byId('links').textContent.includes('vehicles <b>')")
+            assert page.run("!byId('recording').hidden")
+
+            bridge.send(pack(text, 0, 66))
+            page.wait_for(f"!!{OURS}")
+            page.run(f"{OURS}.click()")
+            page.wait_for(f"document.body.innerText.includes({json.dumps(HOSTILE)})")
+            assert page.run("document.title") == "mavwire bridge"
+            assert page.run("document.querySelectorAll('img').length") == 0
+            page.screenshot(Path(os.environ.get("MAVWIRE_SCREENSHOT", tmp_path / "page.png")))
+
+            page.run("byId('filter').value = 'attitude, 66/1'; sift()")
+            shown = "[...document.querySelectorAll('.kind')].filter(row => !row.hidden).length"
+            assert page.run(shown) == 2
+            page.run("byId('pause').click()")
+            state = "byId('state').textContent + series.values().next().value.points.length"
+            before, start = page.run(state), bridge.stats()["uptime"]
+            with bridge.frames() as batches:
+                while bridge.stats()["uptime"] < start + 1.5:
+                    assert batches.next() is not None
+            assert page.run(state) == before
+            page.run("byId('pause').click()")
+            page.wait_for(f"({state}) != {json.dumps(before)}")

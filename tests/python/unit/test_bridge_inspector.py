@@ -1,0 +1,191 @@
+"""The web inspector over real sockets: what it tells a page, and whom it tells nothing."""
+
+from __future__ import annotations
+
+import math
+import socket
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
+
+from mavwire import Bridge, open_log
+from mavwire.bridge import Recording
+from mavwire.bridge.inspection import View, plain
+from mavwire.bridge.inspector import MAX_REQUEST, Inspector
+from mavwire.dialects.v20 import all as mavlink
+from unit.bridge_tools import LIMIT, UDP, udp_peer, wait_until
+from unit.link_tools import heartbeat, pack
+from unit.web_tools import WebSocketClient
+
+HOSTILE = "<img src=x onerror=alert(1)>"
+
+
+@pytest.fixture
+def bridge() -> Iterator[Bridge]:
+    with Bridge([UDP]) as running:
+        yield running
+
+
+@pytest.fixture
+def inspector(bridge: Bridge) -> Iterator[Inspector]:
+    with Inspector(bridge, "127.0.0.1", 0) as running:
+        yield running
+
+
+def fetch(port: int, path: str, headers: dict[str, str] | None = None) -> Any:
+    request = urllib.request.Request(f"http://127.0.0.1:{port}{path}", headers=headers or {})
+    with urllib.request.urlopen(request, timeout=LIMIT) as answer:
+        return answer.headers, answer.read()
+
+
+def refused(port: int, path: str, headers: dict[str, str] | None = None) -> int:
+    with pytest.raises(urllib.error.HTTPError) as raised:
+        fetch(port, path, headers)
+    raised.value.close()
+    return int(raised.value.code)
+
+
+def test_a_page_is_told_what_comes_and_the_values_of_what_it_opens(
+    bridge: Bridge, inspector: Inspector
+) -> None:
+    with udp_peer(bridge, UDP) as vehicle, WebSocketClient(inspector.port, "/ws") as page:
+        vehicle.send(heartbeat(sysid=7))
+        attitude = mavlink.MAVLink_attitude_message(1, 0.25, math.nan, 0, 0, 0, 0)
+        vehicle.send(pack(attitude, 1, 7))
+        tables = page.until(lambda told: told.get("kinds") and len(told["kinds"]) == 2 and told)
+        (beat, angles) = tables["kinds"]
+        assert (beat[:4], angles[:4], beat[5]) == ([7, 1, 0, 1], [7, 1, 30, 1], UDP)
+        assert {link["name"] for link in tables["links"]} == {UDP, "program"}
+        assert [one["system"] for one in tables["components"]] == [7]
+        page.send({"open": [[7, 1, 0], [7, 1, 30], [9, 9, 9]]})
+        values = page.until(lambda told: told.get("values"))
+        assert set(values) == {"7/1/0", "7/1/30"}
+        beat_values, angle_values = values["7/1/0"][1], values["7/1/30"][1]
+        assert beat_values[0] == [2, "MAV_TYPE_QUADROTOR"]
+        assert "MAV_MODE_FLAG_CUSTOM_MODE_ENABLED" in beat_values[2][1].split(" | ")
+        assert angle_values[:3] == [[1, ""], [0.25, ""], ["nan", ""]]
+        vehicle.send(pack(mavlink.MAVLink_attitude_message(2, 0.5, 0, 0, 0, 0, 0), 2, 7))
+        newer = page.until(
+            lambda told: told.get("values", {}).get("7/1/30", [0, [[1]]])[1][0][0] == 2
+        )
+        assert newer
+
+
+def test_each_type_is_described_once(bridge: Bridge) -> None:
+    import json
+
+    bridge.send(heartbeat())
+    bridge.send(pack(mavlink.MAVLink_attitude_message(1, 0, 0, 0, 0, 0, 0)))
+    wait_until("both", lambda: len(bridge.kinds()) == 2)
+    view = View(bridge)
+    first, second = json.loads(view.tables()), json.loads(view.tables())
+    assert set(first["types"]) == {"0", "30"} and second["types"] == {}
+    assert first["types"]["30"]["name"] == "ATTITUDE"
+    assert first["types"]["30"]["fields"][1] == ["roll", "float", "rad"]
+
+
+def test_kinds_of_messages_are_counted(bridge: Bridge) -> None:
+    for seq in range(3):
+        bridge.send(heartbeat(seq=seq, sysid=4))
+    (kind,) = wait_until("them", lambda: [one for one in bridge.kinds() if one.frames == 3])
+    assert (kind.id, kind.name, kind.system, kind.component, kind.link) == (
+        0, "HEARTBEAT", 4, 1, "program",
+    )  # fmt: skip
+
+
+def test_values_are_what_javascript_can_hold() -> None:
+    assert plain([1, 2.5, math.inf, 2**60, b"a\xff", HOSTILE]) == [
+        1, 2.5, "inf", str(2**60), "a\ufffd", HOSTILE,
+    ]  # fmt: skip
+
+
+def test_the_page_is_whole_and_bound_to_itself(inspector: Inspector) -> None:
+    headers, body = fetch(inspector.port, "/")
+    text = body.decode()
+    assert "NONCE" not in text and "http://" not in text and "https://" not in text
+    policy = headers["Content-Security-Policy"]
+    nonce = policy.partition("script-src 'nonce-")[2].partition("'")[0]
+    assert len(nonce) > 15 and text.count(nonce) == 2 and "default-src 'none'" in policy
+    assert nonce not in fetch(inspector.port, "/")[1].decode(), "another one each time"
+    assert ".innerHTML" not in text and "insertAdjacentHTML" not in text
+
+
+@pytest.mark.parametrize(
+    ("headers", "path", "status"),
+    [
+        ({"Host": "evil.example"}, "/", 403),
+        ({"Origin": "http://evil.example"}, "/ws", 403),
+        ({"Origin": "null"}, "/ws", 403),
+        ({}, "/ws", 400),
+        ({}, "/recording", 404),
+        ({}, "/../../etc/passwd", 404),
+    ],
+)
+def test_others_are_refused(
+    inspector: Inspector, headers: dict[str, str], path: str, status: int
+) -> None:
+    assert refused(inspector.port, path, headers) == status
+
+
+def test_an_origin_of_its_own_is_welcome(inspector: Inspector) -> None:
+    origin = {"Origin": f"http://127.0.0.1:{inspector.port}"}
+    with WebSocketClient(inspector.port, "/ws", origin) as page:
+        assert page.status == 101
+    with WebSocketClient(inspector.port, "/ws", {"Origin": "http://127.0.0.1:1"}) as page:
+        assert page.status == 403
+
+
+def test_other_addresses_than_loopback_need_the_token(bridge: Bridge) -> None:
+    with Inspector(bridge, "0.0.0.0", 0) as inspector:
+        query = f"?token={inspector.token}"
+        assert len(inspector.token) > 15 and inspector.url.endswith(query)
+        for path in ("/", "/ws", "/recording", "/?token=", "/?token=%C3%A4", f"/{query}x"):
+            assert refused(inspector.port, path) == 403
+        assert b"mavwire bridge" in fetch(inspector.port, f"/{query}", {"Host": "rover.local"})[1]
+        with WebSocketClient(inspector.port, f"/ws{query}") as page:
+            assert page.status == 101
+
+
+def test_the_recording_can_be_downloaded(tmp_path: Path) -> None:
+    with (
+        Bridge(record=Recording(tmp_path, flush_interval=0.001)) as bridge,
+        Inspector(bridge, "127.0.0.1", 0) as inspector,
+    ):
+        bridge.send(heartbeat(seq=9))
+        wait_until("the record", lambda: bridge.stats()["recording"]["records"])
+        headers, log = fetch(inspector.port, "/recording")
+    assert ".tlog" in headers["Content-Disposition"]
+    (tmp_path / "copy").write_bytes(log)
+    assert [msg.get_seq() for msg in open_log(tmp_path / "copy")] == [9]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "nonsense", "[]", "{}", '{"open": 7}', '{"open": [[1, 2]]}', '{"open": [[1, 2, -1]]}',
+        '{"open": [[1, 2, true]]}', '{"open": [["a", {}, []]]}', "[" * 5000, "x" * (MAX_REQUEST + 1),
+    ],
+)  # fmt: skip
+def test_nonsense_ends_the_conversation_and_nothing_else(inspector: Inspector, said: str) -> None:
+    with WebSocketClient(inspector.port, "/ws") as page:
+        page.send(said)
+        assert page.closed() == 1007
+    assert fetch(inspector.port, "/")[1]
+
+
+def test_it_ends_with_the_bridge_and_when_it_is_closed(bridge: Bridge) -> None:
+    inspector = Inspector(bridge, "127.0.0.1", 0)
+    with WebSocketClient(inspector.port, "/ws") as page:
+        page.until(lambda told: "kinds" in told)
+        bridge.stop()
+        assert page.closed() == 1001
+        assert refused(inspector.port, "/recording") == 503
+    inspector.close()
+    with pytest.raises(OSError):
+        socket.create_connection(("127.0.0.1", inspector.port), 1)
