@@ -28,6 +28,19 @@ pub fn read<const N: usize>(payload: &[u8], offset: usize) -> [u8; N] {
     bytes
 }
 
+/// The payload at its full length: cut to `max_len` bytes, or extended to it with zeros in `space`.
+#[inline]
+pub fn payload_extended<'a>(payload: &'a [u8], max_len: u8, space: &'a mut [u8; 255]) -> &'a [u8] {
+    let max_len = usize::from(max_len);
+    if let Some(whole) = payload.get(..max_len) {
+        return whole;
+    }
+    let (present, missing) = space[..max_len].split_at_mut(payload.len());
+    present.copy_from_slice(payload);
+    missing.fill(0);
+    &space[..max_len]
+}
+
 /// The number of a type that stands at `offset`.
 #[inline]
 pub fn number(field_type: FieldType, payload: &[u8], offset: usize) -> Number {
