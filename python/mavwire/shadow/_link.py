@@ -36,13 +36,79 @@ def _replaced(mav: Any, shadowed: type, names: tuple[str, ...]) -> bool:
     )
 
 
+class _Comparing:
+    """What the shadow of a `MAVLink` class adds to it: its calls are compared, where they can be."""
+
+    _shadow: Shadow | None = None
+    # The class itself, to see what a subclass or an instance replaces.
+    _shadowed: type
+    _tap: Any
+
+    def _receive(self, operation: str, data: Any, ours: Callable[[Any], Any]) -> Any:
+        shadow = self._shadow
+        if shadow is None:
+            return ours(data)
+        receiver = shadow.receiver
+        with receiver.lock:
+            if receiver.busy:  # called by another of these, or by a callback of it
+                return ours(data)
+            # A replaced `decode` decides about streams; what it asks of this one is compared.
+            replaced = operation != "decode" and _replaced(self, self._shadowed, RECEIVING)
+            # What is said of an argument of the wrong type differs on purpose.
+            odd = operation == "decode" and not isinstance(data, bytearray)
+            if replaced or odd or self.resync != "skip":  # type: ignore[attr-defined]
+                receiver.skip()
+                return ours(data)
+            if hasattr(data, "__next__"):
+                data = list(data)  # to be read twice
+            return receiver.compare(self, operation, data, ours)
+
+    def _send_message(self, msg: Any, force_mavlink1: Any, ours: Callable[..., None]) -> None:
+        info = getattr(msg, "_info", None)
+        known = isinstance(msg, _native.Message) and info is not None
+        if not known or type(msg).pack is not _native.Message.pack:
+            ours(msg, force_mavlink1)
+            return
+        shadow = self._shadow
+        their_msg = shadow.sender.message(msg) if shadow is not None else None
+        if their_msg is None:
+            ours(msg, force_mavlink1)
+            return
+        self._compare_sending(
+            "send",
+            info,
+            force_mavlink1,
+            lambda: ours(msg, force_mavlink1),
+            lambda twin: twin.send(their_msg, force_mavlink1),
+        )
+
+    def _compare_sending(
+        self,
+        operation: str,
+        info: Any,
+        force_mavlink1: Any,
+        ours: Callable[[], None],
+        theirs: Callable[[Any], Any],
+    ) -> None:
+        shadow, tap = self._shadow, self._tap
+        if shadow is None or not isinstance(tap, Tap):
+            ours()
+            return
+        sender = shadow.sender
+        with sender.lock:
+            if sender.busy or not sender.comparable(self, info, force_mavlink1):
+                ours()
+            else:
+                sender.compare(self, tap, operation, ours, theirs)
+
+
 def shadow_class(base: Any, namespace: dict[str, Any]) -> type:
     """`base`, the `MAVLink` of the module with these globals, with a shadow."""
     find = _counterpart_finder(namespace)
 
-    class MAVLink(base):
+    class MAVLink(base, _Comparing):
         __doc__ = base.__doc__
-        _shadow: Shadow | None = None
+        _tap = base.file
 
         def __init__(
             self, file: Any, srcSystem: int = 0, srcComponent: int = 0, use_native: bool = False
@@ -54,12 +120,11 @@ def shadow_class(base: Any, namespace: dict[str, Any]) -> type:
 
         @property
         def file(self) -> Any:
-            tap = base.file.__get__(self)
-            return tap.target if isinstance(tap, Tap) else tap
+            return self._tap.target if isinstance(self._tap, Tap) else self._tap
 
         @file.setter
         def file(self, value: Any) -> None:
-            base.file.__set__(self, Tap(value))
+            self._tap = Tap(value)
 
         def parse_char(self, c: Any) -> Any:
             return self._receive("parse_char", c, super().parse_char)
@@ -73,66 +138,10 @@ def shadow_class(base: Any, namespace: dict[str, Any]) -> type:
         def send(self, mavmsg: Any, force_mavlink1: bool = False) -> None:
             self._send_message(mavmsg, force_mavlink1, super().send)
 
-        def _receive(self, operation: str, data: Any, ours: Callable[[Any], Any]) -> Any:
-            shadow = self._shadow
-            if shadow is None:
-                return ours(data)
-            receiver = shadow.receiver
-            with receiver.lock:
-                if receiver.busy:  # called by another of these, or by a callback of it
-                    return ours(data)
-                # A replaced `decode` decides about streams; what it asks of this one is compared.
-                replaced = operation != "decode" and _replaced(self, MAVLink, RECEIVING)
-                # What is said of an argument of the wrong type differs on purpose.
-                odd = operation == "decode" and not isinstance(data, bytearray)
-                if replaced or odd or self.resync != "skip":
-                    receiver.skip()
-                    return ours(data)
-                if hasattr(data, "__next__"):
-                    data = list(data)  # to be read twice
-                return receiver.compare(self, operation, data, ours)
-
-        def _send_message(self, msg: Any, force_mavlink1: Any, ours: Callable[..., None]) -> None:
-            info = getattr(msg, "_info", None)
-            known = isinstance(msg, _native.Message) and info is not None
-            if not known or type(msg).pack is not _native.Message.pack:
-                ours(msg, force_mavlink1)
-                return
-            shadow = self._shadow
-            their_msg = shadow.sender.message(msg) if shadow is not None else None
-            if their_msg is None:
-                ours(msg, force_mavlink1)
-                return
-            self._compare_sending(
-                "send",
-                info,
-                force_mavlink1,
-                lambda: ours(msg, force_mavlink1),
-                lambda twin: twin.send(their_msg, force_mavlink1),
-            )
-
-        def _compare_sending(
-            self,
-            operation: str,
-            info: Any,
-            force_mavlink1: Any,
-            ours: Callable[[], None],
-            theirs: Callable[[Any], Any],
-        ) -> None:
-            shadow, tap = self._shadow, base.file.__get__(self)
-            if shadow is None or not isinstance(tap, Tap):
-                ours()
-                return
-            sender = shadow.sender
-            with sender.lock:
-                if sender.busy or not sender.comparable(self, info, force_mavlink1):
-                    ours()
-                else:
-                    sender.compare(self, tap, operation, ours, theirs)
-
     MAVLink.__module__, MAVLink.__qualname__ = base.__module__, base.__qualname__
     # For the native core this is the module's class, not a subclass that replaces methods.
     MAVLink._mavlink_base = MAVLink
+    MAVLink._shadowed = MAVLink
     for message, _ in base._dialect.messages():
         name = f"{message.lower()}_send"
         setattr(MAVLink, name, _ShadowSend(MAVLink, base, name, message))

@@ -60,9 +60,12 @@ fn r3_r8_values_of_every_type() {
 /// All of a payload's values, as text since NaN differs from itself.
 fn values(payload: &[u8]) -> String {
     let message = test_types();
-    let value = |field: &Field| match field.is_char() {
-        true => format!("{:?}", text_bytes(field, payload)),
-        false => format!("{:?}", numbers(field, payload)),
+    let value = |field: &Field| {
+        if field.is_char() {
+            format!("{:?}", text_bytes(field, payload))
+        } else {
+            format!("{:?}", numbers(field, payload))
+        }
     };
     message.fields.iter().map(value).collect()
 }
