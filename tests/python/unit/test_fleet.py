@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -307,3 +308,10 @@ def test_the_command_says_when_there_is_no_scheduler(tmp_path, small, capsys):
     argv = ["convert", str(small[0]), "-o", str(tmp_path / "out"), "--scheduler", "nonsense://x"]
     assert cli.main(argv) == 1
     assert "nonsense" in capsys.readouterr().err
+
+
+def test_the_command_says_what_to_install(tmp_path, small, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    argv = ["convert", str(small[0]), "-o", str(tmp_path / "out"), "--workers", "2"]
+    assert cli.main(argv) == 1
+    assert "pip install 'mavwire[fleet]'" in capsys.readouterr().err
