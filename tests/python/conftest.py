@@ -17,7 +17,7 @@ ORACLE = "pymavlink"
 
 # Tests with real sockets, processes, signals and clocks: on a machine that stalls for seconds one
 # may fail though nothing is wrong. It is tried twice more, and the summary shows that it was.
-LIVE = re.compile(r"integration/|unit/test_(aio|alias|bridge\.|cli|links|live|run|sim)")
+LIVE = re.compile(r"integration/|unit/test_(aio|alias|bridge\.|cli|fleet|links|live|run|sim)")
 
 
 def pytest_report_header() -> str:

@@ -173,11 +173,11 @@ class _Run:
 
     def _begin_tasks(self, client: Any, todo: list[Piece]) -> list[Any]:
         sizes = {piece: self.rows[piece.path].size for piece in todo}
-        large = [p for p in todo if may_be_cut(p.path, sizes[p], self.task_bytes)]
-        small = [(piece, size) for piece, size in sizes.items() if piece not in set(large)]
+        large = {p for p in todo if may_be_cut(p.path, sizes[p], self.task_bytes)}
+        small = [(piece, size) for piece, size in sizes.items() if piece not in large]
         workers = len(client.scheduler_info(n_workers=-1)["workers"]) or 1
         room = group_bytes(sum(size for _, size in small), workers, self.task_bytes)
-        looking = [self._look_for_cuts(client, piece) for piece in large]
+        looking = [self._look_for_cuts(client, piece) for piece in todo if piece in large]
         return looking + [self._submit(client, group) for group in grouped(small, room)]
 
     def _look_for_cuts(self, client: Any, piece: Piece) -> Any:

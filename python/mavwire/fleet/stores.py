@@ -36,6 +36,8 @@ class Remote:
     def __init__(self, url: str, options: Mapping[str, Any] | None = None) -> None:
         self.root = url.rstrip("/")
         self.fs, self._inner = file_system(self.root, options)
+        self._found: set[str] | None = None
+        """What was there when it was first asked for: a request for all, not one for each."""
 
     def place(self, name: str) -> str:
         """The URL of a file."""
@@ -45,8 +47,11 @@ class Remote:
         return f"{self._inner.rstrip('/')}/{name}"
 
     def exists(self, name: str) -> bool:
-        """Whether there is such a file."""
-        return bool(self.fs.exists(self._path(name)))
+        """Whether there was such a file when this was first asked."""
+        if self._found is None:
+            self.fs.invalidate_cache()
+            self._found = set(self.fs.find(self._inner))
+        return self.fs._strip_protocol(self._path(name)) in self._found
 
     def read(self, name: str) -> bytes | None:
         """The content of a file; None where there is none."""

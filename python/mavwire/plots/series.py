@@ -58,6 +58,9 @@ def read_series(
     if not is_telemetry(path):
         made, changes = _from_messages(path, expressions, condition, system, dialect)
         return LogSeries(path, made, spans(changes, _end(made)))
+    from mavwire.logs import open_log
+
+    log = open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
     plain = [one for one in expressions if one.plain and condition is None]
     tables = _tables(path, plain, dialect)
     heartbeats = tables["HEARTBEAT"]
@@ -65,6 +68,11 @@ def read_series(
         system = vehicle_of(heartbeats) or busiest_system(path, dialect)
     found = {one: _from_table(one, tables[one.type], system) for one in plain}
     other = [one for one in expressions if found.get(one) is None]
+    if other and log.compressed:
+        raise ValueError(
+            f"{other[0].text} is evaluated message by message, which a compressed log has to be"
+            f" decompressed for: {path!r}"
+        )
     if other:
         made, _ = _from_messages(path, other, condition, system, dialect)
         found.update(zip(other, made, strict=True))
@@ -89,7 +97,7 @@ def _end(series: Sequence[Series]) -> float | None:
 
 
 def _tables(path: str, plain: Sequence[Expression], dialect: str) -> dict[str, Table]:
-    from mavwire.logs import open_log, read
+    from mavwire.logs import read
     from mavwire.logs.reading import native_dialect
 
     classes = native_dialect(dialect)[0].mavlink_map.values()
@@ -100,7 +108,6 @@ def _tables(path: str, plain: Sequence[Expression], dialect: str) -> dict[str, T
             if name not in known[one.type].fieldnames:
                 raise ValueError(f"{one.text}: {one.type} has no field {name!r}")
         fields |= one.fields()
-    open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
     types = sorted({"HEARTBEAT", *(one.type for one in plain)})
     tables = read(path, types, fields=sorted(fields), dialect=dialect)
     if any(len(t) and bool(_is_nat(t["timestamp"][:1])) for t in tables.values()):
@@ -198,7 +205,9 @@ def vehicle_messages(
     """The vehicle's messages of some types as mavutil gives them, with the link."""
     from mavwire import mavutil
     from mavwire.cli._reading import definitions
+    from mavwire.logs.telemetry import dialect_module
 
+    dialect_module(dialect)  # a ValueError names one that there is not
     with definitions(dialect), closing(mavutil.mavlink_connection(os.fspath(path))) as link:
         telemetry = hasattr(link, "mav")
         if telemetry and system is not None:

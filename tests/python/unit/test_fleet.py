@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -102,7 +103,8 @@ def test_a_second_run_does_what_is_missing(tmp_path, small, inside):
     (out / "ATTITUDE" / "flight0.parquet").unlink()
     assert [row.skipped for row in to_parquet(small[:3], out, inside)] == [False, True, True]
     assert [row.skipped for row in convert_here(small[:3], out)] == [True] * 3
-    assert rows_of(out) == (convert_here(small[:3], tmp_path / "b") and rows_of(tmp_path / "b"))
+    convert_here(small[:3], tmp_path / "anew")
+    assert rows_of(out) == rows_of(tmp_path / "anew")
 
 
 def test_a_log_that_changed_leaves_no_file_of_before(tmp_path, small, inside):
@@ -307,3 +309,10 @@ def test_the_command_says_when_there_is_no_scheduler(tmp_path, small, capsys):
     argv = ["convert", str(small[0]), "-o", str(tmp_path / "out"), "--scheduler", "nonsense://x"]
     assert cli.main(argv) == 1
     assert "nonsense" in capsys.readouterr().err
+
+
+def test_the_command_says_what_to_install(tmp_path, small, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    argv = ["convert", str(small[0]), "-o", str(tmp_path / "out"), "--workers", "2"]
+    assert cli.main(argv) == 1
+    assert "pip install 'mavwire[fleet]'" in capsys.readouterr().err

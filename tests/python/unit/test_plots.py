@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import io
 import json
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from random import Random
@@ -180,6 +182,15 @@ def test_a_log_without_times_is_named(tmp_path):
         plots.plot(path, "HEARTBEAT.type", tmp_path / "x.html")
 
 
+def test_compressed_logs(flight, tmp_path):
+    path = tmp_path / "flight.tlog.gz"
+    path.write_bytes(gzip.compress(flight.read_bytes(), 1))
+    done, same = (plots.plot(p, "VFR_HUD.alt", tmp_path / "x.html") for p in (path, flight))
+    assert done.points == same.points
+    with pytest.raises(ValueError, match="decompressed"):
+        plots.plot(path, "VFR_HUD.alt%2", tmp_path / "x.html")
+
+
 # -- modes
 
 
@@ -279,6 +290,13 @@ def test_an_image_shows_lines_axes_and_modes(tmp_path):
     assert [text.get_text().strip() for text in left.texts] == ["AUTO", "RTL"]
     assert [text.get_text() for text in right.get_legend().get_texts()] == ["a", "b (right)"]
     figure.savefig(io.BytesIO())
+
+
+def test_images_without_matplotlib_say_what_to_install(tmp_path, flight, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    argv = ["plot", str(flight), "ATTITUDE.roll", "-o", str(tmp_path / "x.png")]
+    assert cli.main(argv) == 1
+    assert "pip install 'mavwire[plot]'" in capsys.readouterr().err
 
 
 def test_times_that_no_calendar_has(tmp_path):
