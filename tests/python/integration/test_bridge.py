@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import threading
+import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -262,6 +263,17 @@ def test_the_command_routes_records_and_tells(tmp_path: Path, end: signal.Signal
     assert {msg.get_srcSystem() for msg in open_log(log)} >= {1}
 
 
+def test_the_command_serves_the_page_where_it_says() -> None:
+    with mavwire("bridge", UDP, "--http", ":0", "--metrics", ":0") as (process, lines):
+        line = lines.get(timeout=LIMIT)
+        assert "; metrics on port " in line
+        url = line.partition("inspector at ")[2].partition(";")[0]
+        with urllib.request.urlopen(url, timeout=LIMIT) as answer:
+            assert b"mavwire bridge" in answer.read()
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(LIMIT) == 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "wrong"),
     [
@@ -272,6 +284,8 @@ def test_the_command_routes_records_and_tells(tmp_path: Path, end: signal.Signal
         ([UDP, UDP], 1, "there is a link called"),
         ([UDP, "--dedup", "soon"], 2, "not a time"),
         ([UDP, "--metrics", "here"], 2, "not [HOST]:PORT"),
+        ([UDP, "--http", "here"], 2, "not [HOST]:PORT"),
+        ([UDP, "--sink", "kafka://x"], 2, "'kafka://x' is no sink; say mqtt://"),
         ([UDP, "--record-size", "1M"], 2, "--record-flush need --record"),
         ([UDP, "--record-flush", "1s"], 2, "--record-flush need --record"),
     ],
@@ -298,8 +312,9 @@ def test_a_port_that_is_taken_and_a_wrong_line_are_named(
         endpoint = f"tcpin:127.0.0.1:{taken.getsockname()[1]}"
         assert cli.main(["bridge", endpoint]) == 1
         assert f"{endpoint}: Address already in use" in capsys.readouterr().err
-        assert cli.main(["bridge", UDP, "--metrics", endpoint.removeprefix("tcpin:")]) == 1
-        assert "--metrics 127.0.0.1:" in capsys.readouterr().err
+        for option in ("--metrics", "--http"):
+            assert cli.main(["bridge", UDP, option, endpoint.removeprefix("tcpin:")]) == 1
+            assert f"{option} 127.0.0.1:" in capsys.readouterr().err
     config = tmp_path / "main.conf"
     config.write_text("[General]\nTcpServerPort = 0\n[UdpEndpoint a]\nMod = Normal\n")
     assert cli.main(["bridge", "--config", str(config)]) == 2

@@ -512,11 +512,14 @@ def test_a_broken_installation_is_not_taken_for_a_foreign_system(
         Bridge().start()
 
 
-def test_waiting_for_a_batch_ends_with_a_signal() -> None:
+def test_waiting_for_a_batch_ends_with_a_signal(request: pytest.FixtureRequest) -> None:
     """Ctrl-C ends a wait for the first frame, and one for the batch to fill (R65)."""
     import signal
 
     main_thread = threading.get_ident()
+    # A shell starts what runs in the background without it.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
     with Bridge() as bridge, bridge.frames(max_batch=100, max_latency=10 * LIMIT) as batches:
         for frames in (b"", heartbeat()):
             bridge.send(frames)
