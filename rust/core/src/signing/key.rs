@@ -77,10 +77,13 @@ impl fmt::Debug for SecretKey {
 /// The digest over key and `parts`, which together are the frame from STX through the timestamp.
 pub fn sig48(key: &SecretKey, parts: &[&[u8]]) -> Digest {
     let len = KEY_LEN + parts.iter().map(|part| part.len()).sum::<usize>();
-    match (len + PADDING).div_ceil(BLOCK) {
-        ..=USUAL_BLOCKS => sig48_in::<USUAL_BLOCKS>(key, parts, len),
-        ..=MAX_BLOCKS => sig48_in::<MAX_BLOCKS>(key, parts, len),
-        _ => sig48_long(key, parts),
+    let padded = len + PADDING;
+    if padded <= USUAL_BLOCKS * BLOCK {
+        sig48_in::<USUAL_BLOCKS>(key, parts, len)
+    } else if padded <= MAX_BLOCKS * BLOCK {
+        sig48_in::<MAX_BLOCKS>(key, parts, len)
+    } else {
+        sig48_long(key, parts)
     }
 }
 
