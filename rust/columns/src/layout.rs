@@ -171,7 +171,9 @@ fn all_columns(
             columns.push(numbers(field, &name, dialect, options));
         }
         if message.instance_field.map(usize::from) == Some(index) {
-            columns[first..].iter_mut().for_each(|(_, arrow)| mark_instance(arrow));
+            for (_, arrow) in &mut columns[first..] {
+                mark_instance(arrow);
+            }
         }
     }
     columns

@@ -233,9 +233,9 @@ mod tests {
     #[test]
     fn the_last_place_that_is_listed_grows() {
         let mut sum = Summary::default();
-        sum.add_bad(&[0..2]);
-        sum.bytes = 2;
-        sum.add_bad(&[0..4]);
-        assert_eq!((sum.bad_count, &sum.bad[..]), (1, &[0..6][..]));
+        sum.add_bad(&[0..2, 5..7]);
+        sum.bytes = 7;
+        sum.add_bad(&[0..4, 8..9]);
+        assert_eq!((sum.bad_count, &sum.bad[..]), (3, &[0..2, 5..11, 15..16][..]));
     }
 }

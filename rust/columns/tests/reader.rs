@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use common::{log, registry};
+use common::{damage, log, registry};
 use mavwire_columns::layout::Options;
-use mavwire_columns::reader::{Limits, Reader};
+use mavwire_columns::reader::{Decode, Limits, Reader};
 use mavwire_columns::select::Wanted;
 
 /// More than the block that is read at once.
@@ -16,7 +16,11 @@ const RECORDS: usize = 250_000;
 
 /// Rows, and batches, by message index.
 fn read(limits: Limits) -> BTreeMap<u16, (usize, usize)> {
-    static LOG: LazyLock<Vec<u8>> = LazyLock::new(|| log(&registry(), 1, RECORDS, 8));
+    static LOG: LazyLock<Vec<u8>> = LazyLock::new(|| {
+        let mut bytes = log(&registry(), 1, RECORDS, 8);
+        damage(&mut bytes, 2, 50);
+        bytes
+    });
     let (registry, source) = (registry(), Box::new(Cursor::new(&LOG[..])));
     let (wanted, options) = (Wanted::default(), Options::default());
     let mut reader = Reader::new(source, registry, wanted, options, limits).expect("a reader");

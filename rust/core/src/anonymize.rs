@@ -153,7 +153,9 @@ impl Anonymizer {
         };
         let mut payload = sent[..sent.len().min(whole)].to_vec();
         payload.resize(entry.max_len.max(payload.len() as u8).into(), 0);
-        edits.iter().for_each(|edit| self.edit(edit, &mut payload));
+        for edit in edits {
+            self.edit(edit, &mut payload);
+        }
         payload.truncate(whole);
         let header = Header { incompat_flags: header.incompat_flags & !IFLAG_SIGNED, ..*header };
         frame::encode(out, header, &payload, entry.crc_extra).is_ok()

@@ -137,7 +137,9 @@ fn unit_of(survey: &Survey, layout: &LogLayout, number: usize) -> (Option<String
         units.labels.iter().find(|(known, label)| *known == id && !label.is_empty())
     });
     let factor = mult_ids.chars().nth(number).and_then(|id| {
-        let usual = |factor: f64| factor == 0.0 || factor == 1.0 || !factor.is_finite();
+        let usual = |factor: f64| {
+            factor == 0.0 || (factor - 1.0).abs() < f64::EPSILON || !factor.is_finite()
+        };
         units.multipliers.iter().find(|&&(known, factor)| known == id && !usual(factor))
     });
     (unit.map(|(_, label)| label.clone()), factor.map(|(_, factor)| factor.to_string()))

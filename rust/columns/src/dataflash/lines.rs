@@ -52,8 +52,8 @@ mod tests {
 
     #[test]
     fn lines_are_the_same_in_any_blocks() {
-        let long = "x".repeat(MAX_LINE_LEN + 10);
-        let log = format!("one\n\n two \r\n{long}\nthree\n{long}");
+        let endless = "x".repeat(MAX_LINE_LEN + 10);
+        let log = format!("one\n\n two \r\n{endless}\nthree\n{endless}");
         let wanted = ["one", "", " two", "three"];
         for block in [1, 7, 100, 70_000, 1 << 20] {
             let (mut lines, mut start, mut end) = (Lines::default(), 0, 0);
@@ -67,7 +67,7 @@ mod tests {
                 });
             }
             assert_eq!(found, wanted, "blocks of {block}");
-            assert_eq!(bad, 2 * long.len() + 1);
+            assert_eq!(bad, 2 * endless.len() + 1);
         }
     }
 }

@@ -174,7 +174,9 @@ fn append_records(table: &mut TableBuilder, layout: &TableLayout, block: &[u8], 
             of_layout.iter().map(|place| place.as_ref().map(|(_, source)| source)).collect();
         for group in same.chunks(GROUP) {
             side_by_side.clear();
-            group.iter().for_each(|place| side_by_side.extend_from_slice(place.of(block)));
+            for place in group {
+                side_by_side.extend_from_slice(place.of(block));
+            }
             let (now, rest) = times.split_at(group.len());
             times = rest;
             let stride = usize::from(group[0].len);

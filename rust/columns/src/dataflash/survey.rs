@@ -33,7 +33,7 @@ pub(super) const NO_TABLE: u16 = u16::MAX;
 #[derive(Debug, Clone)]
 pub enum Form {
     /// Records of bytes.
-    Binary(Definitions),
+    Binary(Box<Definitions>),
     /// A line for each record.
     Text(TextDefinitions),
 }
@@ -45,7 +45,7 @@ impl Form {
         definitions.collect(head, 0);
         let binary = head.starts_with(b"\xA3\x95\x80");
         if binary || definitions.layouts().len() > ENOUGH_LAYOUTS {
-            return Some(Self::Binary(Definitions::new()));
+            return Some(Self::Binary(Box::default()));
         }
         let head = &head[..head.len().min(PROBE)];
         let text = memchr::memmem::find(head, b"FMT,").is_some_and(|at| at < 1000)
