@@ -87,7 +87,7 @@ def localised(
         yield path
         return
     with tempfile.TemporaryDirectory(prefix="mavwire-") as folder:
-        copy = os.path.join(folder, "log")
+        copy = os.path.join(folder, os.path.basename(path) or "log")  # names tell kinds of logs
         with _opened(path, options) as source, open(copy, "wb") as target:
             _copy(path, source, target, byte_range)
         yield copy
