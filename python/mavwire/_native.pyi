@@ -78,6 +78,7 @@ __all__ = [
     "message_dict",
     "receive_batch",
     "recordable",
+    "reserved_name",
     "restore",
     "send_values",
     "write_table",
@@ -520,6 +521,9 @@ def build(message: Message, /, *values: Any) -> None:
 
 def send_values(mav: Any, info: MessageInfo, force_mavlink1: object, /, *values: Any) -> None:
     """Sends a message without making an object of it, unless somebody is there to see one."""
+
+def reserved_name(name: str, is_field: bool) -> str | None:
+    """Why a field, or else an enum entry, cannot have this name; None where it can."""
 
 def message_class(module: str, name: str, base: type, body: dict[str, Any]) -> type[Any]:
     """A class of messages with the attributes in `body`, like `type(name, (base,), body)`.

@@ -244,7 +244,9 @@ def _message_class_maker(
             "name": name_property,
         }
         for field in info.fieldnames:
-            body[field] = _native.FieldGetter(info, field, class_value=body.get(field))
+            # A field may have the name of an attribute of the class, which then still has its own.
+            own = SCHEMA_ATTRS[field][1](info) if field in SCHEMA_ATTRS else body.get(field)
+            body[field] = _native.FieldGetter(info, field, class_value=own)
         for field in info.char_fields:
             body[f"_{field}_raw"] = _native.FieldGetter(info, field, raw=True)
         return _native.message_class(module, name, base, body)

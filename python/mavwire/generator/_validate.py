@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import keyword
 
+from mavwire._native import reserved_name
 from mavwire.generator._schema import (
     RESERVED_WORDS,
     SHAPES,
@@ -59,21 +60,20 @@ def reserved_word_problems(root: Element, filename: str) -> list[str]:
 
 
 def module_problems(xml: MAVXML) -> list[str]:
-    """What would make a Python module impossible: names that are no identifiers, payloads that fit
-    no frame.
+    """What would make a Python module impossible: names that are no identifiers or that it needs for
+    itself, payloads that fit no frame.
     """
     problems = []
     for enum in xml.enum:
-        names = [enum.name, *(entry.name for entry in enum.entry)]
-        problems += [
-            f"{xml.filename}:{enum.linenumber}: enum {enum.name}: {_not_a_name(name)}"
-            for name in names
-            if _is_unusable(name)
-        ]
+        where = f"{xml.filename}:{enum.linenumber}: enum {enum.name}"
+        found = [_not_a_name(enum.name)]
+        found += [_not_a_name(e.name) or reserved_name(e.name, is_field=False) for e in enum.entry]
+        problems += [f"{where}: {problem}" for problem in found if problem]
     for message in xml.message:
         where = f"{xml.filename}:{message.linenumber}: message {message.name}"
-        names = [message.name, *message.fieldnames]
-        problems += [f"{where}: {_not_a_name(name)}" for name in names if _is_unusable(name)]
+        found = [_not_a_name(message.name)]
+        found += [_not_a_name(f) or reserved_name(f, is_field=True) for f in message.fieldnames]
+        problems += [f"{where}: {problem}" for problem in found if problem]
         if message.wire_length > MAX_PAYLOAD:
             problems.append(
                 f"{where}: payload of {message.wire_length} bytes; a frame carries {MAX_PAYLOAD}"
@@ -81,13 +81,10 @@ def module_problems(xml: MAVXML) -> list[str]:
     return problems[:MAX_PROBLEMS]
 
 
-def _is_unusable(name: str) -> bool:
-    return not name.isidentifier() or keyword.iskeyword(name)
-
-
-def _not_a_name(name: str) -> str:
-    kind = "a Python keyword" if keyword.iskeyword(name) else "not a Python identifier"
-    return f"name {name[:40]!r} is {kind}"
+def _not_a_name(name: str) -> str | None:
+    if keyword.iskeyword(name):
+        return f"name {name[:40]!r} is a Python keyword"
+    return None if name.isidentifier() else f"name {name[:40]!r} is not a Python identifier"
 
 
 def _attribute_problems(

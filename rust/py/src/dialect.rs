@@ -6,7 +6,8 @@ use std::sync::{Arc, OnceLock};
 use mavwire_core::builtin;
 use mavwire_core::registry::Registry;
 use mavwire_schema::{
-    Definitions, ParseOptions, SchemaError, WireVersion, dialect_name, parse_definitions, resolve,
+    Definitions, ParseOptions, SchemaError, WireVersion, dialect_name, parse_definitions, reserved,
+    resolve,
 };
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
@@ -55,6 +56,13 @@ pub(crate) fn lookup(
         Some(text) => parse_definitions(path, text, &ParseOptions::default()),
         None => builtin::definitions(path),
     }
+}
+
+/// Why a field, or else an enum entry, cannot have this name; None where it can.
+#[pyfunction]
+pub(crate) fn reserved_name(name: &str, is_field: bool) -> Option<String> {
+    let check = if is_field { reserved::check_field } else { reserved::check_entry };
+    check(name).err().map(|reason| reason.to_string())
 }
 
 fn wire_version(text: &str) -> PyResult<WireVersion> {

@@ -111,7 +111,7 @@ mod _native {
     #[pymodule_export]
     use crate::descriptors::MetaAttr;
     #[pymodule_export]
-    use crate::dialect::{DefinitionError, Dialect};
+    use crate::dialect::{DefinitionError, Dialect, reserved_name};
     #[pymodule_export]
     use crate::dict::{message_dict, restore};
     #[pymodule_export]

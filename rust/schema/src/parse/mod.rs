@@ -4,7 +4,7 @@
 mod element;
 mod enums;
 mod messages;
-mod reserved;
+pub mod reserved;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
