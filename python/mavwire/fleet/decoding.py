@@ -42,9 +42,10 @@ def decode(
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, None, start, end, units, enums)
     if columns is not None:
-        query.columns = _checked(
-            [columns] if isinstance(columns, str) else list(columns), module, query
-        )
+        wanted = [columns] if isinstance(columns, str) else list(columns)
+        if query.foreign is None:  # else the columns are those of dataflash logs
+            _check(wanted, module, query)
+        query.columns = wanted
     pieces: dict[str, list[RecordBatches]] = {}
     with localised(path, byte_range, storage_options) as local:
         for table in _batches([local], native, query):
@@ -57,12 +58,11 @@ def decode(
     return {name: Table(name, tables[name], path) for name in sorted(tables)}
 
 
-def _checked(columns: list[str], module: Any, query: Query) -> list[str]:
-    """Columns that some wanted message has; ValueError names another one."""
+def _check(columns: list[str], module: Any, query: Query) -> None:
+    """ValueError names a column that no wanted message has."""
     native = module.MAVLink(None)._dialect
     wanted = module.mavlink_map if query.types is None else query.types
     known = {name for msgid in wanted for name in empty_table(native, msgid, query).names}
     for name in columns:
         if name not in known:
             raise ValueError(f"no wanted message has a column {name!r}")
-    return columns

@@ -58,17 +58,30 @@ def dask_frame(
             sources += [((path, one), one[1] - one[0]) for one in ranges]
         else:
             sources.append(((path, None), size))
-    load = partial(_load, how=how)
+    empty = _empty([source for source, _ in sources], how)
+    load = partial(_load, how=how, empty=empty)
     with dask.config.set({"dataframe.convert-string": False}):  # lists are no texts
-        return dd.from_map(load, grouped(sources, task_bytes) or [[]], meta=load([]))
+        return dd.from_map(load, grouped(sources, task_bytes) or [[]], meta=empty)
 
 
-def _load(sources: list[Source], how: dict[str, Any]) -> Any:
+def _empty(sources: list[Source], how: dict[str, Any]) -> Any:
+    """A data frame without rows. The dialect tells its columns; of a type of dataflash logs, the
+    first log that has it.
+    """
+    try:
+        return decode(os.devnull, **how)[how["types"]].to_pandas()
+    except ValueError:
+        for path, byte_range in sources:
+            table = decode(path, byte_range, **how).get(how["types"])
+            if table is not None:
+                return table.to_pandas().iloc[:0]
+        raise
+
+
+def _load(sources: list[Source], how: dict[str, Any], empty: Any) -> Any:
     """Some logs, one behind the other, as a pandas data frame."""
     import pandas as pd
 
-    if not sources:
-        return decode(os.devnull, **how)[how["types"]].to_pandas()
-    tables = [decode(path, byte_range, **how) for path, byte_range in sources]
-    frames = [table[how["types"]].to_pandas() for table in tables]
-    return frames[0] if len(frames) == 1 else pd.concat(frames, ignore_index=True)
+    tables = [decode(path, byte_range, **how).get(how["types"]) for path, byte_range in sources]
+    frames = [empty if table is None else table.to_pandas() for table in tables]
+    return frames[0] if len(frames) == 1 else pd.concat(frames or [empty], ignore_index=True)

@@ -130,7 +130,8 @@ def prepare(
         raise ValueError(f"{format} is compressed with one of {choices}, not {compression!r}")
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end)
-    check_fields(module, query, fields)
+    if query.foreign is None:  # else the fields are those of dataflash logs
+        check_fields(module, query, fields)
     query.batch_rows, query.batch_bytes = BATCH_ROWS, BATCH_BYTES
     how = {"format": format, "compression": compression, **asdict(query)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))

@@ -12,6 +12,7 @@ from typing import Any
 import mavwire
 import numpy as np
 import pytest
+from dataflash_writer import sample
 from mavwire import cli, traffic
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.fleet import convert, dask_frame, decode, running, to_parquet
@@ -230,6 +231,21 @@ def test_a_data_frame_of_a_large_log(large):
     assert frame.npartitions == 3
     found = frame["roll"].compute(scheduler="sync").to_numpy()
     np.testing.assert_array_equal(found, mavwire.read(large, "ATTITUDE")["ATTITUDE"]["roll"])
+
+
+def test_dataflash_logs(tmp_path, inside):
+    log = sample().write(tmp_path / "00000001.BIN")
+    whole = mavwire.read(log, "IMU")["IMU"]
+    tables = decode(log, types="IMU", columns=["timestamp", "AccX"])
+    assert list(tables) == ["IMU"] and list(tables["IMU"].columns) == ["timestamp", "AccX"]
+    np.testing.assert_array_equal(tables["IMU"]["AccX"], whole["AccX"])
+    [row] = to_parquet(log, tmp_path / "out", inside, types="IMU", fields="AccX")
+    assert (row.error, row.files) == (None, {"IMU/00000001.parquet": 3})
+    pytest.importorskip("dask.dataframe")
+    frame = dask_frame(log, "IMU", "AccX").compute(scheduler="sync")
+    np.testing.assert_array_equal(frame["AccX"], whole["AccX"])
+    with pytest.raises(ValueError, match="'ABC'"):
+        dask_frame(log, "ABC")
 
 
 def test_places(tmp_path, small):
