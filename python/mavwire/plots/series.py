@@ -58,9 +58,11 @@ def read_series(
     if not is_telemetry(path):
         made, changes = _from_messages(path, expressions, condition, system, dialect)
         return LogSeries(path, made, spans(changes, _end(made)))
-    from mavwire.logs import open_log
+    from mavwire.logs import DataflashLog, open_log
 
     log = open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
+    if isinstance(log, DataflashLog):
+        raise ValueError(f"a compressed dataflash log has to be decompressed for plots: {path!r}")
     plain = [one for one in expressions if one.plain and condition is None]
     tables = _tables(path, plain, dialect)
     heartbeats = tables["HEARTBEAT"]

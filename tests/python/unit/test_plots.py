@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from dataflash_writer import sample
 from mavwire import cli, mavutil, plots, traffic
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.expression import ExpressionError
@@ -189,6 +190,10 @@ def test_compressed_logs(flight, tmp_path):
     assert done.points == same.points
     with pytest.raises(ValueError, match="decompressed"):
         plots.plot(path, "VFR_HUD.alt%2", tmp_path / "x.html")
+    dataflash = tmp_path / "flight.BIN.gz"
+    dataflash.write_bytes(gzip.compress(sample().data))
+    with pytest.raises(ValueError, match="decompressed"):
+        plots.plot(dataflash, "IMU.AccX", tmp_path / "x.html")
 
 
 # -- modes
