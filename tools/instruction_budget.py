@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[1]
 BUDGET = ROOT / "benches" / "instruction_budget.json"
 TOLERANCE = 0.03
 RUST = ("scan", "scan-rescan", "decode", "encode", "verify", "text", "json")
-PYTHON = ("parse", "recv_match", "filter", "fields", "pack", "send", "verify")
+PYTHON = ("parse", "noise", "recv_match", "filter", "fields", "pack", "send", "verify")
 # How many messages the short and the long run have, and how far memory is moved in the runs.
 LENGTHS = {"rust": (10_000, 40_000), "python": (1_000, 6_000)}
 PADDINGS = {"rust": (0,), "python": (0, 1_000, 5_000)}

@@ -59,6 +59,18 @@ def all_fields(msg: Any) -> None:
         getattr(msg, name)
 
 
+def noise(mavlink: Any, count: int) -> None:
+    """A strict parser goes over noise a byte at a time: the cost of one, however many follow it."""
+    mav = mavlink.MAVLink(None)
+    data = bytes(count)
+    while mav.buf_len() or data:
+        try:
+            mav.parse_char(data)
+        except mavlink.MAVError:
+            pass
+        data = b""
+
+
 def log(mavlink: Any, messages: int, **how: Any) -> None:
     """Read a telemetry log."""
     from mavwire import mavutil
@@ -92,6 +104,8 @@ def run(case: str, messages: int) -> None:
             receiver = mavlink.MAVLink(None)  # one that has not seen these timestamps
             receiver.signing.secret_key = KEY
             receive(receiver, [piece])
+    elif case == "noise":
+        noise(mavlink, messages)
     elif case == "recv_match":
         log(mavlink, messages)
     elif case == "filter":
