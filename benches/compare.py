@@ -25,7 +25,7 @@ sys.path.insert(0, str(HERE / "python"))
 import corpus as corpora  # noqa: E402
 import document  # noqa: E402
 import startup  # noqa: E402
-from goals import ROWS, Goal, Row  # noqa: E402
+from goals import DUMP_ROWS, ROWS, Row  # noqa: E402
 
 REFERENCE = "pymavlink"
 PEERS = ("fasttlogparser", "pymavlog")
@@ -94,11 +94,25 @@ class Result:
         return len({json.dumps(one) for one in self.digests.values()}) <= 1
 
 
+def chosen(row: Row, only: str | None) -> bool:
+    """Whether a row is to be measured: `only` is its number (G1) or a part of its case."""
+    return not only or only.upper() == row.number or only in row.case
+
+
+def check_chosen(only: str | None) -> None:
+    """End the program where `only` names no row, with those that there are."""
+    rows = (*ROWS, *DUMP_ROWS)
+    if any(chosen(row, only) for row in rows):
+        return
+    known = "\n".join(f"  {row.number:<4} {row.case}" for row in rows)
+    raise SystemExit(f"--only {only}: no such row; there are\n{known}")
+
+
 def run_cases(
     packages: list[str], corpus: corpora.Corpus, args: argparse.Namespace
 ) -> list[Result]:
     """Measure all rows, all packages in turn within every round."""
-    results = [Result(row) for row in ROWS if not args.only or args.only in row.case]
+    results = [Result(row) for row in ROWS if chosen(row, args.only)]
     workers = [Worker(package, corpus, args) for package in packages]
     for number in range(args.runs):
         for result in results:
@@ -115,11 +129,7 @@ def run_dumps(
     packages: list[str], corpus: corpora.Corpus, args: argparse.Namespace
 ) -> list[Result]:
     """The command line tools that print a log."""
-    rows = (
-        Row("dump-json", "G14", "dump to JSON", Goal(60, 1), Goal(None, 2)),
-        Row("dump-standard", "G14", "dump to text", Goal(60, 0.7), Goal(None, 1.5)),
-    )
-    results = [Result(row) for row in rows if not args.only or args.only in row.case]
+    results = [Result(row) for row in DUMP_ROWS if chosen(row, args.only)]
     for _ in range(min(args.runs, 3)):
         for result in results:
             progress(result.row.title)
@@ -266,7 +276,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--runs", type=int, default=5, help="interleaved rounds")
     parser.add_argument("--seconds", type=float, default=0.15, help="least work in one measurement")
     parser.add_argument("--subject", default="mavwire")
-    parser.add_argument("--only", help="only cases whose name contains this")
+    parser.add_argument("--only", help="only rows of this number (G1), or whose case contains this")
     parser.add_argument("--processor", type=int, default=(os.cpu_count() or 1) - 1)
     parser.add_argument("--json", type=Path, help="write all measurements to a file")
     parser.add_argument("--markdown", type=Path, help="write the table to a file")
@@ -276,6 +286,7 @@ def arguments() -> argparse.Namespace:
 
 def main() -> int:
     args = arguments()
+    check_chosen(args.only)
     packages = list(dict.fromkeys([REFERENCE, args.subject]))
     corpus = corpora.prepare(args.messages, args.subject)
     peers = [peer for peer in PEERS if find_spec(peer)]

@@ -13,6 +13,7 @@ import argparse
 import importlib
 import importlib.util
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -111,10 +112,10 @@ def compare(path: Path, folder: Path) -> None:
 
 def show(path: Path) -> int:
     """Say what is in a log, as `mavwire info` does."""
-    from mavwire.cli import info
+    from mavwire import cli
 
     print(f"\n$ mavwire info {path}\n", flush=True)
-    return info.main(argparse.Namespace(logs=[str(path)], dialect=None, json=False))
+    return cli.main(["info", "--", str(path)])
 
 
 def tour(record: Path | None, messages: int, folder: Path) -> int:
@@ -157,3 +158,5 @@ if __name__ == "__main__":
         raise SystemExit(main())
     except KeyboardInterrupt:
         raise SystemExit(130) from None
+    except BrokenPipeError:  # the reader (head, less) has gone
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -70,3 +70,9 @@ ROWS = (
     Row("bin-fields", "G15", "dataflash: read all columns"),
     Row("bin-str", "G15", "dataflash: read and str()"),
 )
+
+# The command line tools that print a log.
+DUMP_ROWS = (
+    Row("dump-json", "G14", "dump to JSON", Goal(60, 1), Goal(None, 2)),
+    Row("dump-standard", "G14", "dump to text", Goal(60, 0.7), Goal(None, 1.5)),
+)

@@ -20,6 +20,16 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
+def no_such_dialect(dialect: str) -> str:
+    """What to say of a dialect that nothing defines: which would do, or which there are."""
+    from mavwire.dialects import names
+
+    built_in = names()
+    hint = did_you_mean(dialect, built_in)
+    text = f"no dialect {dialect!r}; name a built-in one, one in $MDEF/v1.0, or a path to XML"
+    return text + (hint or f"; built in are {', '.join(built_in)}")
+
+
 def printable(text: str) -> str:
     """A line of a file with its control characters, but for tabs, as `\\x1b`."""
     return text.translate(_CONTROLS)

@@ -238,10 +238,13 @@ def mavlink10() -> bool:
     return True
 
 
-def set_dialect(dialect: str, with_type_annotations: bool | None = None) -> None:
-    """Make `dialect` current: a built-in name, a name found in $MDEF, or a path to XML.
+def set_dialect(
+    dialect: str | os.PathLike[str] | ModuleType, with_type_annotations: bool | None = None
+) -> None:
+    """Make `dialect` current: a built-in name, a name found in $MDEF, a path to XML, or a module.
 
-    FileNotFoundError names the XML file that would have defined an unknown dialect.
+    FileNotFoundError says what there is in place of an unknown dialect; TypeError for anything
+    else than a name, a path or a module.
     """
     if with_type_annotations is not None:
         print("with_type_annotations ignored; remove parameter")
@@ -259,7 +262,7 @@ def mavlink_connection(
     robust_parsing: bool = True,
     notimestamps: bool = False,
     input: bool = True,
-    dialect: str | None = None,
+    dialect: str | os.PathLike[str] | ModuleType | None = None,
     autoreconnect: bool = False,
     zero_time_base: bool = False,
     retries: int = 3,

@@ -296,7 +296,7 @@ class DFReader(_native.DataflashReader):
         """Take a message of a type that tells the state of the vehicle into it; one that has a word
         in the place of a number tells nothing.
         """
-        with suppress(ValueError):
+        with suppress(ValueError, OverflowError):  # a mode may be infinite
             self._take_state(m)
 
     def _take_state(self, m: Any) -> None:

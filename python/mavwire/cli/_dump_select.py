@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 # What `--meta` shows whether the condition holds or not: how a dataflash log describes itself.
 META = frozenset(("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "MODE", "EV", "CMD", "MAVC", "VER"))
+# What makes a name in `--types` a pattern.
+WILDCARDS = frozenset("*?[")
 # What `--parms` copies into the output whatever else is asked for.
 PRESERVED = frozenset(("PARAM_VALUE", "PARM", "FMT", "FMTU", "UNIT", "MULT"))
 # The types that `--reduce` thins out: these, and those that begin with one of the prefixes.
@@ -105,6 +107,25 @@ class Selection:
             and (args.source_component is None or args.source_component == msg.get_srcComponent())
             and (args.link is None or args.link == msg._link)
         )
+
+
+def unknown_types(args: Namespace, log: Any) -> list[str]:
+    """What to say of each name in `--types` that is no message type."""
+    from mavwire import mavutil
+    from mavwire._wording import did_you_mean
+
+    if hasattr(log, "mav"):
+        prefix = "MAVLINK_MSG_ID_"
+        known = [one.removeprefix(prefix) for one in vars(mavutil.mavlink) if prefix in one]
+        place = f"dialect {mavutil.current_dialect}"
+    else:
+        known, place = list(log.name_to_id), "this log"
+    exact = [one for one in _patterns(args.types) or () if one and not WILDCARDS & set(one)]
+    return [
+        f"no message type {name!r} in {place}{did_you_mean(name.upper(), known)}"
+        for name in exact
+        if name not in known and name != "BAD_DATA" and not name.startswith("UNKNOWN")
+    ]
 
 
 def _patterns(text: str | None) -> list[str] | None:

@@ -17,8 +17,3 @@ def describe_os_error(error: OSError) -> str:
     """What failed and on which file. Writing standard output fails without a name."""
     reason = error.strerror or str(error)
     return f"{error.filename}: {reason}" if error.filename else f"standard output: {reason}"
-
-
-def no_such_dialect(dialect: str) -> str:
-    """What to say of a dialect that nothing defines."""
-    return f"no dialect {dialect!r}; name a built-in one, one in $MDEF/v1.0, or a path to XML"

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import stat
 import sys
+import time
 from contextlib import contextmanager
 from functools import partial
 from itertools import chain, islice
 
-from mavwire._wording import printable
-from mavwire.cli._errors import CommandError, no_such_dialect
+from mavwire._wording import no_such_dialect, printable
+from mavwire.cli._errors import CommandError
 from mavwire.cli._progress import Progress
 
 TYPE_CHECKING = False
@@ -18,6 +20,10 @@ if TYPE_CHECKING:
     from typing import Any
 
 PROGRESS_EVERY = 20_000
+# The name of standard input's file. Logs of each kind are recognised under it.
+STANDARD_INPUT = "stdin.log"
+# Seconds between looks at the end of a log that is followed.
+FOLLOW_EVERY = 0.05
 
 
 @contextmanager
@@ -28,15 +34,18 @@ def definitions(dialect: str | None = None, wire_protocol: str | None = None) ->
     from mavwire import mavutil
     from mavwire.links import state
 
-    before = state.wire_protocol, state.mavlink, state.current_dialect
+    before = state.wire_protocol, state.mavlink, state.current_dialect, state._given
     try:
         if wire_protocol is not None:
             state.set_wire_protocol(wire_protocol)
         with _naming_dialect(dialect, dialect or state.current_dialect):
-            mavutil.set_dialect(dialect or state.current_dialect)
+            if dialect is None:
+                state.renew_dialect()
+            else:
+                mavutil.set_dialect(dialect)
         yield
     finally:
-        state.wire_protocol, state.mavlink, state.current_dialect = before
+        state.wire_protocol, state.mavlink, state.current_dialect, state._given = before
 
 
 @contextmanager
@@ -51,6 +60,24 @@ def _naming_dialect(option: str | None, name: str) -> Iterator[None]:
 
 
 @contextmanager
+def standard_input() -> Iterator[str]:
+    """The path of a temporary file that holds what standard input gives, read to its end."""
+    from shutil import copyfileobj
+    from tempfile import TemporaryDirectory
+
+    if sys.stdin is None or sys.stdin.isatty():
+        raise CommandError("- is a log on standard input: zcat flight.tlog.gz | mavwire ... -")
+    with TemporaryDirectory(prefix="mavwire-") as folder:
+        path = os.path.join(folder, STANDARD_INPUT)
+        try:
+            with open(path, "wb") as file:
+                copyfileobj(sys.stdin.buffer, file)
+        except OSError as error:
+            raise CommandError(f"cannot keep standard input in {folder}: {error}") from error
+        yield path
+
+
+@contextmanager
 def opening(path: str) -> Iterator[None]:
     """What goes wrong while a log or a link is opened becomes a CommandError that says so."""
     hint = "; LOG is a .tlog, .BIN or .log file, or a link such as udpin:0.0.0.0:14550"
@@ -61,11 +88,40 @@ def opening(path: str) -> Iterator[None]:
     except FileNotFoundError as error:
         raise CommandError(f"no such log: {path}") from error
     except (OSError, ValueError, ImportError) as error:
-        raise CommandError(f"cannot open {path}: {error}{hint}") from error
+        reason = "not a log file" if _is_other_device(path) else str(error)
+        raise CommandError(f"cannot open {path}: {reason}{hint}") from error
+
+
+def _is_other_device(path: str) -> bool:
+    """Whether a path leads to a device that is no serial port, such as /dev/null."""
+    try:
+        if not stat.S_ISCHR(os.stat(path).st_mode):
+            return False
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
+    except (OSError, ValueError):
+        return False
+    try:
+        return not os.isatty(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def open_link(path: str, **options: Any) -> Any:
+    """`mavlink_connection`, but an empty dataflash log, which the readers of those refuse, is opened
+    as an empty telemetry log.
+    """
+    from mavwire import mavutil
+    from mavwire.links.recognise import log_kind
+
+    if os.path.isfile(path) and not os.path.getsize(path) and log_kind(path, True) == "dataflash":
+        return mavutil.mavmmaplog(path)
+    return mavutil.mavlink_connection(path, **options)
 
 
 def _condition_error(condition: str, error: Exception) -> CommandError:
     """What went wrong with a condition, which is shown."""
+    if not condition.strip():
+        return CommandError(f"--condition {condition!r}: the condition is empty")
     return CommandError(f"--condition {condition!r}: {type(error).__name__}: {error}")
 
 
@@ -97,6 +153,9 @@ class Reading:
         """The messages that `recv_match` gives for these arguments, to the end of the log, but for
         lines of a text log that have a word in the place of a number.
         """
+        if blocking and self._is_telemetry_log():
+            yield from self._follow(types, condition)
+            return
         wanted = None if types is None else list(types)
         # In a text log it is for `holds` to say what a condition over words gives.
         checked = None if self._text else condition
@@ -112,6 +171,30 @@ class Reading:
             if condition is None or isinstance(error, OSError | CommandError):
                 raise
             raise _condition_error(condition, error) from error
+
+    def _is_telemetry_log(self) -> bool:
+        from mavwire import mavutil
+
+        return isinstance(self.link, mavutil.mavlogfile)
+
+    def _follow(self, types: Iterable[str] | None, condition: str | None) -> Iterator[Any]:
+        """The messages of a telemetry log, and those that are appended to it, without an end. One
+        that became shorter was begun anew.
+        """
+        while True:
+            yield from self.messages(types, condition)
+            if os.fstat(self.link.f.fileno()).st_size < self.link.f.tell():
+                text = f"mavwire {self.command}: the log was cut, it is read from its start again"
+                print(f"{text}: {self.path!r}", file=sys.stderr)
+                self._start_again()
+            time.sleep(FOLLOW_EVERY)
+
+    def _start_again(self) -> None:
+        """Read from the start; an index of what was there before is made anew."""
+        if hasattr(self.link, "init_arrays"):
+            self.link.init_arrays()
+        else:
+            self.link.f.seek(0)
 
     def _is_text_log(self) -> bool:
         if hasattr(self.link, "mav"):
@@ -172,15 +255,12 @@ def reading(
 
     `options` are those of `mavlink_connection`, which opens what `first_try` gives None for.
     """
-    from mavwire import mavutil
     from mavwire.cli._foreign import warn_if_foreign
 
     progress = Progress(os.path.basename(path), show_progress)
     try:
         with opening(path):
-            link = first_try() or mavutil.mavlink_connection(
-                path, progress_callback=progress.update, **options
-            )
+            link = first_try() or open_link(path, progress_callback=progress.update, **options)
         try:
             yield Reading(command, path, link, progress)
         except AttributeError as error:

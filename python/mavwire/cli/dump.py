@@ -12,10 +12,10 @@ import sys
 from contextlib import ExitStack, contextmanager, redirect_stdout
 
 from mavwire.cli import _dump_format, _dump_native
-from mavwire.cli._dump_select import Selection
+from mavwire.cli._dump_select import Selection, unknown_types
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import open_output
-from mavwire.cli._reading import Reading, definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading, standard_input
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ MAX_STAMP = 2**64 - 1
 def add_arguments(parser: ArgumentParser) -> None:
     """Options of the subcommand: mavlogdump's."""
     add = parser.add_argument
-    add("log", metavar="LOG", help="telemetry or dataflash log, or a link")
+    add("log", metavar="LOG", help="telemetry or dataflash log, or a link; - for standard input")
     _add_input(parser.add_argument_group("reading"))
     _add_filters(parser.add_argument_group("choosing messages"))
     _add_output(parser.add_argument_group("writing"))
@@ -92,6 +92,10 @@ def main(args: Namespace) -> int:
     writer = Writer()
     with ExitStack() as stack:
         stack.enter_context(definitions(args.dialect, "1.0" if args.mav10 else "2.0"))
+        if args.log == "-":
+            if args.follow:
+                raise CommandError("--follow: standard input is read to its end first")
+            args.log = stack.enter_context(standard_input())
         if args.profile:
             stack.enter_context(_profiled())
         if not os.path.isfile(args.log):  # what a link has to say must not be among the messages
@@ -183,6 +187,8 @@ def _dump(
 ) -> None:
     link = log.link
     shape = _dump_format.formatter(args, link)
+    for problem in unknown_types(args, link):
+        print(f"mavwire dump: {problem}", file=sys.stderr)
     selection = Selection(args, log)
     if isinstance(shape, _dump_format.Csv):
         writer.line(shape.header())

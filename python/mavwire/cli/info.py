@@ -13,13 +13,16 @@ import os
 import sys
 import time
 from collections import Counter
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError, no_such_dialect
+from mavwire._wording import no_such_dialect
+from mavwire.cli._errors import CommandError
 from mavwire.cli._foreign import warn_if_foreign
 from mavwire.cli._progress import Progress
+from mavwire.cli._reading import open_link, standard_input
 
 if TYPE_CHECKING:
     import argparse
@@ -54,6 +57,8 @@ class Summary:
     bad_messages: int = 0
     bad_bytes: int = 0
     seconds: float = 0.0
+    since_start: bool = False
+    """Whether times are seconds since the autopilot's start, not since 1970."""
     info: LogInfo | None = None
     """What only telemetry logs have."""
 
@@ -144,6 +149,8 @@ def summarise(log: Any, path: str, progress: Progress | None = None) -> Summary:
         if progress is not None and number % PROGRESS_EVERY == 0:
             progress.update(getattr(log, "percent", 0.0))
     summary.bad_bytes += getattr(log, "junk_bytes", 0)
+    # Without a GPS fix the clock of a dataflash log has no time base.
+    summary.since_start = not telemetry and not getattr(log.clock, "timebase", 0)
     summary.seconds = time.perf_counter() - began
     return summary
 
@@ -188,7 +195,16 @@ def _detail_lines(info: LogInfo) -> list[str]:
 def _time(summary: Summary) -> str:
     if summary.first is None or summary.last is None:
         return "none, there is no message"
+    if summary.since_start:
+        return f"{summary.first:,.3f} to {summary.last:,.3f} s since start, {summary.span:,.1f} s"
     return f"{_clock(summary.first)} to {_clock(summary.last)} UTC, {summary.span:,.1f} s"
+
+
+def _bad(summary: Summary) -> str:
+    """Bytes that belong to no message; the pieces are not counted in dataflash logs."""
+    if summary.bad_bytes and not summary.bad_messages:
+        return f"{summary.bad_bytes:,} bytes"
+    return f"{summary.bad_bytes:,} bytes in {summary.bad_messages:,} pieces"
 
 
 def _clock(seconds: float) -> str:
@@ -206,7 +222,7 @@ def table(summary: Summary) -> str:
         f" {len(summary.types)} types",
         f"  time     {_time(summary)}",
         f"  lost     {summary.lost:,} messages by sequence number",
-        f"  bad      {summary.bad_bytes:,} bytes in {summary.bad_messages:,} pieces",
+        f"  bad      {_bad(summary)}",
         *([] if summary.info is None else _detail_lines(summary.info)),
         f"  read in  {summary.seconds:.3f} s, {speed:,.0f} messages/s",
         "",
@@ -227,7 +243,9 @@ def table(summary: Summary) -> str:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the subcommand."""
     parser.description = "Types, rates, senders, time range, losses and bad bytes of logs."
-    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry or dataflash log")
+    parser.add_argument(
+        "logs", metavar="LOG", nargs="+", help="telemetry or dataflash log; - for standard input"
+    )
     parser.add_argument("--dialect", help="dialect to read telemetry with (default: all)")
     parser.add_argument("--json", action="store_true", help="print one JSON object for each log")
 
@@ -237,18 +255,24 @@ def main(args: argparse.Namespace) -> int:
     _check_dialect(args.dialect)
     failed = 0
     for number, path in enumerate(args.logs):
-        try:
-            summary = _read(path, args.dialect)
-        except (OSError, ValueError, ImportError) as error:
-            print(f"mavwire info: {path}: {_reason(error)}", file=sys.stderr)
-            failed += 1
-            continue
-        if args.json:
-            print(json.dumps(summary.as_dict()))
-        else:
-            print(("\n" if number else "") + table(summary))
-        failed += warn_if_foreign("info", path)
+        with standard_input() if path == "-" else nullcontext(path) as file:
+            failed += not _show(file, path, args, apart=number > 0)
     return 1 if failed else 0
+
+
+def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
+    """Print what is in the log `name`, or say on standard error that it is none; whether it is."""
+    try:
+        summary = _read(path, args.dialect)
+    except (OSError, ValueError, ImportError) as error:
+        print(f"mavwire info: {name}: {_reason(error)}", file=sys.stderr)
+        return False
+    summary.path = name
+    if args.json:
+        print(json.dumps(summary.as_dict()))
+    else:
+        print(("\n" if apart else "") + table(summary))
+    return not warn_if_foreign("info", path, nothing_read=not summary.messages)
 
 
 def _check_dialect(dialect: str | None) -> None:
@@ -266,7 +290,6 @@ def _check_dialect(dialect: str | None) -> None:
 
 
 def _read(path: str, dialect: str | None) -> Summary:
-    from mavwire import mavutil
     from mavwire.links.recognise import check_usable
 
     check_usable(path, creating=False)
@@ -277,7 +300,7 @@ def _read(path: str, dialect: str | None) -> Summary:
         return counted
     progress = Progress(path)
     try:
-        log = mavutil.mavlink_connection(path, dialect=dialect)
+        log = open_link(path, dialect=dialect)
         try:
             return summarise(log, path, progress)
         finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 from pathlib import Path
@@ -26,6 +27,8 @@ def collect(path: str | os.PathLike[str], name: str | None) -> tuple[str, dict[s
     if text.lstrip()[:1] == "<":
         main = name or "custom"
         return main, {main: text}
+    if not text:
+        raise FileNotFoundError(errno.ENOENT, "no definition file: the name is empty")
     main = name or Path(text).stem
     sources = {main: _read(Path(text))}
     _add_includes(Path(text).parent, sources[main], sources)

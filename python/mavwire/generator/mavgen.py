@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import errno
 import importlib.util
+import keyword
 import os
 import sys
 from collections.abc import Sequence
@@ -99,6 +100,7 @@ def mavgen(opts: _Options, args: Sequence[str]) -> bool:
         _point_upstream(opts, args)
         return False
     problems = [problem for file in xml for problem in module_problems(file)]
+    problems += _name_problems(opts.output)
     for problem in problems:
         print(f"ERROR: {problem}")
     if problems:
@@ -108,6 +110,14 @@ def mavgen(opts: _Options, args: Sequence[str]) -> bool:
 
     mavgen_python.generate(opts.output, xml)
     return True
+
+
+def _name_problems(output: str) -> list[str]:
+    """Why no program could import the module, by its name."""
+    name = os.path.basename(output).removesuffix(".py")
+    if not keyword.iskeyword(name):
+        return []
+    return [f"{output}: {name!r} is a keyword of Python, so nothing can import it; name another"]
 
 
 def mavgen_python_dialect(dialect: str, wire_protocol: str) -> bool:

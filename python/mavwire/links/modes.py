@@ -204,4 +204,4 @@ def mode_string_px4(MainState: int) -> str:
 
 def _name_or_number(modes: dict[int, str], number: int) -> str:
     name = modes.get(number)
-    return f"Mode({number})" if name is None else name
+    return "Mode(%u)" % number if name is None else name  # noqa: UP031 - TypeError for no number

@@ -21,6 +21,8 @@ DIALECTS = "mavwire.dialects"
 # The current dialect module. Replaced when the dialect or the wire protocol changes.
 mavlink: Any = None
 current_dialect: str = DEFAULT_DIALECT
+# The module that `set_dialect` was given in place of a name, else None.
+_given: ModuleType | None = None
 # The link or log reader opened last; expressions read parameters from it.
 mavfile_global: Any = None
 # The link_id that the next `setup_signing` without an explicit one takes.
@@ -51,14 +53,40 @@ def set_wire_protocol(version: str | None) -> None:
     wire_protocol = version
 
 
-def set_dialect(dialect: str) -> None:
-    """Make `dialect` current: the name of a built-in one, of one in $MDEF, or a path to XML.
+def set_dialect(dialect: str | os.PathLike[str] | ModuleType) -> None:
+    """Make `dialect` current: the name of a built-in one, of one in $MDEF, a path to XML, or a
+    dialect module, which is taken for both wire protocols.
 
-    FileNotFoundError names the XML file that would have defined an unknown dialect.
+    FileNotFoundError says what there is in place of an unknown dialect; TypeError for anything
+    else than a name, a path or a module.
     """
-    global mavlink, current_dialect
-    mavlink = load_dialect(dialect, "2.0" if mavlink20() else "1.0")
-    current_dialect = dialect
+    global mavlink, current_dialect, _given
+    if isinstance(dialect, ModuleType):
+        mavlink, current_dialect = dialect, _dialect_name(dialect)
+        _given = dialect
+        return
+    if not isinstance(dialect, str | os.PathLike):
+        raise _no_dialect_type(dialect)
+    name = os.fspath(dialect)
+    mavlink = load_dialect(name, "2.0" if mavlink20() else "1.0")
+    current_dialect, _given = name, None
+
+
+def renew_dialect() -> None:
+    """Take the current dialect again, after the wire protocol has changed."""
+    set_dialect(_given if _given is not None and _given is mavlink else current_dialect)
+
+
+def _dialect_name(module: ModuleType) -> str:
+    name = getattr(module, "DIALECT", None)
+    if not isinstance(name, str) or not hasattr(module, "MAVLink"):
+        raise _no_dialect_type(module)
+    return name
+
+
+def _no_dialect_type(dialect: object) -> TypeError:
+    wanted = "a name, a path to XML or a dialect module"
+    return TypeError(f"dialect must be {wanted}, not {dialect!r}")
 
 
 def load_dialect(dialect: str, version: str) -> ModuleType:
@@ -72,7 +100,15 @@ def load_dialect(dialect: str, version: str) -> ModuleType:
         except ModuleNotFoundError as error:
             if error.name != f"{package}.{dialect}":
                 raise
-    return _load_definitions(_definitions_path(dialect), version)
+    path = _definitions_path(dialect)
+    if not os.path.isfile(path):
+        import errno
+
+        from mavwire._wording import no_such_dialect
+
+        looked_for = (path,) if "MDEF" in os.environ else ()
+        raise FileNotFoundError(errno.ENOENT, no_such_dialect(dialect), *looked_for)
+    return _load_definitions(path, version)
 
 
 def _import(name: str) -> ModuleType:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mavwire import mavutil
+from mavwire import mavutil, traffic
 from mavwire.sim import Impairment, Vehicle, serve
 from unit.link_tools import KEY, free_port
 from unit.sim_tools import PATIENT
@@ -269,3 +269,14 @@ def read_all(fd: int) -> str:
         pass  # how Linux says that the other end is closed
     os.close(fd)
     return data.decode()
+
+
+def test_demo_with_a_reader_that_goes_away(tmp_path: Path) -> None:
+    path = tmp_path / "flight.tlog"
+    traffic.generate(path, 2000)
+    command = [sys.executable, str(EXAMPLES / "demo.py"), str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout
+        process.stdout.close()  # before anything is written
+        _, error = process.communicate(timeout=120)
+    assert (process.returncode, error) == (0, b"")

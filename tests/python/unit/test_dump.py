@@ -13,16 +13,17 @@ import socket
 import struct
 import subprocess
 import sys
-import threading
-import time
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
+from dataflash_writer import sample
 from mavwire import cli, mavutil, traffic
 from mavwire._native import dump_log
 from mavwire.cli import _dump_native, _progress
 from mavwire.dialects.v20 import ardupilotmega as mavlink
+from mavwire.links.waiting import wait_readable
 from unit.link_tools import heartbeat, record
 
 NATIVE_CASES = (
@@ -136,6 +137,9 @@ def test_output_of_the_last_time_there_is(
         (["--format", "csv", "LOG"], ["--types ATTITUDE"], 1),
         (["--format", "csv", "--types", "ATT*", "LOG"], ["no message type 'ATT*'", "exact"], 1),
         (["--format", "csv", "--types", "heartbeat", "LOG"], ["'heartbeat'"], 1),
+        (["/dev/null"], ["cannot open /dev/null: not a log file"], 1),
+        (["-f", "-"], ["--follow: standard input"], 1),
+        (["--condition", "", "LOG"], ["--condition '': the condition is empty"], 1),
         (["--condition", "ATTITUDE.roll >", "LOG"], ["--condition", "SyntaxError"], 1),
         (["--condition", "HEARTBEAT.no_such_field", "LOG"], ["AttributeError"], 1),
         (["-o", "/no/such/folder/x", "LOG"], ["--output /no/such/folder/x", "No such file"], 1),
@@ -172,8 +176,8 @@ def test_errors_say_what_to_do(
 def test_what_is_wrong_with_a_file_is_its_content(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = tmp_path / "empty.bin"
-    path.write_bytes(b"")
+    path = tmp_path / "program.elf"
+    path.write_bytes(b"\x7fELF")
     assert cli.main(["dump", str(path)]) == 1
     error = capsys.readouterr().err
     assert f"cannot open {path}: " in error
@@ -276,23 +280,73 @@ def test_follow_prints_what_is_appended(tmp_path: Path) -> None:
     assert (process.returncode, error) == (cli.EXIT_INTERRUPTED, b"")
 
 
-def test_a_live_link(capsysbinary: pytest.CaptureFixture[bytes]) -> None:
+def test_follow_starts_again_where_the_log_was_cut(tmp_path: Path) -> None:
+    path = tmp_path / "growing.tlog"
+    records = [
+        struct.pack(">Q", micros) + frame
+        for micros, frame, _ in traffic.records(traffic.Options(messages=20))
+    ]
+    command = [sys.executable, "-m", "mavwire", "dump", "--follow", str(path)]
+    for types in ([], ["--types", "*"]):  # which goes by the index
+        path.write_bytes(b"".join(records))
+        with subprocess.Popen(
+            [*command, *types], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        ) as process:
+            assert process.stdout
+            assert process.stderr
+            before = [process.stdout.readline() for _ in range(20)]
+            path.write_bytes(b"")
+            said = process.stderr.readline()
+            path.write_bytes(b"".join(records))
+            after = [process.stdout.readline() for _ in range(20)]
+            process.send_signal(signal.SIGINT)
+            _, error = process.communicate(timeout=60)
+        assert b"the log was cut, it is read from its start again" in said
+        assert before == after
+        assert (process.returncode, error) == (cli.EXIT_INTERRUPTED, b"")
+
+
+@pytest.mark.parametrize("command", ["dump", "info"])
+def test_standard_input(command: str, log: str, tmp_path: Path) -> None:
+    def run(name: str, data: bytes) -> list[bytes]:
+        arguments = [sys.executable, "-m", "mavwire", command, name]
+        result = subprocess.run(arguments, input=data, capture_output=True, check=True)
+        assert result.stderr == b""
+        lines = result.stdout.replace(name.encode() + b":", b"").splitlines()
+        return [line for line in lines if b"read in" not in line]
+
+    flash = tmp_path / "flight.BIN"
+    sample().write(flash)
+    for path in (Path(log), flash):
+        assert run("-", path.read_bytes()) == run(str(path), b"")
+
+
+def test_types_that_there_are_none_of(log: str, capsys: pytest.CaptureFixture[str]) -> None:
+    types = "ATT*,UNKNOWN_7,BAD_DATA,HEARTBEAT,HEARTBEET,NOPE_NOPE"
+    assert cli.main(["dump", "-q", "--types", types, log]) == 0
+    assert capsys.readouterr().err == (
+        "mavwire dump: no message type 'HEARTBEET' in dialect ardupilotmega; "
+        "did you mean 'HEARTBEAT'?\n"
+        "mavwire dump: no message type 'NOPE_NOPE' in dialect ardupilotmega\n"
+    )
+
+
+def test_a_live_link(
+    monkeypatch: pytest.MonkeyPatch, capsysbinary: pytest.CaptureFixture[bytes]
+) -> None:
     """Without --follow what has arrived is printed; a link has no index and no end."""
-    sender = mavutil.mavlink_connection("udpout:127.0.0.1:14997", source_system=9)
     opened = mavutil.mavlink_connection
 
-    def opened_and_reached(*args: object, **kwargs: object) -> object:
+    def opened_and_reached(*args: Any, **kwargs: Any) -> Any:
         link = opened(*args, **kwargs)
-        sender.mav.heartbeat_send(2, 3, 81, 4, 4)
-        time.sleep(0.2)
+        port = link.port.getsockname()[1]
+        with opened(f"udpout:127.0.0.1:{port}", source_system=9) as sender:
+            sender.mav.heartbeat_send(2, 3, 81, 4, 4)
+        assert wait_readable(link.fd, 60)
         return link
 
-    try:
-        mavutil.mavlink_connection = opened_and_reached
-        lines = dumped(capsysbinary, "--show-source", "--types", "HEART*", "udpin:127.0.0.1:14997")
-    finally:
-        mavutil.mavlink_connection = opened
-        sender.close()
+    monkeypatch.setattr(mavutil, "mavlink_connection", opened_and_reached)
+    lines = dumped(capsysbinary, "--show-source", "--types", "HEART*", "udpin:127.0.0.1:0")
     assert lines.count(b"\n") == 1
     assert b": HEARTBEAT {type : 2, " in lines
     assert lines.endswith(b" srcSystem=9 srcComponent=0\n")
@@ -434,8 +488,7 @@ def test_interrupt_ends_a_long_dump_quietly(long_log: str) -> None:
     command = [sys.executable, "-m", "mavwire", "dump", long_log]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout
-        process.stdout.read(1000)  # the pipe is full, the process waits
-        threading.Timer(0.2, process.send_signal, (signal.SIGINT,)).start()
-        time.sleep(0.4)
+        process.stdout.read(1000)  # far from its end, and the pipe has no room for the rest
+        process.send_signal(signal.SIGINT)
         _, error = process.communicate(timeout=60)
     assert (process.returncode, error) == (cli.EXIT_INTERRUPTED, b"")

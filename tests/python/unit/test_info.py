@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from dataflash_writer import Log, sample
 from mavwire import cli, traffic
 from mavwire.cli import info
 
@@ -130,3 +131,16 @@ def test_a_dialect_that_nobody_defines_is_said_once(capsys: pytest.CaptureFixtur
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert "no dialect 'klingon'" in error
+
+
+def test_dataflash_times_without_a_fix_are_since_start(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    without, with_fix = tmp_path / "without.BIN", tmp_path / "with.BIN"
+    log = Log().define("IMU", "Qf", "TimeUS,AccX")
+    log.add("IMU", 1_500_000, 1.0).add("IMU", 4_000_000, 2.0).write(without)
+    sample().write(with_fix)
+    assert cli.main(["info", str(without)]) == 0
+    assert "  time     0.000 to 4.000 s since start, 4.0 s\n" in capsys.readouterr().out
+    assert cli.main(["info", str(with_fix)]) == 0
+    assert "  time     2022-03-06 00:01:" in capsys.readouterr().out

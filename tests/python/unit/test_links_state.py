@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -10,7 +11,10 @@ import time
 
 import pytest
 from mavwire import mavutil
+from mavwire.cli._reading import definitions
+from mavwire.dialects import load
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.links import state
 from unit.link_tools import KEY, Capture, drain, drain_in_portions, heartbeat, pack, signed, types
 from watchdog import watched
 
@@ -276,3 +280,50 @@ def test_importing_mavutil_loads_nothing_heavy():
         check=False,
     )
     assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr
+
+
+def test_a_module_as_dialect(tmp_path):
+    path, log = tmp_path / "own.xml", tmp_path / "t.tlog"
+    path.write_text(XML.format(msgid=300, name="OWN"))
+    module = load(path)
+    frame = module.MAVLink_own_message(5).pack(module.MAVLink(None))
+    log.write_bytes(bytes(8) + frame)
+    link = mavutil.mavlink_connection(str(log), dialect=module)
+    assert link.recv_match(type="OWN").value == 5
+    assert (mavutil.mavlink, mavutil.current_dialect) == (module, "own")
+    mavutil.set_wire_protocol("2.0")
+    state.renew_dialect()
+    assert mavutil.mavlink is module
+    with definitions():
+        assert mavutil.mavlink is module
+    with definitions("common"):
+        assert mavutil.mavlink is not module
+    assert mavutil.mavlink is module
+    mavutil.set_dialect("common")
+    state.renew_dialect()
+    assert mavutil.mavlink.DIALECT == "common"
+
+
+@pytest.mark.parametrize("wrong", [3, b"common", ["common"], math])
+def test_what_is_no_dialect(wrong):
+    with pytest.raises(TypeError, match="a name, a path to XML or a dialect module, not "):
+        mavutil.mavlink_connection("udpin:127.0.0.1:0", dialect=wrong)
+
+
+def test_a_dialect_that_nobody_defines(monkeypatch):
+    monkeypatch.delenv("MDEF", raising=False)
+    known = "name a built-in one, one in $MDEF/v1.0, or a path to XML; "
+    for name, hint in (("comon", "did you mean 'common'?"), ("nope", "built in are ASLUAV, ")):
+        with pytest.raises(FileNotFoundError) as caught:
+            mavutil.mavlink_connection("udpin:127.0.0.1:0", dialect=name)
+        assert str(caught.value).startswith(f"[Errno 2] no dialect {name!r}; {known}{hint}")
+    with pytest.raises(FileNotFoundError, match="the name is empty"):
+        load("")
+
+
+@pytest.mark.parametrize("name", [mavutil.mode_string_acm, mavutil.mode_string_apm])
+def test_a_mode_that_is_no_number(name):
+    assert (name(5.5), name(250)) == ("Mode(5)", "Mode(250)")
+    for wrong in (None, "x"):
+        with pytest.raises(TypeError, match="%u format: a real number is required"):
+            name(wrong)

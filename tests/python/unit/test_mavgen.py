@@ -520,3 +520,15 @@ def test_generate_without_files_is_an_error(tmp_path: Path) -> None:
         mavgen_python.generate(str(tmp_path / "made"), [])
     with pytest.raises(SystemExit, match="no definition files"):
         mavgen.mavgen(mavgen.Opts("made"), [])
+
+
+@pytest.mark.parametrize("name", ["class", "class.py"])
+def test_a_module_is_not_named_like_a_keyword(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    definitions = tmp_path / "own.xml"
+    definitions.write_text('<mavlink><messages><message id="1" name="A">'
+                           '<field type="uint8_t" name="b">b</field></message></messages></mavlink>')  # fmt: skip
+    assert not mavgen.mavgen(mavgen.Opts(str(tmp_path / name)), [str(definitions)])
+    assert "'class' is a keyword of Python" in capsys.readouterr().out
+    assert not (tmp_path / "class.py").exists()

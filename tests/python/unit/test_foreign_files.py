@@ -1,0 +1,62 @@
+"""Files without a record: every command says so on standard error and prints what it always does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from dataflash_writer import sample
+from mavwire import cli
+
+NO_TELEMETRY = "no telemetry log, there is no record in it"
+NO_DATAFLASH = "no dataflash log, there is no record in it"
+NOISE = bytes(number * number * 7 % 251 for number in range(3000))
+COMMANDS = ("dump", "info", "parms", "flightmodes", "summarize")
+
+
+@pytest.fixture(autouse=True)
+def in_its_own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, "loss"])
+@pytest.mark.parametrize("name", ["empty.BIN", "empty.tlog", "empty.log"])
+def test_an_empty_log(name: str, command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Path(name).write_bytes(b"")
+    assert cli.main([command, name]) == 0
+    assert capsys.readouterr().err == f"mavwire {command}: the log is empty: {name!r}\n"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("noise.BIN", NOISE, NO_DATAFLASH),
+        ("head.BIN", b"\xa3\x95\x80", NO_DATAFLASH),
+        ("text.tlog", b"hello\n", NO_TELEMETRY),
+        ("one.tlog", b"x", NO_TELEMETRY),
+        ("seven.tlog", b"1234567", NO_TELEMETRY),
+        ("markers.tlog", b"\xfd" * 20_000, NO_TELEMETRY),
+    ],
+)
+def test_no_record(
+    name: str, content: bytes, said: str, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path(name).write_bytes(content)
+    assert cli.main([command, name]) == (1 if command == "info" else 0)
+    assert capsys.readouterr().err == f"mavwire {command}: {said}: {name!r}\n"
+
+
+def test_info_of_what_looks_like_frames_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("markers.tlog").write_bytes(b"\xfe" * 20_000)
+    assert cli.main(["info", "markers.tlog"]) == 1
+    assert NO_TELEMETRY in capsys.readouterr().err
+
+
+def test_a_dataflash_log_behind_noise_is_one(capsys: pytest.CaptureFixture[str]) -> None:
+    sample().write(Path("flight.BIN"))
+    Path("late.BIN").write_bytes(b"noise" + Path("flight.BIN").read_bytes())
+    assert cli.main(["info", "late.BIN"]) == 0
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    assert "bad      5 bytes\n" in printed.out
