@@ -24,7 +24,7 @@ use crate::log_wanted::{self, Wanted};
 use crate::mavlink::MAVLink;
 use crate::message::Message;
 use crate::slot::Slot;
-use crate::{parse, tracking, turn};
+use crate::{tracking, turn};
 
 /// Methods whose replacement turns the quick paths off.
 const QUICK_METHODS: [&str; 9] = [
@@ -60,11 +60,6 @@ impl LogLink {
             let state = slf.as_super().get().state();
             state.reader.is_some() && !state.is_recording() && !state.has_own_parser()
         }
-    }
-
-    /// Takes over what the dialect module says about checksums, once for each call of the user's.
-    pub(crate) fn obey_module(slf: &Bound<'_, Self>) -> PyResult<()> {
-        parse::obey_ignore_checksum(&Self::mav(slf)?)
     }
 
     /// Does something with the reader; `None` while the log is not open for reading.
@@ -274,7 +269,6 @@ impl LogLink {
     /// The next message, BAD_DATA and UNKNOWN included; None at the end of the log.
     fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         if Self::is_quick(slf) {
-            Self::obey_module(slf)?;
             return Ok(Self::next_message(slf)?.map(Bound::into_any));
         }
         Self::call_slowly(slf, "_recv_msg_slowly", ())
@@ -295,7 +289,6 @@ impl LogLink {
             let arguments = (condition, r#type, blocking, timeout);
             return Self::call_slowly(slf, "_recv_match_slowly", arguments);
         }
-        Self::obey_module(slf)?;
         let py = slf.py();
         let is_indexed = Self::is_indexed(slf);
         let filter = Filter::new(r#type, is_indexed)?;

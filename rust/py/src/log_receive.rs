@@ -14,7 +14,7 @@ use crate::log::LogLink;
 use crate::mavlink::MAVLink;
 use crate::message::{Message, Origin, flags};
 use crate::parse::{Session, Step};
-use crate::{create, shared, tracking};
+use crate::{create, parse, shared, tracking};
 
 impl LogLink {
     /// The next message; `None` at the end of the log.
@@ -33,6 +33,7 @@ impl LogLink {
             Self::detect_version(slf)?;
         }
         let mav = Self::mav(slf)?;
+        parse::obey_ignore_checksum(&mav)?;
         let step = Self::next_step(slf, &mav)?;
         let Some(message) = Session::new(&mav).take_step(step)? else { return Ok(None) };
         Self::settle(slf, &message)?;
@@ -52,7 +53,10 @@ impl LogLink {
         let native = mav.get();
         let dialect = native.dialect.get();
         let mut parser = native.parser();
-        if state.first_byte || parser.checks_signatures() || native.shows_messages() {
+        // While wrong checksums are ignored the module is asked for each record whether that holds still; else only for
+        // those that are not good.
+        let ignores = parser.scanner.ignore_checksum;
+        if state.first_byte || ignores || parser.checks_signatures() || native.shows_messages() {
             return Ok(None);
         }
         let percent = reader.percent();
