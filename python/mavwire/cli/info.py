@@ -157,6 +157,8 @@ def summarise(log: Any, path: str, progress: Progress | None = None) -> Summary:
 
 def summary_of(info: LogInfo, size: int, seconds: float, telemetry: bool = True) -> Summary:
     """The summary of a log that was counted natively."""
+    from mavwire._dataflash.clocks import GPS_EPOCH
+
     details = info if telemetry else None
     summary = Summary(info.path, size, info.messages, seconds=seconds, info=details)
     summary.types = Counter({name: one.messages for name, one in info.types.items()})
@@ -165,6 +167,8 @@ def summary_of(info: LogInfo, size: int, seconds: float, telemetry: bool = True)
     }
     if info.messages and info.stamped:
         summary.first, summary.last = info.count.first, info.count.last
+        # No clock that was set by GPS is earlier; without a fix there is the time since the start.
+        summary.since_start = not telemetry and info.count.last < GPS_EPOCH
     summary.bad_messages, summary.bad_bytes = info.bad_count, info.bad_bytes
     return summary
 

@@ -59,4 +59,4 @@ def test_a_dataflash_log_behind_noise_is_one(capsys: pytest.CaptureFixture[str])
     assert cli.main(["info", "late.BIN"]) == 0
     printed = capsys.readouterr()
     assert printed.err == ""
-    assert "bad      5 bytes\n" in printed.out
+    assert "bad      5 bytes in 1 pieces\n" in printed.out
