@@ -1,0 +1,99 @@
+"""Parameters by `mavwire.aio`, of a vehicle that answers as a test has it answer."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import struct
+from contextlib import asynccontextmanager
+
+import pytest
+from mavwire.aio.parameters import decoded, encoded
+from mavwire.dialects.v20 import all as mavlink
+from unit.aio_tools import WAIT, run, udp_link
+
+REAL32, INT32 = mavlink.MAV_PARAM_TYPE_REAL32, mavlink.MAV_PARAM_TYPE_INT32
+UNLISTED = 65535
+COUNT = 3
+# -5,000,000 is the one that a vehicle was seen with; the others are the ends of what is no quiet NaN.
+SIGNALLING = [-5_000_000, 0x7F800001, 0x7FBFFFFF, -0x7FFFFF, -0x400001]
+
+
+class Scripted:
+    """The vehicle at the other end of a link."""
+
+    def __init__(self, peer):
+        self.peer = peer
+        self.mav = mavlink.MAVLink(None)
+        self.heard = []
+
+    async def asked(self, kind):
+        """The next message of a type that the link sends."""
+        while True:
+            while self.heard:
+                msg = self.heard.pop(0)
+                if msg.get_type() == kind:
+                    return msg
+            data = await asyncio.get_running_loop().sock_recv(self.peer.sock, 4096)
+            self.heard += self.mav.parse_buffer(data) or []
+
+    def tell(self, name, value, index=UNLISTED, kind=REAL32):
+        self.peer.send(mavlink.MAVLink_param_value_message(name, value, kind, COUNT, index))
+
+    def tell_bytes(self, name, data, kind):
+        """A value as PX4 sends it."""
+        payload = data + struct.pack("<HH16sB", COUNT, 0, name, kind)
+        msg = mavlink.MAVLink_param_value_message(name, 0.0, kind, COUNT, 0)
+        sender = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+        self.peer.sock.send(msg._pack(sender, msg.crc_extra, payload))
+
+
+@asynccontextmanager
+async def scripted(autopilot=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA):
+    """A link and its vehicle."""
+    async with udp_link() as (link, peer):
+        peer.send(mavlink.MAVLink_heartbeat_message(2, autopilot, 81, 4, 4, 3), sysid=1)
+        await link.wait_heartbeat(timeout=WAIT)
+        yield link, Scripted(peer)
+
+
+@pytest.mark.parametrize("value", [*SIGNALLING, -1, 0, 7])
+def test_integers_keep_their_bytes(value):
+    data = struct.pack("<i", value)
+
+    async def main():
+        async with scripted(mavlink.MAV_AUTOPILOT_PX4) as (link, vehicle):
+            getting = asyncio.create_task(link.param_get("NUMBER", timeout=WAIT))
+            await vehicle.asked("PARAM_REQUEST_READ")
+            vehicle.tell_bytes(b"NUMBER", data, INT32)
+            got = await getting
+            assert (got, type(got)) == (value, int)
+
+            setting = asyncio.create_task(link.param_set("NUMBER", value, timeout=WAIT))
+            await vehicle.asked("PARAM_REQUEST_READ")
+            vehicle.tell_bytes(b"NUMBER", bytes(4), INT32)
+            sent = await vehicle.asked("PARAM_SET")
+            assert sent.get_msgbuf()[10:14] == data
+            assert (sent.param_id, sent.param_type) == ("NUMBER", INT32)
+            assert (sent.get_srcSystem(), sent.get_seq()) == (255, 2)
+            # One bit further is another value, however close.
+            vehicle.tell_bytes(b"NUMBER", struct.pack("<i", value ^ 1), INT32)
+            vehicle.tell_bytes(b"NUMBER", data, INT32)
+            assert await setting == value
+
+    run(main())
+
+
+@pytest.mark.parametrize(
+    ("value", "kind"), [(1.5, INT32), (2**31, INT32), (256, 1), (float("nan"), 6), (1e39, REAL32)]
+)
+@pytest.mark.parametrize("bytewise", [False, True])
+def test_what_a_type_cannot_hold_is_refused(value, kind, bytewise):
+    with pytest.raises(ValueError, match="does not fit a parameter of type"):
+        encoded(value, kind, bytewise)
+
+
+def test_an_integer_that_is_no_number_is_shown_as_it_came():
+    """From a vehicle that copies bytes and did not say so."""
+    msg = mavlink.MAVLink_param_value_message(b"NUMBER", float("nan"), INT32, COUNT, 0)
+    assert math.isnan(decoded(msg, False))
