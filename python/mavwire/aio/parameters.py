@@ -106,18 +106,25 @@ class Parameters(Vehicle):
         count: int | None = None
         silences = 0
         self.sync.mav.param_request_list_send(*target)
+        deadline = self._loop.time() + timeout
         while count is None or len(found) < count:
-            msg = await reader.next(self._loop.time() + timeout)
+            msg = await reader.next(deadline)
             if msg is not None:
                 count = msg.param_count
-                if msg.param_index < count:  # an answer to somebody who asked by name may have none
-                    silences = 0 if msg.param_index not in found else silences
+                # An answer to somebody who asked by name may have no index, and one that is known
+                # brings nothing new: it does not put off asking again.
+                if msg.param_index < count and msg.param_index not in found:
+                    silences = 0
+                    deadline = self._loop.time() + timeout
+                if msg.param_index < count:
                     found[msg.param_index] = msg
-                continue
+                if self._loop.time() < deadline:
+                    continue
             silences += 1
             if silences > retries:
                 raise TimeoutError(f"{len(found)} of {count or 'unknown'} parameters received")
             self._ask_again(target, count, found)
+            deadline = self._loop.time() + timeout
         return {str(msg.param_id): decoded(msg, bytewise) for _, msg in sorted(found.items())}
 
     def _ask_again(self, target: tuple[int, int], count: int | None, found: dict[int, Any]) -> None:

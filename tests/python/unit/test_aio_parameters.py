@@ -15,6 +15,8 @@ from unit.aio_tools import WAIT, run, udp_link
 REAL32, INT32 = mavlink.MAV_PARAM_TYPE_REAL32, mavlink.MAV_PARAM_TYPE_INT32
 UNLISTED = 65535
 COUNT = 3
+# As often as a busy machine needs.
+OFTEN = 1000
 # -5,000,000 is the one that a vehicle was seen with; the others are the ends of what is no quiet NaN.
 SIGNALLING = [-5_000_000, 0x7F800001, 0x7FBFFFFF, -0x7FFFFF, -0x400001]
 
@@ -55,6 +57,47 @@ async def scripted(autopilot=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA):
         peer.send(mavlink.MAVLink_heartbeat_message(2, autopilot, 81, 4, 4, 3), sysid=1)
         await link.wait_heartbeat(timeout=WAIT)
         yield link, Scripted(peer)
+
+
+def test_what_is_known_does_not_put_off_asking_again():
+    async def main():
+        async with scripted() as (link, vehicle):
+
+            async def chatter():
+                while True:
+                    vehicle.tell(b"A", 1.0, 0)
+                    vehicle.tell(b"STAT_RUNTIME", 1.0)
+                    await asyncio.sleep(0)
+
+            fetching = asyncio.create_task(link.param_fetch_all(retries=OFTEN, timeout=0.05))
+            await vehicle.asked("PARAM_REQUEST_LIST")
+            vehicle.tell(b"A", 1.0, 0)
+            vehicle.tell(b"B", 2.0, 1)
+            chattering = asyncio.create_task(chatter())
+            request = await asyncio.wait_for(vehicle.asked("PARAM_REQUEST_READ"), WAIT)
+            assert request.param_index == 2
+            vehicle.tell(b"C", 3.0, 2)
+            assert await fetching == {"A": 1.0, "B": 2.0, "C": 3.0}
+            chattering.cancel()
+
+    run(main())
+
+
+def test_chatter_does_not_keep_a_list_alive():
+    async def main():
+        async with scripted() as (link, vehicle):
+
+            async def chatter():
+                while True:
+                    vehicle.tell(b"A", 1.0, 0)
+                    await asyncio.sleep(0)
+
+            chattering = asyncio.create_task(chatter())
+            with pytest.raises(TimeoutError, match="1 of 3 parameters"):
+                await asyncio.wait_for(link.param_fetch_all(retries=2, timeout=0.1), WAIT)
+            chattering.cancel()
+
+    run(main())
 
 
 @pytest.mark.parametrize("value", [*SIGNALLING, -1, 0, 7])
