@@ -70,22 +70,27 @@ class Parameters(Vehicle):
     ) -> float:  # fmt: skip
         """Set a parameter and return what the vehicle has then.
 
-        Its type is asked for first. ParameterError if the vehicle keeps another value, ValueError
-        for a value that the type cannot hold, TimeoutError if there is no answer.
+        Its type is asked for first. A vehicle may tell the old value meanwhile, to somebody else or
+        belatedly: ParameterError if no attempt made it tell the new one. ValueError for a value that
+        the type cannot hold, TimeoutError if there is no answer.
         """
         target = self._target(sysid, compid)
         bytewise = self._bytewise(target[0])
         kind = (await self._read(name, target, retries, timeout)).param_type
         data = encoded(value, kind, bytewise)
         reader = self._feed.reader(_is_value(name, target))
+        kept = None
         for _ in range(1 + retries):
             self._send_value(name, data, kind, target)
-            msg = await reader.next(self._loop.time() + timeout)
-            if msg is not None:
+            deadline = self._loop.time() + timeout
+            while (msg := await reader.next(deadline)) is not None:
                 kept = decoded(msg, bytewise)
-                if not _is_same(kept, value, bytewise):
-                    raise ParameterError(name, value, kept)
-                return kept
+                if _is_same(kept, value, bytewise):
+                    return kept
+                if self._loop.time() >= deadline:
+                    break
+        if kept is not None:
+            raise ParameterError(name, value, kept)
         raise TimeoutError(f"no answer to setting {name} after {1 + retries} attempts")
 
     def _send_value(self, name: str, data: bytes, kind: int, target: tuple[int, int]) -> None:

@@ -8,6 +8,7 @@ import struct
 from contextlib import asynccontextmanager
 
 import pytest
+from mavwire import aio
 from mavwire.aio.parameters import decoded, encoded
 from mavwire.dialects.v20 import all as mavlink
 from unit.aio_tools import WAIT, run, udp_link
@@ -57,6 +58,56 @@ async def scripted(autopilot=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA):
         peer.send(mavlink.MAVLink_heartbeat_message(2, autopilot, 81, 4, 4, 3), sysid=1)
         await link.wait_heartbeat(timeout=WAIT)
         yield link, Scripted(peer)
+
+
+def test_an_old_value_meanwhile_is_no_refusal():
+    async def main():
+        async with scripted() as (link, vehicle):
+            setting = asyncio.create_task(link.param_set("GAIN", 2.0, timeout=WAIT))
+            await vehicle.asked("PARAM_REQUEST_READ")
+            vehicle.tell(b"GAIN", 1.0)
+            await vehicle.asked("PARAM_SET")
+            vehicle.tell(b"GAIN", 1.0)  # somebody else had asked
+            vehicle.tell(b"GAIN", 2.0)
+            assert await setting == 2.0
+
+    run(main())
+
+
+def test_an_old_value_of_a_vehicle_that_heard_nothing_is_no_refusal():
+    async def main():
+        async with scripted() as (link, vehicle):
+            setting = asyncio.create_task(link.param_set("GAIN", 2.0, retries=OFTEN, timeout=0.05))
+            await vehicle.asked("PARAM_REQUEST_READ")
+            vehicle.tell(b"GAIN", 1.0)
+            await vehicle.asked("PARAM_SET")  # and lost
+            vehicle.tell(b"GAIN", 1.0)
+            await vehicle.asked("PARAM_SET")
+            vehicle.tell(b"GAIN", 2.0)
+            assert await setting == 2.0
+
+    run(main())
+
+
+def test_a_value_that_a_vehicle_keeps_is_a_refusal():
+    async def main():
+        async with scripted() as (link, vehicle):
+
+            async def refuse():
+                while True:
+                    await vehicle.asked("PARAM_SET")
+                    vehicle.tell(b"GAIN", 1.5)
+
+            setting = asyncio.create_task(link.param_set("GAIN", 2.0, retries=9, timeout=0.1))
+            await vehicle.asked("PARAM_REQUEST_READ")
+            vehicle.tell(b"GAIN", 1.0)
+            refusing = asyncio.create_task(refuse())
+            with pytest.raises(aio.ParameterError, match="GAIN was not set to 2.0") as refused:
+                await setting
+            assert refused.value.value == 1.5
+            refusing.cancel()
+
+    run(main())
 
 
 def test_what_is_known_does_not_put_off_asking_again():
