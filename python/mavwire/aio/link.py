@@ -65,9 +65,9 @@ class Link(Parameters):
         """Every message that arrives, from where this task stopped receiving."""
         return Stream(self._feed.reader(None, self._position()))
 
-    async def recv_msg(self) -> Any:
-        """The next message of any kind; None at the end of a log."""
-        return await self.recv_match()
+    def recv_msg(self) -> Coroutine[Any, Any, Any]:
+        """Await the next message of any kind; None at the end of a log."""
+        return self.recv_match()
 
     def recv_match(
         self,

@@ -93,6 +93,25 @@ def test_nothing_is_missed_between_two_calls():
     run(main())
 
 
+def test_waits_that_others_await_miss_nothing():
+    """Each wait has a task of its own here; the place is that of the task that called."""
+
+    async def main():
+        async with udp_link() as (link, peer):
+            assert await link.recv_match(timeout=0) is None
+            found = []
+            for count in range(10):
+                seen = link.sync.mav_count
+                peer.attitudes(2 * count, 2 * count + 1)
+                await eventually(lambda seen=seen: link.sync.mav_count == seen + 2)
+                (one,) = await asyncio.gather(link.recv_msg())
+                other = await asyncio.ensure_future(link.recv_match(timeout=WAIT))
+                found += [number(one), number(other)]
+            assert found == list(range(20))
+
+    run(main())
+
+
 def test_waits_of_one_task_do_not_take_from_each_other():
     async def main():
         async with udp_link() as (link, peer):
