@@ -286,6 +286,7 @@ class _Live:
         for timer in (self._look_timer, self._flush_timer):
             if timer is not None:
                 timer.cancel()
+        self._sync._flush_logs_now()
         await self._reconnecting.stop()
 
     def _begin(self) -> None:

@@ -348,6 +348,24 @@ def test_a_link_of_mavutil_that_is_closed_behind_the_back_ends():
     run(main())
 
 
+def test_a_recording_is_whole_when_the_link_is_closed(tmp_path):
+    async def main():
+        async with udp_link() as (link, peer):
+            link.sync.setup_logfile(str(tmp_path / "flight.tlog"))
+            link.sync.setup_logfile_raw(str(tmp_path / "flight.raw"))
+            peer.attitudes(*range(50))
+            await eventually(lambda: link.sync.mav_count == 51)
+        log = mavutil.mavlink_connection(str(tmp_path / "flight.tlog"))
+        assert [number(log.recv_msg()) for _ in range(50)] == list(range(50))
+        assert log.recv_msg() is None
+        raw = (tmp_path / "flight.raw").read_bytes()
+        assert len(mavlink.MAVLink(None).parse_buffer(raw)) == 50
+        for file in (link.sync.logfile, link.sync.logfile_raw):
+            file.close()
+
+    run(main())
+
+
 def test_no_thread_is_left_behind():
     async def main():
         before = set(threading.enumerate())
