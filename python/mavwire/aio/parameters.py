@@ -9,8 +9,8 @@ import math
 import struct
 from typing import Any
 
+from mavwire.links.modes import MAV_AUTOPILOT_PX4
 from mavwire.links.param_bytes import INTEGERS, value_bytes, with_value_bytes
-from mavwire.links.target import MAV_AUTOPILOT_PX4
 
 from .errors import ParameterError
 from .vehicle import RETRIES, TIMEOUT, Vehicle
