@@ -258,3 +258,64 @@ def test_a_websocket_under_tls_outlives_silence(tmp_path, monkeypatch):
     assert link.port is port
     link.close()
     listener.close()
+
+
+def test_what_is_left_to_send_is_told_by_one_thread_at_a_time():
+    """Or the one that knows less could have the last word, and what is left would wait for the next frame."""
+    link, peer = connected()
+    told = []
+
+    class Port:
+        """Takes frames, then nothing for a while."""
+
+        takes = True
+
+        def send(self, data):
+            if not self.takes:
+                raise BlockingIOError
+            return len(data)
+
+    class Telling(type(link)):
+        def _note_unsent(self, waits):
+            told.append((waits, self._writer._sending.locked()))
+            super()._note_unsent(waits)
+
+    link.__class__ = Telling
+    port = Port()
+    link._send_frame(port, heartbeat())
+    port.takes = False
+    link._send_frame(port, heartbeat())
+    assert link._has_unsent
+    link._forget_unsent()
+    assert not link._has_unsent
+    link._send_frame(port, heartbeat())
+    port.takes = True
+    link._send_rest(port)
+    assert not link._has_unsent
+    assert told == [(False, True), (True, True), (False, True), (True, True), (False, True)]
+    link.close()
+    peer.close()
+
+
+def test_a_frame_that_comes_while_another_thread_ends_its_sending_is_not_left_behind():
+    link, peer = connected()
+    sent = []
+
+    class Port:
+        """While the first frame is being sent, another thread brings the second."""
+
+        def send(self, data):
+            if not sent:
+                sent.append(data)
+                thread = threading.Thread(target=link._send_frame, args=[self, heartbeat(2)])
+                thread.start()
+                thread.join()
+            else:
+                sent.append(data)
+            return len(data)
+
+    link._send_frame(Port(), heartbeat(1))
+    assert sent == [heartbeat(1), heartbeat(2)]
+    assert not link._has_unsent
+    link.close()
+    peer.close()
