@@ -113,8 +113,7 @@ class mavmcast(ChunkedLink):
             raise
         return port
 
-    def close(self) -> None:
-        """Leave the group."""
+    def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
         self.port.close()
         self.port_out.close()

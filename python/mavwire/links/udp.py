@@ -58,27 +58,19 @@ class mavudp(ChunkedLink):
         use_native: bool = False,
         timeout: float = 0,
     ) -> None:
-        import socket
-
         host, number = split_host_port(device, "UDP")
-        self.port = socket.socket(address_family(host), socket.SOCK_DGRAM)
         self.udp_server = input
-        self.broadcast = False
-        try:
-            if input:
+        self.broadcast = broadcast and not input
+        self.port = self._socket(address_family(host))
+        if input:
+            try:
                 # Without SO_REUSEADDR: a second listener would take the datagrams of the first.
                 bind(self.port, (host, number))
-            else:
-                self.destination_addr = (host, number)
-                if broadcast:
-                    self.port.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
-                    self.broadcast = True
-        except (OSError, OverflowError):
-            self.port.close()
-            raise
-        set_close_on_exec(self.port.fileno())
-        self.port.setblocking(False)
-        ask_for_room(self.port)
+            except (OSError, OverflowError):
+                self.port.close()
+                raise
+        else:
+            self.destination_addr = (host, number)
         self.last_address: Any = None
         self.timeout = timeout
         self.clients: set[Any] = set()
@@ -90,8 +82,18 @@ class mavudp(ChunkedLink):
         )  # fmt: skip
         self._read_datagrams()
 
-    def close(self) -> None:
-        """Close the socket."""
+    def _socket(self, family: int) -> Any:
+        import socket
+
+        port = socket.socket(family, socket.SOCK_DGRAM)
+        set_close_on_exec(port.fileno())
+        port.setblocking(False)
+        ask_for_room(port)
+        if self.broadcast:
+            port.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+        return port
+
+    def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
         self.port.close()
 
