@@ -198,14 +198,35 @@ class mavudp(ChunkedLink):
         self._next_lookup = time.monotonic() + LOOKUP_PAUSE
         self._lookup_due = address is None
         if address is not None:
+            self._speak_to(address)
             self.resolved_destination_addr = address
 
+    def _speak_to(self, address: Any) -> None:
+        """Have a socket of the family of `address`, which a name tells when it is looked up."""
+        import socket
+
+        family = socket.AF_INET if len(address) == 2 else socket.AF_INET6
+        old = self.port
+        if family == old.family or self._closed:
+            return
+        try:
+            port = self._socket(family)
+        except OSError:  # then sending fails too, and is counted
+            return
+        self.port, self.fd = port, port.fileno()
+        old.close()
+        if self._closed:  # meanwhile
+            self._release()
+
     def _resolve(self) -> Any:
+        """The address to send to, of the family that is spoken if the host has one; None while the
+        host is not known."""
         import socket
 
         host, number = self.destination_addr
         try:
-            found = look_up(host, number, self.port.family, socket.SOCK_DGRAM)
+            found = look_up(host, number, 0, socket.SOCK_DGRAM)
         except (OSError, UnicodeError, OverflowError):
             return None
-        return found[0][4]
+        own = self.port.family
+        return min(found, key=lambda entry: entry[0] != own)[4]
