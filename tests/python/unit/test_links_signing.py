@@ -279,6 +279,22 @@ def test_link_id_0_adopts_the_one_of_the_target_alone():
     assert link.mav.signing.link_id == 9
 
 
+def test_link_id_0_adopts_that_of_any_component_while_none_is_chosen():
+    """R57."""
+    link = link_with_key(link_id=0)
+    link.rx += signed(HEARTBEAT, timestamp=100, link_id=9)
+    drain(link)
+    assert (link.target_system, link.target_component) == (1, 0)
+    link.rx += signed(HEARTBEAT, timestamp=101, link_id=9)
+    drain(link)
+    assert link.mav.signing.link_id == 9
+    link = link_with_key(link_id=0)
+    link.target_system, link.target_component = 1, 2
+    link.rx += signed(HEARTBEAT, timestamp=102, link_id=9)
+    drain(link)
+    assert link.mav.signing.link_id == 0
+
+
 # -- the key
 
 
