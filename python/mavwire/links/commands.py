@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 
 from .helpers import location
-from .modes import px4_map
+from .modes import MAV_AUTOPILOT_PX4, px4_map
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN = 246
 MAV_CMD_MISSION_START = 300
 MAV_CMD_COMPONENT_ARM_DISARM = 400
 
-MAV_AUTOPILOT_PX4 = 12
 MAV_MODE_FLAG_CUSTOM_MODE_ENABLED = 1
 MAV_MODE_MANUAL_ARMED = 192
 MAV_MODE_STABILIZE_ARMED = 208
