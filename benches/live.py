@@ -2,9 +2,10 @@
 
 For each rate one process sends 36-byte frames to another on this machine, which receives them with
 `recv_match(blocking=True)`, or with `async for` from mavwire.aio. Printed are the packets that were
-lost and the CPU time of the receiver for each packet, user and system; the time of the sender is not
-in it. Then the CPU time of 100 links on which nothing arrives, how soon one of them has a message in
-hand, and how soon Ctrl-C ends a blocking receive on each transport; `--waiting` prints these alone.
+lost, the CPU time of the receiver for each packet, user and system, and how many times that pymavlink
+takes; the time of the sender is not in it. Then the CPU time of 100 links on which nothing arrives, how
+soon one of them has a message in hand, and how soon Ctrl-C ends a blocking receive on each transport;
+`--waiting` prints these alone.
 
 `--soak 600` receives for ten minutes at `--rate` and prints loss and memory each minute.
 """
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import subprocess
 import sys
@@ -44,21 +46,41 @@ def worker(*arguments: str, script: Path = WORKER) -> dict[str, Any]:
 
 def rates(args: argparse.Namespace) -> list[dict[str, Any]]:
     """The table of rates."""
-    print(f"{'link':<8}{'rate/s':>9}  {'package':<12}{'received':>10}{'lost':>9}{'us CPU':>9}")
+    print(f"{'link':<8}{'rate/s':>9}  {'package':<12}{'received':>10}{'lost':>9}{'us CPU':>9}"
+          f"{'pymavlink':>12}")  # fmt: skip
     rows = []
     for kind in KINDS:
         for rate in args.rates:
+            group = []
             for package in args.packages:
                 found = worker("receive", package, kind, str(rate), str(args.seconds))
-                found |= {"kind": kind, "rate": rate, "package": package}
-                rows.append(found)
-                print(f"{kind:<8}{rate:>9,}  {package:<12}", end="")
-                if "failed" in found:
-                    print(f"  {found['failed']}")
-                    continue
-                micros = 1e6 * found["cpu"] / max(found["received"], 1)
-                print(f"{found['received']:>10,}{found['lost']:>9,}{micros:>9.2f}")
+                group.append(found | {"kind": kind, "rate": rate, "package": package})
+            for line in rate_lines(group):
+                print(line)
+            rows += group
     return rows
+
+
+def micros(found: dict[str, Any]) -> float:
+    """CPU time for a packet; infinite where none came."""
+    return 1e6 * found["cpu"] / found["received"] if found.get("received") else math.inf
+
+
+def rate_lines(group: list[dict[str, Any]]) -> list[str]:
+    """The lines of one link and rate: the last column is pymavlink's time as a multiple of each."""
+    theirs = [micros(found) for found in group if found["package"] == "pymavlink"]
+    lines = []
+    for found in group:
+        line = f"{found['kind']:<8}{found['rate']:>9,}  {found['package']:<12}"
+        if "failed" in found:
+            lines.append(f"{line}  {found['failed']}")
+            continue
+        own = micros(found)
+        line += f"{found['received']:>10,}{found['lost']:>9,}{own:>9.2f}"
+        if theirs and math.isfinite(theirs[0]) and math.isfinite(own):
+            line += f"{theirs[0] / own:>10.1f} x"
+        lines.append(line)
+    return lines
 
 
 def waiting(package: str) -> dict[str, Any]:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
+import time
 import weakref
 from collections.abc import Coroutine, Iterable
 from contextlib import suppress
 from typing import Any
 
 from mavwire.links.mavfile import FLUSH_INTERVAL, mavfile
+from mavwire.links.signing import check_key, signing_timestamp
 from mavwire.links.tlog import mavlogfile
 
 from .background import in_background
@@ -23,6 +25,7 @@ from .parameters import Parameters
 from .pump import Pump
 from .reconnect import Reconnecting
 from .stream import Newest, Stream, newer
+from .timestamps import AheadStore
 from .transports import transport_of
 
 BACKLOG = 4096
@@ -65,9 +68,9 @@ class Link(Parameters):
         """Every message that arrives, from where this task stopped receiving."""
         return Stream(self._feed.reader(None, self._position()))
 
-    async def recv_msg(self) -> Any:
-        """The next message of any kind; None at the end of a log."""
-        return await self.recv_match()
+    def recv_msg(self) -> Coroutine[Any, Any, Any]:
+        """Await the next message of any kind; None at the end of a log."""
+        return self.recv_match()
 
     def recv_match(
         self,
@@ -176,6 +179,24 @@ class Link(Parameters):
         """Wait until the system has taken what was sent: for a stream whose peer reads slowly."""
         if self._live is not None:
             await self._live.outgoing.drain()
+
+    async def setup_signing(
+        self, secret_key: bytes, *, timestamp_store: Any = None,
+        initial_timestamp: int | None = None, **options: Any,
+    ) -> None:  # fmt: skip
+        """What `sync.setup_signing` does, with the same arguments, but a `timestamp_store` does not
+        hold up the loop: it is read and written by threads. ValueError for a key of another length
+        than 32 bytes, OSError for a store that fails."""
+        check_key(secret_key)
+        if timestamp_store is not None:
+            begin = initial_timestamp
+            if begin is None:
+                begin = signing_timestamp(time.time())
+            timestamp_store = await in_background(lambda: AheadStore(timestamp_store, begin))
+        self.sync.setup_signing(
+            secret_key, timestamp_store=timestamp_store, initial_timestamp=initial_timestamp,
+            **options,
+        )  # fmt: skip
 
     # -- state
 
@@ -286,6 +307,7 @@ class _Live:
         for timer in (self._look_timer, self._flush_timer):
             if timer is not None:
                 timer.cancel()
+        self._sync._flush_logs_now()
         await self._reconnecting.stop()
 
     def _begin(self) -> None:

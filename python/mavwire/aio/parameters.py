@@ -9,37 +9,47 @@ import math
 import struct
 from typing import Any
 
+from mavwire.links.modes import MAV_AUTOPILOT_PX4
+from mavwire.links.param_bytes import INTEGERS, value_bytes, with_value_bytes
+
 from .errors import ParameterError
 from .vehicle import RETRIES, TIMEOUT, Vehicle
 
-MAV_AUTOPILOT_PX4 = 12
-# MAV_PARAM_TYPE of the integers -> how struct calls them, padded to the four bytes of a float.
-_INTEGERS = {1: "<Bxxx", 2: "<bxxx", 3: "<Hxx", 4: "<hxx", 5: "<I", 6: "<i"}
 # Parameters that are asked for again at a time, when some of the list did not arrive.
 REQUESTS_AT_ONCE = 20
 
 
 def decoded(msg: Any, bytewise: bool) -> float:
     """The value of a PARAM_VALUE."""
-    layout = _INTEGERS.get(msg.param_type)
-    if layout is None:
-        return float(msg.param_value)
-    if bytewise:
-        value: int = struct.unpack(layout, struct.pack("<f", msg.param_value))[0]
+    layout = INTEGERS.get(msg.param_type)
+    if layout is not None and bytewise:
+        value: int = struct.unpack(layout, value_bytes(msg))[0]
         return value
-    return int(msg.param_value)
+    number = float(msg.param_value)
+    # A vehicle that copies bytes without our knowing sends what is no number.
+    return int(number) if layout is not None and math.isfinite(number) else number
 
 
-def encoded(value: float, param_type: int, bytewise: bool) -> float:
-    """What travels for a value. ValueError for one that the type cannot hold."""
-    layout = _INTEGERS.get(param_type)
-    if layout is None:
-        return float(value)
+def encoded(value: float, param_type: int, bytewise: bool) -> bytes:
+    """The four bytes that travel for a value. ValueError for one that the type cannot hold."""
+    layout = INTEGERS.get(param_type)
     try:
-        packed = struct.pack(layout, int(value))
-    except (struct.error, OverflowError) as error:
+        if layout is None:
+            return struct.pack("<f", value)
+        number = int(value)
+        if number != value:
+            raise ValueError("an integer is wanted")
+        packed = struct.pack(layout, number)
+    except (struct.error, OverflowError, ValueError) as error:
         raise ValueError(f"{value} does not fit a parameter of type {param_type}") from error
-    return float(struct.unpack("<f", packed)[0]) if bytewise else float(int(value))
+    return packed if bytewise else struct.pack("<f", number)
+
+
+def _is_same(kept: float, value: float, bytewise: bool) -> bool:
+    """Whether a vehicle has the value that it was sent; a float of four bytes is not as exact."""
+    if bytewise and isinstance(kept, int):
+        return kept == value
+    return math.isclose(kept, value, rel_tol=1e-6, abs_tol=1e-9)
 
 
 class Parameters(Vehicle):
@@ -60,23 +70,33 @@ class Parameters(Vehicle):
     ) -> float:  # fmt: skip
         """Set a parameter and return what the vehicle has then.
 
-        Its type is asked for first. ParameterError if the vehicle keeps another value, ValueError
-        for a value that the type cannot hold, TimeoutError if there is no answer.
+        Its type is asked for first. A vehicle may tell the old value meanwhile, to somebody else or
+        belatedly: ParameterError if no attempt made it tell the new one. ValueError for a value that
+        the type cannot hold, TimeoutError if there is no answer.
         """
         target = self._target(sysid, compid)
         bytewise = self._bytewise(target[0])
         kind = (await self._read(name, target, retries, timeout)).param_type
-        sent = encoded(value, kind, bytewise)
+        data = encoded(value, kind, bytewise)
         reader = self._feed.reader(_is_value(name, target))
+        kept = None
         for _ in range(1 + retries):
-            self.sync.mav.param_set_send(*target, name.encode(), sent, kind)
-            msg = await reader.next(self._loop.time() + timeout)
-            if msg is not None:
+            self._send_value(name, data, kind, target)
+            deadline = self._loop.time() + timeout
+            while (msg := await reader.next(deadline)) is not None:
                 kept = decoded(msg, bytewise)
-                if not math.isclose(kept, value, rel_tol=1e-6, abs_tol=1e-9):
-                    raise ParameterError(name, value, kept)
-                return kept
+                if _is_same(kept, value, bytewise):
+                    return kept
+                if self._loop.time() >= deadline:
+                    break
+        if kept is not None:
+            raise ParameterError(name, value, kept)
         raise TimeoutError(f"no answer to setting {name} after {1 + retries} attempts")
+
+    def _send_value(self, name: str, data: bytes, kind: int, target: tuple[int, int]) -> None:
+        mav = self.sync.mav
+        msg = mav.param_set_encode(*target, name.encode(), 0.0, kind)
+        mav.send(with_value_bytes(msg, data, type(mav)))
 
     async def param_fetch_all(
         self, *, sysid: int | None = None, compid: int | None = None,
@@ -91,18 +111,25 @@ class Parameters(Vehicle):
         count: int | None = None
         silences = 0
         self.sync.mav.param_request_list_send(*target)
+        deadline = self._loop.time() + timeout
         while count is None or len(found) < count:
-            msg = await reader.next(self._loop.time() + timeout)
+            msg = await reader.next(deadline)
             if msg is not None:
                 count = msg.param_count
-                if msg.param_index < count:  # an answer to somebody who asked by name may have none
-                    silences = 0 if msg.param_index not in found else silences
+                # An answer to somebody who asked by name may have no index, and one that is known
+                # brings nothing new: it does not put off asking again.
+                if msg.param_index < count and msg.param_index not in found:
+                    silences = 0
+                    deadline = self._loop.time() + timeout
+                if msg.param_index < count:
                     found[msg.param_index] = msg
-                continue
+                if self._loop.time() < deadline:
+                    continue
             silences += 1
             if silences > retries:
                 raise TimeoutError(f"{len(found)} of {count or 'unknown'} parameters received")
             self._ask_again(target, count, found)
+            deadline = self._loop.time() + timeout
         return {str(msg.param_id): decoded(msg, bytewise) for _, msg in sorted(found.items())}
 
     def _ask_again(self, target: tuple[int, int], count: int | None, found: dict[int, Any]) -> None:

@@ -6,8 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 
-# The pause doubles up to this many times the first one.
-MAX_BACKOFF = 16
+from mavwire.links.reconnecting import Backoff
 
 
 class Reconnecting:
@@ -22,7 +21,7 @@ class Reconnecting:
         self._loop = loop
         self._reopen = reopen
         self._delay = delay
-        self._backoff = 1
+        self._backoff = Backoff()
         self._task: asyncio.Task[None] | None = None
 
     def start(
@@ -33,7 +32,7 @@ class Reconnecting:
     ) -> None:
         """Begin, without a pause if `at_once`: a peer that only ever hangs up gets pauses too."""
         if at_once:
-            self._backoff = 1
+            self._backoff.reset()
         self._task = self._loop.create_task(self._run(at_once, done, failed))
 
     async def stop(self) -> None:
@@ -51,8 +50,7 @@ class Reconnecting:
     ) -> None:
         while True:
             if not at_once:
-                await asyncio.sleep(self._delay * self._backoff)
-                self._backoff = min(self._backoff * 2, MAX_BACKOFF)
+                await asyncio.sleep(self._backoff.next_pause(self._delay))
             at_once = False
             try:
                 await self._reopen()

@@ -106,6 +106,10 @@ class WebSocketClient(Transport):
 
     reconnects = True
 
+    def __init__(self, sync: Any) -> None:
+        super().__init__(sync)
+        sync.autoreconnect = False
+
     def is_there(self) -> bool:
         return self.sync.port is not None
 

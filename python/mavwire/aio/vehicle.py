@@ -116,8 +116,9 @@ class Vehicle:
         raise TimeoutError(f"no {type} of system {target[0]} after {1 + retries} attempts")
 
     async def set_message_interval(
-        self, type: str, hz: float | None, *, sysid: int | None = None, compid: int | None = None
-    ) -> Any:
+        self, type: str, hz: float | None, *, sysid: int | None = None, compid: int | None = None,
+        retries: int = RETRIES, timeout: float = TIMEOUT,
+    ) -> Any:  # fmt: skip
         """Ask for messages of `type` at a rate; 0 is none at all, None the vehicle's own rate.
 
         Raises as `command` does; ValueError for a type that the dialect does not have.
@@ -127,8 +128,9 @@ class Vehicle:
         else:
             interval = 1e6 / hz if hz > 0 else -1.0
         return await self.command(
-            MAV_CMD_SET_MESSAGE_INTERVAL, message_id(type), interval, sysid=sysid, compid=compid
-        )
+            MAV_CMD_SET_MESSAGE_INTERVAL, message_id(type), interval,
+            sysid=sysid, compid=compid, retries=retries, timeout=timeout,
+        )  # fmt: skip
 
     def _target(self, sysid: int | None, compid: int | None) -> tuple[int, int]:
         """Whom to address. NoVehicleError if nobody was named or heard."""

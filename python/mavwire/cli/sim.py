@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from mavwire.sim import Runner, Vehicle
 
 DEFAULT_OUT = "udpout:127.0.0.1:14550"
-KEY_LEN = 32
 MAX_COUNT = 200
 
 
@@ -261,6 +260,8 @@ def setting(text: str) -> tuple[str, float]:
 
 def key_file(path: str) -> bytes:
     """A signing key out of a file. Never on the command line, where everyone can read it."""
+    from mavwire.links.signing import KEY_LEN
+
     try:
         data = Path(path).read_bytes()
     except OSError as error:

@@ -58,12 +58,11 @@ class mavchildexec(StreamLink):
         """What is read: the child's standard output."""
         return self.child.stdout
 
-    def close(self) -> None:
+    def _release(self) -> None:
         """Ask the child to end, and make it after five seconds."""
         import subprocess
 
         self.fd = None
-        self._closed = True
         self.child.terminate()
         try:
             self.child.wait(timeout=5)

@@ -63,6 +63,16 @@ class ChunkedLink(LiveLink, mavfile):
             self._delivered(msg)
         return msg
 
+    def close(self) -> None:
+        """Close the link for good. What was recorded reaches the file."""
+        self._closed = True
+        self._release()
+        self._flush_logs_now()
+
+    def _release(self) -> None:
+        """Let go of what the transport holds; `fd` is None then."""
+        raise NotImplementedError
+
     def _tend(self) -> None:
         """What is to be done about once a second while nothing arrives."""
         if self.logfile or self.logfile_raw:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 
 from .helpers import location
-from .modes import px4_map
+from .modes import MAV_AUTOPILOT_PX4, px4_map
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN = 246
 MAV_CMD_MISSION_START = 300
 MAV_CMD_COMPONENT_ARM_DISARM = 400
 
-MAV_AUTOPILOT_PX4 = 12
 MAV_MODE_FLAG_CUSTOM_MODE_ENABLED = 1
 MAV_MODE_MANUAL_ARMED = 192
 MAV_MODE_STABILIZE_ARMED = 208
@@ -108,8 +107,8 @@ class Commands:
         self.mav.mission_count_send(self.target_system, self.target_component, seq)
 
     def waypoint_current(self) -> int:
-        """The number of the current mission item; waits for the next MISSION_CURRENT."""
-        return int(self.recv_match(type="MISSION_CURRENT", blocking=True).seq)
+        """The number of the target's current mission item; waits for the next MISSION_CURRENT."""
+        return int(self._next_of_target("MISSION_CURRENT").seq)
 
     # -- modes
 
@@ -205,19 +204,26 @@ class Commands:
         """The next HEARTBEAT of anyone, ground stations included; None after `timeout`."""
         return self.recv_match(type="HEARTBEAT", blocking=blocking, timeout=timeout)
 
-    def wait_gps_fix(self) -> None:
-        """Wait for a position: a VFR_HUD, then a GPS_RAW_INT with a 3D fix."""
-        self.recv_match(type="VFR_HUD", blocking=True)
+    def _next_of_target(self, type: str) -> Any:
+        """The next message of a type from the target, or from anyone while there is none."""
         while True:
-            gps = self.recv_match(type="GPS_RAW_INT", blocking=True)
+            msg = self.recv_match(type=type, blocking=True)
+            if self.target_system in (0, msg.get_srcSystem()):
+                return msg
+
+    def wait_gps_fix(self) -> None:
+        """Wait for the target's position: a VFR_HUD, then a GPS_RAW_INT with a 3D fix."""
+        self._next_of_target("VFR_HUD")
+        while True:
+            gps = self._next_of_target("GPS_RAW_INT")
             if gps.fix_type >= GPS_FIX_TYPE_3D_FIX and gps.lat != 0:
                 return
 
     def location(self, relative_alt: bool = False) -> location:
         """Where the target is, from fresh messages; altitude above home if `relative_alt`."""
         self.wait_gps_fix()
-        self.recv_match(type="VFR_HUD", blocking=True)
-        self.recv_match(type="GLOBAL_POSITION_INT", blocking=True)
+        self._next_of_target("VFR_HUD")
+        self._next_of_target("GLOBAL_POSITION_INT")
         gps, hud = self.messages["GPS_RAW_INT"], self.messages["VFR_HUD"]
         alt = hud.alt
         if relative_alt:

@@ -234,6 +234,10 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         if now - self._flushed_at < FLUSH_INTERVAL:
             return
         self._flushed_at = now
+        self._flush_logs_now()
+
+    def _flush_logs_now(self) -> None:
+        """Hand what was recorded to the system."""
         for file in (self.logfile, self.logfile_raw):
             try:
                 if file:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 from .chunked import ChunkedLink
 from .udp import NOTHING_RECEIVED, UDP_MAX_PACKET_LEN
 from .waiting import (
@@ -45,6 +47,14 @@ def _checked(group: str) -> str:
             f"mcast: {group!r} is no multicast address, 224.0.0.0 to 239.255.255.255 or ff00::/8"
         )
     return group
+
+
+def _interface(socket: Any, scope: str) -> int:
+    """The index of a network interface by its name or index; 0 for none. OSError without such."""
+    if not scope or scope.isdecimal():
+        return int(scope or 0)
+    index: int = socket.if_nametoindex(scope)
+    return index
 
 
 class mavmcast(ChunkedLink):
@@ -99,9 +109,11 @@ class mavmcast(ChunkedLink):
                 port.bind((group, number))
             except OSError:  # Windows binds no group address
                 port.bind(("", number))
-            # On the interface that the system chooses.
+            # On the interface that is named, or the one that the system chooses.
             if family == socket.AF_INET6:
-                membership = socket.inet_pton(family, group.partition("%")[0]) + bytes(4)
+                address, _, scope = group.partition("%")
+                interface = _interface(socket, scope).to_bytes(4, sys.byteorder)
+                membership = socket.inet_pton(family, address) + interface
                 port.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_JOIN_GROUP, membership)
             else:
                 membership = socket.inet_aton(group) + socket.inet_aton("0.0.0.0")
@@ -113,8 +125,7 @@ class mavmcast(ChunkedLink):
             raise
         return port
 
-    def close(self) -> None:
-        """Leave the group."""
+    def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
         self.port.close()
         self.port_out.close()

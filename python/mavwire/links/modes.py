@@ -115,7 +115,7 @@ _PX4_AUTO_NAMES = {
     2: "TAKEOFF", 3: "LOITER", 4: "MISSION", 5: "RTL", 6: "LAND", 7: "RTGS", 8: "FOLLOWME",
 }  # fmt: skip
 
-_MAV_AUTOPILOT_PX4 = 12
+MAV_AUTOPILOT_PX4 = 12
 _MSG_ID_HIGH_LATENCY2 = 235
 
 
@@ -178,7 +178,7 @@ def interpret_px4_mode(base_mode: int, custom_mode: int) -> str:
 def mode_string_v10(msg: Any) -> str:
     """The mode that a HEARTBEAT or HIGH_LATENCY2 reports."""
     heartbeat = msg.get_msgId() != _MSG_ID_HIGH_LATENCY2
-    if msg.autopilot == _MAV_AUTOPILOT_PX4:
+    if msg.autopilot == MAV_AUTOPILOT_PX4:
         if heartbeat:
             return interpret_px4_mode(msg.base_mode, msg.custom_mode)
         return f"Mode({msg.custom_mode})"

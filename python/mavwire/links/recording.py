@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from mavwire._native import recordable
 
+from .signing import KEY_LEN
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
 SECRET_FIELD = "secret_key"
-_KEY_LEN = 32
 
 
 def shown(field: str, value: Any) -> Any:
     """The value of a field as texts show it: a key reads as 255 over and over."""
-    return [0xFF] * _KEY_LEN if field == SECRET_FIELD else value
+    return [0xFF] * KEY_LEN if field == SECRET_FIELD else value
 
 
 def record(file: Any, unix_seconds: float, frame: bytes | bytearray) -> None:

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import os
 import time
+from _thread import allocate_lock
 
-from .chunked import ChunkedLink
+from .chunked import READ_SIZE, ChunkedLink
 from .helpers import FakeSerial
 from .waiting import set_close_on_exec
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Any
 
 # Opening at this rate first makes a change of rate take effect on adapters that ignore
 # setting the rate they believe they already have.
 OPENING_BAUD = 1200
 RESET_INTERVAL = 1.0
-READ_SIZE = 4096
 
 
 def _check_baud(baud: Any, device: str) -> None:
@@ -51,6 +52,7 @@ class mavserial(ChunkedLink):
         self.force_connected = force_connected
         self.rtscts = False
         self._next_reset = 0.0
+        self._opening = allocate_lock()
         self.port: Any = self._open()
         super().__init__(
             self._descriptor(), device, source_system=source_system,
@@ -90,9 +92,11 @@ class mavserial(ChunkedLink):
         self.port.baudrate = baudrate if isinstance(self.port, FakeSerial) else int(baudrate)
 
     def close(self) -> None:
-        """Close the port for good."""
+        """Close the port for good. What was recorded reaches the file."""
         self.autoreconnect = False
-        self._closed = True
+        super().close()
+
+    def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
         self.port.close()
 
@@ -103,25 +107,27 @@ class mavserial(ChunkedLink):
         pyserial's errors propagate.
         """
         self._check_open()
-        if isinstance(self.port, FakeSerial) or (self.autoreconnect and not self.port.is_open):
+        port = self.port
+        if isinstance(port, FakeSerial) or (self.autoreconnect and not port.is_open):
             self._maybe_reset()
             return b""
         try:
-            data = self._read(READ_SIZE if n is None else n)
+            data = self._read(port, READ_SIZE if n is None else n)
         except OSError:  # SerialException is one
             if not self.autoreconnect:
                 raise
-            self._lost()
+            if port is self.port:  # or another thread has reopened it
+                self._lost()
             return b""
         if data:
             self.portdead = False
         return data
 
-    def _read(self, n: int) -> bytes:
+    def _read(self, port: Any, n: int) -> bytes:
         if self.fd is None:
             # Without a descriptor nothing can wait, and reading more than there is would.
-            n = min(n, self.port.in_waiting)
-        data: bytes = self.port.read(n)
+            n = min(n, port.in_waiting)
+        data: bytes = port.read(n)
         return data
 
     def _lost(self) -> None:
@@ -153,17 +159,30 @@ class mavserial(ChunkedLink):
 
     def _maybe_reset(self) -> None:
         """Reopen a dead port if asked to, once a second at most."""
-        now = time.monotonic()
-        if self.autoreconnect and now >= self._next_reset:
-            self._next_reset = now + RESET_INTERVAL
-            self.reset()
+        if self.autoreconnect:
+            self._reset(self._is_reset_due)
 
     def reset(self) -> bool:
-        """Reopen the port; whether that worked."""
+        """Reopen the port; whether that worked. False at once while another thread is at it."""
+        return self._reset(lambda: True)
+
+    def _is_reset_due(self) -> bool:
+        return time.monotonic() >= self._next_reset
+
+    def _reset(self, is_due: Callable[[], bool]) -> bool:
+        if self._closed or not self._opening.acquire(blocking=False):
+            return False
+        try:
+            return is_due() and self._reopen()
+        finally:
+            self._opening.release()
+
+    def _reopen(self) -> bool:
         from contextlib import suppress
 
         import serial
 
+        self._next_reset = time.monotonic() + RESET_INTERVAL
         try:
             port = serial.Serial(
                 self.device, int(self.baud), timeout=0, dsrdtr=False, rtscts=False, xonxoff=False
@@ -177,5 +196,8 @@ class mavserial(ChunkedLink):
         self.fd = self._descriptor()
         if self.rtscts:
             self.set_rtscts(self.rtscts)
+        if self._closed:  # meanwhile
+            self._release()
+            return False
         print(f"Device {self.device} reopened OK")
         return True

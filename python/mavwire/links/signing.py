@@ -54,15 +54,17 @@ def _share(signing: Any) -> None:
     _with_key.add(signing)
 
 
-def _opened(store: Any) -> tuple[Callable[[int], int] | None, int]:
-    """What keeps timestamps in `store`, a path or an object, and the one that is in there."""
+def _opened(store: Any, timestamp: int) -> tuple[Callable[[int], int] | None, int]:
+    """What keeps timestamps in `store`, a path or an object, and the one to begin with: the later
+    one of `timestamp` and what is in there. Whatever the store raises if it cannot be used."""
     if store is None:
-        return None, 0
+        return None, timestamp
     from .timestamp_store import TimestampStore, keeper
 
     if not hasattr(store, "load"):
         store = TimestampStore(store)
-    return keeper(store), store.load()
+    timestamp = max(timestamp, store.load())
+    return keeper(store, timestamp), timestamp
 
 
 class Signing:
@@ -88,11 +90,14 @@ class Signing:
         and defaults to now, and then follows the clock. Links without a `link_id` are numbered in
         order, process-wide. `timestamp_store`, the path of a file or an object with `load` and
         `save`, keeps timestamps rising over restarts whatever the clock does. ValueError for a key
-        of another length.
+        of another length; OSError, or what the object raises, for a store that cannot be used.
         """
         check_key(secret_key)
-        # First of all, since it may fail: half a set-up would send with timestamps used before.
-        store, stored = _opened(timestamp_store)
+        follows_clock = initial_timestamp is None
+        if initial_timestamp is None:
+            initial_timestamp = signing_timestamp(time.time())
+        # Before anything is changed: half a set-up would send with timestamps used before.
+        keep, timestamp = _opened(timestamp_store, initial_timestamp)
         signing = self.mav.signing
         signing.secret_key = secret_key
         _share(signing)
@@ -102,11 +107,9 @@ class Signing:
             link_id = state.global_link_id
             state.global_link_id = min(state.global_link_id + 1, MAX_LINK_ID)
         signing.link_id = link_id
-        signing._follows_clock = initial_timestamp is None
-        if initial_timestamp is None:
-            initial_timestamp = signing_timestamp(time.time())
-        signing.timestamp = max(initial_timestamp, stored)
-        signing._keep_timestamps(store)
+        signing._follows_clock = follows_clock
+        signing.timestamp = timestamp
+        signing._keep_timestamps(keep)
 
     def send_signing_key(self, secret_key: bytes, initial_timestamp: int | None = None) -> None:
         """Send the target a SETUP_SIGNING with `secret_key`, which it will sign with from then on.

@@ -11,6 +11,7 @@ from .chunked import ChunkedLink
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Any
 
 MAX_UNSENT = 1 << 20
@@ -32,29 +33,37 @@ class StreamWriter:
         self.dropped_frames = 0
         self._sending = allocate_lock()
 
-    def write(self, port: Any, frame: bytes) -> None:
-        """Send `frame` after what is queued; OSError when the connection is gone."""
+    def write(self, port: Any, frame: bytes, note: Callable[[bool], Any] = bool) -> None:
+        """Send `frame` after what is queued; OSError when the connection is gone.
+
+        Here and below, `note` is told whether something is left in the queue. One thread at a
+        time does so, and the last one knows best.
+        """
         if len(self.unsent) + len(frame) > MAX_UNSENT:
-            self.flush(port)
+            self.flush(port, note)
         if len(self.unsent) + len(frame) > MAX_UNSENT:
             self.dropped_frames += 1
             return
         self.unsent.extend(frame)
-        self.flush(port)
+        self.flush(port, note)
 
-    def flush(self, port: Any) -> None:
+    def flush(self, port: Any, note: Callable[[bool], Any] = bool) -> None:
         """Send as much of the queue as the peer takes now."""
-        # Looked at again after the lock was released: what came in between is nobody else's.
-        while self.unsent and self._sending.acquire(blocking=False):
+        while self._sending.acquire(blocking=False):
             try:
-                if not self._send_some(port):
-                    return
+                goes_on = self._send_some(port)
             finally:
+                note(bool(self.unsent))
                 self._sending.release()
+            # Looked at after the lock was released: what came in between is nobody else's.
+            if not (goes_on and self.unsent):
+                return
 
     def _send_some(self, port: Any) -> bool:
-        """Send from the head of the queue; whether the peer took any."""
+        """Send from the head of the queue; whether the peer may take more."""
         queue = self.unsent
+        if not queue:
+            return True
         try:
             # A copy, because others append to the queue meanwhile.
             sent = port.send(bytes(queue[:SEND_SIZE]))
@@ -63,10 +72,15 @@ class StreamWriter:
         del queue[:sent]
         return True
 
-    def clear(self) -> None:
+    def clear(self, note: Callable[[bool], Any] = bool) -> None:
         """Forget the queue: the connection it was meant for is gone."""
         # Replaced, not emptied: a thread that is sending still uses up the old one.
         self.unsent = bytearray()
+        if self._sending.acquire(blocking=False):  # or that thread tells
+            try:
+                note(bool(self.unsent))
+            finally:
+                self._sending.release()
 
 
 class StreamLink(ChunkedLink):
@@ -81,20 +95,16 @@ class StreamLink(ChunkedLink):
 
     def _send_frame(self, port: Any, frame: bytes) -> None:
         """Send or queue a frame; OSError when the connection `port` is gone."""
-        try:
-            self._writer.write(port, frame)
-        finally:
-            self._has_unsent = bool(self._writer.unsent)
+        self._writer.write(port, frame, self._note_unsent)
 
     def _send_rest(self, port: Any) -> None:
         """Send what was queued, as far as the peer takes it now."""
-        if self._writer.unsent:
-            try:
-                self._writer.flush(port)
-            finally:
-                self._has_unsent = bool(self._writer.unsent)
+        if self._has_unsent or self._writer.unsent:
+            self._writer.flush(port, self._note_unsent)
 
     def _forget_unsent(self) -> None:
         """Forget the queue: the connection it was meant for is gone."""
-        self._writer.clear()
-        self._has_unsent = False
+        self._writer.clear(self._note_unsent)
+
+    def _note_unsent(self, waits: bool) -> None:
+        self._has_unsent = waits

@@ -12,14 +12,12 @@ import time
 from mavwire._native import forget_states
 
 from .conditions import evaluate_condition
-from .modes import mode_mapping_byname, px4_map
+from .modes import MAV_AUTOPILOT_PX4, mode_mapping_byname, px4_map
 from .vehicle_state import mavfile_state, param_state
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
-
-MAV_AUTOPILOT_PX4 = 12
 
 
 class Target:

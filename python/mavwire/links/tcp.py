@@ -1,4 +1,4 @@
-"""TCP client links: connect with retries, notice the end once, reconnect if asked to."""
+"""TCP client links: connect with retries, notice the end once, connect again if asked to."""
 
 from __future__ import annotations
 
@@ -6,20 +6,18 @@ import time
 
 from .chunked import READ_SIZE
 from .names import connect_to
-from .stream import StreamLink, StreamWriter
+from .reconnecting import ReconnectingLink
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-# The pause between reconnection attempts doubles up to this many times `reconnect_delay`.
-MAX_BACKOFF = 16
-# How long one attempt may block the caller of `recv` or `write`.
+# How long one attempt may take.
 CONNECT_TIMEOUT = 5.0
 
 
-class mavtcp(StreamLink):
+class mavtcp(ReconnectingLink):
     """`device` is host:port. `retries` connection attempts, `reconnect_delay` seconds apart."""
 
     def __init__(
@@ -43,11 +41,8 @@ class mavtcp(StreamLink):
         self.autoreconnect = autoreconnect
         self.retries = retries
         self.reconnect_delay = reconnect_delay
-        self.port: Any = None
         self.fd: int | None = None
-        self._writer = StreamWriter()
-        self._backoff = 1
-        self._next_attempt = 0.0
+        self._begin_unconnected()
         self.do_connect()
         super().__init__(self.fd, address, source_system=source_system,
                          source_component=source_component)  # fmt: skip
@@ -73,7 +68,7 @@ class mavtcp(StreamLink):
                 print(f"{error} sleeping")
                 time.sleep(self.reconnect_delay)
 
-    def _use(self, port: Any) -> None:
+    def _install(self, port: Any) -> None:
         port.setblocking(False)
         set_close_on_exec(port.fileno())
         self.port = port
@@ -81,13 +76,14 @@ class mavtcp(StreamLink):
         self.portdead = False
 
     def close(self) -> None:
-        """Close the connection for good."""
+        """Close the link for good. What was recorded reaches the file."""
         self.autoreconnect = False
-        self._closed = True
+        super().close()
+
+    def _release(self) -> None:
         self._disconnect()
 
     def _disconnect(self) -> None:
-        """Let go of the socket; `fd` is None until there is another."""
         port, self.port, self.fd = self.port, None, None
         if port is not None:
             port.close()
@@ -106,30 +102,24 @@ class mavtcp(StreamLink):
     def _lost(self) -> None:
         self._disconnect()
         self._drop_partial()
+        self._connection_ended()
         self.portdead = True
         self.reconnect()
 
     def reconnect(self) -> None:
-        """Try to connect again, if asked to and if the last attempt is long enough ago."""
-        now = time.monotonic()
-        if not self.autoreconnect or self.port is not None or now < self._next_attempt:
-            return
-        print("Attempting reconnect")
-        try:
-            self._use(self._connect())
-        except OSError:
-            self._next_attempt = time.monotonic() + self.reconnect_delay * self._backoff
-            self._backoff = min(self._backoff * 2, MAX_BACKOFF)
-        else:
-            self._backoff = 1
-            self._next_attempt = 0.0
+        """Begin to connect again, if asked to and if the last attempt is long enough ago.
+
+        That goes on beside the program; `port` is None until it succeeds.
+        """
+        if self._begin_attempt():
+            print("Attempting reconnect")
 
     def recv(self, n: int | None = None) -> bytes:
         """Up to `n` bytes; empty when nothing is there or the connection is gone."""
-        self.reconnect()
         port = self.port
         if port is None:
             self._check_open()
+            self.reconnect()
             return b""
         try:
             self._send_rest(port)
@@ -148,10 +138,10 @@ class mavtcp(StreamLink):
         return data
 
     def write(self, buf: bytes) -> None:
-        """Send one frame whole, or drop it whole when the peer has stopped reading."""
-        self.reconnect()
+        """Send one frame whole, or drop it whole when the peer is gone or has stopped reading."""
         port = self.port
         if port is None:
+            self.reconnect()
             self._writer.dropped_frames += 1
             return
         try:

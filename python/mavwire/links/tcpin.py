@@ -33,8 +33,7 @@ class mavtcpin(OneClientLink):
         )  # fmt: skip
         self._read_stream(serves_one=True)
 
-    def close(self) -> None:
-        """Close the client's connection and stop listening."""
+    def _release(self) -> None:
         self.listen.close()
         self._drop_client()
 

@@ -84,15 +84,20 @@ def _unpacked(slot: bytes) -> int:
     return timestamp if slot == _packed(timestamp) else 0
 
 
-def keeper(store: Any) -> Callable[[int], int]:
+def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
     """A function that stores a timestamp ahead of the one given and returns it.
 
-    A store that fails does not stop the link; it is reported once.
+    `timestamp` is the first one, which is stored now: a store that fails at once raises what it
+    likes. One that fails later does not stop the link; it is reported once.
     """
+    mark = timestamp + RESERVE
+    store.save(mark)
     failed = False
 
     def keep(timestamp: int) -> int:
-        nonlocal failed
+        nonlocal mark, failed
+        if timestamp < mark:
+            return mark
         mark = timestamp + RESERVE
         try:
             store.save(mark)

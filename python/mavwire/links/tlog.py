@@ -77,6 +77,7 @@ class mavlogfile(LogLink, mavfile):
         """Close the file."""
         self._close_reader()
         self.f.close()
+        self._flush_logs_now()
 
     def write(self, buf: bytes) -> None:
         """Append a record, timestamp included; a log opened to be read discards and counts it."""

@@ -85,11 +85,14 @@ class Tracking:
 
     def _adopt_link_id(self, msg: Any) -> None:
         """Follow the target's link id while ours is 0, as a ground station should."""
-        source = (msg.get_srcSystem(), msg.get_srcComponent())
         signing = self.mav.signing
-        target = (self.target_system, self.target_component)
-        if source == target and signing.link_id == 0 and msg.get_link_id():
+        if signing.link_id == 0 and msg.get_link_id() and self._is_of_target(msg):
             signing.link_id = msg.get_link_id()
+
+    def _is_of_target(self, msg: Any) -> bool:
+        """Whether the target sent `msg`; any of its components while none is chosen."""
+        components = (0, msg.get_srcComponent())
+        return msg.get_srcSystem() == self.target_system and self.target_component in components
 
 
 # Message types that change more than the table of newest messages.

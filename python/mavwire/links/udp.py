@@ -58,27 +58,19 @@ class mavudp(ChunkedLink):
         use_native: bool = False,
         timeout: float = 0,
     ) -> None:
-        import socket
-
         host, number = split_host_port(device, "UDP")
-        self.port = socket.socket(address_family(host), socket.SOCK_DGRAM)
         self.udp_server = input
-        self.broadcast = False
-        try:
-            if input:
+        self.broadcast = broadcast and not input
+        self.port = self._socket(address_family(host))
+        if input:
+            try:
                 # Without SO_REUSEADDR: a second listener would take the datagrams of the first.
                 bind(self.port, (host, number))
-            else:
-                self.destination_addr = (host, number)
-                if broadcast:
-                    self.port.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
-                    self.broadcast = True
-        except (OSError, OverflowError):
-            self.port.close()
-            raise
-        set_close_on_exec(self.port.fileno())
-        self.port.setblocking(False)
-        ask_for_room(self.port)
+            except (OSError, OverflowError):
+                self.port.close()
+                raise
+        else:
+            self.destination_addr = (host, number)
         self.last_address: Any = None
         self.timeout = timeout
         self.clients: set[Any] = set()
@@ -90,8 +82,18 @@ class mavudp(ChunkedLink):
         )  # fmt: skip
         self._read_datagrams()
 
-    def close(self) -> None:
-        """Close the socket."""
+    def _socket(self, family: int) -> Any:
+        import socket
+
+        port = socket.socket(family, socket.SOCK_DGRAM)
+        set_close_on_exec(port.fileno())
+        port.setblocking(False)
+        ask_for_room(port)
+        if self.broadcast:
+            port.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+        return port
+
+    def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
         self.port.close()
 
@@ -196,14 +198,35 @@ class mavudp(ChunkedLink):
         self._next_lookup = time.monotonic() + LOOKUP_PAUSE
         self._lookup_due = address is None
         if address is not None:
+            self._speak_to(address)
             self.resolved_destination_addr = address
 
+    def _speak_to(self, address: Any) -> None:
+        """Have a socket of the family of `address`, which a name tells when it is looked up."""
+        import socket
+
+        family = socket.AF_INET if len(address) == 2 else socket.AF_INET6
+        old = self.port
+        if family == old.family or self._closed:
+            return
+        try:
+            port = self._socket(family)
+        except OSError:  # then sending fails too, and is counted
+            return
+        self.port, self.fd = port, port.fileno()
+        old.close()
+        if self._closed:  # meanwhile
+            self._release()
+
     def _resolve(self) -> Any:
+        """The address to send to, of the family that is spoken if the host has one; None while the
+        host is not known."""
         import socket
 
         host, number = self.destination_addr
         try:
-            found = look_up(host, number, self.port.family, socket.SOCK_DGRAM)
+            found = look_up(host, number, 0, socket.SOCK_DGRAM)
         except (OSError, UnicodeError, OverflowError):
             return None
-        return found[0][4]
+        own = self.port.family
+        return min(found, key=lambda entry: entry[0] != own)[4]

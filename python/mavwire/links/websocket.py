@@ -10,8 +10,9 @@ import errno
 from .chunked import READ_SIZE
 from .names import connect_to
 from .one_client import OneClientLink, listen_on
+from .reconnecting import ReconnectingLink
 from .stream import StreamLink, StreamWriter
-from .waiting import prepare_tcp, set_close_on_exec, split_host_port, wait_readable
+from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 # How long a server's answer to the opening handshake may take.
 HANDSHAKE_TIMEOUT = 5.0
-# A peer that is not up yet is tried again on the next receive or send.
+# A peer that is not up yet is tried again later.
 PEER_NOT_UP = frozenset((errno.ECONNREFUSED, errno.EHOSTUNREACH))
 
 
@@ -92,6 +93,11 @@ class _WebSocketLink(StreamLink):
         if port is not None and ws is not None:  # or another thread dropped the connection
             self._send_frame(port, ws.send(event))
 
+    def _drop(self, ws: Any) -> None:
+        """Drop the connection, unless another thread has done it."""
+        if ws is not None and self.ws is ws:
+            self.close_port()
+
     def _receive(self) -> bytes:
         """The payload of the binary messages that one read completes."""
         port, ws = self.port, self.ws
@@ -103,25 +109,35 @@ class _WebSocketLink(StreamLink):
         except (BlockingIOError, InterruptedError):
             return b""
         except OSError:
-            if port is self.port:
-                self.close_port()
+            self._drop(ws)
             return b""
         return self._handle(ws, data)
 
     def _handle(self, ws: Any, data: bytes) -> bytes:
         from wsproto.utilities import LocalProtocolError, RemoteProtocolError
 
-        received = b""
         try:
             ws.receive_data(data or None)
+        except (RemoteProtocolError, LocalProtocolError):
+            self._drop(ws)
+            return b""
+        received = self._take_events(ws)
+        if not data:
+            self._drop(ws)
+        return received
+
+    def _take_events(self, ws: Any) -> bytes:
+        """Act on what was received; the payload of binary messages in it."""
+        from wsproto.utilities import LocalProtocolError, RemoteProtocolError
+
+        received = b""
+        try:
             for event in ws.events():
                 received += self._on_event(event)
-                if self.ws is None:
+                if self.ws is not ws:
                     break
         except (RemoteProtocolError, LocalProtocolError, OSError):
-            self.close_port()
-        if not data:
-            self.close_port()
+            self._drop(ws)
         return received
 
     def _on_event(self, event: Any) -> bytes:
@@ -150,11 +166,15 @@ class _WebSocketLink(StreamLink):
     def _write_message(self, buf: bytes) -> None:
         """Send one frame as one binary message; drop the connection if that fails."""
         from wsproto.events import BytesMessage
+        from wsproto.utilities import LocalProtocolError
 
+        ws = self.ws
         try:
             self._send_event(BytesMessage(data=bytes(buf)))
+        except LocalProtocolError:  # the receiving thread has just heard that it ends
+            self._writer.dropped_frames += 1
         except OSError:
-            self.close_port()
+            self._drop(ws)
 
 
 class mavwebsocket(_WebSocketLink, OneClientLink):
@@ -180,8 +200,7 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
         fd: int = self.listen.fileno()
         return fd if fd >= 0 else None
 
-    def close(self) -> None:
-        """Drop the client and stop listening."""
+    def _release(self) -> None:
         self.listen.close()
         self.close_port()
 
@@ -225,8 +244,14 @@ def split_device(device: str) -> tuple[str, str, str]:
     return protocol, f"{host}{bracket}{parts[0]}:{parts[1]}", resource
 
 
-class mavwebsocket_client(_WebSocketLink):
-    """`device` is `ws:host:port[:resource]` or `wss:...`. A server not up yet is retried."""
+class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
+    """`device` is `ws:host:port[:resource]` or `wss:...`. A server that is not up, or goes, is tried
+    again until it is there."""
+
+    autoreconnect = True
+    reconnect_delay = 1.0
+    # What came along with the end of the handshake was not looked at yet.
+    _is_fresh = False
 
     def __init__(
         self,
@@ -241,6 +266,7 @@ class mavwebsocket_client(_WebSocketLink):
         self.secure = protocol == "wss"
         self.destination_addr = split_host_port(address, "WebSocket")
         self.resource = resource
+        self._begin_unconnected()
         super().__init__(
             None, device, source_system=source_system, source_component=source_component
         )
@@ -248,71 +274,104 @@ class mavwebsocket_client(_WebSocketLink):
 
     def connect(self) -> bool:
         """Connect and shake hands, blocking; whether the server was there to be connected to."""
-        port: Any
         try:
-            port = connect_to(*self.destination_addr, HANDSHAKE_TIMEOUT)
+            self._use(self._connect())
         except OSError as error:
             if error.errno in PEER_NOT_UP:
                 return False
             raise
+        return self._established()
+
+    def _connect(self) -> tuple[Any, Any]:
+        """A socket and the WebSocket on it, open."""
+        port: Any = connect_to(*self.destination_addr, HANDSHAKE_TIMEOUT)
         try:
             prepare_tcp(port)
             if self.secure:
                 import ssl
 
                 context = ssl.create_default_context()
-                name = self.destination_addr[0]
-                port = _TlsPort(context.wrap_socket(port, server_hostname=name))
-        except OSError:
+                port = context.wrap_socket(port, server_hostname=self.destination_addr[0])
+            ws = self._shake_hands(port)
+        except BaseException:
             port.close()
             raise
-        self._handshake(port)
-        return self._established()
+        return _TlsPort(port) if self.secure else port, ws
 
-    def _handshake(self, port: Any) -> None:
+    def _shake_hands(self, port: Any) -> Any:
+        """The WebSocket on `port`, which still blocks."""
         from time import monotonic
 
         from wsproto import ConnectionType, WSConnection
+        from wsproto.connection import ConnectionState
         from wsproto.events import Request
+        from wsproto.utilities import RemoteProtocolError
 
-        self._start(port, WSConnection(ConnectionType.CLIENT))
+        ws = WSConnection(ConnectionType.CLIENT)
         host, number = self.destination_addr
         if ":" in host:
             host = f"[{host}]"
-        self._send_event(Request(host=f"{host}:{number}", target=f"/{self.resource.lstrip('/')}"))
-        self._early = b""
+        request = Request(host=f"{host}:{number}", target=f"/{self.resource.lstrip('/')}")
         deadline = monotonic() + HANDSHAKE_TIMEOUT
-        while self.port is not None and not self._established():
-            remaining = deadline - monotonic()
-            if remaining <= 0:
-                self.close_port()
-                raise TimeoutError(f"no WebSocket handshake from {self.address}")
-            wait_readable(self.fd, remaining)
-            self._early += self._receive()
+        try:
+            port.sendall(ws.send(request))
+            data = b"..."
+            while data and ws.state is ConnectionState.CONNECTING:
+                port.settimeout(max(deadline - monotonic(), 0.001))
+                data = port.recv(READ_SIZE)
+                ws.receive_data(data or None)
+        except TimeoutError:
+            raise TimeoutError(f"no WebSocket handshake from {self.address}") from None
+        except RemoteProtocolError as error:
+            reason = f"{self.address} does not speak WebSocket: {error}"
+            raise ConnectionRefusedError(errno.ECONNREFUSED, reason) from error
+        if ws.state is not ConnectionState.OPEN:
+            reason = f"{self.address} refused the WebSocket handshake"
+            raise ConnectionRefusedError(errno.ECONNREFUSED, reason)
+        return ws
 
-    def close(self) -> None:
+    def _install(self, connection: tuple[Any, Any]) -> None:
+        self._is_fresh = True
+        self._start(*connection)
+
+    def _disconnect(self) -> None:
+        self.close_port()
+
+    def close_port(self) -> None:
+        """Drop the connection; the link itself stays usable, and connects again."""
+        super().close_port()
+        self._connection_ended()
+
+    def _release(self) -> None:
         """Close the connection, telling the server."""
         if self._established():
             from contextlib import suppress
 
             from wsproto.events import CloseConnection
+            from wsproto.utilities import LocalProtocolError
 
-            with suppress(OSError):  # it is being closed anyway
+            with suppress(OSError, LocalProtocolError):  # it is being closed anyway
                 self._send_event(CloseConnection(code=1000))
-        self._closed = True
         self.close_port()
 
     def recv(self, n: int | None = None) -> bytes:
         """What one read brings, whatever `n`; empty without data or server."""
         self._check_open()
-        if self.port is None and not self.connect():
+        ws = self.ws
+        if ws is None:
+            self._begin_attempt()
             return b""
-        early, self._early = self._early, b""
-        return early or self._receive()
+        if self._is_fresh:
+            self._is_fresh = False
+            received = self._take_events(ws)
+            if received:
+                return received
+        return self._receive()
 
     def write(self, data: bytes) -> None:
         """Send one frame; while the server is not there it is dropped and counted."""
-        if self._established() or (self.port is None and not self._closed and self.connect()):
+        if self._established():
             self._write_message(data)
-        else:
-            self._writer.dropped_frames += 1
+            return
+        self._begin_attempt()
+        self._writer.dropped_frames += 1

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.links.param_bytes import INTEGERS, value_bytes, with_value_bytes
 
 from .personality.base import Param
 from .service import Handler, Service
@@ -23,12 +24,6 @@ if TYPE_CHECKING:
 LIST_TICKS = 2
 UNLISTED = 65535
 HASH = "_HASH_CHECK"
-_FORMATS = {
-    mavlink.MAV_PARAM_TYPE_UINT8: "<B3x", mavlink.MAV_PARAM_TYPE_INT8: "<b3x",
-    mavlink.MAV_PARAM_TYPE_UINT16: "<H2x", mavlink.MAV_PARAM_TYPE_INT16: "<h2x",
-    mavlink.MAV_PARAM_TYPE_UINT32: "<I", mavlink.MAV_PARAM_TYPE_INT32: "<i",
-    mavlink.MAV_PARAM_TYPE_REAL32: "<f",
-}  # fmt: skip
 _RANGES = {
     mavlink.MAV_PARAM_TYPE_INT8: (-(2**7), 2**7 - 1),
     mavlink.MAV_PARAM_TYPE_INT16: (-(2**15), 2**15 - 1),
@@ -36,18 +31,18 @@ _RANGES = {
 }
 
 
-def to_wire(value: float, kind: int, bytewise: bool) -> float:
-    """The float that carries a value of MAV_PARAM_TYPE `kind`."""
-    if not bytewise or kind == mavlink.MAV_PARAM_TYPE_REAL32:
-        return float(value)
-    return float(struct.unpack("<f", struct.pack(_FORMATS[kind], int(value)))[0])
+def to_wire(value: float, kind: int, bytewise: bool) -> bytes:
+    """The four bytes that carry a value of MAV_PARAM_TYPE `kind`."""
+    if bytewise and kind in INTEGERS:
+        return struct.pack(INTEGERS[kind], int(value))
+    return struct.pack("<f", value)
 
 
-def from_wire(wire: float, kind: int, bytewise: bool) -> float:
-    """The value that a float carries."""
-    if not bytewise or kind == mavlink.MAV_PARAM_TYPE_REAL32:
-        return wire
-    return float(struct.unpack(_FORMATS[kind], struct.pack("<f", wire))[0])
+def from_wire(msg: Any, kind: int, bytewise: bool) -> float:
+    """The value that a PARAM_SET carries."""
+    if bytewise and kind in INTEGERS:
+        return float(struct.unpack(INTEGERS[kind], value_bytes(msg))[0])
+    return float(msg.param_value)
 
 
 def as_float32(value: float) -> float:
@@ -165,7 +160,7 @@ class Parameters(Service, Mapping[str, float]):
             self._send(name, listed=True)
             return
         try:
-            self[name] = from_wire(msg.param_value, kind, self._bytewise)
+            self[name] = from_wire(msg, kind, self._bytewise)
         except ValueError:
             self._send(name, listed=True)
 
@@ -174,21 +169,18 @@ class Parameters(Service, Mapping[str, float]):
         kind = self._table[index].type
         # An ArduPilot announces a change with an index that belongs to no parameter.
         shown = index if listed or self._bytewise else UNLISTED
-        wire = to_wire(self._values[name], kind, self._bytewise)
-        self.vehicle.send(
-            mavlink.MAVLink_param_value_message(name.encode(), wire, kind, len(self), shown)
-        )
+        self._send_value(name, self._values[name], kind, shown)
+
+    def _send_value(self, name: str, value: float, kind: int, index: int) -> None:
+        msg = mavlink.MAVLink_param_value_message(name.encode(), 0.0, kind, len(self), index)
+        data = to_wire(value, kind, self._bytewise)
+        self.vehicle.send(with_value_bytes(msg, data, mavlink.MAVLink))
 
     def _send_hash(self) -> None:
         """A checksum over all, by which a ground station knows that its cache still holds."""
         crc = 0
         for param in self._table:
             value = self._values[param.name]
-            real = param.type == mavlink.MAV_PARAM_TYPE_REAL32
-            data = struct.pack(_FORMATS[param.type], value if real else int(value))
+            data = to_wire(value, param.type, True)
             crc = zlib.crc32(param.name.encode() + data, crc)
-        kind = mavlink.MAV_PARAM_TYPE_UINT32
-        wire = to_wire(crc, kind, True)
-        self.vehicle.send(
-            mavlink.MAVLink_param_value_message(HASH.encode(), wire, kind, len(self), UNLISTED)
-        )
+        self._send_value(HASH, crc, mavlink.MAV_PARAM_TYPE_UINT32, UNLISTED)

@@ -84,7 +84,7 @@ class Runner:
         return 0.0 if more else self.swarm.until_next / self.speed
 
     def _share_key(self) -> None:
-        """Links check signatures with the key of the vehicles, which may change in flight."""
+        """Links check signatures if all vehicles have the same key, which may change in flight."""
         key = self.swarm.key
         if key != self._key:
             self._key = key
@@ -107,8 +107,14 @@ class Runner:
                 return False
             if msg.get_type() != "BAD_DATA":
                 self.received += 1
-                self.swarm.handle(msg)
+                self._hand_over(msg)
         return True
+
+    def _hand_over(self, msg: Any) -> None:
+        if self.swarm.keys == {self._key}:
+            self.swarm.handle(msg)
+        else:  # the link did not check what each vehicle wants checked
+            self.swarm.receive(bytes(msg.get_msgbuf()))
 
     def _write(self, link: Any, frame: bytes) -> None:
         try:

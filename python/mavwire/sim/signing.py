@@ -7,16 +7,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from mavwire.links.signing import EPOCH, UNITS_PER_SECOND, check_key
+
 from .service import Handler, Service
 
 if TYPE_CHECKING:
     from .vehicle import Vehicle
 
-KEY_LEN = 32
-# Signature timestamps count 10 us since 2015-01-01.
-EPOCH_US = 1_420_070_400_000_000
+MICROSECONDS_PER_UNIT = 1_000_000 // UNITS_PER_SECOND
 # A start in the far future would leave no room for timestamps: a day at most.
-MAX_AHEAD = 24 * 3600 * 100_000
+MAX_AHEAD = 24 * 3600 * UNITS_PER_SECOND
 
 
 class Signing(Service):
@@ -37,15 +37,15 @@ class Signing(Service):
 
     def use(self, key: bytes | None) -> None:
         """Sign and check with `key` of 32 bytes; None stops both."""
-        if key is not None and len(key) != KEY_LEN:
-            raise ValueError(f"a signing key has {KEY_LEN} bytes, not {len(key)}")
+        if key is not None:
+            check_key(key)
         self._state.secret_key = key
         self._state.sign_outgoing = key is not None
         if key is not None:
             self._state.timestamp = self._now()
 
     def _now(self) -> int:
-        return max(self.vehicle.unix_us - EPOCH_US, 0) // 10
+        return max(self.vehicle.unix_us - EPOCH * 1_000_000, 0) // MICROSECONDS_PER_UNIT
 
     def keep_time(self) -> None:
         """Before a frame is signed: the timestamp follows the clock and never goes back."""

@@ -1,11 +1,9 @@
-"""Several vehicles behind one link: what arrives is parsed once and given to whom it concerns."""
+"""Several vehicles behind one link: each hears what arrives and takes what concerns it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
-
-from mavwire.dialects.v20 import all as mavlink
 
 from .vehicle import Vehicle
 
@@ -18,13 +16,17 @@ class Swarm:
         if not ids or len(set(ids)) != len(ids):
             raise ValueError(f"a swarm needs vehicles with different system ids: {ids}")
         self.vehicles = list(vehicles)
-        self._mav: Any = mavlink.MAVLink(None)
-        self._mav.robust_parsing = True
+
+    @property
+    def keys(self) -> set[bytes | None]:
+        """The signing keys of the vehicles; None is among them if one has none."""
+        return {vehicle.signing.key for vehicle in self.vehicles}
 
     @property
     def key(self) -> bytes | None:
-        """The signing key of the first vehicle; they are expected to share one."""
-        return self.vehicles[0].signing.key
+        """The signing key that all of them have; None if there is no such key."""
+        keys = self.keys
+        return keys.pop() if len(keys) == 1 else None
 
     @property
     def until_next(self) -> float:
@@ -38,15 +40,12 @@ class Swarm:
         return b"".join(self.take())
 
     def receive(self, data: bytes) -> None:
-        """Bytes from a link, cut anywhere."""
-        if data:
-            self._mav.signing.secret_key = self.key
-            for msg in self._mav.parse_buffer(data) or ():
-                if msg.get_type() != "BAD_DATA":
-                    self.handle(msg)
+        """Bytes from a link, cut anywhere. Each vehicle checks signatures with its own key."""
+        for vehicle in self.vehicles:
+            vehicle.receive(data)
 
     def handle(self, msg: Any) -> None:
-        """A message, for those who parse themselves."""
+        """A message, for those who parse themselves, and check signatures too."""
         for vehicle in self.vehicles:
             vehicle.handle(msg)
 

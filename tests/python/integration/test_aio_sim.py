@@ -51,7 +51,7 @@ def test_a_whole_flight(kind, loop):
             await link.wait_heartbeat(timeout=WAIT)
             assert link.target_system == 1
             seen = asyncio.create_task(heights(link))  # ends with the link
-            await link.set_message_interval("GLOBAL_POSITION_INT", 50)
+            await link.set_message_interval("GLOBAL_POSITION_INT", 50, **PATIENCE)
             await link.recv_match("EKF_STATUS_REPORT.flags & 16", "EKF_STATUS_REPORT", timeout=WAIT)
             link.sync.set_mode("GUIDED")
             await link.recv_match(condition="MAV.flightmode=='GUIDED'", timeout=WAIT)
@@ -91,7 +91,9 @@ def test_parameters(autopilot):
             if integer in vehicle.params:
                 value = await link.param_get(integer, **PATIENCE)
                 assert value == vehicle.params[integer]
-                assert await link.param_set(integer, value + 1, **PATIENCE) == value + 1
+                for other in (value + 1, -5_000_000):
+                    assert await link.param_set(integer, other, **PATIENCE) == other
+                    assert vehicle.params[integer] == other
             values = await link.param_fetch_all(**PATIENCE)
             assert values == pytest.approx({n: vehicle.params[n] for n in vehicle.params}, rel=1e-6)
             with pytest.raises(TimeoutError, match="NO_SUCH"):
@@ -110,6 +112,8 @@ def test_commands_that_are_refused_and_unanswered():
             assert refused.value.result == refused.value.ack.result == 3
             with pytest.raises(TimeoutError, match="MAV_CMD_NAV_LAND from system 9 after 2"):
                 await link.command(LAND, sysid=9, retries=1, timeout=0.02)
+            with pytest.raises(TimeoutError, match="from system 9 after 1"):
+                await link.set_message_interval("ATTITUDE", 9, sysid=9, retries=0, timeout=0.02)
             with pytest.raises(ValueError, match="seven"):
                 await link.command(LAND, *range(8))
             with pytest.raises(ValueError, match="NOT_A_MESSAGE"):

@@ -93,6 +93,25 @@ def test_nothing_is_missed_between_two_calls():
     run(main())
 
 
+def test_waits_that_others_await_miss_nothing():
+    """Each wait has a task of its own here; the place is that of the task that called."""
+
+    async def main():
+        async with udp_link() as (link, peer):
+            assert await link.recv_match(timeout=0) is None
+            found = []
+            for count in range(10):
+                seen = link.sync.mav_count
+                peer.attitudes(2 * count, 2 * count + 1)
+                await eventually(lambda seen=seen: link.sync.mav_count == seen + 2)
+                (one,) = await asyncio.gather(link.recv_msg())
+                other = await asyncio.ensure_future(link.recv_match(timeout=WAIT))
+                found += [number(one), number(other)]
+            assert found == list(range(20))
+
+    run(main())
+
+
 def test_waits_of_one_task_do_not_take_from_each_other():
     async def main():
         async with udp_link() as (link, peer):
@@ -325,6 +344,24 @@ def test_a_link_of_mavutil_that_is_closed_behind_the_back_ends():
             link.mav.heartbeat_send(6, 8, 0, 0, 0)
             with pytest.raises(aio.LinkClosedError):
                 await wait
+
+    run(main())
+
+
+def test_a_recording_is_whole_when_the_link_is_closed(tmp_path):
+    async def main():
+        async with udp_link() as (link, peer):
+            link.sync.setup_logfile(str(tmp_path / "flight.tlog"))
+            link.sync.setup_logfile_raw(str(tmp_path / "flight.raw"))
+            peer.attitudes(*range(50))
+            await eventually(lambda: link.sync.mav_count == 51)
+        log = mavutil.mavlink_connection(str(tmp_path / "flight.tlog"))
+        assert [number(log.recv_msg()) for _ in range(50)] == list(range(50))
+        assert log.recv_msg() is None
+        raw = (tmp_path / "flight.raw").read_bytes()
+        assert len(mavlink.MAVLink(None).parse_buffer(raw)) == 50
+        for file in (link.sync.logfile, link.sync.logfile_raw):
+            file.close()
 
     run(main())
 

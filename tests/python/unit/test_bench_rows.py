@@ -31,3 +31,29 @@ def test_no_such_row() -> None:
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (result.returncode, result.stdout) == (1, "")
     assert "--only nothing: no such row; there are\n  G1   stream-64k\n" in result.stderr
+
+
+LIVE_LINES = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from live import rate_lines
+measured = {"kind": "udpin", "rate": 20000, "received": 1000, "lost": 0}
+failed = {"kind": "udpin", "rate": 20000, "failed": "no answer"}
+group = [
+    {"package": "mavwire", "cpu": 0.004, **measured},
+    {"package": "mavwire.aio", "received": 0, **measured, **failed},
+    {"package": "pymavlink", "cpu": 0.018, **measured},
+]
+print(*rate_lines(group), *rate_lines(group[:1]), sep="\\n")
+"""
+
+
+def test_live_rows_say_how_many_times_theirs_is_ours() -> None:
+    command = [sys.executable, "-c", LIVE_LINES, str(BENCHES)]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert [line.split()[2:] for line in printed.splitlines()] == [
+        ["mavwire", "1,000", "0", "4.00", "4.5", "x"],
+        ["mavwire.aio", "no", "answer"],
+        ["pymavlink", "1,000", "0", "18.00", "1.0", "x"],
+        ["mavwire", "1,000", "0", "4.00"],
+    ]

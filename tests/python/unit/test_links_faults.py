@@ -258,3 +258,126 @@ def test_a_websocket_under_tls_outlives_silence(tmp_path, monkeypatch):
     assert link.port is port
     link.close()
     listener.close()
+
+
+def test_what_is_left_to_send_is_told_by_one_thread_at_a_time():
+    """Or the one that knows less could have the last word, and what is left would wait for the next frame."""
+    link, peer = connected()
+    told = []
+
+    class Port:
+        """Takes frames, then nothing for a while."""
+
+        takes = True
+
+        def send(self, data):
+            if not self.takes:
+                raise BlockingIOError
+            return len(data)
+
+    class Telling(type(link)):
+        def _note_unsent(self, waits):
+            told.append((waits, self._writer._sending.locked()))
+            super()._note_unsent(waits)
+
+    link.__class__ = Telling
+    port = Port()
+    link._send_frame(port, heartbeat())
+    port.takes = False
+    link._send_frame(port, heartbeat())
+    assert link._has_unsent
+    link._forget_unsent()
+    assert not link._has_unsent
+    link._send_frame(port, heartbeat())
+    port.takes = True
+    link._send_rest(port)
+    assert not link._has_unsent
+    assert told == [(False, True), (True, True), (False, True), (True, True), (False, True)]
+    link.close()
+    peer.close()
+
+
+def test_a_frame_that_comes_while_another_thread_ends_its_sending_is_not_left_behind():
+    link, peer = connected()
+    sent = []
+
+    class Port:
+        """While the first frame is being sent, another thread brings the second."""
+
+        def send(self, data):
+            if not sent:
+                sent.append(data)
+                thread = threading.Thread(target=link._send_frame, args=[self, heartbeat(2)])
+                thread.start()
+                thread.join()
+            else:
+                sent.append(data)
+            return len(data)
+
+    link._send_frame(Port(), heartbeat(1))
+    assert sent == [heartbeat(1), heartbeat(2)]
+    assert not link._has_unsent
+    link.close()
+    peer.close()
+
+
+@pytest.fixture
+def serial_port():
+    if not hasattr(os, "openpty"):
+        pytest.skip("no pseudo terminals")
+    pytest.importorskip("serial")
+    ends = os.openpty()
+    yield os.ttyname(ends[1])
+    for end in ends:
+        os.close(end)
+
+
+class HeldSerial:
+    """Opening a serial port succeeds, and takes until `leave` is set."""
+
+    def __init__(self, monkeypatch):
+        import serial
+
+        self.made, self.leave = threading.Event(), threading.Event()
+        self.opened = []
+        self._open = serial.Serial
+        monkeypatch.setattr(serial, "Serial", self)
+
+    def __call__(self, *args, **kw):
+        port = self._open(*args, **kw)
+        self.opened.append(port)
+        self.made.set()
+        self.leave.wait(WAIT)
+        return port
+
+
+def test_a_serial_port_is_reopened_by_one_thread_and_not_after_closing(serial_port, monkeypatch):
+    link = mavutil.mavlink_connection(serial_port, autoreconnect=True)
+    held = HeldSerial(monkeypatch)
+    thread = threading.Thread(target=link._lost)
+    thread.start()
+    assert held.made.wait(WAIT)
+    with watched(WAIT):
+        assert link.reset() is False
+        link._maybe_reset()
+        link.close()
+    held.leave.set()
+    thread.join(WAIT)
+    assert len(held.opened) == 1
+    assert (held.opened[0].is_open, link.port.is_open, link.fd) == (False, False, None)
+    assert link.reset() is False
+
+
+def test_a_serial_port_is_reopened_once_a_second_at_most(serial_port, monkeypatch):
+    link = mavutil.mavlink_connection(serial_port, autoreconnect=True)
+    held = HeldSerial(monkeypatch)
+    held.leave.set()
+    now = 1000.0
+    monkeypatch.setattr("mavwire.links.serial_port.time.monotonic", lambda: now)
+    for _ in range(3):
+        link._maybe_reset()
+    assert len(held.opened) == 1
+    now += 1
+    link._maybe_reset()
+    assert len(held.opened) == 2
+    link.close()

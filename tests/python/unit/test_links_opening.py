@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 import socket
+import sys
+from types import SimpleNamespace
+from typing import Any, ClassVar
 
 import pytest
 from mavwire import mavutil
+from mavwire.links.mcast import mavmcast
 from unit.link_tools import heartbeat
 
 WAIT = 60.0
@@ -58,6 +62,34 @@ def test_a_client_without_a_host_connects_to_this_machine() -> None:
             peer.send(heartbeat())
             assert link.recv_match(blocking=True, timeout=WAIT).get_type() == "HEARTBEAT"
             peer.close()
+
+
+class Joining(socket.socket):
+    """A socket that only says which groups it is asked to join."""
+
+    joined: ClassVar[list[bytes]] = []
+
+    def bind(self, address: object) -> None:
+        pass
+
+    def setsockopt(self, level: int, option: int, value: Any, *_: Any) -> None:
+        if (level, option) == (socket.IPPROTO_IPV6, socket.IPV6_JOIN_GROUP):
+            self.joined.append(value)
+
+
+def test_a_multicast_group_is_joined_on_the_interface_it_names(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Joining, "joined", [])
+    monkeypatch.setattr(socket, "if_nametoindex", {"uplink": 5}.__getitem__)
+    module = SimpleNamespace(**{**vars(socket), "socket": Joining})
+    for group in ("ff02::1%uplink", "ff02::1%7", "ff02::1"):
+        mavmcast._receiver(module, group, 14550).close()
+    interfaces = [int.from_bytes(value[16:], sys.byteorder) for value in Joining.joined]
+    assert interfaces == [5, 7, 0]
+    assert {value[:16] for value in Joining.joined} == {
+        socket.inet_pton(socket.AF_INET6, "ff02::1")
+    }
 
 
 def test_sending_on_closed_and_unconnected_links(capsys: pytest.CaptureFixture[str]) -> None:

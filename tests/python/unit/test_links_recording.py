@@ -142,6 +142,48 @@ def test_records_reach_the_file_when_nothing_follows_them(tmp_path, raw):
         link.logfile.close()
 
 
+def opened(kind, folder):
+    """A link of a kind, and what has to be kept for it."""
+    if kind == "tcp":
+        server = socket.create_server(("127.0.0.1", 0))
+        return mavutil.mavlink_connection(f"tcp:127.0.0.1:{server.getsockname()[1]}"), server
+    if kind == "serial":
+        pytest.importorskip("serial")
+        ends = os.openpty()
+        return mavutil.mavlink_connection(os.ttyname(ends[1])), ends
+    if kind == "exec":
+        program = folder / "program"
+        program.write_text("#!/bin/sh\nexec cat\n")
+        program.chmod(0o700)
+        return mavutil.mavlink_connection(f"exec:{program}"), None
+    if kind == "log":
+        (folder / "log.tlog").write_bytes(bytes(8) + heartbeat())
+        return mavutil.mavlink_connection(str(folder / "log.tlog")), None
+    if kind.startswith("ws"):
+        pytest.importorskip("wsproto")
+    if kind == "ws":
+        return mavutil.mavlink_connection("ws:127.0.0.1:9"), None  # and nobody is there
+    return mavutil.mavlink_connection("mcast:" if kind == "mcast" else f"{kind}:127.0.0.1:0"), None
+
+
+@pytest.mark.parametrize(
+    "kind", ["udpin", "mcast", "tcpin", "tcp", "ws", "wsserver", "serial", "exec", "log"]
+)
+def test_records_reach_the_file_when_the_link_is_closed(kind, tmp_path):
+    path, raw = tmp_path / "a.tlog", tmp_path / "a.raw"
+    link, kept = opened(kind, tmp_path)
+    link.setup_logfile(str(path))
+    link.setup_logfile_raw(str(raw))
+    for seq in range(5):
+        link._arrived(heartbeat(seq))
+        link._record(decoded(heartbeat(seq)))
+    link.close()
+    assert (path.stat().st_size, raw.stat().st_size) == (5 * 29, 5 * 21)
+    link.logfile.close()
+    link.logfile_raw.close()
+    del kept
+
+
 def test_records_reach_the_file_in_a_loop(tmp_path):
     path = tmp_path / "a.tlog"
 

@@ -141,8 +141,11 @@ def test_timestamps_are_stored_before_they_are_used():
     assert store.saves == 3
 
 
-def test_a_store_that_fails_is_reported_once_and_stops_nothing(tmp_path, caplog):
-    link = link_with_key(timestamp_store=tmp_path / "missing" / "timestamps")
+def test_a_store_that_fails_later_is_reported_once_and_stops_nothing(tmp_path, caplog):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    link = link_with_key(timestamp_store=folder / "timestamps")
+    folder.rename(tmp_path / "elsewhere")
     for _ in range(3):
         link.mav.signing.timestamp += 2 * RESERVE
         assert sent_timestamp(link)
@@ -177,24 +180,35 @@ def test_a_store_that_is_shared_keeps_the_latest(tmp_path):
     assert (100).to_bytes(8, "little") in content, "the one before is there, should a write be cut"
 
 
-def test_a_store_that_cannot_be_read_changes_nothing(tmp_path):
+@pytest.mark.parametrize("name", [".", "missing/timestamps"])
+def test_a_store_that_cannot_be_read_or_written_changes_nothing(tmp_path, name):
     link = Capture()
     with pytest.raises(OSError):
-        link.setup_signing(KEY, timestamp_store=tmp_path)
+        link.setup_signing(KEY, timestamp_store=tmp_path / name)
     signing = link.mav.signing
     assert (signing.secret_key, signing.sign_outgoing, signing.timestamp) == (None, False, 0)
 
 
 def test_a_store_may_fail_in_any_way(caplog):
     class Store:
+        works = False
+
         def load(self):
             return 5
 
         def save(self, timestamp):
-            raise RuntimeError("no database")
+            if not self.works:
+                raise RuntimeError("no database")
 
-    link = link_with_key(timestamp_store=Store())
-    assert sent_timestamp(link) == 5
+    store = Store()
+    with pytest.raises(RuntimeError, match="no database"):
+        link_with_key(timestamp_store=store)
+    store.works = True
+    link = link_with_key(timestamp_store=store)
+    store.works = False
+    assert (sent_timestamp(link), caplog.text) == (5, "")
+    link.mav.signing.timestamp += 2 * RESERVE
+    assert sent_timestamp(link) == 6 + 2 * RESERVE
     assert "no database" in caplog.text
 
 
@@ -263,6 +277,22 @@ def test_link_id_0_adopts_the_one_of_the_target_alone():
     link.rx += signed(HEARTBEAT, timestamp=102, link_id=10)
     drain(link)
     assert link.mav.signing.link_id == 9
+
+
+def test_link_id_0_adopts_that_of_any_component_while_none_is_chosen():
+    """R57."""
+    link = link_with_key(link_id=0)
+    link.rx += signed(HEARTBEAT, timestamp=100, link_id=9)
+    drain(link)
+    assert (link.target_system, link.target_component) == (1, 0)
+    link.rx += signed(HEARTBEAT, timestamp=101, link_id=9)
+    drain(link)
+    assert link.mav.signing.link_id == 9
+    link = link_with_key(link_id=0)
+    link.target_system, link.target_component = 1, 2
+    link.rx += signed(HEARTBEAT, timestamp=102, link_id=9)
+    drain(link)
+    assert link.mav.signing.link_id == 0
 
 
 # -- the key

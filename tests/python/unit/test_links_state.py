@@ -327,3 +327,32 @@ def test_a_mode_that_is_no_number(name):
     for wrong in (None, "x"):
         with pytest.raises(TypeError, match="%u format: a real number is required"):
             name(wrong)
+
+
+def fix(sysid, lat, heading):
+    """What `location` waits for, from a vehicle."""
+    hud = mavlink.MAVLink_vfr_hud_message(1, 1, heading, 0, 50, 0)
+    gps = mavlink.MAVLink_gps_raw_int_message(0, 3, lat, 5, 5, 0, 0, 0, 0, 0)
+    position = mavlink.MAVLink_global_position_int_message(0, 0, 0, 0, 7000, 0, 0, 0, 0)
+    return b"".join(pack(msg, sysid=sysid) for msg in (hud, gps, hud, position))
+
+
+def test_helpers_that_wait_do_so_for_the_target_s_messages():
+    link = Capture()
+    link.rx += heartbeat()
+    drain(link)
+    assert link.target_system == 1
+    for sysid, seq in ((2, 42), (1, 3)):
+        link.rx += pack(mavlink.MAVLink_mission_current_message(seq), sysid=sysid)
+    with watched():
+        assert link.waypoint_current() == 3
+        link.rx += fix(2, 20, 90) + fix(1, 10_000_000, 45)
+        place = link.location(relative_alt=True)
+        assert (place.lat, place.alt, place.heading) == (1.0, 7.0, 45)
+
+
+def test_helpers_that_wait_take_anyone_while_there_is_no_target():
+    link = Capture()
+    link.rx += pack(mavlink.MAVLink_mission_current_message(42), sysid=2)
+    with watched():
+        assert link.waypoint_current() == 42

@@ -17,6 +17,8 @@ from unit.link_tools import KEY, heartbeat, pack, signed, types
 from watchdog import watched
 
 WAIT = 60.0
+# Twenty times what Ctrl-C may take.
+PROMPTLY = 5.0
 # Datagrams that a socket holds under the usual limits of Linux, with room to spare.
 BACKLOG = 250
 # Signals and descriptors of other kinds than sockets.
@@ -388,7 +390,7 @@ except KeyboardInterrupt:
     ],
 )
 def test_blocking_calls_can_be_interrupted(kind, call, tmp_path):
-    """R65: how quickly is measured by the benchmark."""
+    """R65: how quickly is measured by the benchmark; a wait of seconds would be seen here too."""
     if kind == "tty":
         pytest.importorskip("serial")
     if kind.startswith("ws"):
@@ -406,7 +408,7 @@ def test_blocking_calls_can_be_interrupted(kind, call, tmp_path):
         assert child.stdout.readline() == "ready\n"
         time.sleep(0.3)
         child.send_signal(signal.SIGINT)
-        assert child.communicate(timeout=WAIT)[0].endswith("interrupted\n")
+        assert child.communicate(timeout=PROMPTLY)[0].endswith("interrupted\n")
 
 
 def test_a_stream_s_frames_come_out_whatever_the_reads_are():

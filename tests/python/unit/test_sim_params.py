@@ -92,6 +92,20 @@ def test_px4_copies_the_bytes_of_integers() -> None:
     assert vehicle_of(station).params["COM_FLTMODE1"] == -7
 
 
+@pytest.mark.parametrize("value", [-5_000_000, 0x7F800001, 0x7FBFFFFF, -0x7FFFFF, -0x400001])
+def test_px4_copies_the_bytes_of_signalling_nans(value: int) -> None:
+    """Which a processor changes when it makes a double of them."""
+    station = Station(Vehicle("px4"))
+    data = struct.pack("<i", value)
+    payload = data + struct.pack("<BB16sB", 1, 1, b"COM_FLTMODE1", INT32)
+    msg = mavlink.MAVLink_param_set_message(1, 1, b"COM_FLTMODE1", 0.0, INT32)
+    (answer,) = station.step(0, msg._pack(station.mav, msg.crc_extra, payload))
+    assert vehicle_of(station).params["COM_FLTMODE1"] == value
+    assert answer.get_msgbuf()[10:14] == data
+    (answer,) = read(station, "COM_FLTMODE1")
+    assert answer.get_msgbuf()[10:14] == data
+
+
 def test_px4_refuses_another_type() -> None:
     station = Station(Vehicle("px4"))
     text, value = write(station, "SYS_AUTOSTART", 4001.0, REAL32)

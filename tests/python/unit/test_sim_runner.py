@@ -111,6 +111,23 @@ def test_with_a_key_links_take_signed_messages_only(station: Any) -> None:
     stranger.close()
 
 
+def test_vehicles_on_one_link_may_have_different_keys(station: Any) -> None:
+    stranger = mavutil.mavlink_connection("udpin:127.0.0.1:0")
+    vehicles = [Vehicle(sysid=1), Vehicle(sysid=2, signing_key=KEY)]
+    with serve([address(station), address(stranger)], *vehicles):
+        receive(stranger, "HEARTBEAT")
+        station.setup_signing(KEY, allow_unsigned_callback=lambda *_: True)
+        while not receive(station, "HEARTBEAT").get_signed():
+            pass
+        stranger.mav.param_request_read_send(2, 1, b"RTL_ALT", -1)  # needs a signature
+        stranger.mav.param_request_read_send(1, 1, b"WPNAV_SPEED", -1)  # needs none
+        assert receive(stranger, "PARAM_VALUE").param_id == "WPNAV_SPEED"
+        station.mav.param_request_read_send(2, 1, b"WPNAV_RADIUS", -1)
+        answers = [receive(stranger, "PARAM_VALUE")]
+        assert [(m.get_srcSystem(), m.param_id) for m in answers] == [(2, "WPNAV_RADIUS")]
+    stranger.close()
+
+
 def test_stopping_is_quick_and_closes_the_links(station: Any) -> None:
     with serve(address(station), Vehicle()) as sim:
         receive(station, "HEARTBEAT")

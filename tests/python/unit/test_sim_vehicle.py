@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import pytest
 from mavwire import mavutil
@@ -218,3 +219,27 @@ def test_a_swarm_answers_one_by_one() -> None:
 def test_a_swarm_needs_different_ids(ids: list[int]) -> None:
     with pytest.raises(ValueError, match="different system ids"):
         Swarm([Vehicle(sysid=number) for number in ids])
+
+
+def answers_of(swarm: Swarm, sysid: int, key: bytes | None = None) -> list[Any]:
+    """What the vehicles answer to a station that asks one of them for a parameter."""
+    request = mavlink.MAVLink_param_request_read_message(sysid, 1, b"RTL_ALT", -1)
+    reader = Station(swarm)
+    reader.step(0.0, Station(swarm, key).frame(request))
+    return reader.of("PARAM_VALUE")
+
+
+@pytest.mark.parametrize("keyed", [1, 2])
+def test_each_vehicle_of_a_swarm_has_a_key_of_its_own(keyed: int) -> None:
+    swarm = Swarm([Vehicle(sysid=1), Vehicle(sysid=2)])
+    other = 3 - keyed
+    assert swarm.key is None
+    Station(swarm).send(mavlink.MAVLink_setup_signing_message(keyed, 1, list(KEY), 0))
+    assert (swarm.keys, swarm.key) == ({None, KEY}, None)
+    assert [msg.get_srcSystem() for msg in answers_of(swarm, other)] == [other]
+    assert answers_of(swarm, keyed) == []
+    assert [msg.get_srcSystem() for msg in answers_of(swarm, keyed, KEY)] == [keyed]
+    assert answers_of(swarm, keyed, bytes(32)) == []
+    Station(swarm).send(mavlink.MAVLink_setup_signing_message(other, 1, list(KEY), 0))
+    assert swarm.key == KEY
+    assert answers_of(swarm, other) == []

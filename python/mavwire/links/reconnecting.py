@@ -1,0 +1,124 @@
+"""Getting a lost connection back, with growing pauses and without blocking anybody.
+
+An attempt may take seconds: names, hosts that do not answer, handshakes. So it is made in a thread,
+which whoever receives or sends starts once it is due.
+"""
+
+from __future__ import annotations
+
+from _thread import allocate_lock, start_new_thread
+from time import monotonic
+
+from .mavfile import IDLE_INTERVAL
+from .stream import StreamLink, StreamWriter
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+# Pauses between attempts double up to this many times the first one.
+MAX_BACKOFF = 16
+
+
+class Backoff:
+    """Pauses between attempts, each twice as long as the one before."""
+
+    def __init__(self) -> None:
+        self._factor = 1
+
+    def next_pause(self, delay: float) -> float:
+        """Seconds until the next attempt; `delay` is the first pause."""
+        pause = delay * self._factor
+        self._factor = min(self._factor * 2, MAX_BACKOFF)
+        return pause
+
+    def reset(self) -> None:
+        """The other end has proved itself: begin with the first pause again."""
+        self._factor = 1
+
+
+class ReconnectingLink(StreamLink):
+    """A client over a stream socket. With `autoreconnect` a lost connection is made again."""
+
+    autoreconnect: bool
+    reconnect_delay: float
+    # Messages that the link had received when it was connected.
+    _count_before = 0
+
+    def _begin_unconnected(self) -> None:
+        self.port: Any = None
+        self._writer = StreamWriter()
+        self._backoff = Backoff()
+        self._next_attempt = 0.0
+        self._connecting = allocate_lock()
+
+    # -- what a transport provides
+
+    def _connect(self) -> Any:
+        """A connection, made without touching the link; may block. OSError without another end."""
+        raise NotImplementedError
+
+    def _install(self, connection: Any) -> None:
+        """Read and write `connection` from now on."""
+        raise NotImplementedError
+
+    def _disconnect(self) -> None:
+        """Let go of the connection, if there is one; `fd` is None until there is another."""
+        raise NotImplementedError
+
+    # -- what it gets
+
+    def _use(self, connection: Any) -> None:
+        """Take over a connection, unless the link was closed while that was made."""
+        self._forget_unsent()  # it may end inside a frame that another connection began
+        self._count_before = self.mav_count
+        self._install(connection)
+        if self._closed:
+            self._disconnect()
+
+    def _begin_attempt(self) -> bool:
+        """Begin to connect beside the caller; False if nobody asked, or it is too early or under way."""
+        if not self.autoreconnect or self._closed or not self._connecting.acquire(blocking=False):
+            return False
+        if self.port is not None or monotonic() < self._next_attempt:
+            self._connecting.release()
+            return False
+        try:
+            start_new_thread(self._attempt, ())
+        except RuntimeError:  # there is none to be had, as at the end of the program
+            self._put_off()
+            self._connecting.release()
+            return False
+        return True
+
+    def _attempt(self) -> None:
+        from contextlib import suppress
+
+        try:
+            with suppress(OSError):  # not there yet
+                self._use(self._connected())
+        finally:
+            self._connecting.release()
+
+    def _connected(self) -> Any:
+        try:
+            return self._connect()
+        finally:
+            self._put_off()
+
+    def _put_off(self) -> None:
+        """The next attempt is after a pause, whatever comes of this one: a peer may only hang up."""
+        self._next_attempt = monotonic() + self._backoff.next_pause(self.reconnect_delay)
+
+    def _connection_ended(self) -> None:
+        """A connection that brought a message is made again at once."""
+        if self.mav_count != self._count_before:
+            self._count_before = self.mav_count
+            self._backoff.reset()
+            self._next_attempt = 0.0
+
+    def select(self, timeout: float) -> bool:
+        """Wait until data may be there; while it is being connected, not for long."""
+        if self.fd is None and self._connecting.locked():
+            timeout = min(timeout, IDLE_INTERVAL)
+        return super().select(timeout)

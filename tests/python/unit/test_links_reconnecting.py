@@ -1,0 +1,350 @@
+"""Clients that lose their other end: when they try again, that nobody waits for it, and what the next
+connection begins with."""
+
+from __future__ import annotations
+
+import socket
+import threading
+from itertools import pairwise
+
+import pytest
+from mavwire import mavutil
+from mavwire.links import reconnecting
+from unit.link_tools import heartbeat
+from watchdog import watched
+
+WAIT = 60.0
+
+
+@pytest.fixture(autouse=True)
+def mavlink20():
+    mavutil.set_wire_protocol("2.0")
+    mavutil.set_dialect("all")
+    yield
+    mavutil.set_wire_protocol(None)
+    mavutil.set_dialect("all")
+
+
+class Server:
+    """Where a TCP or Unix domain client connects to."""
+
+    def __init__(self, kind, folder):
+        family = socket.AF_UNIX if kind == "uds" else socket.AF_INET
+        self.listener = socket.socket(family)
+        self.listener.bind(f"{folder}/socket" if kind == "uds" else ("127.0.0.1", 0))
+        self.listener.listen()
+        self.listener.settimeout(WAIT)
+        address = self.listener.getsockname()
+        self.device = f"uds:{address}" if kind == "uds" else f"tcp:127.0.0.1:{address[1]}"
+
+    def link(self):
+        """A client that connects again, and this side of its connection."""
+        link = mavutil.mavlink_connection(self.device, autoreconnect=True)
+        return link, self.accept()
+
+    def accept(self):
+        peer = self.listener.accept()[0]
+        peer.settimeout(WAIT)
+        return peer
+
+
+@pytest.fixture(params=["tcp", "uds"])
+def server(request, tmp_path):
+    server = Server(request.param, tmp_path)
+    yield server
+    server.listener.close()
+
+
+class Attempts:
+    """A clock of the test's own, and the moments of the attempts, which end before `recv` does."""
+
+    def __init__(self, monkeypatch):
+        self.now = 1000.0
+        self.moments = []
+        monkeypatch.setattr(reconnecting, "monotonic", lambda: self.now)
+        monkeypatch.setattr(reconnecting, "start_new_thread", lambda job, args: job(*args))
+
+    def of(self, link, after=lambda: None):
+        """Have the attempts of `link` noted, and `after` called behind each that succeeds."""
+        connect = link._connect
+
+        def noting():
+            self.moments.append(self.now)
+            connection = connect()
+            after()
+            return connection
+
+        link._connect = noting
+
+    def pauses(self):
+        return [after - before for before, after in pairwise(self.moments)]
+
+
+@pytest.fixture
+def attempts(monkeypatch):
+    return Attempts(monkeypatch)
+
+
+def test_a_peer_that_only_hangs_up_is_left_in_peace(server, attempts):
+    link, peer = server.link()
+    peer.close()
+    attempts.of(link, after=lambda: server.accept().close())
+    with watched(WAIT):
+        while len(attempts.moments) < 7:
+            assert link.recv_msg() is None
+            attempts.now += 0.0 if link.port else 0.5
+    link.close()
+    assert attempts.pauses() == [1, 2, 4, 8, 16, 16]
+
+
+def test_a_peer_that_sent_a_message_is_connected_to_at_once(server, attempts):
+    link, peer = server.link()
+    attempts.of(link)
+    for seq in range(5):
+        peer.sendall(heartbeat(seq))
+        assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == seq
+        peer.close()
+        with watched(WAIT):
+            while len(attempts.moments) <= seq:
+                assert link.recv_msg() is None
+        peer = server.accept()
+    link.close()
+    peer.close()
+    assert attempts.pauses() == [0, 0, 0, 0]
+
+
+class Held:
+    """The attempts of a link succeed, and take until `leave` is set."""
+
+    def __init__(self, link):
+        self.made, self.leave = threading.Event(), threading.Event()
+        self.count = 0
+        self._connect, link._connect = link._connect, self
+
+    def __call__(self):
+        self.count += 1
+        connection = self._connect()
+        self.made.set()
+        self.leave.wait(WAIT)
+        return connection
+
+
+def lose(link, peer):
+    """Have the peer hang up, and the link notice."""
+    peer.close()
+    with watched(WAIT):
+        while link.port is not None:
+            assert link.recv_msg() is None
+
+
+def until(condition, link):
+    with watched(WAIT):
+        while not condition():
+            link.recv_match(blocking=True, timeout=0.01)
+
+
+def test_nobody_waits_for_an_attempt_and_there_is_one_at_a_time(server):
+    link, peer = server.link()
+    attempt = Held(link)
+    with watched(WAIT):
+        lose(link, peer)
+        assert attempt.made.wait(WAIT)
+        users = [threading.Thread(target=link.write, args=[heartbeat()]) for _ in range(3)]
+        for user in users:
+            user.start()
+        for user in users:
+            user.join()
+        assert link.recv_match(blocking=True, timeout=0.05) is None
+        assert (attempt.count, link.port, link.frames_dropped) == (1, None, 3)
+    attempt.leave.set()
+    until(lambda: link.port, link)
+    with server.accept() as second:
+        second.sendall(heartbeat(7))
+        assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == 7
+        link.write(heartbeat(8))
+        assert second.recv(100) == heartbeat(8)
+    link.close()
+    assert attempt.count == 1
+
+
+def test_a_link_that_is_closed_during_an_attempt_stays_closed(server):
+    link, peer = server.link()
+    attempt = Held(link)
+    lose(link, peer)
+    assert attempt.made.wait(WAIT)
+    link.close()
+    attempt.leave.set()
+    with server.accept() as second:
+        assert second.recv(1) == b""  # the connection that was made
+    assert (link.port, link.fd) == (None, None)
+
+
+def test_a_connection_begins_with_a_whole_frame(server):
+    """R63."""
+    link, peer = server.link()
+    link._writer.unsent += heartbeat()[5:]
+    link._use(link._connect())
+    with server.accept() as second:
+        link.write(heartbeat(7))
+        assert second.recv(100) == heartbeat(7)
+    link.close()
+    peer.close()
+
+
+def test_without_a_thread_to_spare_the_next_attempt_is_later(server, attempts, monkeypatch):
+    def refuse(*_):
+        raise RuntimeError("can't start new thread")
+
+    link, peer = server.link()
+    attempts.of(link)
+    with monkeypatch.context() as patch:
+        patch.setattr(reconnecting, "start_new_thread", refuse)
+        lose(link, peer)
+    assert (link.recv_msg(), attempts.moments) == (None, [])
+    attempts.now += 1
+    assert (link.recv_msg(), attempts.moments) == (None, [1001])
+    assert link.port is not None
+    link.close()
+
+
+# -- WebSocket
+
+
+class WebSocketServer:
+    """A server of ours in a thread."""
+
+    def __init__(self):
+        pytest.importorskip("wsproto")
+        self.link = mavutil.mavlink_connection("wsserver:127.0.0.1:0")
+        self.device = f"ws:127.0.0.1:{self.link.listen.getsockname()[1]}"
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._serve)
+        self._thread.start()
+
+    def _serve(self):
+        while not self._stop.is_set():
+            self.link.recv_match(blocking=True, timeout=0.02)
+
+    def close(self):
+        self._stop.set()
+        self._thread.join()
+        self.link.close()
+
+
+@pytest.fixture
+def websockets():
+    server = WebSocketServer()
+    yield server
+    server.close()
+
+
+def test_a_websocket_without_a_server_is_tried_now_and_then(attempts):
+    pytest.importorskip("wsproto")
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))  # and nobody listens
+        with mavutil.mavlink_connection(f"ws:127.0.0.1:{silent.getsockname()[1]}") as link:
+            attempts.of(link)
+            while len(attempts.moments) < 5:
+                link.mav.heartbeat_send(6, 8, 0, 0, 0)
+                assert link.recv_msg() is None
+                attempts.now += 0.5
+            assert attempts.pauses() == [1, 2, 4, 8]
+            assert link.frames_dropped == 31
+
+
+def test_a_websocket_server_that_fails_otherwise_is_tried_again(websockets, attempts):
+    link = mavutil.mavlink_connection(websockets.device)
+
+    def fail():
+        attempts.moments.append(attempts.now)
+        raise TimeoutError("no answer")
+
+    link._connect = fail
+    link.close_port()
+    for _ in range(4):
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert link.recv_msg() is None
+        attempts.now += 1
+    assert attempts.pauses() == [1, 2]
+    link.close()
+
+
+def test_nobody_waits_for_a_websocket(websockets):
+    link = mavutil.mavlink_connection(websockets.device)
+    attempt = Held(link)
+    link.close_port()
+    with watched(WAIT):
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert attempt.made.wait(WAIT)
+        assert link.recv_match(blocking=True, timeout=0.05) is None
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+    assert (attempt.count, link.frames_dropped) == (1, 2)
+    attempt.leave.set()
+    until(link._established, link)
+    link.close()
+    assert attempt.count == 1
+
+
+def test_a_websocket_that_is_closed_during_an_attempt_stays_closed(websockets):
+    link = mavutil.mavlink_connection(websockets.device)
+    attempt = Held(link)
+    link.close_port()
+    assert link.recv_msg() is None
+    assert attempt.made.wait(WAIT)
+    link.close()
+    attempt.leave.set()
+    with watched(WAIT):
+        while link._connecting.locked():
+            pass
+    assert (link.port, link.ws, link.fd) == (None, None, None)
+
+
+def test_messages_that_come_with_the_handshake_are_received():
+    wsproto = pytest.importorskip("wsproto")
+    listener = socket.create_server(("127.0.0.1", 0))
+
+    def serve():
+        peer = listener.accept()[0]
+        ws = wsproto.WSConnection(wsproto.ConnectionType.SERVER)
+        ws.receive_data(peer.recv(65536))
+        accept = ws.send(wsproto.events.AcceptConnection())
+        peer.sendall(accept + ws.send(wsproto.events.BytesMessage(data=heartbeat(7))))
+        with peer:
+            peer.recv(1)
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    with mavutil.mavlink_connection(f"ws:127.0.0.1:{listener.getsockname()[1]}") as link:
+        assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == 7
+    thread.join()
+    listener.close()
+
+
+@pytest.mark.parametrize(
+    "answer", [b"", b"HTTP/1.1 404 Not Found\r\n\r\n", b"no web server\r\n\r\n"]
+)
+def test_a_websocket_that_is_refused_is_a_link_without_server(answer):
+    pytest.importorskip("wsproto")
+    listener = socket.create_server(("127.0.0.1", 0))
+
+    def serve():
+        with listener.accept()[0] as peer:
+            peer.recv(65536)
+            peer.sendall(answer)
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    with mavutil.mavlink_connection(f"ws:127.0.0.1:{listener.getsockname()[1]}") as link:
+        assert (link.port, link.fd) == (None, None)
+    thread.join()
+    listener.close()
+
+
+def test_sending_on_a_websocket_that_just_ended_is_counted(websockets):
+    from wsproto.events import CloseConnection
+
+    with mavutil.mavlink_connection(websockets.device) as link:
+        link.ws.send(CloseConnection(code=1000))
+        link._established = lambda: True  # as it was a moment ago
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert link.frames_dropped == 1
