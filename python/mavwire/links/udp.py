@@ -115,9 +115,14 @@ class mavudp(ChunkedLink):
         return data
 
     def _delivered(self, msg: Any) -> None:
-        if self.last_address is not None and msg.get_msgId() >= 0:
+        if self.last_address is not None and msg.get_msgId() >= 0 and self._is_trusted(msg):
             self._heard(self.last_address)
         super()._delivered(msg)
+
+    def _is_trusted(self, msg: Any) -> bool:
+        """Whether `msg` may say who is there: with a key, what a callback let pass may not."""
+        signing = getattr(self.mav, "signing", None)
+        return signing is None or signing.secret_key is None or bool(msg.get_signed())
 
     def _heard(self, address: Any) -> None:
         """A valid message came from `address`: answer it from now on."""

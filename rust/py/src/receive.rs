@@ -12,7 +12,7 @@ use crate::frame_bytes::FrameBytes;
 use crate::live::LiveLink;
 use crate::live_source::Arrived;
 use crate::mavlink::MAVLink;
-use crate::message::{Message, Origin, payload_of};
+use crate::message::{Message, Origin, flags, payload_of};
 use crate::parse::{self, Session, Step};
 use crate::shared;
 use crate::system::SystemState;
@@ -193,7 +193,9 @@ fn deliver_other<'py>(
     step: Step,
 ) -> PyResult<Option<Bound<'py, Message>>> {
     let Some(message) = Session::new(mav).take_step(step)? else { return Ok(None) };
-    let is_good = !matches!(message.get().origin, Origin::Bad | Origin::Unknown);
+    // With a key, what a callback let pass does not say who is there.
+    let is_good = !matches!(message.get().origin, Origin::Bad | Origin::Unknown)
+        && (message.get().has(flags::SIGNED) || !mav.get().parser().checks_signatures());
     if slf.get().source().is_news(is_good, unix_seconds()) {
         LiveLink::announce(slf, is_good)?;
     }

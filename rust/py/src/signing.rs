@@ -81,10 +81,11 @@ impl Signing {
     }
 
     fn judge(&self, frame: &FrameRef<'_>) -> Verdict {
-        self.with_streams(|streams| self.state().check_in(streams, frame, None))
+        let now = self.clock();
+        self.with_streams(|streams| self.state().check_in(streams, frame, now))
     }
 
-    /// The clock for outgoing timestamps, if they follow it.
+    /// The clock, if timestamps follow it.
     fn clock(&self) -> Option<u64> {
         self.follows_clock.load(Relaxed).then(|| {
             timestamp_from_unix_micros((mavwire_link::clock::unix_seconds() * 1.0e6) as u64)

@@ -18,6 +18,7 @@ from unit.link_tools import KEY, drain, free_port, heartbeat, pack, signed
 from watchdog import watched
 
 WAIT = 60.0
+RADIO = pack(mavlink.MAVLink_radio_status_message(1, 2, 3, 4, 5, 6, 7), sysid=51, compid=68)
 
 
 @pytest.fixture(autouse=True)
@@ -87,6 +88,36 @@ def test_with_a_key_a_target_needs_a_good_signature(server, peer):
     peer.send(signed(msg, timestamp=100))
     assert receive(server).get_signed()
     assert len(server.clients) == 1
+
+
+@pytest.mark.parametrize("native", [True, False])
+def test_with_a_key_a_message_that_a_callback_let_pass_makes_no_target(server, peer, native):
+    """R61."""
+    peer.send(heartbeat())
+    assert receive(server)  # the protocol version is found out
+    server.clients.clear()
+    if not native:
+        server.recv = server.recv
+    allowing = {"allow_unsigned_callback": mavutil.allow_radio_status}
+    server.setup_signing(KEY, initial_timestamp=0, **allowing)
+    peer.send(RADIO)
+    assert server.recv_match(blocking=True, timeout=WAIT).get_type() == "RADIO_STATUS"
+    assert (server.clients, server.last_address) == (set(), peer.getsockname())
+    peer.send(signed(mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3), timestamp=100))
+    assert receive(server).get_signed()
+    assert server.clients == {peer.getsockname()}
+
+
+def test_with_a_key_a_broadcaster_does_not_lock_on_to_what_a_callback_let_pass(peer):
+    """R61."""
+    with mavutil.mavlink_connection("udpbcast:127.0.0.1:9") as link:
+        link.setup_signing(KEY, allow_unsigned_callback=mavutil.allow_radio_status)
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)  # which gives the socket its port
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as attacker:
+            for _ in range(2):  # both ways of receiving
+                attacker.sendto(RADIO, ("127.0.0.1", link.port.getsockname()[1]))
+                assert link.recv_match(type="RADIO_STATUS", blocking=True, timeout=WAIT)
+        assert (link.broadcast, link.destination_addr) == (True, ("127.0.0.1", 9))
 
 
 def test_clients_are_capped_and_the_silent_one_makes_room(server, peer, monkeypatch):

@@ -222,6 +222,19 @@ def test_a_verified_timestamp_cannot_use_up_the_48_bits(tmp_path):
     assert TimestampStore(tmp_path / "timestamps").load() < 1 << 48
 
 
+def test_a_peer_years_ahead_moves_us_a_day_at_most(tmp_path):
+    """R51."""
+    day = 24 * 3600 * signing_module.UNITS_PER_SECOND
+    link = Capture()
+    link.setup_signing(KEY, timestamp_store=tmp_path / "timestamps")
+    before = link.mav.signing.timestamp
+    link.rx += signed(HEARTBEAT, timestamp=before + 5 * 365 * day)
+    assert [msg.get_signed() for msg in drain(link)] == [True]
+    latest = signing_module.signing_timestamp(time.time()) + day + 1
+    assert before + day <= link.mav.signing.timestamp <= latest
+    assert TimestampStore(tmp_path / "timestamps").load() <= latest + RESERVE
+
+
 # -- policy
 
 
