@@ -1,37 +1,24 @@
 //! A column that grows: one gather appends the values of many records, and the end makes an arrow array of it.
 
-use std::borrow::Cow;
-use std::str::FromStr;
 use std::sync::Arc;
 
 use arrow::array::{
-    Array, ArrayRef, BinaryBuilder, FixedSizeListArray, Float64Array, NullBufferBuilder,
-    PrimitiveArray, StringBuilder, TimestampMicrosecondArray,
+    Array, ArrayRef, BinaryBuilder, FixedSizeListArray, NullBufferBuilder, PrimitiveArray,
+    StringBuilder, TimestampMicrosecondArray,
 };
 use arrow::buffer::{NullBuffer, ScalarBuffer};
 use arrow::datatypes::{
     ArrowPrimitiveType, DataType, Field as ArrowField, Float32Type, Float64Type, Int8Type,
     Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
 };
-use mavwire_core::codec::{read, text_bytes};
 use mavwire_core::log::dataflash::{half, text::decode_line};
 use mavwire_schema::{Field, FieldType};
 
+use crate::gather::{
+    Rows, each_text, gather, gather_scaled, logged, number_in, parse, place_of, shown,
+};
 use crate::layout::{Column, Source};
-
-/// Records side by side: the ids of the sender, then the payload at its full length.
-#[derive(Debug)]
-pub struct Rows<'a> {
-    /// Microseconds since 1970.
-    pub times: &'a [i64],
-    /// `stride` bytes for each record.
-    pub bytes: &'a [u8],
-    /// Bytes of a record.
-    pub stride: usize,
-}
-
-/// Where the payload begins in a row: behind `sysid`, `compid` and `seq`.
-pub const PAYLOAD: usize = 3;
+use crate::units::Scale;
 
 /// The values of a column so far.
 #[derive(Debug)]
@@ -49,6 +36,8 @@ enum Values {
     I64(Vec<i64>),
     F32(Vec<f32>),
     F64(Vec<f64>),
+    /// Numbers of any type, scaled.
+    Scaled(Vec<f64>, Scale),
     Text(StringBuilder),
     RawText(BinaryBuilder),
 }
@@ -73,9 +62,46 @@ impl Growing {
             Source::Sysid | Source::Compid | Source::Seq => Values::U8(Vec::new()),
             Source::Text(_) | Source::LogText(_) => Values::Text(StringBuilder::new()),
             Source::RawText(_) | Source::Bytes(_) => Values::RawText(BinaryBuilder::new()),
-            Source::Numbers(field) | Source::Half(field) => empty(field.field_type),
+            Source::Numbers(field) | Source::Half(field) => match column.scale {
+                Some(scale) => Values::Scaled(Vec::new(), scale),
+                None => empty(field.field_type),
+            },
         };
         Self { values, valid: NullBufferBuilder::new(0), elements }
+    }
+
+    /// Bytes of a row; of texts those that each has.
+    pub(crate) fn width(&self) -> usize {
+        match &self.values {
+            Values::NoTime(_) => 0,
+            Values::U8(_) | Values::I8(_) => self.elements,
+            Values::U16(_) | Values::I16(_) => 2 * self.elements,
+            Values::U32(_) | Values::I32(_) | Values::F32(_) => 4 * self.elements,
+            Values::Text(_) | Values::RawText(_) => 4,
+            _ => 8 * self.elements,
+        }
+    }
+
+    /// Makes room for so many more rows, where there is memory for that.
+    pub(crate) fn reserve(&mut self, rows: usize) {
+        fn more<T>(values: &mut Vec<T>, count: usize) {
+            // What fails here fails when the rows come, if they do.
+            let _ = values.try_reserve_exact(count);
+        }
+        let count = rows.saturating_mul(self.elements);
+        match &mut self.values {
+            Values::Time(v) | Values::I64(v) => more(v, count),
+            Values::U8(v) => more(v, count),
+            Values::I8(v) => more(v, count),
+            Values::U16(v) => more(v, count),
+            Values::I16(v) => more(v, count),
+            Values::U32(v) => more(v, count),
+            Values::I32(v) => more(v, count),
+            Values::U64(v) => more(v, count),
+            Values::F32(v) => more(v, count),
+            Values::F64(v) | Values::Scaled(v, _) => more(v, count),
+            Values::NoTime(_) | Values::Text(_) | Values::RawText(_) => {}
+        }
     }
 
     /// Appends a value for each row.
@@ -98,6 +124,7 @@ impl Growing {
             }
             Values::F32(values) => gather(values, rows, place, f32::from_le_bytes),
             Values::F64(values) => gather(values, rows, place, f64::from_le_bytes),
+            Values::Scaled(values, scale) => gather_scaled(values, rows, source, *scale),
             Values::Text(values) if matches!(source, Source::LogText(_)) => {
                 each_text(rows, source, |raw| values.append_value(&*logged(raw)));
             }
@@ -135,14 +162,14 @@ impl Growing {
             Values::U64(v) => v.resize(v.len() + zeros, 0),
             Values::I64(v) => v.resize(v.len() + zeros, 0),
             Values::F32(v) => v.resize(v.len() + zeros, 0.0),
-            Values::F64(v) => v.resize(v.len() + zeros, 0.0),
+            Values::F64(v) | Values::Scaled(v, _) => v.resize(v.len() + zeros, 0.0),
             Values::Text(v) => v.append_nulls(rows),
             Values::RawText(v) => v.append_nulls(rows),
         }
     }
 
     /// Appends a value as a text log has it; null where it is none.
-    pub(crate) fn append_text(&mut self, text: &[u8]) {
+    pub(crate) fn append_text(&mut self, text: &[u8], source: &Source) {
         let valid = &mut self.valid;
         match &mut self.values {
             Values::U8(v) => parse(v, text, valid),
@@ -155,6 +182,11 @@ impl Growing {
             Values::I64(v) => parse(v, text, valid),
             Values::F32(v) => parse(v, text, valid),
             Values::F64(v) => parse(v, text, valid),
+            Values::Scaled(v, scale) => {
+                let number = number_in(text, source);
+                valid.append(number.is_some());
+                v.push(number.map_or(0.0, |number| scale.apply(number)));
+            }
             Values::Text(v) => v.append_value(decode_line(text)),
             Values::RawText(v) => v.append_value(text),
             Values::Time(_) | Values::NoTime(_) => self.append_missing(&[0]),
@@ -174,7 +206,7 @@ impl Growing {
             Values::F32(v) => v.len() * 4,
             Values::U64(v) => v.len() * 8,
             Values::Time(v) | Values::I64(v) => v.len() * 8,
-            Values::F64(v) => v.len() * 8,
+            Values::F64(v) | Values::Scaled(v, _) => v.len() * 8,
             Values::Text(v) => v.values_slice().len() + 4 * v.offsets_slice().len(),
             Values::RawText(v) => v.values_slice().len() + 4 * v.offsets_slice().len(),
         }
@@ -186,6 +218,7 @@ impl Growing {
         let valid = self.valid.finish();
         match &mut self.values {
             Values::Time(v) => {
+                v.shrink_to_fit();
                 let times: TimestampMicrosecondArray = take(v).into();
                 Arc::new(times.with_timezone("UTC"))
             }
@@ -202,7 +235,7 @@ impl Growing {
             Values::U64(v) => finish::<UInt64Type>(take(v), valid, column),
             Values::I64(v) => finish::<Int64Type>(take(v), valid, column),
             Values::F32(v) => finish::<Float32Type>(take(v), valid, column),
-            Values::F64(v) => finish::<Float64Type>(take(v), valid, column),
+            Values::F64(v) | Values::Scaled(v, _) => finish::<Float64Type>(take(v), valid, column),
             Values::Text(v) => Arc::new(v.finish()),
             Values::RawText(v) => Arc::new(v.finish()),
         }
@@ -224,72 +257,9 @@ fn empty(field_type: FieldType) -> Values {
     }
 }
 
-/// Bytes into a row, and elements there.
-fn place_of(source: &Source) -> (usize, usize) {
-    match source {
-        Source::Compid => (1, 1),
-        Source::Seq => (2, 1),
-        Source::Numbers(field) | Source::Half(field) => {
-            (PAYLOAD + usize::from(field.offset), field.elements())
-        }
-        _ => (0, 1),
-    }
-}
-
-fn parse<T: FromStr + Default>(values: &mut Vec<T>, text: &[u8], valid: &mut NullBufferBuilder) {
-    let value = std::str::from_utf8(text).ok().and_then(|text| text.trim().parse().ok());
-    valid.append(value.is_some());
-    values.push(value.unwrap_or_default());
-}
-
-#[inline]
-fn gather<T, const N: usize>(
-    values: &mut Vec<T>,
-    rows: &Rows<'_>,
-    (offset, elements): (usize, usize),
-    decode: impl Fn([u8; N]) -> T,
-) {
-    let each = rows.bytes.chunks_exact(rows.stride);
-    if elements == 1 {
-        values.extend(each.map(|row| decode(read(row, offset))));
-    } else {
-        for row in each {
-            values.extend((0..elements).map(|n| decode(read(row, offset + n * N))));
-        }
-    }
-}
-
-/// The bytes of a text field in each row, without trailing NULs.
-fn each_text(rows: &Rows<'_>, source: &Source, mut take: impl FnMut(&[u8])) {
-    let rows = rows.bytes.chunks_exact(rows.stride).map(|row| &row[PAYLOAD..]);
-    match source {
-        Source::Text(field) | Source::RawText(field) | Source::LogText(field) => {
-            rows.for_each(|payload| take(text_bytes(field, payload)));
-        }
-        Source::Bytes(field) => {
-            let start = usize::from(field.offset);
-            rows.for_each(|payload| take(&payload[start..start + field.elements()]));
-        }
-        _ => {}
-    }
-}
-
-/// The same of a dataflash log: Latin-1 where it is not UTF-8.
-fn logged(raw: &[u8]) -> Cow<'_, str> {
-    let raw = &raw[..memchr::memchr(0, raw).unwrap_or(raw.len())];
-    std::str::from_utf8(raw).map_or_else(|_| decode_line(raw).into(), Cow::Borrowed)
-}
-
-/// The text up to the first NUL.
-fn shown(raw: &[u8]) -> Cow<'_, str> {
-    let end = raw.iter().position(|&byte| byte == 0).unwrap_or(raw.len());
-    String::from_utf8_lossy(&raw[..end])
-}
-
-/// A number of any type.
+/// A number of any type, as an integer.
 trait Number: Copy {
     fn integer(self) -> i128;
-    fn float(self) -> f64;
 }
 
 macro_rules! number {
@@ -298,11 +268,6 @@ macro_rules! number {
             fn integer(self) -> i128 {
                 self as i128
             }
-
-            #[inline]
-            fn float(self) -> f64 {
-                self as f64
-            }
         })*
     };
 }
@@ -310,22 +275,20 @@ macro_rules! number {
 number!(u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
 
 fn finish<T: ArrowPrimitiveType>(
-    values: Vec<T::Native>,
+    mut values: Vec<T::Native>,
     valid: Option<NullBuffer>,
     column: &Column,
 ) -> ArrayRef
 where
     T::Native: Number,
 {
+    values.shrink_to_fit();
     let (Source::Numbers(field) | Source::Half(field)) = &column.source else {
         return Arc::new(PrimitiveArray::<T>::new(ScalarBuffer::from(values), valid));
     };
     let (valid, of_lists) = if field.is_numeric_array() { (None, valid) } else { (valid, None) };
     let array: ArrayRef = if let Some(names) = &column.names {
         names.dictionary(values.iter().map(|number| number.integer()))
-    } else if let Some(scale) = column.scale {
-        let scaled: Vec<f64> = values.iter().map(|number| scale.apply(number.float())).collect();
-        Arc::new(Float64Array::new(scaled.into(), valid))
     } else {
         Arc::new(PrimitiveArray::<T>::new(ScalarBuffer::from(values), valid))
     };

@@ -11,12 +11,10 @@ use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
 use arrow::ipc::writer::FileWriter;
 use arrow::json::LineDelimitedWriter;
 use flate2::write::GzEncoder;
-use parquet::arrow::ArrowWriter;
-use parquet::basic::{Compression as ParquetCompression, ZstdLevel};
-use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::schema::types::ColumnPath;
+use rayon::prelude::*;
 
 use crate::error::Error;
+use crate::row_groups::RowGroups;
 
 /// A kind of file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +61,7 @@ pub struct Sink<W: Write + Send> {
 }
 
 enum Writer<W: Write + Send> {
-    Parquet(Box<ArrowWriter<W>>),
+    Parquet(Box<RowGroups<W>>),
     Csv(Box<arrow::csv::Writer<Squeeze<W>>>, SchemaRef),
     JsonLines(Box<LineDelimitedWriter<Squeeze<W>>>),
     Arrow(Box<FileWriter<W>>),
@@ -74,9 +72,6 @@ impl<W: Write + Send> Sink<W> {
     ///
     /// # Errors
     /// What the writers say.
-    ///
-    /// # Panics
-    /// Never: the compression level is one that zstd has.
     pub fn new(
         out: W,
         schema: &SchemaRef,
@@ -85,9 +80,7 @@ impl<W: Write + Send> Sink<W> {
     ) -> Result<Self, Error> {
         let writer = match format {
             Format::Parquet => {
-                let properties = parquet_properties(schema, compression)?;
-                let schema = Arc::clone(schema);
-                Writer::Parquet(Box::new(ArrowWriter::try_new(out, schema, Some(properties))?))
+                Writer::Parquet(Box::new(RowGroups::new(out, Arc::clone(schema), compression)))
             }
             Format::Csv => {
                 let out = Squeeze::new(out, compression)?;
@@ -117,10 +110,7 @@ impl<W: Write + Send> Sink<W> {
     /// What the writers say.
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
         match &mut self.writer {
-            Writer::Parquet(writer) => {
-                writer.write(batch)?;
-                writer.flush()?;
-            }
+            Writer::Parquet(writer) => writer.write(batch)?,
             Writer::Csv(writer, schema) => writer.write(&flat(batch, schema)?)?,
             Writer::JsonLines(writer) => writer.write(&with_plain_times(batch)?)?,
             Writer::Arrow(writer) => writer.write(batch)?,
@@ -135,7 +125,7 @@ impl<W: Write + Send> Sink<W> {
     /// What the writers say.
     pub fn finish(self) -> Result<W, Error> {
         Ok(match self.writer {
-            Writer::Parquet(writer) => writer.into_inner()?,
+            Writer::Parquet(writer) => writer.finish()?,
             Writer::Csv(writer, _) => writer.into_inner().finish()?,
             Writer::JsonLines(mut writer) => {
                 writer.finish()?;
@@ -146,35 +136,15 @@ impl<W: Write + Send> Sink<W> {
     }
 }
 
-/// Statistics for row groups, and dictionaries where values come again: numbers of sensors are smaller without.
-fn parquet_properties(
-    schema: &Schema,
-    compression: Compression,
-) -> Result<WriterProperties, Error> {
-    let compression = match compression {
-        Compression::Zstd => ParquetCompression::ZSTD(ZstdLevel::try_new(1)?),
-        Compression::Snappy => ParquetCompression::SNAPPY,
-        Compression::None | Compression::Gzip => ParquetCompression::UNCOMPRESSED,
-    };
-    let mut properties = WriterProperties::builder()
-        .set_compression(compression)
-        .set_dictionary_enabled(false)
-        .set_statistics_enabled(EnabledStatistics::Chunk)
-        .set_max_row_group_row_count(None);
-    for field in schema.fields() {
-        if repeats(field) {
-            let path = ColumnPath::from(field.name().as_str());
-            properties = properties.set_column_dictionary_enabled(path, true);
-        }
-    }
-    Ok(properties.build())
-}
-
-/// Few values, many times: who sent it, texts, enums.
-fn repeats(field: &Field) -> bool {
-    let sender = matches!(field.name().as_str(), "sysid" | "compid");
-    let text = matches!(field.data_type(), DataType::Utf8 | DataType::Dictionary(..));
-    sender || text || field.metadata().contains_key("enum")
+/// Writes to many files on all processors, to each its batches in order.
+///
+/// # Errors
+/// What the writers say.
+pub fn write_all<W: Write + Send>(
+    work: Vec<(&mut Sink<W>, Vec<&RecordBatch>)>,
+) -> Result<(), Error> {
+    let each = work.into_par_iter().with_max_len(1);
+    each.try_for_each(|(sink, batches)| batches.into_iter().try_for_each(|one| sink.write(one)))
 }
 
 /// A schema without lists: a column for each element.

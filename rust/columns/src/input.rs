@@ -6,8 +6,8 @@ use mavwire_core::registry::Registry;
 
 use crate::scan::Framing;
 
-/// Bytes of a block: large enough for all processors to have a share in it.
-pub const BLOCK: usize = 8 << 20;
+/// Bytes of a block: large enough for all processors to have a share in it, small enough for the caches.
+pub const BLOCK: usize = 4 << 20;
 
 /// Room in front of a block for what the block before it left: the start of a record.
 const HEADROOM: usize = 4096;
@@ -63,29 +63,39 @@ fn fill(
 /// A block that was read, behind its headroom.
 #[derive(Default)]
 struct Buffer {
+    /// Allocated once: what no block reaches is never touched.
     bytes: Vec<u8>,
     /// Where the unread bytes start.
     start: usize,
+    /// Where they end.
+    end: usize,
 }
 
 impl Buffer {
     fn read(&mut self, source: &mut Source, block: usize) -> io::Result<usize> {
-        self.bytes.resize(HEADROOM + block, 0);
-        self.start = HEADROOM;
-        let into = &mut self.bytes[HEADROOM..];
+        if self.bytes.len() < HEADROOM + block {
+            self.bytes = vec![0; HEADROOM + block];
+        }
+        (self.start, self.end) = (HEADROOM, HEADROOM);
+        let into = &mut self.bytes[HEADROOM..HEADROOM + block];
         let filled = fill(&mut *source.inner, into, &mut source.failed);
-        self.bytes.truncate(HEADROOM + filled.as_ref().copied().unwrap_or(0));
+        self.end += filled.as_ref().copied().unwrap_or(0);
         filled
     }
 
     fn unread(&self) -> &[u8] {
-        &self.bytes[self.start..]
+        &self.bytes[self.start..self.end]
+    }
+
+    fn clear(&mut self) {
+        (self.start, self.end) = (HEADROOM.min(self.bytes.len()), HEADROOM.min(self.bytes.len()));
     }
 
     /// Puts what another buffer left in front.
     fn prepend(&mut self, left: &[u8]) {
         if left.len() > self.start {
             self.bytes.splice(..self.start, left.iter().copied());
+            self.end += left.len() - self.start;
             self.start = 0;
         } else {
             self.start -= left.len();
@@ -181,8 +191,7 @@ impl Blocks {
             || work(now.unread(), at_end),
         );
         if at_end {
-            self.next.bytes.truncate(HEADROOM);
-            self.next.start = self.next.bytes.len();
+            self.next.clear();
         }
         self.ahead = Some(ahead);
         self.now.start += consumed;

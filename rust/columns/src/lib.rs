@@ -1,8 +1,8 @@
 //! MAVLink logs as Arrow tables, one for each message type, and from there to Parquet, CSV, JSON lines and Arrow files.
 //!
 //! A log is read in blocks of bounded size ([`input`]). Each is searched for records on all processors ([`scan`]), with
-//! exactly the outcome of one [`mavwire_core::log::tlog::RecordScanner`] over the whole log. The records of each message
-//! type are then appended to its table ([`table`]), a gather for each field. What a column is called and what type and
+//! exactly the outcome of one [`mavwire_core::log::tlog::RecordScanner`] over the whole log. The records are then laid side by
+//! side by message type, and appended to its table ([`table`]), a gather for each field. What a column is called and what type and
 //! metadata it has stands in [`layout`]. [`reader`] puts all that together; [`summary`] counts instead.
 //!
 //! Nothing here opens a file: logs are `Read`, outputs `Write`. [`dataflash`] reads the logs that ArduPilot writes on board.
@@ -13,11 +13,14 @@ pub mod convert;
 pub mod dataflash;
 pub mod enums;
 pub mod error;
+pub mod gather;
 pub mod input;
 pub mod instances;
 pub mod layout;
+mod piece;
 pub mod reader;
 pub mod rewrite;
+mod row_groups;
 pub mod scan;
 pub mod select;
 pub mod summary;

@@ -4,15 +4,19 @@ use std::io::Read;
 use std::sync::Arc;
 
 use arrow::array::RecordBatch;
+use mavwire_core::frame::Header;
+use mavwire_core::log::tlog::Located;
 use mavwire_core::registry::Registry;
 use rayon::prelude::*;
 
 use crate::error::Error;
+use crate::gather::{PAYLOAD, Rows};
 use crate::input::Blocks;
 use crate::layout::{Layout, Options};
-use crate::scan::{Framing, LogScanner};
-use crate::select::{Grouped, Wanted};
-use crate::table::{Found, TableBuilder};
+use crate::piece::{Chosen, PIECE, Piece};
+use crate::scan::{Framing, LogScanner, Scanned};
+use crate::select::Wanted;
+use crate::table::{GROUP, TableBuilder};
 use crate::tables::Tables;
 
 /// When a table's rows become a record batch.
@@ -71,9 +75,13 @@ pub struct Reader {
     wanted: Wanted,
     options: Options,
     tables: Tables,
+    pieces: Vec<Piece>,
+    /// Bytes of a row of each table while it is laid beside the others.
+    strides: Vec<usize>,
     /// Bytes of the log, decompressed, that are dealt with.
     position: u64,
     bad_bytes: u64,
+    size: u64,
 }
 
 impl Reader {
@@ -89,9 +97,71 @@ impl Reader {
         limits: Limits,
     ) -> Result<Self, Error> {
         let (blocks, framing) = Blocks::new(source)?.with_framing(&registry)?;
-        let tables = Tables::new(registry.dialect().messages.len(), limits);
+        let messages = &registry.dialect().messages;
+        let tables = Tables::new(messages.len(), limits);
+        let strides = messages.iter().map(|one| PAYLOAD + usize::from(one.max_len)).collect();
         let scanner = LogScanner::new(registry, framing);
-        Ok(Self { blocks, scanner, framing, wanted, options, tables, position: 0, bad_bytes: 0 })
+        Ok(Self {
+            blocks,
+            scanner,
+            framing,
+            wanted,
+            options,
+            tables,
+            pieces: Vec::new(),
+            strides,
+            position: 0,
+            bad_bytes: 0,
+            size: 0,
+        })
+    }
+
+    /// Says how many bytes the log has, or may have: tables get room for the rows that are to be expected.
+    #[must_use]
+    pub fn with_size(mut self, bytes: u64) -> Self {
+        self.size = bytes;
+        self
+    }
+}
+
+/// Lays the wanted records of a block side by side, piece by piece.
+fn sort_into(
+    pieces: &mut Vec<Piece>,
+    strides: &[usize],
+    block: &[u8],
+    framing: Framing,
+    scanned: &Scanned,
+    wanted: &Wanted,
+) {
+    let lead = framing.lead();
+    let wants = |record: &&Located| wanted.wants_row(block, lead, scanned, **record);
+    pieces.resize_with(scanned.records.len().div_ceil(PIECE), Piece::default);
+    let each = pieces.par_iter_mut().zip(scanned.records.par_chunks(PIECE));
+    each.for_each(|(piece, records)| {
+        let chosen = records.iter().filter(wants).map(|&Located { at, index }| {
+            let time = if lead == 0 { 0 } else { scanned.time(block, at) };
+            let time = i64::try_from(time).unwrap_or(i64::MAX);
+            Chosen { table: index, kind: 0, at, time }
+        });
+        piece.sort(chosen, strides, |record, row| fill(row, &block[record.at as usize + lead..]));
+    });
+}
+
+/// Who sent a frame, and its payload as far as the message goes.
+fn fill(row: &mut [u8], frame: &[u8]) {
+    let Some(header) = Header::parse(frame) else { return row.fill(0) };
+    (row[0], row[1], row[2]) = (header.sysid, header.compid, header.seq);
+    let sent = &frame[header.len()..][..usize::from(header.payload_len)];
+    let kept = sent.len().min(row.len() - PAYLOAD);
+    let (there, cut) = row[PAYLOAD..].split_at_mut(kept);
+    there.copy_from_slice(&sent[..kept]);
+    cut.fill(0);
+}
+
+/// Appends the records of a type in a piece to its table.
+fn append(table: &mut TableBuilder, index: usize, piece: &Piece) {
+    for side in piece.of(index).groups(GROUP) {
+        table.append(&Rows { times: side.times, bytes: side.bytes, stride: side.stride });
     }
 }
 
@@ -113,23 +183,17 @@ impl Decode for Reader {
     }
 
     fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error> {
-        let Self { blocks, scanner, framing, wanted, options, tables, .. } = self;
-        let builders = &mut tables.builders;
+        let Self { blocks, scanner, framing, wanted, options, tables, pieces, strides, .. } = self;
+        let (position, size) = (self.position, self.size);
         let read = blocks.next(|block, at_end| {
             let scanned = scanner.scan(block, at_end);
-            let grouped = Grouped::new(block, *framing, &scanned, wanted, builders.len());
-            let found = Found { block, scanned: &scanned };
-            let registry = scanner.registry();
-            builders.par_iter_mut().enumerate().for_each(|(index, table)| {
-                let records = grouped.of(index);
-                if !records.is_empty() {
-                    let new = || {
-                        let layout = Layout::new(registry, index as u16, *framing, options);
-                        TableBuilder::new(Arc::new(layout))
-                    };
-                    table.get_or_insert_with(new).append(found, records);
-                }
-            });
+            sort_into(pieces, strides, block, *framing, &scanned, wanted);
+            let new = |index| {
+                let layout = Layout::new(scanner.registry(), index as u16, *framing, options);
+                TableBuilder::new(Arc::new(layout))
+            };
+            let done = (position + scanned.consumed as u64) as f64 / size as f64;
+            tables.append(pieces, done, new, append);
             let bad: usize = scanned.bad.iter().map(std::iter::ExactSizeIterator::len).sum();
             (scanned.consumed, (scanned.consumed, bad))
         })?;

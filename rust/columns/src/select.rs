@@ -1,8 +1,8 @@
-//! Which records are wanted, and the wanted ones by message type.
+//! Which records are wanted.
 
 use mavwire_core::log::tlog::Located;
 
-use crate::scan::{Framing, Scanned, UNKNOWN, header_at};
+use crate::scan::{Scanned, UNKNOWN, header_at};
 
 /// Which records are wanted.
 #[derive(Debug, Clone)]
@@ -41,6 +41,19 @@ impl Wanted {
         by_type && (self.by_type_alone() || self.wants_record(block, lead, scanned, record))
     }
 
+    /// Whether a record is wanted in a table; one of an unknown id has none.
+    #[inline]
+    pub(crate) fn wants_row(
+        &self,
+        block: &[u8],
+        lead: usize,
+        scanned: &Scanned,
+        record: Located,
+    ) -> bool {
+        self.wants_type(record.index)
+            && (self.by_type_alone() || self.wants_record(block, lead, scanned, record))
+    }
+
     /// Whether a look at the type settles it.
     fn by_type_alone(&self) -> bool {
         self.systems.is_none() && self.start == f64::NEG_INFINITY && self.end == f64::INFINITY
@@ -59,51 +72,4 @@ impl Wanted {
 #[inline]
 pub(crate) fn seconds(micros: f64) -> f64 {
     micros * 1.0e-6
-}
-
-/// The wanted records of a block by message type, in the order of the log.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Grouped {
-    /// `at[starts[index]..starts[index + 1]]` are the records of a type.
-    starts: Vec<u32>,
-    at: Vec<u32>,
-}
-
-impl Grouped {
-    /// Sorts the records of a block by type; `types` is the number of types there are.
-    pub fn new(
-        block: &[u8],
-        framing: Framing,
-        scanned: &Scanned,
-        wanted: &Wanted,
-        types: usize,
-    ) -> Self {
-        let lead = framing.lead();
-        let simple = wanted.by_type_alone();
-        let wants = |record: &&Located| {
-            wanted.wants_type(record.index)
-                && (simple || wanted.wants_record(block, lead, scanned, **record))
-        };
-        let chosen: Vec<&Located> = scanned.records.iter().filter(wants).collect();
-        let mut starts = vec![0; types + 1];
-        for record in &chosen {
-            starts[usize::from(record.index) + 1] += 1;
-        }
-        for index in 0..types {
-            starts[index + 1] += starts[index];
-        }
-        let mut next = starts.clone();
-        let mut at = vec![0; chosen.len()];
-        for record in chosen {
-            let place = &mut next[usize::from(record.index)];
-            at[*place as usize] = record.at;
-            *place += 1;
-        }
-        Self { starts, at }
-    }
-
-    /// The records of a type.
-    pub fn of(&self, index: usize) -> &[u32] {
-        &self.at[self.starts[index] as usize..self.starts[index + 1] as usize]
-    }
 }

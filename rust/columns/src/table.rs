@@ -4,23 +4,13 @@ use std::sync::Arc;
 
 use arrow::array::RecordBatch;
 use arrow::error::ArrowError;
-use mavwire_core::frame::Header;
 
-use crate::column::{Growing, PAYLOAD, Rows};
+use crate::column::Growing;
+use crate::gather::Rows;
 use crate::layout::{Layout, Source};
-use crate::scan::Scanned;
 
-/// Records that are laid side by side before the gathers go over them: what stays in the first cache.
+/// Records that the gathers of all columns go over before the next ones: what stays in the first cache.
 pub(crate) const GROUP: usize = 256;
-
-/// A block with its records.
-#[derive(Debug, Clone, Copy)]
-pub struct Found<'a> {
-    /// The bytes.
-    pub block: &'a [u8],
-    /// What is in them.
-    pub scanned: &'a Scanned,
-}
 
 /// A growing table.
 #[derive(Debug)]
@@ -28,9 +18,8 @@ pub struct TableBuilder {
     layout: Arc<Layout>,
     columns: Vec<Growing>,
     rows: usize,
-    /// Records side by side, and their times.
-    side_by_side: Vec<u8>,
-    times: Vec<i64>,
+    /// Rows that there is room for.
+    room: usize,
 }
 
 impl TableBuilder {
@@ -38,7 +27,7 @@ impl TableBuilder {
     pub fn new(layout: Arc<Layout>) -> Self {
         let stamped = layout.framing.lead() > 0;
         let columns = layout.columns.iter().map(|column| Growing::new(column, stamped)).collect();
-        Self { layout, columns, rows: 0, side_by_side: Vec::new(), times: Vec::new() }
+        Self { layout, columns, rows: 0, room: 0 }
     }
 
     /// Its columns.
@@ -59,21 +48,32 @@ impl TableBuilder {
         self.columns.iter().map(Growing::bytes).sum()
     }
 
-    /// Appends the records of a block that start at `records`.
-    pub fn append(&mut self, found: Found<'_>, records: &[u32]) {
-        for group in records.chunks(GROUP) {
-            self.lay_out(found, group);
-            let stride = PAYLOAD + self.layout.max_len;
-            let rows = Rows { times: &self.times, bytes: &self.side_by_side, stride };
-            for (growing, column) in self.columns.iter_mut().zip(&self.layout.columns) {
-                growing.append(&rows, &column.source);
-            }
+    /// Makes room for more rows, and for those that are to be expected: `growth` times what there is then, but no more
+    /// than `most` rows or `most_bytes`. Memory that is never touched costs nothing, growing step by step does.
+    pub(crate) fn reserve(&mut self, more: usize, growth: f64, most: usize, most_bytes: usize) {
+        let needed = self.rows + more;
+        if needed <= self.room {
+            return;
         }
-        self.rows += records.len();
+        let width: usize = self.columns.iter().map(Growing::width).sum();
+        let most = most.saturating_add(more).min(most_bytes / width.max(1));
+        let expected = (needed as f64 * growth) as usize;
+        self.room = expected.max(self.room + self.room / 2).min(most).max(needed);
+        for column in &mut self.columns {
+            column.reserve(self.room - self.rows);
+        }
     }
 
-    /// Appends records that are laid side by side already; a column takes what its source says from each, or null.
-    pub(crate) fn append_rows(&mut self, rows: &Rows<'_>, sources: &[Option<&Source>]) {
+    /// Appends records that are laid side by side.
+    pub(crate) fn append(&mut self, rows: &Rows<'_>) {
+        for (growing, column) in self.columns.iter_mut().zip(&self.layout.columns) {
+            growing.append(rows, &column.source);
+        }
+        self.rows += rows.times.len();
+    }
+
+    /// The same where a column takes what another source says from each record, or null.
+    pub(crate) fn append_from(&mut self, rows: &Rows<'_>, sources: &[Option<&Source>]) {
         for (growing, source) in self.columns.iter_mut().zip(sources) {
             match source {
                 Some(source) => growing.append(rows, source),
@@ -90,31 +90,14 @@ impl TableBuilder {
         time: i64,
         texts: impl Iterator<Item = Option<&'t [u8]>>,
     ) {
-        for (growing, text) in self.columns.iter_mut().zip(texts) {
+        let columns = self.columns.iter_mut().zip(&self.layout.columns);
+        for ((growing, column), text) in columns.zip(texts) {
             match text {
-                Some(text) => growing.append_text(text),
+                Some(text) => growing.append_text(text, &column.source),
                 None => growing.append_missing(&[time]),
             }
         }
         self.rows += 1;
-    }
-
-    fn lay_out(&mut self, found: Found<'_>, records: &[u32]) {
-        let lead = self.layout.framing.lead();
-        let stride = PAYLOAD + self.layout.max_len;
-        self.side_by_side.clear();
-        self.side_by_side.resize(records.len() * stride, 0);
-        self.times.clear();
-        for (&at, row) in records.iter().zip(self.side_by_side.chunks_exact_mut(stride)) {
-            let time = if lead == 0 { 0 } else { found.scanned.time(found.block, at) };
-            self.times.push(i64::try_from(time).unwrap_or(i64::MAX));
-            let frame = &found.block[at as usize + lead..];
-            let Some(header) = Header::parse(frame) else { continue };
-            (row[0], row[1], row[2]) = (header.sysid, header.compid, header.seq);
-            let sent = &frame[header.len()..][..usize::from(header.payload_len)];
-            let kept = sent.len().min(self.layout.max_len);
-            row[PAYLOAD..PAYLOAD + kept].copy_from_slice(&sent[..kept]);
-        }
     }
 
     /// The rows so far; the table is empty then.
@@ -125,6 +108,7 @@ impl TableBuilder {
         let arrays = self.columns.iter_mut().zip(&self.layout.columns);
         let arrays = arrays.map(|(growing, column)| growing.take(column)).collect();
         let rows = std::mem::take(&mut self.rows);
+        self.room = 0;
         let options = arrow::array::RecordBatchOptions::new().with_row_count(Some(rows));
         RecordBatch::try_new_with_options(Arc::clone(&self.layout.schema), arrays, &options)
     }

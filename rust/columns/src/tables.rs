@@ -1,19 +1,52 @@
 //! All growing tables of a log, and when their rows become batches.
 
+use std::cmp::Reverse;
+
+use rayon::prelude::*;
+
 use crate::error::Error;
+use crate::piece::Piece;
 use crate::reader::{Batch, Limits};
 use crate::table::TableBuilder;
+
+/// Rows are expected to come as often as so far, and a little more often.
+const MARGIN: f64 = 1.02;
 
 /// The growing tables, by index.
 pub(crate) struct Tables {
     /// `None` for those without a row so far.
-    pub(crate) builders: Vec<Option<TableBuilder>>,
+    builders: Vec<Option<TableBuilder>>,
     limits: Limits,
 }
 
 impl Tables {
     pub(crate) fn new(count: usize, limits: Limits) -> Self {
         Self { builders: (0..count).map(|_| None).collect(), limits }
+    }
+
+    /// Appends the records of all pieces to their tables, on all processors; `done` says which share of the log that
+    /// makes, `new` begins a table.
+    pub(crate) fn append(
+        &mut self,
+        pieces: &[Piece],
+        done: f64,
+        new: impl Fn(usize) -> TableBuilder + Sync,
+        append: impl Fn(&mut TableBuilder, usize, &Piece) + Sync,
+    ) {
+        let Limits { rows: most, table_bytes, .. } = self.limits;
+        let growth = if done > 0.0 && done < 1.0 { MARGIN / done } else { 1.0 };
+        let rows = |index| pieces.iter().map(|piece| piece.rows(index)).sum::<usize>();
+        let due = self.builders.iter_mut().enumerate().map(|(at, table)| (rows(at), at, table));
+        let mut due: Vec<_> = due.filter(|&(rows, ..)| rows > 0).collect();
+        // The largest first, and one by one: then no processor is left alone with the rest.
+        due.sort_unstable_by_key(|&(rows, ..)| Reverse(rows));
+        due.into_par_iter().with_max_len(1).for_each(|(rows, index, table)| {
+            let table = table.get_or_insert_with(|| new(index));
+            table.reserve(rows, growth, most, table_bytes);
+            for piece in pieces.iter().filter(|piece| piece.rows(index) > 0) {
+                append(table, index, piece);
+            }
+        });
     }
 
     /// What is left at the end; `None` the second time.
@@ -38,13 +71,13 @@ impl Tables {
     }
 
     fn take_where(&mut self, full: impl Fn(&TableBuilder) -> bool) -> Result<Vec<Batch>, Error> {
-        let mut batches = Vec::new();
-        for (index, table) in (0..).zip(&mut self.builders) {
-            if let Some(table) = table.as_mut().filter(|table| full(table)) {
-                let message = table.layout().message.as_str().into();
-                batches.push(Batch { index, message, rows: table.take()? });
-            }
-        }
-        Ok(batches)
+        let tables = (0..).zip(&mut self.builders);
+        let tables = tables.filter_map(|(index, table)| Some((index, table.as_mut()?)));
+        let due: Vec<(u16, &mut TableBuilder)> = tables.filter(|(_, table)| full(table)).collect();
+        let taken = due.into_par_iter().map(|(index, table)| {
+            let message = table.layout().message.as_str().into();
+            Ok(Batch { index, message, rows: table.take()? })
+        });
+        taken.collect()
     }
 }

@@ -7,8 +7,7 @@ use std::io;
 use std::path::Path;
 
 use mavwire_core::log::dataflash::{
-    Definitions, FMT_LAYOUT_LEN, Found, HEAD_LEN, Layout, MAX_RECORD_LEN, RecordEntry, Units,
-    index, look,
+    Definitions, FMT_LAYOUT_LEN, Found, HEAD_LEN, LOOK_LEN, Layout, RecordEntry, Units, index, look,
 };
 
 use crate::tally::Tally;
@@ -18,9 +17,6 @@ pub use crate::tally::Contents;
 
 /// Bytes that are looked at in one go.
 const STRETCH: usize = 256 * 1024;
-
-/// Bytes that decide about any record.
-const LOOK: usize = 2 * MAX_RECORD_LEN + 2;
 
 /// An open log.
 #[derive(Debug)]
@@ -113,10 +109,10 @@ impl DataflashFile {
         let mut tally = Tally::new(definitions.layouts(), units);
         let mut at = 0;
         while at < *len {
-            let bytes = window.at(at, STRETCH + LOOK)?;
+            let bytes = window.at(at, STRETCH + LOOK_LEN)?;
             let left = usize::try_from(*len - at).unwrap_or(usize::MAX);
             let bytes = &bytes[..bytes.len().min(left)];
-            let last = bytes.len() < STRETCH + LOOK || bytes.len() == left;
+            let last = bytes.len() < STRETCH + LOOK_LEN || bytes.len() == left;
             let add = |entry: RecordEntry, record: &[u8]| {
                 let body = &record[HEAD_LEN..];
                 tally.add(
@@ -141,8 +137,8 @@ impl DataflashFile {
 
 fn bytes_at(window: &mut FileWindow, len: u64, offset: u64) -> io::Result<(&[u8], bool)> {
     let left = usize::try_from(len.saturating_sub(offset)).unwrap_or(usize::MAX);
-    let bytes = window.at(offset, LOOK)?;
-    let last = bytes.len() >= left || bytes.len() < LOOK;
+    let bytes = window.at(offset, LOOK_LEN)?;
+    let last = bytes.len() >= left || bytes.len() < LOOK_LEN;
     Ok((&bytes[..bytes.len().min(left)], last))
 }
 

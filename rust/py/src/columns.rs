@@ -75,9 +75,11 @@ impl Query {
     /// A reader of the log at `path`, for use without the interpreter.
     pub(crate) fn open(&self, path: &Path, dialect: &Dialect) -> Result<Box<dyn Decode>, Error> {
         let source = files::open(path)?;
+        let size = path.metadata().map_or(0, |status| status.len());
         let registry = Arc::clone(&dialect.registry);
         let (wanted, options) = (self.wanted(dialect), self.options());
-        Ok(Box::new(Reader::new(source, registry, wanted, options, self.limits())?))
+        let reader = Reader::new(source, registry, wanted, options, self.limits())?;
+        Ok(Box::new(reader.with_size(size)))
     }
 }
 

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use mavwire_columns::Error;
-use mavwire_columns::convert::{Compression, Format, Sink};
+use mavwire_columns::arrow::array::RecordBatch;
+use mavwire_columns::convert::{Compression, Format, Sink, write_all};
 use mavwire_columns::reader::{Batch, Decode};
 use mavwire_link::files::Draft;
 use pyo3::exceptions::PyValueError;
@@ -53,25 +54,28 @@ struct Work {
 }
 
 impl Work {
-    fn write(&mut self, batch: &Batch) -> Result<(), Error> {
-        let (_, sink) = match self.sinks.entry(batch.index) {
-            Entry::Occupied(open) => open.into_mut(),
-            Entry::Vacant(missing) => {
-                let path = self.folder.join(folder_of(&batch.message)).join(&self.file);
-                let draft = Draft::create(&path)?;
-                let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
-                missing.insert((path, sink))
-            }
-        };
-        sink.write(&batch.rows)
+    /// Begins the file of a batch where there is none yet.
+    fn begin(&mut self, batch: &Batch) -> Result<(), Error> {
+        if let Entry::Vacant(missing) = self.sinks.entry(batch.index) {
+            let path = self.folder.join(folder_of(&batch.message)).join(&self.file);
+            let draft = Draft::create(&path)?;
+            let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
+            missing.insert((path, sink));
+        }
+        Ok(())
     }
 
     /// Another block of the log; false at its end.
     fn step(&mut self) -> Result<bool, Error> {
         let Some(batches) = self.reader.advance()? else { return Ok(false) };
+        let mut by_type: BTreeMap<u16, Vec<&RecordBatch>> = BTreeMap::new();
         for batch in &batches {
-            self.write(batch)?;
+            self.begin(batch)?;
+            by_type.entry(batch.index).or_default().push(&batch.rows);
         }
+        let sinks = self.sinks.iter_mut();
+        let due = sinks.filter_map(|(index, (_, sink))| Some((sink, by_type.remove(index)?)));
+        write_all(due.collect())?;
         Ok(true)
     }
 

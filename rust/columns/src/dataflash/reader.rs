@@ -2,20 +2,25 @@
 
 use std::sync::Arc;
 
-use mavwire_core::log::dataflash::text::Delimiter;
+use mavwire_core::log::dataflash::text::{Delimiter, trimmed};
 use rayon::prelude::*;
 
+use super::hop::Place;
 use super::layout::{TableLayout, table_layout};
 use super::survey::{Form, NO_TABLE, Open, Survey, begin};
-use super::walk::{Place, Walk};
-use crate::column::Rows;
+use super::walk::{Walk, Walked};
 use crate::error::Error;
+use crate::gather::Rows;
 use crate::input::Blocks;
 use crate::layout::{Options, Source};
+use crate::piece::{Chosen, Piece, Side};
 use crate::reader::{Batch, Decode, Limits};
 use crate::select::seconds;
 use crate::table::{GROUP, TableBuilder};
 use crate::tables::Tables;
+
+/// Bytes that say where a line starts.
+const LINE_PLACE: usize = size_of::<u32>();
 
 /// Which records are wanted.
 #[derive(Debug, Clone)]
@@ -35,18 +40,13 @@ pub struct Reader {
     walk: Walk,
     layouts: Vec<TableLayout>,
     tables: Tables,
-    sorted: Vec<Sorted>,
+    is_wanted: Vec<bool>,
+    pieces: Vec<Piece>,
+    /// Bytes of a row of each table while it is laid beside the others.
+    strides: Vec<usize>,
     wanted: Wanted,
     position: u64,
     bad_bytes: u64,
-}
-
-/// The records of a table in a block.
-#[derive(Debug, Default)]
-struct Sorted {
-    is_wanted: bool,
-    places: Vec<Place>,
-    times: Vec<i64>,
 }
 
 impl Reader {
@@ -67,11 +67,8 @@ impl Reader {
         let is_wanted = |name: &str| {
             wanted.names.as_ref().is_none_or(|some| some.iter().any(|one| one == name))
         };
-        let sorted = survey
-            .tables
-            .iter()
-            .map(|name| Sorted { is_wanted: is_wanted(name), ..Sorted::default() })
-            .collect();
+        let is_wanted = survey.tables.iter().map(|name| is_wanted(name)).collect();
+        let strides = (0..count).map(|table| stride(&survey, table)).collect();
         let walk = Walk::new(Arc::clone(&survey));
         let tables = Tables::new(count, limits);
         Ok(Self {
@@ -80,7 +77,9 @@ impl Reader {
             walk,
             layouts,
             tables,
-            sorted,
+            is_wanted,
+            pieces: Vec::new(),
+            strides,
             wanted,
             position: 0,
             bad_bytes: 0,
@@ -106,25 +105,26 @@ impl Decode for Reader {
     }
 
     fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error> {
-        let Self { survey, blocks, walk, layouts, tables, sorted, wanted, .. } = self;
+        let position = self.position;
+        let Self { blocks, walk, layouts, tables, pieces, .. } = self;
+        let (survey, wanted, flags, strides) =
+            (&*self.survey, &self.wanted, &self.is_wanted, &self.strides);
         let read = blocks.next(|block, at_end| {
-            let (consumed, bad) = sort(walk, survey, wanted, sorted, block, at_end);
-            let delimiter = match &survey.form {
-                Form::Binary(_) => None,
-                Form::Text(definitions) => Some(definitions.delimiter()),
+            let walked = walk.block(block, at_end);
+            let sorter = Sorter { walk, survey, wanted, is_wanted: flags, strides };
+            sorter.sort_into(pieces, block, &walked);
+            let new = |table: usize| TableBuilder::new(Arc::clone(&layouts[table].layout));
+            let append = |table: &mut TableBuilder, index: usize, piece: &Piece| {
+                let (layout, side) = (&layouts[index], piece.of(index));
+                match &survey.form {
+                    Form::Binary(_) => append_records(table, layout, side),
+                    Form::Text(form) => append_lines(table, layout, block, side, form.delimiter()),
+                }
             };
-            let each = tables.builders.par_iter_mut().zip(sorted.par_iter()).zip(layouts);
-            each.filter(|((_, sorted), _)| !sorted.places.is_empty()).for_each(
-                |((table, sorted), layout)| {
-                    let new = || TableBuilder::new(Arc::clone(&layout.layout));
-                    let table = table.get_or_insert_with(new);
-                    match delimiter {
-                        None => append_records(table, layout, block, sorted),
-                        Some(delimiter) => append_lines(table, layout, block, sorted, delimiter),
-                    }
-                },
-            );
-            (consumed, (consumed, bad))
+            let done = (position + walked.consumed as u64) as f64 / survey.bytes as f64;
+            tables.append(pieces, done, new, append);
+            let bad: usize = walked.bad.iter().map(ExactSizeIterator::len).sum();
+            (walked.consumed, (walked.consumed, bad))
         })?;
         let Some((consumed, bad)) = read else { return self.tables.rest() };
         self.position += consumed as u64;
@@ -133,54 +133,67 @@ impl Decode for Reader {
     }
 }
 
-/// Sorts the records of a block by table; bytes dealt with, and bytes of no record among them.
-fn sort(
-    walk: &mut Walk,
-    survey: &Survey,
-    wanted: &Wanted,
-    sorted: &mut [Sorted],
-    block: &[u8],
-    at_end: bool,
-) -> (usize, usize) {
-    for one in &mut *sorted {
-        one.places.clear();
-        one.times.clear();
+/// Bytes that hold any record of a table; of a text log the place of its line.
+fn stride(survey: &Survey, table: usize) -> usize {
+    match &survey.form {
+        Form::Binary(_) => {
+            let lens = survey.layouts_of(table).map(|(_, layout)| usize::from(layout.len));
+            lens.max().unwrap_or(0)
+        }
+        Form::Text(_) => LINE_PLACE,
     }
-    let any_time = survey.clock.is_none()
-        || (wanted.start == f64::NEG_INFINITY && wanted.end == f64::INFINITY);
-    let mut bad = 0;
-    let record = |place: Place, time: i64| {
-        let table = survey.table_of[usize::from(place.layout)];
-        if table == NO_TABLE {
-            return;
-        }
-        let one = &mut sorted[usize::from(table)];
-        let in_time = || (wanted.start..wanted.end).contains(&seconds(time as f64));
-        if one.is_wanted && (any_time || in_time()) {
-            one.places.push(place);
-            one.times.push(time);
-        }
-    };
-    let consumed = walk.block(block, at_end, record, |range| bad += range.len());
-    (consumed, bad)
 }
 
-fn append_records(table: &mut TableBuilder, layout: &TableLayout, block: &[u8], sorted: &Sorted) {
-    let mut times = &sorted.times[..];
-    let mut side_by_side = Vec::new();
-    for same in sorted.places.chunk_by(|one, other| one.layout == other.layout) {
-        let Some(of_layout) = layout.places.get(&same[0].layout) else { continue };
+/// Lays the wanted records of a block side by side.
+struct Sorter<'a> {
+    walk: &'a Walk,
+    survey: &'a Survey,
+    wanted: &'a Wanted,
+    is_wanted: &'a [bool],
+    strides: &'a [usize],
+}
+
+impl Sorter<'_> {
+    fn sort_into(&self, pieces: &mut Vec<Piece>, block: &[u8], walked: &Walked) {
+        pieces.resize_with(walked.stretches.len(), Piece::default);
+        let is_binary = matches!(self.survey.form, Form::Binary(_));
+        let each = pieces.par_iter_mut().zip(&walked.stretches).with_max_len(1);
+        each.for_each(|(piece, stretch)| {
+            let all = self.walk.timed(block, stretch);
+            let chosen = all.filter_map(|(place, time)| self.choose(place, time));
+            piece.sort(chosen, self.strides, |chosen, row| {
+                if is_binary {
+                    let len = self.survey.form.layouts()[usize::from(chosen.kind)].len;
+                    let (at, len) = (chosen.at as usize, usize::from(len));
+                    row[..len].copy_from_slice(&block[at..at + len]);
+                } else {
+                    row.copy_from_slice(&chosen.at.to_le_bytes());
+                }
+            });
+        });
+    }
+
+    #[inline]
+    fn choose(&self, place: Place, time: i64) -> Option<Chosen> {
+        let table = self.survey.table_of[usize::from(place.layout)];
+        if table == NO_TABLE || !self.is_wanted[usize::from(table)] {
+            return None;
+        }
+        let Wanted { start, end, .. } = *self.wanted;
+        let any_time = start == f64::NEG_INFINITY && end == f64::INFINITY;
+        let is_in_time =
+            any_time || self.survey.clock.is_none() || (start..end).contains(&seconds(time as f64));
+        is_in_time.then_some(Chosen { table, kind: place.layout, at: place.at, time })
+    }
+}
+
+fn append_records(table: &mut TableBuilder, layout: &TableLayout, side: Side<'_>) {
+    for same in side.runs() {
+        let Some(of_layout) = layout.places.get(&same.kinds[0]) else { continue };
         let sources: Vec<Option<&Source>> =
             of_layout.iter().map(|place| place.as_ref().map(|(_, source)| source)).collect();
-        for group in same.chunks(GROUP) {
-            side_by_side.clear();
-            for place in group {
-                side_by_side.extend_from_slice(place.of(block));
-            }
-            let (now, rest) = times.split_at(group.len());
-            times = rest;
-            let stride = usize::from(group[0].len);
-            table.append_rows(&Rows { times: now, bytes: &side_by_side, stride }, &sources);
+        for Side { times, bytes, stride, .. } in same.groups(GROUP) {
+            table.append_from(&Rows { times, bytes, stride }, &sources);
         }
     }
 }
@@ -189,18 +202,25 @@ fn append_lines(
     table: &mut TableBuilder,
     layout: &TableLayout,
     block: &[u8],
-    sorted: &Sorted,
+    side: Side<'_>,
     delimiter: Delimiter,
 ) {
     let rest_is_one = layout.layout.message == "FMT";
-    for (place, &time) in sorted.places.iter().zip(&sorted.times) {
-        let Some(of_layout) = layout.places.get(&place.layout) else { continue };
-        let values = values(place.of(block), delimiter, rest_is_one);
+    let (places, _) = side.bytes.as_chunks::<LINE_PLACE>();
+    for ((place, kind), &time) in places.iter().zip(side.kinds).zip(side.times) {
+        let Some(of_layout) = layout.places.get(kind) else { continue };
+        let values = values(line_at(block, *place), delimiter, rest_is_one);
         let value = |place: &Option<(usize, Source)>| {
             place.as_ref().and_then(|(index, _)| values.get(*index).copied())
         };
         table.append_texts(time, of_layout.iter().map(value));
     }
+}
+
+/// The line that starts at a place.
+fn line_at(block: &[u8], place: [u8; LINE_PLACE]) -> &[u8] {
+    let rest = &block[u32::from_le_bytes(place) as usize..];
+    trimmed(&rest[..memchr::memchr(b'\n', rest).unwrap_or(rest.len())])
 }
 
 /// The values of a line; the last column of FMT has commas in it.

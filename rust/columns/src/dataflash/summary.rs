@@ -23,8 +23,8 @@ pub fn summary<E: From<Error>>(
     let mut sum = Summary { stamped: survey.clock.is_some(), types, ..Summary::default() };
     loop {
         let next = blocks.next(|block, at_end| {
-            let mut bad = Vec::new();
-            let record = |place: super::walk::Place, time: i64| {
+            let walked = walk.block(block, at_end);
+            for (place, time) in walked.stretches.iter().flat_map(|some| walk.timed(block, some)) {
                 let time = u64::try_from(time).unwrap_or(0);
                 sum.add_time(time, gap);
                 let table = survey.table_of[usize::from(place.layout)];
@@ -33,11 +33,10 @@ pub fn summary<E: From<Error>>(
                 } else {
                     sum.types[usize::from(table)].add(time);
                 }
-            };
-            let consumed = walk.block(block, at_end, record, |range| bad.push(range));
-            sum.add_bad(&bad);
-            sum.bytes += consumed as u64;
-            (consumed, ())
+            }
+            sum.add_bad(&walked.bad);
+            sum.bytes += walked.consumed as u64;
+            (walked.consumed, ())
         });
         if next.map_err(Error::from)?.is_none() {
             sum.damage = blocks.damage().map(str::to_owned);

@@ -7,9 +7,10 @@ use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions, decode_line, nth_value};
 use mavwire_core::log::dataflash::{
-    Clock, ClockFinder, Definitions, FMT_LAYOUT_LEN, FieldKind, HEAD_LEN, Layout, Units, index,
+    Clock, ClockFinder, Definitions, FMT_LAYOUT_LEN, FieldKind, HEAD_LEN, Layout, Units,
 };
 
+use super::hop::{STRETCH, hop};
 use super::lines::Lines;
 use crate::error::Error;
 use crate::input::{Blocks, decompressed};
@@ -75,6 +76,8 @@ pub struct Survey {
     pub tables: Vec<Arc<str>>,
     /// Table of each layout.
     pub(super) table_of: Vec<u16>,
+    /// Bytes of the log, decompressed.
+    pub(super) bytes: u64,
 }
 
 impl Survey {
@@ -185,22 +188,23 @@ impl Run {
         teller.refresh();
         let from = self.ahead.min(block.len());
         let place = self.offset + from as u64;
-        let (done, junk) =
-            index(&block[from..], place, usize::MAX, definitions, at_end, |entry, record| {
-                let body = &record[HEAD_LEN..];
-                teller.add(
-                    entry.layout,
-                    |units, layout| _ = units.add(layout, body),
-                    |layout, i| layout.number(i, body),
-                );
-            });
-        self.missed |= junk > 0;
+        let bytes = &block[from..];
+        let hops = hop(bytes, place, definitions, at_end, STRETCH);
+        for place in hops.stretches.into_iter().flatten() {
+            let body = &place.of(bytes)[HEAD_LEN..];
+            teller.add(
+                place.layout,
+                |units, layout| _ = units.add(layout, body),
+                |layout, i| layout.number(i, body),
+            );
+        }
+        self.missed |= !hops.bad.is_empty();
         if at_end {
             return block.len();
         }
         // A description may begin here and end in the next block.
-        let consumed = (from + done).min(block.len().saturating_sub(FMT_LAYOUT_LEN - 1));
-        self.ahead = from + done - consumed;
+        let consumed = (from + hops.consumed).min(block.len().saturating_sub(FMT_LAYOUT_LEN - 1));
+        self.ahead = from + hops.consumed - consumed;
         consumed
     }
 
@@ -237,7 +241,7 @@ impl Run {
     }
 
     fn finish(self) -> Survey {
-        let Self { form, units, finder, .. } = self;
+        let Self { form, units, finder, offset: bytes, .. } = self;
         let (mut tables, mut known) = (Vec::<Arc<str>>::new(), HashMap::new());
         let mut table_of = Vec::new();
         for layout in form.layouts() {
@@ -252,7 +256,7 @@ impl Run {
             }
             table_of.push(table);
         }
-        Survey { clock: finder.finish(), units, tables, table_of, form }
+        Survey { clock: finder.finish(), units, tables, table_of, bytes, form }
     }
 }
 

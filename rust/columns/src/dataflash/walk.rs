@@ -3,132 +3,167 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use mavwire_core::codec::read;
 use mavwire_core::log::dataflash::text::nth_value;
-use mavwire_core::log::dataflash::{HEAD_LEN, TimeRule, index};
+use mavwire_core::log::dataflash::{FieldKind, HEAD_LEN, Layout, TimeRule};
 
+use super::hop::{Hops, Place, STRETCH, hop};
 use super::lines::Lines;
 use super::survey::{Form, Survey, number};
-
-/// A record in a block.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
-    /// Where it starts.
-    pub(super) at: u32,
-    /// Bytes of it, head included; of a line without its end.
-    pub(super) len: u16,
-    /// Index of its layout.
-    pub(super) layout: u16,
-}
-
-impl Place {
-    /// The bytes of the record.
-    pub(super) fn of(self, block: &[u8]) -> &[u8] {
-        &block[self.at as usize..][..usize::from(self.len)]
-    }
-}
+use crate::piece::PIECE;
 
 /// Walks through a log.
 pub(super) struct Walk {
     survey: Arc<Survey>,
     rules: Vec<TimeRule>,
+    /// Where records of each layout have whole microseconds, if they do: nearly all.
+    micros: Vec<Option<usize>>,
     /// Time of the newest record, microseconds since 1970.
     newest: i64,
     lines: Lines,
     offset: u64,
+    stretch: usize,
+}
+
+/// The records of a block.
+pub(super) struct Walked {
+    /// In the order of the log.
+    pub(super) stretches: Vec<Stretch>,
+    /// Bytes that belong to no record.
+    pub(super) bad: Vec<Range<usize>>,
+    /// Bytes dealt with.
+    pub(super) consumed: usize,
+}
+
+/// Records that follow each other.
+pub(super) struct Stretch {
+    places: Vec<Place>,
+    /// The time of the record in front.
+    before: i64,
 }
 
 impl Walk {
     /// At the start of a log.
     pub(super) fn new(survey: Arc<Survey>) -> Self {
         let rule = |layout| survey.clock.map_or(TimeRule::Before, |clock| clock.rule(layout));
-        let rules = survey.form.layouts().iter().map(|layout| rule(layout)).collect();
+        let layouts = survey.form.layouts();
+        let rules: Vec<_> = layouts.iter().map(|layout| rule(layout)).collect();
+        let is_binary = matches!(survey.form, Form::Binary(_));
+        let both = layouts.iter().zip(&rules);
+        let micros = both.map(|(one, rule)| micros_at(one, *rule).filter(|_| is_binary)).collect();
         let newest = survey.clock.map_or(0, |clock| clock.first);
-        Self { rules, newest, survey, lines: Lines::default(), offset: 0 }
+        Self { rules, micros, newest, survey, lines: Lines::default(), offset: 0, stretch: STRETCH }
     }
 
-    /// Hands over the records of a block and their times, and the bytes that belong to none; bytes dealt with.
-    pub(super) fn block(
-        &mut self,
-        block: &[u8],
-        at_end: bool,
-        record: impl FnMut(Place, i64),
-        bad: impl FnMut(Range<usize>),
-    ) -> usize {
-        let done = match self.survey.form {
-            Form::Binary(_) => self.binary(block, at_end, record, bad),
-            Form::Text(_) => self.text(block, at_end, record, bad),
+    /// Finds the records of a block, which starts where the last one was consumed to.
+    pub(super) fn block(&mut self, block: &[u8], at_end: bool) -> Walked {
+        let Hops { stretches, bad, consumed } = match &self.survey.form {
+            Form::Binary(all) => hop(block, self.offset, all, at_end, self.stretch),
+            Form::Text(_) => self.text(block, at_end),
         };
-        self.offset += done as u64;
-        done
+        self.offset += consumed as u64;
+        let with_time = |places: Vec<Place>| {
+            let before = self.newest;
+            self.newest = self.newest_of(block, &places);
+            Stretch { places, before }
+        };
+        Walked { stretches: stretches.into_iter().map(with_time).collect(), bad, consumed }
     }
 
-    fn binary(
-        &mut self,
-        block: &[u8],
-        at_end: bool,
-        mut record: impl FnMut(Place, i64),
-        mut bad: impl FnMut(Range<usize>),
-    ) -> usize {
-        let Form::Binary(definitions) = &self.survey.form else { return block.len() };
-        let (clock, layouts) = (self.survey.clock, definitions.layouts());
-        let (offset, rules, newest) = (self.offset, &self.rules, &mut self.newest);
-        let mut expected = 0;
-        let (done, _) = index(block, offset, usize::MAX, definitions, at_end, |entry, bytes| {
-            let at = (entry.offset - offset) as usize;
-            if at > expected {
-                bad(expected..at);
-            }
-            expected = at + usize::from(entry.len);
-            let layout = usize::from(entry.layout);
-            if let Some(clock) = clock {
-                let count = |index| layouts[layout].count(index, &bytes[HEAD_LEN..]);
-                *newest = clock.stamp(rules[layout], *newest, count);
-            }
-            let len = u16::from(entry.len);
-            record(Place { at: at as u32, len, layout: entry.layout }, *newest);
-        });
-        if done > expected {
-            bad(expected..done);
-        }
-        done
-    }
-
-    fn text(
-        &mut self,
-        block: &[u8],
-        at_end: bool,
-        mut record: impl FnMut(Place, i64),
-        mut bad: impl FnMut(Range<usize>),
-    ) -> usize {
-        let Form::Text(definitions) = &self.survey.form else { return block.len() };
-        let (clock, delimiter) = (self.survey.clock, definitions.delimiter());
-        let (offset, rules, newest) = (self.offset, &self.rules, &mut self.newest);
-        self.lines.each(block, at_end, |line| {
-            let Some(bytes) = line.bytes else { return bad(line.at..line.next) };
-            let Some(layout) = definitions.of_line(bytes, offset + line.at as u64) else {
-                if !bytes.is_empty() {
-                    bad(line.at..line.next);
-                }
-                return;
-            };
-            if let Some(clock) = clock {
-                let count = |index| number(nth_value(bytes, delimiter, index));
-                let count = |index| count(index).map(|number| number.round() as i64);
-                *newest = clock.stamp(rules[usize::from(layout)], *newest, count);
-            }
-            record(Place { at: line.at as u32, len: bytes.len() as u16, layout }, *newest);
+    /// The records of a stretch with their times.
+    pub(super) fn timed<'a>(
+        &'a self,
+        block: &'a [u8],
+        stretch: &'a Stretch,
+    ) -> impl Iterator<Item = (Place, i64)> + 'a {
+        let mut newest = stretch.before;
+        stretch.places.iter().map(move |&place| {
+            newest = self.stamp(block, place, newest);
+            (place, newest)
         })
     }
+
+    /// The time of the last one of these records. From the last that has a time of its own on, the others do not matter.
+    fn newest_of(&self, block: &[u8], places: &[Place]) -> i64 {
+        let has_own = |place: &Place| match self.rules[usize::from(place.layout)] {
+            TimeRule::Field(index, _) => self.count(block, *place, index).is_some(),
+            _ => false,
+        };
+        let from = places.iter().rposition(has_own).unwrap_or(0);
+        places[from..].iter().fold(self.newest, |newest, &place| self.stamp(block, place, newest))
+    }
+
+    #[inline]
+    fn stamp(&self, block: &[u8], place: Place, newest: i64) -> i64 {
+        let Some(clock) = self.survey.clock else { return newest };
+        if let Some(at) = self.micros[usize::from(place.layout)] {
+            let micros = u64::from_le_bytes(read(block, place.at as usize + at));
+            return clock.base.saturating_add(i64::try_from(micros).unwrap_or(i64::MAX));
+        }
+        let rule = self.rules[usize::from(place.layout)];
+        clock.stamp(rule, newest, |index| self.count(block, place, index))
+    }
+
+    /// The number in a field, as an integer.
+    #[inline]
+    fn count(&self, block: &[u8], place: Place, index: usize) -> Option<i64> {
+        let bytes = place.of(block);
+        match &self.survey.form {
+            Form::Binary(definitions) => {
+                definitions.layouts()[usize::from(place.layout)].count(index, &bytes[HEAD_LEN..])
+            }
+            Form::Text(definitions) => number(nth_value(bytes, definitions.delimiter(), index))
+                .map(|number| number.round() as i64),
+        }
+    }
+
+    fn text(&mut self, block: &[u8], at_end: bool) -> Hops {
+        let Self { survey, lines, offset, .. } = self;
+        let Form::Text(definitions) = &survey.form else { return Hops::default() };
+        let (mut places, mut bad) = (Vec::new(), Vec::new());
+        let consumed = lines.each(block, at_end, |line| {
+            let layout =
+                line.bytes.and_then(|bytes| definitions.of_line(bytes, *offset + line.at as u64));
+            match (line.bytes, layout) {
+                (Some(bytes), Some(layout)) => {
+                    places.push(Place { at: line.at as u32, len: bytes.len() as u16, layout });
+                }
+                (Some([]), None) => {}
+                _ => bad.push(line.at..line.next),
+            }
+        });
+        let stretches = places.chunks(PIECE).map(<[Place]>::to_vec).collect();
+        Hops { stretches, bad, consumed }
+    }
+}
+
+/// Where in a record microseconds since the start are, as an unsigned number of 64 bits.
+fn micros_at(layout: &Layout, rule: TimeRule) -> Option<usize> {
+    let TimeRule::Field(index, 1) = rule else { return None };
+    let field = layout.fields.get(index).filter(|field| field.kind == FieldKind::U64)?;
+    Some(HEAD_LEN + usize::from(field.offset))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::error::Error;
+    use mavwire_core::log::dataflash::index;
     use proptest::prelude::*;
     use std::io::{Cursor, Read};
 
-    type Outcome = (Vec<(usize, u16, u16, i64)>, Vec<Range<usize>>);
+    /// Place, length, layout and time of each record, and places of bytes that belong to none.
+    #[derive(Debug, Default, PartialEq)]
+    struct Outcome(Vec<(usize, u16, u16, i64)>, Vec<Range<usize>>);
+
+    impl Outcome {
+        fn add_bad(&mut self, range: Range<usize>) {
+            match self.1.last_mut().filter(|last| last.end == range.start) {
+                Some(last) => last.end = range.end,
+                None => self.1.push(range),
+            }
+        }
+    }
 
     fn fmt(type_id: u8, len: u8, name: &str, format: &str, columns: &str) -> Vec<u8> {
         let mut record = vec![0xA3, 0x95, 0x80, type_id, len];
@@ -165,24 +200,45 @@ mod tests {
         log
     }
 
-    fn walk(survey: &Arc<Survey>, log: &[u8], block: usize) -> Outcome {
+    /// Block by block and stretch by stretch.
+    fn walk(survey: &Arc<Survey>, log: &[u8], block: usize, stretch: usize) -> Outcome {
         let mut walk = Walk::new(Arc::clone(survey));
+        walk.stretch = stretch;
         let (mut out, mut start, mut end) = (Outcome::default(), 0, 0);
         while start < log.len() {
             let at_end = end == log.len();
             end = (end + block).min(log.len());
-            let (records, bad) = (&mut out.0, &mut out.1);
-            let record = |place: Place, time| {
-                records.push((start + place.at as usize, place.len, place.layout, time));
-            };
-            let done = walk.block(&log[start..end], at_end, record, |range| {
-                let range = start + range.start..start + range.end;
-                match bad.last_mut().filter(|last| last.end == range.start) {
-                    Some(last) => last.end = range.end,
-                    None => bad.push(range),
-                }
-            });
-            start += done;
+            let bytes = &log[start..end];
+            let walked = walk.block(bytes, at_end);
+            for (place, time) in walked.stretches.iter().flat_map(|some| walk.timed(bytes, some)) {
+                out.0.push((start + place.at as usize, place.len, place.layout, time));
+            }
+            for range in walked.bad {
+                out.add_bad(start + range.start..start + range.end);
+            }
+            start += walked.consumed;
+        }
+        out
+    }
+
+    /// By one walk over all bytes.
+    fn sequential(survey: &Survey, log: &[u8]) -> Outcome {
+        let Form::Binary(definitions) = &survey.form else { return Outcome::default() };
+        let clock = survey.clock.expect("a clock");
+        let (mut out, mut newest, mut expected) = (Outcome::default(), clock.first, 0);
+        index(log, 0, usize::MAX, definitions, true, |entry, bytes| {
+            let at = entry.offset as usize;
+            if at > expected {
+                out.add_bad(expected..at);
+            }
+            expected = at + bytes.len();
+            let layout = &definitions.layouts()[usize::from(entry.layout)];
+            let count = |index| layout.count(index, &bytes[HEAD_LEN..]);
+            newest = clock.stamp(clock.rule(layout), newest, count);
+            out.0.push((at, bytes.len() as u16, entry.layout, newest));
+        });
+        if expected < log.len() {
+            out.add_bad(expected..log.len());
         }
         out
     }
@@ -194,13 +250,15 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(40))]
+        #![proptest_config(ProptestConfig::with_cases(150))]
 
         #[test]
-        fn any_blocks_give_the_same(
-            noise in proptest::collection::vec(any::<u8>(), 1..200),
-            damage in proptest::collection::vec((any::<u16>(), any::<u8>()), 0..12),
+        fn any_blocks_stretches_and_threads_give_the_same(
+            noise in proptest::collection::vec(any::<u8>(), 1..400),
+            damage in proptest::collection::vec((any::<u16>(), any::<u8>()), 0..40),
             block in 7..3000_usize,
+            stretch in 1..900_usize,
+            threads in 1..5_usize,
         ) {
             let mut log = log(&noise);
             for (at, byte) in damage {
@@ -213,7 +271,9 @@ mod tests {
                 }
             }
             let survey = survey(&log);
-            prop_assert_eq!(walk(&survey, &log, block), walk(&survey, &log, log.len()));
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let found = pool.install(|| walk(&survey, &log, block, stretch));
+            prop_assert_eq!(found, sequential(&survey, &log));
         }
     }
 
@@ -221,7 +281,7 @@ mod tests {
     fn records_without_a_time_have_that_of_the_record_in_front() {
         let log = log(&[2, 0, 1, 0, 3]);
         let survey = survey(&log);
-        let (records, bad) = walk(&survey, &log, log.len());
+        let Outcome(records, bad) = walk(&survey, &log, log.len(), STRETCH);
         let base = survey.clock.map_or(0, |clock| clock.base);
         let times: Vec<_> = records[4..].iter().map(|&(.., time)| time - base).collect();
         assert_eq!(times, [0, 0, 2000, 2000, 4000]);

@@ -10,6 +10,9 @@ use memchr::memmem;
 use super::definitions::Definitions;
 use super::{HEAD, HEAD_LEN, MAX_RECORD_LEN};
 
+/// Bytes that decide about any record: its own, those of a record that begins within, and the head behind that.
+pub const LOOK_LEN: usize = 2 * MAX_RECORD_LEN + HEAD.len();
+
 /// What stands at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Found {
@@ -25,7 +28,7 @@ pub enum Found {
         /// How many.
         len: usize,
     },
-    /// More bytes are needed to say: [`MAX_RECORD_LEN`] and two more are enough. Never at the end of the log.
+    /// More bytes are needed to say: [`LOOK_LEN`] are enough. Never at the end of the log.
     Incomplete,
 }
 
@@ -65,7 +68,7 @@ fn odd_record(
     last: bool,
     (len, layout): (usize, u16),
 ) -> Found {
-    if !last && bytes.len() < MAX_RECORD_LEN + HEAD.len() {
+    if !last && bytes.len() < LOOK_LEN {
         return Found::Incomplete;
     }
     if is_followed(bytes, len, last) {
@@ -102,10 +105,7 @@ fn begins_followed_record(
     last: bool,
 ) -> bool {
     let record = bytes.get(HEAD.len()).and_then(|&type_id| definitions.record(type_id, offset));
-    // Bytes that are not here yet cannot speak against it.
-    record.is_some_and(|(_, len)| {
-        is_followed(bytes, len, last) || (!last && bytes.len() < len + HEAD.len())
-    })
+    record.is_some_and(|(_, len)| is_followed(bytes, len, last))
 }
 
 /// Bytes up to the next head of a known type.
@@ -129,8 +129,9 @@ fn junk(bytes: &[u8], offset: u64, definitions: &Definitions, last: bool) -> Fou
 /// one has to be looked for, and how many bytes belong to no record.
 ///
 /// `bytes` stand at `offset` in the log, which ends with them if `last`; otherwise they have to go on beyond `limit` by
-/// [`MAX_RECORD_LEN`] + 2 bytes, or indexing stops short of it. A pure function: a stretch that begins where the one
-/// before ended is indexed as the whole log would be.
+/// [`LOOK_LEN`] bytes, or indexing stops short of it. A pure function: what is found from a place on depends on nothing
+/// before it, so a stretch that begins where the one before ended is indexed as the whole log would be, and stretches that
+/// begin anywhere else soon agree with it.
 pub fn index(
     bytes: &[u8],
     offset: u64,

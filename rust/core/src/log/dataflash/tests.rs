@@ -74,7 +74,7 @@ fn any_stretches_give_the_same_index() {
     for stretch in [1, 2, 7, 64, 300] {
         let (mut at, mut pieces, mut gone) = (0, Vec::new(), 0);
         while at < log.len() {
-            let end = (at + stretch + MAX_RECORD_LEN + 2).min(log.len());
+            let end = (at + stretch + LOOK_LEN).min(log.len());
             let bytes = &log[at..end];
             let push = |entry, _: &[u8]| pieces.push(entry);
             let last = end == log.len();
@@ -84,6 +84,27 @@ fn any_stretches_give_the_same_index() {
             gone += junk;
         }
         assert_eq!((&pieces, gone), (&whole, junk), "stretches of {stretch}");
+    }
+}
+
+#[test]
+fn what_is_not_there_yet_does_not_decide() {
+    // A record that nothing follows, and within it the head of one whose end only later bytes show: nothing follows that
+    // either, so the first one counts.
+    let mut log = fmt(1, 103, "A", "Z", "X");
+    log.extend(fmt(2, 255, "B", "Z", "X"));
+    let start = log.len();
+    log.extend(record(1, &[0; 100]));
+    log[start + 50..start + 53].copy_from_slice(&[HEAD[0], HEAD[1], 2]);
+    log.extend([7; 600]);
+    let mut definitions = Definitions::new();
+    definitions.collect(&log, 0);
+    let wanted = look(&log[start..], start as u64, &definitions, true);
+    assert!(matches!(wanted, Found::Record { len: 103, .. }));
+    for end in start + 3..log.len() {
+        let found = look(&log[start..end], start as u64, &definitions, false);
+        assert!(found == wanted || found == Found::Incomplete, "{} bytes: {found:?}", end - start);
+        assert!(end - start < LOOK_LEN || found == wanted, "{} bytes: {found:?}", end - start);
     }
 }
 

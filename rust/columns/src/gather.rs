@@ -1,0 +1,141 @@
+//! The values of a field in many records that lie side by side.
+
+use std::borrow::Cow;
+use std::str::FromStr;
+
+use arrow::array::NullBufferBuilder;
+use mavwire_core::codec::{read, text_bytes};
+use mavwire_core::log::dataflash::{half, text::decode_line};
+use mavwire_schema::FieldType;
+
+use crate::layout::Source;
+use crate::units::Scale;
+
+/// Records side by side: the ids of the sender, then the payload at its full length.
+#[derive(Debug)]
+pub struct Rows<'a> {
+    /// Microseconds since 1970.
+    pub times: &'a [i64],
+    /// `stride` bytes for each record.
+    pub bytes: &'a [u8],
+    /// Bytes of a record.
+    pub stride: usize,
+}
+
+/// Where the payload begins in a row: behind `sysid`, `compid` and `seq`.
+pub const PAYLOAD: usize = 3;
+
+/// Bytes into a row, and elements there.
+pub(crate) fn place_of(source: &Source) -> (usize, usize) {
+    match source {
+        Source::Compid => (1, 1),
+        Source::Seq => (2, 1),
+        Source::Numbers(field) | Source::Half(field) => {
+            (PAYLOAD + usize::from(field.offset), field.elements())
+        }
+        _ => (0, 1),
+    }
+}
+
+pub(crate) fn parse<T: FromStr + Default>(
+    values: &mut Vec<T>,
+    text: &[u8],
+    valid: &mut NullBufferBuilder,
+) {
+    let value = parsed(text);
+    valid.append(value.is_some());
+    values.push(value.unwrap_or_default());
+}
+
+fn parsed<T: FromStr>(text: &[u8]) -> Option<T> {
+    std::str::from_utf8(text).ok()?.trim().parse().ok()
+}
+
+/// A number as a text log has it, if it is one of the field's type.
+pub(crate) fn number_in(text: &[u8], source: &Source) -> Option<f64> {
+    let (Source::Numbers(field) | Source::Half(field)) = source else { return None };
+    match field.field_type {
+        FieldType::Char | FieldType::U8 => parsed::<u8>(text).map(f64::from),
+        FieldType::I8 => parsed::<i8>(text).map(f64::from),
+        FieldType::U16 => parsed::<u16>(text).map(f64::from),
+        FieldType::I16 => parsed::<i16>(text).map(f64::from),
+        FieldType::U32 => parsed::<u32>(text).map(f64::from),
+        FieldType::I32 => parsed::<i32>(text).map(f64::from),
+        FieldType::U64 => parsed::<u64>(text).map(|number| number as f64),
+        FieldType::I64 => parsed::<i64>(text).map(|number| number as f64),
+        FieldType::F32 => parsed::<f32>(text).map(f64::from),
+        FieldType::F64 => parsed(text),
+    }
+}
+
+#[inline]
+pub(crate) fn gather<T, const N: usize>(
+    values: &mut Vec<T>,
+    rows: &Rows<'_>,
+    (offset, elements): (usize, usize),
+    decode: impl Fn([u8; N]) -> T,
+) {
+    let each = rows.bytes.chunks_exact(rows.stride);
+    if elements == 1 {
+        values.extend(each.map(|row| decode(read(row, offset))));
+    } else {
+        for row in each {
+            values.extend((0..elements).map(|n| decode(read(row, offset + n * N))));
+        }
+    }
+}
+
+/// The numbers of a field, scaled.
+pub(crate) fn gather_scaled(values: &mut Vec<f64>, rows: &Rows<'_>, source: &Source, scale: Scale) {
+    let (Source::Numbers(field) | Source::Half(field)) = source else { return };
+    let place = place_of(source);
+    macro_rules! each {
+        ($type:ty) => {
+            gather(values, rows, place, |bytes| scale.apply(<$type>::from_le_bytes(bytes) as f64))
+        };
+    }
+    match field.field_type {
+        FieldType::F32 if matches!(source, Source::Half(_)) => {
+            gather(values, rows, place, |bytes| {
+                scale.apply(half(u16::from_le_bytes(bytes)) as f32 as f64)
+            })
+        }
+        FieldType::Char | FieldType::U8 => each!(u8),
+        FieldType::I8 => each!(i8),
+        FieldType::U16 => each!(u16),
+        FieldType::I16 => each!(i16),
+        FieldType::U32 => each!(u32),
+        FieldType::I32 => each!(i32),
+        FieldType::U64 => each!(u64),
+        FieldType::I64 => each!(i64),
+        FieldType::F32 => each!(f32),
+        FieldType::F64 => each!(f64),
+    }
+}
+
+/// The bytes of a text field in each row, without trailing NULs.
+pub(crate) fn each_text(rows: &Rows<'_>, source: &Source, mut take: impl FnMut(&[u8])) {
+    let rows = rows.bytes.chunks_exact(rows.stride).map(|row| &row[PAYLOAD..]);
+    match source {
+        Source::Text(field) | Source::RawText(field) | Source::LogText(field) => {
+            rows.for_each(|payload| take(text_bytes(field, payload)));
+        }
+        Source::Bytes(field) => {
+            let start = usize::from(field.offset);
+            rows.for_each(|payload| take(&payload[start..start + field.elements()]));
+        }
+        _ => {}
+    }
+}
+
+/// The same of a dataflash log: Latin-1 where it is not UTF-8.
+pub(crate) fn logged(raw: &[u8]) -> Cow<'_, str> {
+    let raw = &raw[..memchr::memchr(0, raw).unwrap_or(raw.len())];
+    std::str::from_utf8(raw).map_or_else(|_| decode_line(raw).into(), Cow::Borrowed)
+}
+
+/// The text up to the first NUL.
+pub(crate) fn shown(raw: &[u8]) -> Cow<'_, str> {
+    let end = raw.iter().position(|&byte| byte == 0).unwrap_or(raw.len());
+    String::from_utf8_lossy(&raw[..end])
+}

@@ -1,0 +1,188 @@
+//! Parquet files: a row group for each batch, its columns encoded on all processors.
+
+use std::io::Write;
+use std::sync::Arc;
+
+use arrow::array::{ArrayRef, RecordBatch};
+use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_writer::{
+    ArrowColumnChunk, ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves,
+};
+use parquet::basic::{Compression as ParquetCompression, Encoding, ZstdLevel};
+use parquet::errors::ParquetError;
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::ColumnPath;
+use rayon::prelude::*;
+
+use crate::convert::Compression;
+use crate::error::Error;
+
+/// Rows below which columns are not worth handing to other threads.
+const FEW_ROWS: usize = 2048;
+
+/// Bytes of a column below which compressing costs more than it gives.
+const FEW_BYTES: usize = 4096;
+
+/// A Parquet file being written.
+pub(crate) struct RowGroups<W: Write + Send> {
+    schema: SchemaRef,
+    compression: Compression,
+    state: State<W>,
+}
+
+enum State<W: Write + Send> {
+    /// The first batch tells how its columns are best written.
+    New(W),
+    Open(Box<SerializedFileWriter<W>>, ArrowRowGroupWriterFactory),
+    /// After an error.
+    Broken,
+}
+
+impl<W: Write + Send> RowGroups<W> {
+    pub(crate) fn new(out: W, schema: SchemaRef, compression: Compression) -> Self {
+        Self { schema, compression, state: State::New(out) }
+    }
+
+    /// Writes a batch as a row group.
+    pub(crate) fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
+        if batch.num_rows() == 0 {
+            return Ok(());
+        }
+        let (mut file, factory) = self.open(batch.num_rows())?;
+        let writers = factory.create_column_writers(file.flushed_row_groups().len())?;
+        let least = if batch.num_rows() < FEW_ROWS { writers.len() } else { 1 };
+        let columns = writers.into_par_iter().with_min_len(least.max(1));
+        let columns = columns.zip(self.schema.fields().par_iter().zip(batch.columns()));
+        let chunks: Vec<ArrowColumnChunk> = columns
+            .map(|(writer, (field, array))| encoded(writer, field, array))
+            .collect::<Result<_, _>>()?;
+        let mut group = file.next_row_group()?;
+        for chunk in chunks {
+            chunk.append_to_row_group(&mut group)?;
+        }
+        group.close()?;
+        self.state = State::Open(file, factory);
+        Ok(())
+    }
+
+    /// Writes the end of the file.
+    pub(crate) fn finish(mut self) -> Result<W, Error> {
+        let (file, _) = self.open(0)?;
+        Ok(file.into_inner()?)
+    }
+
+    #[allow(clippy::type_complexity)] // the two that belong together
+    fn open(
+        &mut self,
+        rows: usize,
+    ) -> Result<(Box<SerializedFileWriter<W>>, ArrowRowGroupWriterFactory), Error> {
+        match std::mem::replace(&mut self.state, State::Broken) {
+            State::Open(file, factory) => Ok((file, factory)),
+            State::New(out) => {
+                let properties = properties(&self.schema, self.compression, rows)?;
+                let schema = Arc::clone(&self.schema);
+                let writer = ArrowWriter::try_new(out, schema, Some(properties))?;
+                let (file, factory) = writer.into_serialized_writer()?;
+                Ok((Box::new(file), factory))
+            }
+            State::Broken => {
+                Err(ParquetError::General("writing this file failed before".to_owned()).into())
+            }
+        }
+    }
+}
+
+fn encoded(
+    mut writer: ArrowColumnWriter,
+    field: &Field,
+    array: &ArrayRef,
+) -> Result<ArrowColumnChunk, ParquetError> {
+    for leaf in compute_leaves(field, array)? {
+        writer.write(&leaf)?;
+    }
+    writer.close()
+}
+
+/// How the columns of a table are written, the first batch of which has so many rows. A row group has statistics and
+/// pages no index: readers skip whole row groups.
+fn properties(
+    schema: &Schema,
+    compression: Compression,
+    rows: usize,
+) -> Result<WriterProperties, Error> {
+    let compression = match compression {
+        Compression::Zstd => ParquetCompression::ZSTD(ZstdLevel::try_new(1)?),
+        Compression::Snappy => ParquetCompression::SNAPPY,
+        Compression::None | Compression::Gzip => ParquetCompression::UNCOMPRESSED,
+    };
+    let mut properties = WriterProperties::builder()
+        .set_compression(compression)
+        .set_dictionary_enabled(false)
+        .set_statistics_enabled(EnabledStatistics::Chunk)
+        .set_offset_index_disabled(true)
+        .set_data_page_row_count_limit(usize::MAX)
+        .set_max_row_group_row_count(None);
+    for field in schema.fields() {
+        properties = with_column(properties, field, rows);
+    }
+    Ok(properties.build())
+}
+
+fn with_column(
+    properties: WriterPropertiesBuilder,
+    field: &Field,
+    rows: usize,
+) -> WriterPropertiesBuilder {
+    let (path, leaf) = (path_of(field), leaf_type(field));
+    let properties = if repeats(field) {
+        properties.set_column_dictionary_enabled(path.clone(), true)
+    } else if let Some(encoding) = encoding_of(leaf) {
+        properties.set_column_encoding(path.clone(), encoding)
+    } else {
+        properties
+    };
+    let is_small = leaf.primitive_width().is_some_and(|width| width * rows < FEW_BYTES);
+    if is_small || is_sender(field) {
+        return properties.set_column_compression(path, ParquetCompression::UNCOMPRESSED);
+    }
+    properties
+}
+
+/// What leaves least to be compressed: measured values change little from one to the next.
+fn encoding_of(leaf: &DataType) -> Option<Encoding> {
+    match leaf {
+        DataType::Float32 | DataType::Float64 => Some(Encoding::BYTE_STREAM_SPLIT),
+        DataType::Timestamp(..) => Some(Encoding::DELTA_BINARY_PACKED),
+        leaf if leaf.is_integer() => Some(Encoding::DELTA_BINARY_PACKED),
+        _ => None,
+    }
+}
+
+fn leaf_type(field: &Field) -> &DataType {
+    match field.data_type() {
+        DataType::FixedSizeList(item, _) => item.data_type(),
+        other => other,
+    }
+}
+
+/// Where parquet has the values of a field.
+fn path_of(field: &Field) -> ColumnPath {
+    match field.data_type() {
+        DataType::FixedSizeList(item, _) => {
+            ColumnPath::new(vec![field.name().clone(), "list".to_owned(), item.name().clone()])
+        }
+        _ => ColumnPath::from(field.name().as_str()),
+    }
+}
+
+/// Few values, many times: who sent it, texts, enums.
+fn repeats(field: &Field) -> bool {
+    let text = matches!(leaf_type(field), DataType::Utf8 | DataType::Dictionary(..));
+    is_sender(field) || text || field.metadata().contains_key("enum")
+}
+
+fn is_sender(field: &Field) -> bool {
+    matches!(field.name().as_str(), "sysid" | "compid")
+}
