@@ -7,7 +7,8 @@
 //! | module | |
 //! |---|---|
 //! | `endpoint` | where a link leads, opening and dialling |
-//! | `event_loop` | waiting, reading, writing, connections that come and go |
+//! | `event_loop` | waiting, reading, writing |
+//! | `connections` | links that are added and removed, connections that come and go |
 //! | `switch` | bytes to frames to queues |
 //! | `port`, `outbox`, `lane`, `send` | one peer, its queue, many datagrams in a call |
 //! | `automation` | what the bridge says of its own accord |
@@ -16,6 +17,7 @@
 //! | `recorder` | telemetry logs |
 
 mod automation;
+mod connections;
 mod endpoint;
 mod event_loop;
 mod hub;
@@ -27,6 +29,7 @@ mod recorder;
 mod report;
 mod send;
 mod serial;
+mod socket_options;
 mod stats;
 mod switch;
 
