@@ -14,6 +14,7 @@ import pytest
 from unit.bridge_tools import LIMIT, wait_until
 
 CLONE_NEWNET = 0x4000_0000
+NO_CARD = "02:00:00:00:00:99"
 
 
 class Host:
@@ -87,8 +88,9 @@ class Cable:
     """Between two hosts, which are 10.`net`.0.1 and 10.`net`.0.2 on it."""
 
     def __init__(self, left: Host, right: Host, net: int) -> None:
-        self._right, self._name = right, f"c{net}"
+        self._name = f"c{net}"
         self.left, self.right = f"10.{net}.0.1", f"10.{net}.0.2"
+        self._ends = ((left, self.right), (right, self.left))
         ends = ["ip", "link", "add", self._name, "netns", str(left.pid), "type", "veth",
                 "peer", "name", self._name, "netns", str(right.pid)]  # fmt: skip
         done = subprocess.run(ends, capture_output=True, text=True, check=False)
@@ -99,9 +101,12 @@ class Cable:
             host.run("ip", "link", "set", self._name, "up")
 
     def pull(self) -> None:
-        """Nothing passes any more, and nobody on the left is told."""
-        self._right.run("ip", "link", "set", self._name, "down")
+        """Nothing passes any more, and neither host is told: what it sends is for a card that is not there."""
+        for host, other in self._ends:
+            host.run("ip", "neighbour", "replace", other, "lladdr", NO_CARD, "dev", self._name,
+                     "nud", "permanent")  # fmt: skip
 
     def plug(self) -> None:
         """As before."""
-        self._right.run("ip", "link", "set", self._name, "up")
+        for host, other in self._ends:
+            host.run("ip", "neighbour", "del", other, "dev", self._name)

@@ -106,5 +106,5 @@ def test_a_host_that_vanishes_is_missed_and_found_again() -> None:
         wait_until("the end of the silence", silence_ended)
         cable.plug()
         wait_until("them", lambda: report(client, "out")["state"] == "up" and peers(server, "in"))
-        server.send(heartbeat(seq=7))
-        assert wait_until("it", lambda: client.latest("HEARTBEAT", 1)).get_seq() == 7
+        server.send(heartbeat(seq=7, sysid=9))
+        assert wait_until("it", lambda: client.latest("HEARTBEAT", 9)).get_seq() == 7
