@@ -6,6 +6,7 @@
 use mavwire_core::codec::{number, text_bytes};
 use mavwire_core::frame::{self, FrameRef, Header, IFLAG_SIGNED};
 use mavwire_core::registry::Registry;
+use mavwire_core::router::{Fate, LinkId, LinkOptions, Router, Settings};
 use mavwire_core::scan::{Found, Resync, Scanner};
 use mavwire_core::schema::{Message, WireVersion};
 use mavwire_core::signing::{self, SecretKey, SigningState};
@@ -16,7 +17,8 @@ use std::io::Write;
 use std::time::Instant;
 
 const BLOCK: usize = 1000;
-const CASES: [&str; 7] = ["scan", "scan-rescan", "decode", "encode", "verify", "text", "json"];
+const CASES: [&str; 8] =
+    ["scan", "scan-rescan", "route", "decode", "encode", "verify", "text", "json"];
 /// Message ids, with how many payload bytes are left after the zeros were cut.
 const MIX: [(u32, u8); 10] = [
     (30, 28),
@@ -93,6 +95,7 @@ impl Bench {
         match case {
             "scan" => self.scan(Resync::Skip),
             "scan-rescan" => self.scan(Resync::Rescan),
+            "route" => self.route(),
             "verify" => self.verify(),
             "decode" | "encode" | "text" | "json" => {
                 self.plain.iter().try_for_each(|bytes| self.message(case, bytes))
@@ -111,6 +114,23 @@ impl Bench {
             count += 1;
         }
         if count == BLOCK { Ok(()) } else { Err("not every frame was found".into()) }
+    }
+
+    /// Decides about frames between three links, which are new to duplicate suppression each time.
+    fn route(&self) -> Result<(), Box<dyn Error>> {
+        let mut router = Router::new(&self.registry, Settings::new(1));
+        for _ in 0..3 {
+            router.add_link(LinkOptions::default()).ok_or("there is room for three")?;
+        }
+        for (n, bytes) in self.plain.iter().enumerate() {
+            let header = Header::parse(black_box(bytes)).ok_or("no frame")?;
+            let entry = self.registry.lookup(header.msgid);
+            let fate = router.route(bytes, &header, entry, LinkId(0), 1_000_000 * n as u64);
+            if !matches!(fate, Fate::Forwarded(links) if links.len() == 2) {
+                return Err(format!("{fate:?} is not where it should go").into());
+            }
+        }
+        Ok(())
     }
 
     fn verify(&self) -> Result<(), Box<dyn Error>> {
