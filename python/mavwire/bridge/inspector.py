@@ -155,7 +155,7 @@ class _Conversation:
         try:
             while not self._closing.is_set():
                 now = time.monotonic()
-                texts = []
+                texts: list[str | None] = []
                 if self._unseen < MAX_UNSEEN:
                     seen = now
                     if now >= next_tables:

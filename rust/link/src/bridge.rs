@@ -13,7 +13,7 @@
 //! | `port`, `outbox`, `lane`, `send` | one peer, its queue, many datagrams in a call |
 //! | `automation` | what the bridge says of its own accord |
 //! | `report`, `latency` | what it tells about itself |
-//! | `hub` | the newest frames, and taps for the program around the bridge |
+//! | `hub`, `kind_hash` | the newest frames, and taps for the program around the bridge |
 //! | `recorder` | telemetry logs |
 
 mod automation;
@@ -21,6 +21,7 @@ mod connections;
 mod endpoint;
 mod event_loop;
 mod hub;
+mod kind_hash;
 mod lane;
 mod latency;
 mod outbox;
@@ -167,7 +168,8 @@ impl Bridge {
     /// # Errors
     /// The bridge has stopped.
     pub fn stats(&self) -> Result<Stats, BridgeError> {
-        self.ask(Command::Stats)
+        let (stats, heard) = self.ask(Command::Stats)?;
+        Ok(Stats { components: heard.reports(), ..stats })
     }
 
     /// Routes frames as if they came over a link of their own.

@@ -21,6 +21,7 @@ use super::hub::Hub;
 use super::latency::Latency;
 use super::port::Wire;
 use super::recorder::Recorder;
+use super::report::Heard;
 use super::stats::{Stats, Traffic};
 use super::switch::{Moment, PROGRAM, Switch};
 use super::{BridgeError, Waker};
@@ -51,7 +52,7 @@ pub(super) const FIRST_RETRY: Duration = Duration::from_millis(250);
 pub(super) enum Command {
     Add(Box<LinkSpec>, Opened, SyncSender<Result<(), BridgeError>>),
     Remove(String, SyncSender<Result<(), BridgeError>>),
-    Stats(SyncSender<Stats>),
+    Stats(SyncSender<(Stats, Heard)>),
     Send(Vec<u8>),
     /// A thread that dials has an answer.
     Dialled(u32, io::Result<Stream>),

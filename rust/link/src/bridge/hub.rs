@@ -5,6 +5,8 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::kind_hash::KindHash;
+
 /// Kinds of frames whose newest is kept: message ids times components.
 const MAX_LATEST: usize = 16_384;
 /// Removed links whose names are kept, for frames that came over them.
@@ -255,7 +257,7 @@ pub struct Kind {
 #[derive(Debug, Default)]
 struct State {
     /// By [`key`].
-    latest: HashMap<u64, Latest>,
+    latest: HashMap<u64, Latest, KindHash>,
     count: u64,
     taps: Vec<Arc<TapShared>>,
     link_names: HashMap<u32, String>,
