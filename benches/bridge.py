@@ -4,6 +4,10 @@ One process sends 36-byte frames over UDP on this machine, another one runs a br
 and one or more out. Printed are the frames that did not go through and the CPU time of the bridge for
 each frame that came in, user and system; the time of the sender is not in it. Nobody reads at the
 other ends, which costs the bridge the same and the machine less.
+
+`--soak 600` forwards for ten minutes at `--rate` and prints loss, memory and latency each minute.
+`--peers` compares `mavwire bridge` with mavlink-router and mavp2p, as far as they are in PATH: each is a
+process of its own, with one link in and one out, and what arrives at the other end is counted.
 """
 
 from __future__ import annotations
@@ -11,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -33,6 +38,36 @@ CASES = (
     (20_000, 10, 10, 1_400),
 )
 
+# Routers, and how they are told the ports that they listen on and send to.
+PEERS = {
+    "mavwire": [sys.executable, "-m", "mavwire", "bridge", "udpin:127.0.0.1:IN", "udpout:127.0.0.1:OUT"],
+    "mavlink-routerd": ["mavlink-routerd", "-c", "/dev/null", "-t", "0", "-e", "127.0.0.1:OUT", "127.0.0.1:IN"],
+    "mavp2p": ["mavp2p", "udps:127.0.0.1:IN", "udpc:127.0.0.1:OUT"],
+}  # fmt: skip
+PEER_RATES = (1_000, 10_000, 60_000, 100_000)
+
+
+def compare(seconds: float, runs: int) -> None:
+    """The table of routers."""
+    print(f"{'router':<18}{'rate/s':>9}{'sent':>10}{'lost':>9}{'us CPU':>9}")
+    for name, command in PEERS.items():
+        if shutil.which(command[0]) is None:
+            print(f"{name:<18} is not in PATH")
+            continue
+        for rate in PEER_RATES:
+            worker = [sys.executable, str(WORKER), "peer", str(rate), str(seconds), *command]
+            found = []
+            for _ in range(runs):
+                done = subprocess.run(worker, capture_output=True, text=True, check=False)
+                if done.returncode:
+                    print(f"{name:<18}{rate:>9,}  {done.stderr.strip().splitlines()[-1]}")
+                    break
+                found.append(json.loads(done.stdout))
+            if found:
+                middle = sorted(one["micros"] for one in found)[len(found) // 2]
+                sent, lost = (sum(one[key] for one in found) for key in ("sent", "lost"))
+                print(f"{name:<18}{rate:>9,}{sent:>10,}{lost:>9,}{middle:>9.2f}", flush=True)
+
 
 def measure(case: tuple[int, int, int, int], seconds: float) -> dict[str, Any]:
     """What a measuring process found."""
@@ -47,8 +82,23 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--runs", type=int, default=3, help="the median of so many")
+    parser.add_argument("--rate", type=int, default=50_000, help="frames a second of the soak")
+    parser.add_argument("--soak", type=float, metavar="SECONDS")
+    parser.add_argument("--interval", type=float, default=60.0, help="of the lines of a soak")
+    parser.add_argument("--peers", action="store_true", help="compare with other routers")
     parser.add_argument("--json", metavar="FILE")
     args = parser.parse_args()
+    if args.soak:
+        command = [
+            sys.executable,
+            str(WORKER),
+            "soak",
+            *map(str, (args.rate, args.soak, args.interval)),
+        ]
+        return subprocess.run(command, check=False).returncode
+    if args.peers:
+        compare(args.seconds, args.runs)
+        return 0
     print(f"goal: {MUST}\n")
     print(
         f"{'rate/s':>9}{'out':>5}{'components':>12}{'datagram':>10}{'sent':>10}{'lost':>9}{'us CPU':>9}"

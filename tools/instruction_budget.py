@@ -21,12 +21,18 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 BUDGET = ROOT / "benches" / "instruction_budget.json"
 TOLERANCE = 0.03
-RUST = ("scan", "scan-rescan", "decode", "encode", "verify", "text", "json")
+RUST = ("scan", "scan-rescan", "route", "decode", "encode", "verify", "text", "json")
+BRIDGE = ("forward", "border")
 PYTHON = ("parse", "noise", "recv_match", "filter", "fields", "pack", "send", "verify")
 TABLES = ("columns", "columns-bin", "parquet")
 # How many messages the short and the long run have, and how far memory is moved in the runs.
-LENGTHS = {"rust": (10_000, 40_000), "python": (1_000, 6_000), "tables": (20_000, 120_000)}
-PADDINGS = {"rust": (0,), "python": (0, 1_000, 5_000), "tables": (0,)}
+LENGTHS = {
+    "rust": (10_000, 40_000),
+    "bridge": (2_000, 12_000),
+    "python": (1_000, 6_000),
+    "tables": (20_000, 120_000),
+}
+PADDINGS = {"rust": (0,), "bridge": (0, 0), "python": (0, 1_000, 5_000), "tables": (0,)}
 COLLECTED = re.compile(r"Collected\s*:\s*(\d+)")
 
 
@@ -34,14 +40,14 @@ class Unmeasured(RuntimeError):
     """A program could not be built or did not run."""
 
 
-def build() -> list[str]:
-    """The command of the Rust program, built as continuous integration builds everything."""
+def build(package: str, example: str) -> list[str]:
+    """The command of a Rust program, built as continuous integration builds everything."""
     command = ["cargo", "build", "--quiet", "--locked", "--profile", "ci"]
-    package = ["-p", "mavwire-core", "--example", "hot_paths"]
-    done = subprocess.run([*command, *package], cwd=ROOT, check=False)
+    what = ["-p", package, "--example", example]
+    done = subprocess.run([*command, *what], cwd=ROOT, check=False)
     if done.returncode:
-        raise Unmeasured("the example hot_paths does not build")
-    return [str(ROOT / "target" / "ci" / "examples" / "hot_paths")]
+        raise Unmeasured(f"the example {example} does not build")
+    return [str(ROOT / "target" / "ci" / "examples" / example)]
 
 
 def instructions(command: list[str], padding: int) -> int:
@@ -75,7 +81,8 @@ def measure(only: str | None) -> dict[str, float]:
     """All paths, by `language/case`."""
     hot_loops = [sys.executable, str(ROOT / "benches" / "python" / "hot_loops.py")]
     programs = (
-        ("rust", RUST, build),
+        ("rust", RUST, lambda: build("mavwire-core", "hot_paths")),
+        ("bridge", BRIDGE, lambda: build("mavwire-link", "forward")),
         ("python", PYTHON, lambda: hot_loops),
         ("tables", TABLES, lambda: hot_loops),
     )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import socket
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from typing import Any
 
+from live_worker import resident
 from mavwire import Bridge
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 
@@ -53,6 +57,11 @@ def counts(bridge: Bridge) -> tuple[int, int, int]:
     return totals[0], totals[1], totals[2]
 
 
+def start_sender(port: str, rate: str, components: str, seconds: str) -> subprocess.Popen[str]:
+    command = [sys.executable, __file__, "send", port, rate, components, seconds]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+
+
 def forward(rate: str, outs: str, components: str, datagram: str, seconds: str) -> dict[str, Any]:
     sinks = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(int(outs))]
     # The same frames come round, and are no copies of each other.
@@ -62,14 +71,9 @@ def forward(rate: str, outs: str, components: str, datagram: str, seconds: str) 
             out = f"udpout:127.0.0.1:{sink.getsockname()[1]}"
             bridge.add(out, datagram_bytes=int(datagram))
         port = bridge.stats()["links"][0]["endpoint"].rpartition(":")[2]
-        command = [sys.executable, __file__, "send", port, rate, components, seconds]
         began = time.process_time()
-        sender = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-        answer = json.loads(sender.stdout)
-        last = -1
-        while (now := counts(bridge)[0]) != last:  # until nothing comes any more
-            last = now
-            time.sleep(0.2)
+        answer = json.loads(start_sender(port, rate, components, seconds).communicate()[0])
+        settle(bridge)
         cpu = time.process_time() - began
         received, sent, _ = counts(bridge)
     for sink in sinks:
@@ -85,9 +89,136 @@ def forward(rate: str, outs: str, components: str, datagram: str, seconds: str) 
     }
 
 
+def settle(bridge: Bridge) -> None:
+    """Wait until nothing comes any more."""
+    last = -1
+    while (now := counts(bridge)[0]) != last:
+        last = now
+        time.sleep(0.2)
+
+
+def soak(rate: str, seconds: str, interval: str) -> None:
+    """Forward for long; each minute, or other interval, what was lost so far, memory and latency."""
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sink,
+        Bridge(["udpin:127.0.0.1:0"]) as bridge,
+    ):
+        sink.bind(("127.0.0.1", 0))
+        out = bridge.add(f"udpout:127.0.0.1:{sink.getsockname()[1]}")
+        port = bridge.stats()["links"][0]["endpoint"].rpartition(":")[2]
+        sender, began = start_sender(port, rate, "1", seconds), time.process_time()
+        while sender.poll() is None:
+            with_timeout(sender, float(interval))
+            print(soak_line(bridge, out), flush=True)
+        answer = json.loads(sender.communicate()[0])
+        settle(bridge)
+        cpu, (received, sent, _) = time.process_time() - began, counts(bridge)
+        print(
+            f"{sent:,} of {answer['sent']:,} forwarded in {answer['seconds']:.0f} s, "
+            f"{answer['sent'] - sent:,} lost, {1e6 * cpu / max(received, 1):.2f} us CPU each\n"
+            f"{soak_line(bridge, out)}",
+            flush=True,
+        )
+
+
+def with_timeout(process: subprocess.Popen[str], seconds: float) -> None:
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(seconds)
+
+
+def soak_line(bridge: Bridge, out: str) -> str:
+    """How a soak stands: the numbers are those since its start."""
+    stats = bridge.stats()
+    link = next(one for one in stats["links"] if one["name"] == out)
+    missing = sum(one["lost"] for one in stats["components"])
+    overrun = sum(one["overrun"] or 0 for one in stats["links"])
+    late = ", ".join(
+        f"{name} {1e6 * (seconds or 0):,.0f} us" for name, seconds in link["latency"].items()
+    )
+    return (
+        f"{stats['uptime']:>6.0f} s: {link['sent']:>12,} forwarded, {missing:,} missing, {overrun:,} overrun, "
+        f"{link['dropped']:,} dropped, {resident():,} kB, latency {late}"
+    )
+
+
+def peer(rate: str, seconds: str, *command: str) -> dict[str, Any]:
+    """Another router, with IN and OUT in its command for the ports that it listens on and sends to."""
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sink,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe,
+    ):
+        enlarge(sink)
+        sink.bind(("127.0.0.1", 0))
+        probe.bind(("127.0.0.1", 0))
+        port = str(probe.getsockname()[1])
+        probe.close()
+        ports = {"IN": port, "OUT": str(sink.getsockname()[1])}
+        words = [re.sub("IN|OUT", lambda found: ports[found[0]], word) for word in command]
+        router = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            return measured(router, sink, port, rate, seconds)
+        finally:
+            router.kill()
+            router.wait()
+
+
+def measured(
+    router: subprocess.Popen[bytes], sink: socket.socket, port: str, rate: str, seconds: str
+) -> dict[str, Any]:
+    wait_until_it_routes(sink, port)
+    began, received, sender = cpu_time(router.pid), 0, start_sender(port, rate, "1", seconds)
+    sink.settimeout(1.0)
+    buffer = bytearray(65536)
+    while True:
+        try:
+            # Others may put several frames into a datagram.
+            received += sink.recv_into(buffer) // PACKET
+        except TimeoutError:
+            if sender.poll() is not None:
+                break
+    answer = json.loads(sender.communicate()[0])
+    cpu = cpu_time(router.pid) - began
+    sent = answer["sent"]
+    return {"sent": sent, "lost": sent - received, "micros": 1e6 * cpu / max(received, 1)}
+
+
+def wait_until_it_routes(sink: socket.socket, port: str) -> None:
+    (frame, *_) = frames(1)
+    sink.settimeout(0.1)
+    end = time.monotonic() + 20
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        while time.monotonic() < end:
+            with suppress(OSError):
+                sock.sendto(frame, ("127.0.0.1", int(port)))
+                sink.recv(65536)
+                break
+        else:
+            raise SystemExit("it routes nothing")
+    with suppress(TimeoutError):
+        while sink.recv(65536):
+            pass
+
+
+def cpu_time(pid: int) -> float:
+    """Seconds of processor time that a process took so far."""
+    with open(f"/proc/{pid}/stat") as file:
+        user, system = file.read().rpartition(")")[2].split()[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
+
+def enlarge(sock: socket.socket) -> None:
+    """Room for what is not read yet, as far as the system lets us."""
+    for option in (33, socket.SO_RCVBUF):  # SO_RCVBUFFORCE, for root
+        with suppress(OSError):
+            sock.setsockopt(socket.SOL_SOCKET, option, 8 << 20)
+            break
+
+
 if __name__ == "__main__":
     what, *arguments = sys.argv[1:]
-    if what == "send":
-        send(*arguments)
+    if what in ("send", "soak"):
+        globals()[what](*arguments)
+    elif what == "peer":
+        print(json.dumps(peer(*arguments)), flush=True)
     else:
         print(json.dumps(forward(*arguments)), flush=True)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from asyncio import Future
     from typing import Self
 
     from mavwire._native import BridgeTap, FrameBatch
 
-# How long a thread of asyncio's waits at a time: what a cancelled task leaves behind ends then.
+# How long a thread of asyncio's waits at a time: one that a cancelled task leaves behind ends then.
 ASYNC_SLICE = 0.2
 
 
@@ -23,6 +24,7 @@ class FrameBatches:
         self._tap = tap
         self._max_batch = max_batch
         self._max_latency = max_latency
+        self._fetching: Future[FrameBatch | None] | None = None
 
     def next(self, timeout: float | None = None) -> FrameBatch | None:
         """The next batch: empty if nothing came for `timeout` seconds, None at the end."""
@@ -52,8 +54,18 @@ class FrameBatches:
     async def __anext__(self) -> FrameBatch:
         import asyncio
 
+        loop = asyncio.get_running_loop()
         while True:
-            batch = await asyncio.to_thread(self.next, ASYNC_SLICE)
+            fetching = self._fetching
+            if fetching is None or not (fetching.done() or fetching.get_loop() is loop):
+                fetching = self._fetching = loop.run_in_executor(None, self.next, ASYNC_SLICE)
+            if not fetching.done():
+                # Who is cancelled here leaves what is fetched to whoever comes next.
+                await asyncio.wait([fetching])
+            if self._fetching is not fetching:
+                continue  # another task was quicker
+            self._fetching = None
+            batch = fetching.result()
             if batch is None:
                 raise StopAsyncIteration
             if len(batch):

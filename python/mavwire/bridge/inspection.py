@@ -11,8 +11,9 @@ if TYPE_CHECKING:
 
     from .bridge import Bridge
 
-# Kinds of messages and messages with values that one page is told of.
+# Kinds of messages, components and messages with values that one page is told of.
 MAX_KINDS = 4000
+MAX_COMPONENTS = 1000
 MAX_OPEN = 64
 # Numbers that JavaScript holds exactly.
 MAX_SAFE = 2**53
@@ -26,11 +27,15 @@ class View:
         self._open: list[tuple[int, int, int]] = []
         self._described: set[int] = set()
 
-    def hear(self, text: str) -> None:
-        """What the page asks for: `{"open": [[system, component, message id], ...]}`. ValueError."""
+    def hear(self, text: str) -> int:
+        """What the page asks for, `{"open": [[system, component, message id], ...]}`, or how many texts it has
+        dealt with, `{"seen": number}`, which is returned. ValueError.
+        """
         try:
-            wanted = json.loads(text)["open"]
-            rows = [tuple(row) for row in wanted]
+            said = json.loads(text)
+            if "seen" in said:
+                return _number("seen", said["seen"])
+            rows = [tuple(row) for row in said["open"]]
         except (KeyError, TypeError, RecursionError) as error:
             raise ValueError("not a request of the page") from error
         limits = (255, 255, 2**24 - 1)
@@ -41,6 +46,7 @@ class View:
             ):
                 raise ValueError(f"no kind of message: {row!r}")
         self._open = rows[:MAX_OPEN]
+        return 0
 
     def tables(self) -> str:
         """Links, components and kinds of messages with their counts; BridgeError at the end."""
@@ -54,6 +60,8 @@ class View:
             for kind in shown
         ]
         stats["hidden"] = len(kinds) - len(shown)
+        stats["hidden_components"] = max(0, len(stats["components"]) - MAX_COMPONENTS)
+        del stats["components"][MAX_COMPONENTS:]
         new = {kind.id for kind in shown} - self._described
         stats["types"] = {str(msgid): self._describe(msgid) for msgid in new}
         self._described |= new
@@ -97,6 +105,12 @@ class View:
             )
         entry = entries.get(value)
         return "" if entry is None else str(entry.name)
+
+
+def _number(name: str, value: object) -> int:
+    if type(value) is not int or value < 0:
+        raise ValueError(f"{name} is no number: {value!r}")
+    return value
 
 
 def plain(value: object) -> object:

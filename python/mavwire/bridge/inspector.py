@@ -1,8 +1,9 @@
 """The web inspector: a page that shows what a bridge sees, and the WebSocket that feeds it.
 
 A thread for each connection, as for metrics. It asks the bridge for counts and for the newest values of what the page has
-open, and sends them when the browser takes more; so a slow browser gets the newest values, and frames cost nothing here,
-however many come. wsproto speaks the WebSocket protocol, as on mavwire's WebSocket links.
+open, and sends them once the page has seen what was sent before; so a slow browser gets the newest values and not those that
+waited for it, and frames cost nothing here, however many come. wsproto speaks the WebSocket protocol, as on mavwire's
+WebSocket links.
 """
 
 from __future__ import annotations
@@ -33,9 +34,10 @@ VALUES_INTERVAL = 0.1
 TABLES_INTERVAL = 0.5
 # A request of the page is shorter.
 MAX_REQUEST = 16 * 1024
-# A browser that takes nothing for so long is given up; what it had not taken was not much.
+# Texts that may be on their way to a page: two updates.
+MAX_UNSEEN = 4
+# A page that sees nothing of them for so long is given up.
 PATIENCE = 30.0
-SEND_BUFFER = 128 * 1024
 CHUNK = 256 * 1024
 
 
@@ -129,7 +131,6 @@ class _Handler(Handler):
             return
         self.close_connection = True
         self.connection.settimeout(PATIENCE)
-        self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         self.connection.sendall(accepted)
         _Conversation(self.connection, web, self.server.owner).run()
 
@@ -143,24 +144,28 @@ class _Conversation:
         self._closing = owner.closing
         self._view = View(owner.bridge)
         self._said = ""
+        self._unseen = 0
 
     def run(self) -> None:
         """Until either side ends it. OSError if the browser vanishes."""
         from wsproto.events import CloseConnection, TextMessage
         from wsproto.utilities import ProtocolError
 
-        next_tables = 0.0
+        next_tables = seen = 0.0
         try:
             while not self._closing.is_set():
                 now = time.monotonic()
-                text = None
-                if now >= next_tables:
-                    next_tables = now + TABLES_INTERVAL
-                    text = self._view.tables()
-                for one in (text, self._view.values()):
-                    if one is not None:
-                        self._connection.sendall(self._web.send(TextMessage(one)))
-                if not self._listen(now + VALUES_INTERVAL):
+                texts: list[str | None] = []
+                if self._unseen < MAX_UNSEEN:
+                    seen = now
+                    if now >= next_tables:
+                        next_tables = now + TABLES_INTERVAL
+                        texts.append(self._view.tables())
+                    texts.append(self._view.values())
+                for text in filter(None, texts):
+                    self._unseen += 1
+                    self._connection.sendall(self._web.send(TextMessage(text)))
+                if not self._listen(now + VALUES_INTERVAL) or now > seen + PATIENCE:
                     return
         except (ProtocolError, ValueError):
             self._connection.sendall(self._web.send(CloseConnection(1007, "not understood")))
@@ -196,7 +201,7 @@ class _Conversation:
                 raise ValueError("too long for a request")
             if event.message_finished:
                 said, self._said = self._said, ""
-                self._view.hear(said)
+                self._unseen = max(0, self._unseen - self._view.hear(said))
         return not isinstance(event, CloseConnection)
 
 

@@ -6,17 +6,20 @@
 use mavwire_core::codec::{number, text_bytes};
 use mavwire_core::frame::{self, FrameRef, Header, IFLAG_SIGNED};
 use mavwire_core::registry::Registry;
+use mavwire_core::router::{Fate, LinkId, LinkOptions, Router, Settings};
 use mavwire_core::scan::{Found, Resync, Scanner};
 use mavwire_core::schema::{Message, WireVersion};
 use mavwire_core::signing::{self, SecretKey, SigningState};
 use mavwire_core::{builtin, text};
+use std::cell::RefCell;
 use std::error::Error;
 use std::hint::black_box;
 use std::io::Write;
 use std::time::Instant;
 
 const BLOCK: usize = 1000;
-const CASES: [&str; 7] = ["scan", "scan-rescan", "decode", "encode", "verify", "text", "json"];
+const CASES: [&str; 8] =
+    ["scan", "scan-rescan", "route", "decode", "encode", "verify", "text", "json"];
 /// Message ids, with how many payload bytes are left after the zeros were cut.
 const MIX: [(u32, u8); 10] = [
     (30, 28),
@@ -78,6 +81,7 @@ struct Bench {
     registry: Registry,
     plain: Frames,
     signed: Frames,
+    router: RefCell<Router>,
 }
 
 impl Bench {
@@ -85,7 +89,11 @@ impl Bench {
         let registry = Registry::new(builtin::dialect("ardupilotmega", WireVersion::V2)?);
         let plain = Frames::new(&registry, None)?;
         let signed = Frames::new(&registry, Some(&key()?))?;
-        Ok(Self { registry, plain, signed })
+        let mut router = Router::new(&registry, Settings::new(1));
+        for _ in 0..3 {
+            router.add_link(LinkOptions::default()).ok_or("there is room for three")?;
+        }
+        Ok(Self { registry, plain, signed, router: RefCell::new(router) })
     }
 
     /// Handles one block of frames.
@@ -93,6 +101,7 @@ impl Bench {
         match case {
             "scan" => self.scan(Resync::Skip),
             "scan-rescan" => self.scan(Resync::Rescan),
+            "route" => self.route(),
             "verify" => self.verify(),
             "decode" | "encode" | "text" | "json" => {
                 self.plain.iter().try_for_each(|bytes| self.message(case, bytes))
@@ -111,6 +120,20 @@ impl Bench {
             count += 1;
         }
         if count == BLOCK { Ok(()) } else { Err("not every frame was found".into()) }
+    }
+
+    /// Decides about frames between three links, which are new to duplicate suppression each time.
+    fn route(&self) -> Result<(), Box<dyn Error>> {
+        let mut router = self.router.borrow_mut();
+        for (n, bytes) in self.plain.iter().enumerate() {
+            let header = Header::parse(black_box(bytes)).ok_or("no frame")?;
+            let entry = self.registry.lookup(header.msgid);
+            let fate = router.route(bytes, &header, entry, LinkId(0), 1_000_000 * n as u64);
+            if !matches!(fate, Fate::Forwarded(links) if links.len() == 2) {
+                return Err(format!("{fate:?} is not where it should go").into());
+            }
+        }
+        Ok(())
     }
 
     fn verify(&self) -> Result<(), Box<dyn Error>> {

@@ -46,6 +46,15 @@ impl BorderOptions {
     }
 }
 
+/// A frame that came in through a border.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Entered<'a> {
+    /// Its bytes from here on.
+    pub frame: Cow<'a, [u8]>,
+    /// Nothing had to be proven, or its signature did; false for a message that may come without one.
+    pub proven: bool,
+}
+
 /// The border of one link. Links with the same key share their signing state, so that what was heard on one of them cannot
 /// be replayed on another.
 #[derive(Debug)]
@@ -60,25 +69,22 @@ impl Border {
         Self { options, signing }
     }
 
-    /// What comes in needs a good signature.
-    pub fn verifies(&self) -> bool {
-        self.options.verify
-    }
-
     /// A good frame as it enters; `None` if it has no good signature and needs one. `now` in units of signing timestamps.
-    pub fn incoming<'a>(&self, frame: &'a [u8], now: u64) -> Option<Cow<'a, [u8]>> {
+    pub fn incoming<'a>(&self, frame: &'a [u8], now: u64) -> Option<Entered<'a>> {
         let whole = FrameRef::parse(frame).ok()?;
+        let mut proven = true;
         if self.options.verify {
             match self.signing.borrow_mut().check(&whole, Some(now)) {
                 Verdict::Good { .. } => {}
-                Verdict::Unsigned if self.options.unsigned.contains(&whole.header().msgid) => {}
+                Verdict::Unsigned if self.options.unsigned.contains(&whole.header().msgid) => {
+                    proven = false;
+                }
                 _ => return None,
             }
         }
-        if self.options.strip_in && whole.header().is_signed() {
-            return Some(Cow::Owned(without_signature(frame)));
-        }
-        Some(Cow::Borrowed(frame))
+        let bare = self.options.strip_in && whole.header().is_signed();
+        let frame = if bare { Cow::Owned(without_signature(frame)) } else { Cow::Borrowed(frame) };
+        Some(Entered { frame, proven })
     }
 
     /// A good frame as it leaves; `None` if it cannot be said in the version of the link, or not be signed.
@@ -165,6 +171,10 @@ mod tests {
         border.outgoing(frame, registry.lookup(header.msgid), NOW).map(Cow::into_owned)
     }
 
+    fn enters(border: &Border, frame: &[u8]) -> Option<Vec<u8>> {
+        border.incoming(frame, NOW).map(|entered| entered.frame.into_owned())
+    }
+
     fn frame(version: WireVersion, msgid: u32, payload: &[u8], crc_extra: u8) -> Vec<u8> {
         let mut out = Vec::new();
         encode(&mut out, header(version, msgid, 7), payload, crc_extra).expect("it fits");
@@ -218,12 +228,12 @@ mod tests {
         for plain in [HEARTBEAT_V2.to_vec(), frame(V2, UNKNOWN, &[3; 20], 77)] {
             let signed = leaves(&here, &registry, &plain).expect("it can be signed");
             assert_eq!(signed.len(), plain.len() + 13);
-            assert_eq!(stranger.incoming(&signed, NOW), None);
-            assert_eq!(there.incoming(&signed, NOW).as_deref(), Some(&plain[..]), "and bare");
+            assert_eq!(enters(&stranger, &signed), None);
+            assert_eq!(enters(&there, &signed), Some(plain.clone()), "and bare");
             assert_eq!(there.incoming(&signed, NOW), None, "a replay");
             assert_eq!(there.incoming(&plain, NOW), None, "not signed");
             let again = leaves(&here, &registry, &signed).expect("signed anew");
-            assert_eq!(there.incoming(&again, NOW).as_deref(), Some(&plain[..]));
+            assert_eq!(enters(&there, &again), Some(plain));
         }
         let old = leaves(&here, &registry, &HEARTBEAT_V1).expect("version 2 from here on");
         assert!(there.incoming(&old, NOW).is_some());
@@ -233,7 +243,11 @@ mod tests {
     fn messages_may_be_named_that_need_no_signature() {
         let options = BorderOptions { verify: true, unsigned: vec![0], ..<_>::default() };
         let border = border(options, 1);
-        assert!(matches!(border.incoming(&HEARTBEAT_V2, NOW), Some(Cow::Borrowed(_))));
+        let entered = border.incoming(&HEARTBEAT_V2, NOW).expect("it is named");
+        assert_eq!(entered, Entered { frame: Cow::Borrowed(&HEARTBEAT_V2), proven: false });
+        let genuine = super::tests::border(BorderOptions { sign: true, ..<_>::default() }, 1);
+        let genuine = leaves(&genuine, &registry(), &HEARTBEAT_V2).expect("signed");
+        assert!(border.incoming(&genuine, NOW).expect("signed").proven);
         assert_eq!(border.incoming(&frame(V2, 30, &[1; 28], 39), NOW), None);
         let forged = leaves(
             &super::tests::border(BorderOptions { sign: true, ..<_>::default() }, 2),

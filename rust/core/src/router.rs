@@ -25,6 +25,8 @@ pub use limit::Limits;
 pub use links::{LinkId, LinkSet, MAX_LINKS};
 pub use table::ComponentStats;
 
+use std::collections::BTreeMap;
+
 use crate::frame::Header;
 use crate::registry::{Entry, Registry};
 use dedup::Dedup;
@@ -196,25 +198,28 @@ impl Router {
 
     /// Works out anew which links belong to what.
     fn regroup(&mut self) {
+        [self.broadcast, self.sniffers, self.screened] = [LinkSet::EMPTY; 3];
+        let mut groups: BTreeMap<u16, LinkSet> = BTreeMap::new();
         let ids = || (0..=u8::MAX).map(LinkId);
-        let all: Vec<(LinkId, LinkOptions)> = ids()
-            .zip(&self.ports)
-            .filter_map(|(id, port)| Some((id, port.as_ref()?.options.clone())))
-            .collect();
-        let those = |wanted: &dyn Fn(LinkId, &LinkOptions) -> bool| {
-            all.iter().filter(|(id, options)| wanted(*id, options)).map(|&(id, _)| id).collect()
-        };
-        self.broadcast = those(&|_, options| !options.private);
-        self.sniffers = those(&|_, options| options.sniffer);
-        self.screened =
-            those(&|_, options| !options.outbound.is_open() || !options.limits.is_open());
-        for (id, port) in ids().zip(&mut self.ports) {
-            if let Some(port) = port {
-                let group = port.options.group;
-                port.group = those(&|other, options| {
-                    other == id || (group.is_some() && options.group == group)
-                });
+        for (id, port) in ids().zip(&self.ports) {
+            let Some(Port { options, .. }) = port else { continue };
+            if !options.private {
+                self.broadcast.insert(id);
             }
+            if options.sniffer {
+                self.sniffers.insert(id);
+            }
+            if !options.outbound.is_open() || !options.limits.is_open() {
+                self.screened.insert(id);
+            }
+            if let Some(group) = options.group {
+                groups.entry(group).or_default().insert(id);
+            }
+        }
+        for (id, port) in ids().zip(&mut self.ports) {
+            let Some(port) = port else { continue };
+            let own = LinkSet::only(id);
+            port.group = port.options.group.map_or(own, |group| groups[&group]);
         }
     }
 

@@ -7,18 +7,21 @@
 //! | module | |
 //! |---|---|
 //! | `endpoint` | where a link leads, opening and dialling |
-//! | `event_loop` | waiting, reading, writing, connections that come and go |
+//! | `event_loop` | waiting, reading, writing |
+//! | `connections` | links that are added and removed, connections that come and go |
 //! | `switch` | bytes to frames to queues |
 //! | `port`, `outbox`, `lane`, `send` | one peer, its queue, many datagrams in a call |
 //! | `automation` | what the bridge says of its own accord |
 //! | `report`, `latency` | what it tells about itself |
-//! | `hub` | the newest frames, and taps for the program around the bridge |
+//! | `hub`, `kind_hash` | the newest frames, and taps for the program around the bridge |
 //! | `recorder` | telemetry logs |
 
 mod automation;
+mod connections;
 mod endpoint;
 mod event_loop;
 mod hub;
+mod kind_hash;
 mod lane;
 mod latency;
 mod outbox;
@@ -27,6 +30,7 @@ mod recorder;
 mod report;
 mod send;
 mod serial;
+mod socket_options;
 mod stats;
 mod switch;
 
@@ -164,7 +168,8 @@ impl Bridge {
     /// # Errors
     /// The bridge has stopped.
     pub fn stats(&self) -> Result<Stats, BridgeError> {
-        self.ask(Command::Stats)
+        let (stats, heard) = self.ask(Command::Stats)?;
+        Ok(Stats { components: heard.reports(), ..stats })
     }
 
     /// Routes frames as if they came over a link of their own.

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import json
 import os
-import queue
 import signal
 import socket
-import subprocess
-import sys
 import threading
 import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
+from integration.processes import announced_ports, mavwire
 from mavwire import Bridge, mavutil, open_log
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.sim import Vehicle, serve
@@ -34,8 +32,6 @@ from unit.bridge_tools import (
     wait_until,
 )
 from unit.link_tools import heartbeat, pack
-
-PACKAGE_FOLDER = str(Path(mavutil.__file__).parents[1])
 
 
 @pytest.fixture(autouse=True)
@@ -195,43 +191,6 @@ def test_links_that_come_and_go_lose_nothing_on_the_others() -> None:
 
 
 # -- the command line
-
-
-@contextmanager
-def mavwire(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], queue.Queue[str]]]:
-    """A `mavwire` process, and the lines of its standard error."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "mavwire", *arguments],
-        env={**os.environ, "PYTHONPATH": PACKAGE_FOLDER},
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    lines: queue.Queue[str] = queue.Queue()
-
-    def collect() -> None:
-        assert process.stderr is not None
-        for line in process.stderr:
-            lines.put(line.rstrip())
-
-    thread = threading.Thread(target=collect)
-    thread.start()
-    try:
-        yield process, lines
-    finally:
-        process.kill()
-        process.wait()
-        thread.join()
-        assert process.stdout is not None and process.stderr is not None
-        process.stdout.close()
-        process.stderr.close()
-
-
-def announced_ports(lines: queue.Queue[str]) -> list[int]:
-    """The ports in the line that tells what is routed."""
-    while True:
-        line = lines.get(timeout=LIMIT)
-        if line.startswith("routing between "):
-            links = line.removeprefix("routing between ").partition(";")[0]
-            return [int(link.rpartition(":")[2]) for link in links.split(", ")]
 
 
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])

@@ -135,6 +135,26 @@ def test_batches_in_asyncio() -> None:
     assert [msg.get_type() for msg in asyncio.run(asyncio.wait_for(main(), LIMIT))] == ["HEARTBEAT"]
 
 
+def test_a_cancelled_wait_loses_no_batch() -> None:
+    class Tap:
+        def __init__(self) -> None:
+            self.go, self.left = threading.Event(), [["first"], ["second"], None]
+
+        def next(self, *limits: object) -> Any:
+            assert self.go.wait(LIMIT)
+            return self.left.pop(0)
+
+    async def main() -> None:
+        tap: Any = Tap()
+        batches = FrameBatches(tap, 1, 0.0)
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(anext(batches), 0.001)
+        tap.go.set()
+        assert [batch async for batch in batches] == [["first"], ["second"]]
+
+    asyncio.run(main())
+
+
 def test_the_newest_message_of_each_kind() -> None:
     with Bridge([UDP], source_system=250, source_component=7) as bridge:
         assert bridge.latest("HEARTBEAT") is None

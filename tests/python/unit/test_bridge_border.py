@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import socket
 import time
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,18 @@ import pytest
 from mavwire import Bridge
 from mavwire.bridge import ConfigError, Link, load_config
 from mavwire.dialects.v20 import all as mavlink
-from unit.bridge_tools import TCP, UDP, command, peers, receive, report, udp_peer, wait_until
+from unit.bridge_tools import (
+    LIMIT,
+    TCP,
+    UDP,
+    command,
+    peers,
+    port_of,
+    receive,
+    report,
+    udp_peer,
+    wait_until,
+)
 from unit.link_tools import KEY, heartbeat, pack, signed
 
 BEAT = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
@@ -43,6 +56,9 @@ def test_signatures_are_verified_and_taken_off_on_the_way_in() -> None:
         status = pack(mavlink.MAVLink_radio_status_message(1, 2, 3, 4, 5, 6, 7), 1, 51, 68)
         with udp_peer(bridge, "radio") as stranger, udp_peer(bridge, "radio") as vehicle:
             stranger.send(heartbeat(sysid=66))
+            early = pack(mavlink.MAVLink_radio_status_message(1, 2, 3, 4, 5, 6, 7), 0, 51, 68)
+            stranger.send(early)
+            assert receive(station) == early
             wait_until("it", lambda: sum(one["unverified"] for one in peers(bridge, "radio")) == 1)
             bridge.send(heartbeat(seq=9, sysid=255))
             assert receive(station) == heartbeat(seq=9, sysid=255)
@@ -59,7 +75,29 @@ def test_signatures_are_verified_and_taken_off_on_the_way_in() -> None:
             bridge.send(command(1))
             assert receive(vehicle) == command(1)
             (other,) = [one for one in peers(bridge, "radio") if one["unverified"] == 1]
-            assert (other["sent"], other["received"]) == (0, 0), "who proves nothing gets nothing"
+            assert (other["sent"], other["received"]) == (0, 1), "who proves nothing gets nothing"
+
+
+def test_strangers_do_not_keep_out_who_has_the_key() -> None:
+    with Bridge() as bridge:
+        bridge.add(TCP, name="door", signing_key=KEY, verify_in=True)
+        where = ("127.0.0.1", port_of(bridge, "door"))
+        with ExitStack() as stack:
+            for _ in range(64):
+                stack.enter_context(socket.create_connection(where, LIMIT))
+            wait_until("them", lambda: len(peers(bridge, "door")) == 64)
+
+            def served() -> bool:
+                refused = report(bridge, "door")["refused"]
+                with socket.create_connection(where, LIMIT) as member:
+                    with suppress(OSError):
+                        member.sendall(now_signed(BEAT))
+                    wait_until("its fate", lambda: bridge.latest("HEARTBEAT")
+                               or report(bridge, "door")["refused"] > refused)  # fmt: skip
+                return bridge.latest("HEARTBEAT") is not None
+
+            wait_until("a place", served)
+            assert len(peers(bridge, "door")) <= 64
 
 
 def test_two_bridges_sign_what_goes_between_them(tmp_path: Path) -> None:

@@ -16,12 +16,12 @@ pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'ma
 
 from mavwire import Bridge, open_log
 from mavwire.bridge import Recording
-from mavwire.bridge.inspection import View, plain
-from mavwire.bridge.inspector import MAX_REQUEST, Inspector
+from mavwire.bridge.inspection import MAX_COMPONENTS, View, plain
+from mavwire.bridge.inspector import MAX_REQUEST, MAX_UNSEEN, TABLES_INTERVAL, Inspector
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, UDP, udp_peer, wait_until
 from unit.link_tools import heartbeat, pack
-from unit.web_tools import WebSocketClient
+from unit.web_tools import PageClient, WebSocketClient
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 
@@ -54,7 +54,7 @@ def refused(port: int, path: str, headers: dict[str, str] | None = None) -> int:
 def test_a_page_is_told_what_comes_and_the_values_of_what_it_opens(
     bridge: Bridge, inspector: Inspector
 ) -> None:
-    with udp_peer(bridge, UDP) as vehicle, WebSocketClient(inspector.port, "/ws") as page:
+    with udp_peer(bridge, UDP) as vehicle, PageClient(inspector.port, "/ws") as page:
         vehicle.send(heartbeat(sysid=7))
         attitude = mavlink.MAVLink_attitude_message(1, 0.25, math.nan, 0, 0, 0, 0)
         vehicle.send(pack(attitude, 1, 7))
@@ -75,6 +75,38 @@ def test_a_page_is_told_what_comes_and_the_values_of_what_it_opens(
             lambda told: told.get("values", {}).get("7/1/30", [0, [[1]]])[1][0][0] == 2
         )
         assert newer
+
+
+def test_a_page_that_does_not_keep_up_gets_the_newest_values(
+    bridge: Bridge, inspector: Inspector
+) -> None:
+    def turn(roll: int) -> None:
+        bridge.send(pack(mavlink.MAVLink_attitude_message(roll, roll, 0, 0, 0, 0, 0), roll % 256))
+        wait_until("it", lambda: bridge.latest("ATTITUDE").roll == roll)
+
+    turn(0)
+    with WebSocketClient(inspector.port, "/ws") as page:
+        page.send({"open": [[1, 1, 30]]})
+        seen: list[Any] = []
+        page.until(lambda told: seen.append(told) or len(seen) == MAX_UNSEEN)
+        for roll in range(1, 6):
+            turn(roll)
+            # Time for some updates, if it sent any.
+            start = bridge.stats()["uptime"]
+            wait_until("time", lambda: bridge.stats()["uptime"] > start + TABLES_INTERVAL / 2)  # noqa: B023
+        page.send({"seen": MAX_UNSEEN})
+        rolls = page.until(lambda told: "values" in told and told["values"]["1/1/30"][1][1])
+        assert rolls == [5, ""], "and nothing that waited"
+
+
+def test_made_up_addresses_do_not_flood_a_page(bridge: Bridge) -> None:
+    import json
+
+    count = MAX_COMPONENTS + 10
+    bridge.send(b"".join(heartbeat(0, 1 + n // 200, 1 + n % 200) for n in range(count)))
+    wait_until("all", lambda: len(bridge.stats()["components"]) == count)
+    told = json.loads(View(bridge).tables())
+    assert (len(told["components"]), told["hidden_components"]) == (MAX_COMPONENTS, 10)
 
 
 def test_each_type_is_described_once(bridge: Bridge) -> None:
@@ -135,9 +167,9 @@ def test_others_are_refused(
 
 def test_an_origin_of_its_own_is_welcome(inspector: Inspector) -> None:
     origin = {"Origin": f"http://127.0.0.1:{inspector.port}"}
-    with WebSocketClient(inspector.port, "/ws", origin) as page:
+    with PageClient(inspector.port, "/ws", origin) as page:
         assert page.status == 101
-    with WebSocketClient(inspector.port, "/ws", {"Origin": "http://127.0.0.1:1"}) as page:
+    with PageClient(inspector.port, "/ws", {"Origin": "http://127.0.0.1:1"}) as page:
         assert page.status == 403
 
 
@@ -148,7 +180,7 @@ def test_other_addresses_than_loopback_need_the_token(bridge: Bridge) -> None:
         for path in ("/", "/ws", "/recording", "/?token=", "/?token=%C3%A4", f"/{query}x"):
             assert refused(inspector.port, path) == 403
         assert b"mavwire bridge" in fetch(inspector.port, f"/{query}", {"Host": "rover.local"})[1]
-        with WebSocketClient(inspector.port, f"/ws{query}") as page:
+        with PageClient(inspector.port, f"/ws{query}") as page:
             assert page.status == 101
 
 
@@ -169,11 +201,12 @@ def test_the_recording_can_be_downloaded(tmp_path: Path) -> None:
     "said",
     [
         "nonsense", "[]", "{}", '{"open": 7}', '{"open": [[1, 2]]}', '{"open": [[1, 2, -1]]}',
-        '{"open": [[1, 2, true]]}', '{"open": [["a", {}, []]]}', "[" * 5000, "x" * (MAX_REQUEST + 1),
+        '{"open": [[1, 2, true]]}', '{"seen": -1}', '{"seen": "a"}',
+        '{"open": [["a", {}, []]]}', "[" * 5000, "x" * (MAX_REQUEST + 1),
     ],
 )  # fmt: skip
 def test_nonsense_ends_the_conversation_and_nothing_else(inspector: Inspector, said: str) -> None:
-    with WebSocketClient(inspector.port, "/ws") as page:
+    with PageClient(inspector.port, "/ws") as page:
         page.send(said)
         assert page.closed() == 1007
     assert fetch(inspector.port, "/")[1]
@@ -181,7 +214,7 @@ def test_nonsense_ends_the_conversation_and_nothing_else(inspector: Inspector, s
 
 def test_it_ends_with_the_bridge_and_when_it_is_closed(bridge: Bridge) -> None:
     inspector = Inspector(bridge, "127.0.0.1", 0)
-    with WebSocketClient(inspector.port, "/ws") as page:
+    with PageClient(inspector.port, "/ws") as page:
         page.until(lambda told: "kinds" in told)
         bridge.stop()
         assert page.closed() == 1001

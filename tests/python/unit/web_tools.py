@@ -58,10 +58,14 @@ class WebSocketClient:
         while True:
             while self._texts:
                 found = wanted(json.loads(self._texts.pop(0)))
+                self.saw()
                 if found:
                     return found
             assert self.close_code is None, f"closed with {self.close_code}"
             self._receive()
+
+    def saw(self) -> None:
+        """A text was dealt with."""
 
     def closed(self) -> int:
         """Wait for the server to close; its code."""
@@ -78,3 +82,10 @@ class WebSocketClient:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+class PageClient(WebSocketClient):
+    """One that tells the web inspector what it has seen, as its page does."""
+
+    def saw(self) -> None:
+        self.send({"seen": 1})

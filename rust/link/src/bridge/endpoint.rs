@@ -13,12 +13,10 @@ use mavwire_core::border::BorderOptions;
 use mavwire_core::router::LinkOptions;
 
 use super::automation::AutomationOptions;
-use super::serial;
+use super::{serial, socket_options};
 
 /// How long a connection may take to come about.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
-/// What a socket is asked to hold of what is not read yet, where the system lets it.
-static RECEIVE_BUFFER: libc::c_int = 8 << 20;
 
 /// Where a link leads. A host is a name or a numeric address.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -103,7 +101,8 @@ pub struct LinkSpec {
     pub endpoint: Endpoint,
     /// What each of its peers gets.
     pub port: PortSpec,
-    /// A peer of a UDP server is forgotten after this long without a good frame.
+    /// A peer of a UDP server is forgotten after this long without a good frame, and a connection ends whose other side
+    /// acknowledges nothing for so long.
     pub peer_timeout: Duration,
     /// Longest pause between two attempts to connect again; `None` gives up after the first connection ends.
     pub retry: Option<Duration>,
@@ -132,10 +131,11 @@ pub(super) enum Stream {
 }
 
 impl Stream {
-    /// A connection as the bridge wants it.
-    pub(super) fn tcp(stream: TcpStream) -> io::Result<Self> {
+    /// A connection as the bridge wants it, which ends when the other side acknowledges nothing for `patience`.
+    pub(super) fn tcp(stream: TcpStream, patience: Duration) -> io::Result<Self> {
         stream.set_nonblocking(true)?;
         stream.set_nodelay(true)?;
+        socket_options::limit_silence(&stream, patience)?;
         Ok(Self::Tcp(stream))
     }
 
@@ -173,8 +173,8 @@ impl AsRawFd for Stream {
 /// What adding a link opens.
 #[derive(Debug)]
 pub(super) enum Opened {
-    /// A socket with one port of the router behind it.
-    Datagrams(UdpSocket),
+    /// A socket with one port of the router behind it, and where its datagrams go if it has no peer.
+    Datagrams(UdpSocket, Option<SocketAddr>),
     /// A socket with a port for each peer.
     DatagramServer(UdpSocket),
     Listener(TcpListener),
@@ -188,7 +188,7 @@ impl Opened {
         let address = match self {
             Self::DatagramServer(socket) => socket.local_addr()?,
             Self::Listener(listener) => listener.local_addr()?,
-            Self::Datagrams(_) | Self::Dialled(_) => return Ok(None),
+            Self::Datagrams(..) | Self::Dialled(_) => return Ok(None),
         };
         Ok(Some(address.port()))
     }
@@ -207,12 +207,16 @@ impl Endpoint {
     fn opened(&self) -> io::Result<Opened> {
         match self {
             Self::UdpClient { host, port } => {
-                let socket = udp_to(host, *port, UdpSocket::connect)?;
-                Ok(Opened::Datagrams(socket))
+                let to = resolve(host, *port)?;
+                let socket = prepared(UdpSocket::bind(any(to))?)?;
+                socket.connect(to)?;
+                Ok(Opened::Datagrams(socket, None))
             }
             Self::UdpBroadcast { host, port } => {
-                let allow = |socket: &UdpSocket, _: SocketAddr| socket.set_broadcast(true);
-                Ok(Opened::Datagrams(udp_to(host, *port, allow)?))
+                let to = resolve(host, *port)?;
+                let socket = prepared(UdpSocket::bind(any(to))?)?;
+                socket.set_broadcast(true)?;
+                Ok(Opened::Datagrams(socket, Some(to)))
             }
             Self::UdpServer { host, port } => {
                 Ok(Opened::DatagramServer(prepared(UdpSocket::bind((host.as_str(), *port))?)?))
@@ -227,12 +231,15 @@ impl Endpoint {
                 resolve(host, *port)?;
                 Ok(Opened::Dialled(None))
             }
-            Self::Serial { .. } => Ok(Opened::Dialled(Some(self.dial()?))),
+            Self::Serial { path, baud, flow_control } => {
+                let file = serial::open(path, *baud, *flow_control)?;
+                Ok(Opened::Dialled(Some(Stream::Serial(file))))
+            }
         }
     }
 
-    /// Connects, however long that takes.
-    pub(super) fn dial(&self) -> io::Result<Stream> {
+    /// Connects, however long that takes; `patience` as for [`Stream::tcp`].
+    pub(super) fn dial(&self, patience: Duration) -> io::Result<Stream> {
         match self {
             Self::Serial { path, baud, flow_control } => {
                 serial::open(path, *baud, *flow_control).map(Stream::Serial)
@@ -241,21 +248,13 @@ impl Endpoint {
                 let mut last = io::ErrorKind::AddrNotAvailable.into();
                 for address in (host.as_str(), *port).to_socket_addrs()? {
                     match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
-                        Ok(stream) => return Stream::tcp(stream),
+                        Ok(stream) => return Stream::tcp(stream, patience),
                         Err(error) => last = error,
                     }
                 }
                 Err(last)
             }
             _ => Err(io::ErrorKind::Unsupported.into()),
-        }
-    }
-
-    /// The address that datagrams go to which have no other.
-    pub(super) fn broadcast_address(&self) -> io::Result<Option<SocketAddr>> {
-        match self {
-            Self::UdpBroadcast { host, port } => resolve(host, *port).map(Some),
-            _ => Ok(None),
         }
     }
 }
@@ -265,39 +264,42 @@ fn resolve(host: &str, port: u16) -> io::Result<SocketAddr> {
     first.ok_or_else(|| io::ErrorKind::AddrNotAvailable.into())
 }
 
-/// A socket of the family of an address, made ready to send there.
-fn udp_to(
-    host: &str,
-    port: u16,
-    ready: impl Fn(&UdpSocket, SocketAddr) -> io::Result<()>,
-) -> io::Result<UdpSocket> {
-    let to = resolve(host, port)?;
-    let any = if to.is_ipv4() { "0.0.0.0" } else { "::" };
-    let socket = UdpSocket::bind((any, 0))?;
-    ready(&socket, to)?;
-    prepared(socket)
+/// Any address of the same family, and any port.
+fn any(like: SocketAddr) -> (&'static str, u16) {
+    (if like.is_ipv4() { "0.0.0.0" } else { "::" }, 0)
 }
 
 fn prepared(socket: UdpSocket) -> io::Result<UdpSocket> {
     socket.set_nonblocking(true)?;
-    #[cfg(target_os = "linux")]
-    let names = [libc::SO_RCVBUFFORCE, libc::SO_RCVBUF];
-    #[cfg(not(target_os = "linux"))]
-    let names = [libc::SO_RCVBUF];
-    for name in names {
-        // SAFETY: the pointer is to a number of the length given, which the call only reads.
-        let done = unsafe {
-            libc::setsockopt(
-                socket.as_raw_fd(),
-                libc::SOL_SOCKET,
-                name,
-                (&raw const RECEIVE_BUFFER).cast(),
-                size_of_val(&RECEIVE_BUFFER) as libc::socklen_t,
-            )
-        };
-        if done == 0 {
-            break;
+    socket_options::enlarge(&socket);
+    Ok(socket)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use std::net::Ipv4Addr;
+
+    #[test]
+    fn a_connection_ends_that_nobody_acknowledges() {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let port = listener.local_addr().unwrap().port();
+        let endpoint = Endpoint::TcpClient { host: "127.0.0.1".into(), port };
+        for (patience, expected) in [(60_000, [60_000, 30, 10]), (250, [250, 1, 1])] {
+            let stream = endpoint.dial(Duration::from_millis(patience)).unwrap();
+            let option = |name| {
+                let (mut value, mut len) = (0, size_of::<libc::c_int>() as libc::socklen_t);
+                let place: *mut libc::c_int = &raw mut value;
+                let fd = stream.as_raw_fd();
+                // SAFETY: the pointers are to a number and to its length, which the call may write.
+                let done = unsafe {
+                    libc::getsockopt(fd, libc::IPPROTO_TCP, name, place.cast(), &raw mut len)
+                };
+                assert_eq!(done, 0);
+                value
+            };
+            let names = [libc::TCP_USER_TIMEOUT, libc::TCP_KEEPIDLE, libc::TCP_KEEPINTVL];
+            assert_eq!(names.map(option), expected);
         }
     }
-    Ok(socket)
 }

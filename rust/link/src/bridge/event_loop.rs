@@ -21,6 +21,7 @@ use super::hub::Hub;
 use super::latency::Latency;
 use super::port::Wire;
 use super::recorder::Recorder;
+use super::report::Heard;
 use super::stats::{Stats, Traffic};
 use super::switch::{Moment, PROGRAM, Switch};
 use super::{BridgeError, Waker};
@@ -33,21 +34,25 @@ use crate::readiness::poll;
 /// What the link is called that frames of the program around the bridge come over.
 pub(super) const PROGRAM_NAME: &str = "program";
 /// Peers of a UDP server, and connections to a TCP server.
-const MAX_PEERS: usize = 64;
+pub(super) const MAX_PEERS: usize = 64;
 /// Batches of datagrams that are read from one socket in a round, and connections that are taken.
 const TURNS: usize = 8;
+/// Bytes after which no further batch is read.
+const ROUND_BYTES: usize = 256 * 1024;
+/// What is routed at a time before queues are looked at: a burst is no reason to drop what a link would take.
+const PIECE: usize = 16 * 1024;
 /// Commands that are obeyed in a round.
 const COMMANDS: usize = 64;
 /// How often peers are looked at that say nothing any more.
-const TICK: u64 = 1_000_000;
+pub(super) const TICK: u64 = 1_000_000;
 /// The first pause before a connection is tried again; doubled up to the limit of the link.
-const FIRST_RETRY: Duration = Duration::from_millis(250);
+pub(super) const FIRST_RETRY: Duration = Duration::from_millis(250);
 
 /// What the handle asks of the thread.
 pub(super) enum Command {
     Add(Box<LinkSpec>, Opened, SyncSender<Result<(), BridgeError>>),
     Remove(String, SyncSender<Result<(), BridgeError>>),
-    Stats(SyncSender<Stats>),
+    Stats(SyncSender<(Stats, Heard)>),
     Send(Vec<u8>),
     /// A thread that dials has an answer.
     Dialled(u32, io::Result<Stream>),
@@ -67,7 +72,7 @@ pub(super) enum Kind {
 pub(super) struct Dialling {
     /// When to try again; `None` while connected, being connected, or given up.
     pub(super) at: Option<u64>,
-    pause: Duration,
+    pub(super) pause: Duration,
     pub(super) under_way: bool,
     pub(super) connections: u64,
 }
@@ -81,12 +86,12 @@ pub(super) struct Link {
     pub(super) departed: Traffic,
     pub(super) departed_latency: Latency,
     /// A listener that cannot accept, for want of descriptors, is left alone until the next tick.
-    resting: bool,
+    pub(super) resting: bool,
 }
 
 impl Link {
     /// Keeps the numbers of a peer that left.
-    fn part_with(&mut self, (traffic, latency): (Traffic, Latency)) {
+    pub(super) fn part_with(&mut self, (traffic, latency): (Traffic, Latency)) {
         self.departed.add(&traffic);
         self.departed_latency.add(&latency);
     }
@@ -104,11 +109,11 @@ enum Token {
 pub(super) struct EventLoop {
     pub(super) switch: Switch,
     pub(super) links: BTreeMap<u32, Link>,
-    last_number: u32,
-    hub: Arc<Hub>,
+    pub(super) last_number: u32,
+    pub(super) hub: Arc<Hub>,
     pub(super) recorder: Option<Recorder>,
     commands: Receiver<Command>,
-    waker: Waker,
+    pub(super) waker: Waker,
     wake: UnixStream,
     started: Instant,
     next_tick: u64,
@@ -261,21 +266,33 @@ impl EventLoop {
         port_of: impl Fn(&mut Self, &[u8], Address) -> Option<LinkId>,
     ) {
         let mut inbox = std::mem::take(&mut self.inbox);
+        let mut read = 0;
         for _ in 0..TURNS {
             // What a socket says of an earlier datagram to a peer that is not there is no matter of reading.
             let Ok(count) = inbox.fill(socket.as_raw_fd(), None) else { break };
             while let Some((bytes, from)) = inbox.front() {
                 let len = bytes.len();
                 if let Some(port) = port_of(self, bytes, from) {
-                    self.switch.feed(port, bytes);
+                    self.feed(port, bytes);
                 }
+                read += len;
                 inbox.advance(len);
             }
-            if count < BATCH {
+            if count < BATCH || read >= ROUND_BYTES {
                 break;
             }
         }
         self.inbox = inbox;
+    }
+
+    /// Routes what arrived at a port, and sends in between what would not find room in its queue.
+    fn feed(&mut self, id: LinkId, bytes: &[u8]) {
+        for piece in bytes.chunks(PIECE) {
+            self.switch.feed(id, piece);
+            if self.switch.crowded {
+                self.flush();
+            }
+        }
     }
 
     /// The port of a peer of a UDP server. A new one gets a port when it sends a good frame (R61).
@@ -286,8 +303,7 @@ impl EventLoop {
         bytes: &[u8],
         from: Address,
     ) -> Option<LinkId> {
-        let link = self.links.get_mut(&number)?;
-        let Kind::DatagramServer(_, peers) = &mut link.kind else { return None };
+        let Kind::DatagramServer(_, peers) = &self.links.get(&number)?.kind else { return None };
         if let Some(&port) = peers.get(&from) {
             return Some(port);
         }
@@ -295,15 +311,11 @@ impl EventLoop {
             return None;
         }
         let wire = Wire::Datagrams(Rc::clone(socket), Some(from));
-        let room = peers.len() < MAX_PEERS;
-        let added = room.then(|| self.switch.add_peer(number, wire, &link.spec.port)).flatten();
-        let Some(port) = added else {
-            link.refused += 1;
-            return None;
-        };
-        peers.insert(from, port.id);
-        port.peer = Some(from.socket_addr().to_string());
-        Some(port.id)
+        let id = self.welcome(number, wire, from.socket_addr())?;
+        if let Kind::DatagramServer(_, peers) = &mut self.links.get_mut(&number)?.kind {
+            peers.insert(from, id);
+        }
+        Some(id)
     }
 
     fn accept(&mut self, number: u32) {
@@ -319,14 +331,9 @@ impl EventLoop {
                     return;
                 }
             };
-            let Ok(stream) = Stream::tcp(stream) else { continue };
-            let count = self.switch.ports().filter(|port| port.link == number).count();
-            let wire = Wire::Stream(stream);
-            let room = count < MAX_PEERS;
-            let added = room.then(|| self.switch.add_peer(number, wire, &link.spec.port)).flatten();
-            match added {
-                Some(port) => port.peer = Some(from.to_string()),
-                None => link.refused += 1, // dropped, which closes it
+            let patience = link.spec.peer_timeout;
+            if let Ok(stream) = Stream::tcp(stream, patience) {
+                self.welcome(number, Wire::Stream(stream), from); // else dropped, which closes it
             }
         }
     }
@@ -335,14 +342,16 @@ impl EventLoop {
     fn read_port(&mut self, id: LinkId) {
         let Some(port) = self.switch.port(id) else { return };
         let Wire::Stream(stream) = &mut port.wire else { return };
-        match stream.read(&mut self.buffer) {
+        let mut buffer = std::mem::take(&mut self.buffer);
+        match stream.read(&mut buffer) {
             Ok(0) => self.hang_up(id, None),
-            Ok(len) => self.switch.feed(id, &self.buffer[..len]),
+            Ok(len) => self.feed(id, &buffer[..len]),
             Err(error) => match error.kind() {
                 io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted => {}
                 _ => self.hang_up(id, Some(error)),
             },
         }
+        self.buffer = buffer;
     }
 
     // -- writing
@@ -356,6 +365,7 @@ impl EventLoop {
 
     fn flush(&mut self) {
         let started = self.started;
+        self.switch.crowded = false;
         let dirty = std::mem::replace(&mut self.switch.dirty, LinkSet::EMPTY);
         for id in dirty.iter() {
             let Some(port) = self.switch.port(id).filter(|port| !port.blocked) else { continue };
@@ -378,94 +388,6 @@ impl EventLoop {
         arrived.clear();
     }
 
-    // -- connections that come and go
-
-    /// A stream has ended. A server's port goes with it; what is dialled is dialled again.
-    fn hang_up(&mut self, id: LinkId, error: Option<io::Error>) {
-        let Some(port) = self.switch.port(id) else { return };
-        let Some(link) = self.links.get_mut(&port.link) else { return };
-        if let Some(error) = error {
-            link.error = Some(error.to_string());
-        }
-        if let Kind::Dialled(_, dialling) = &mut link.kind {
-            port.wire = Wire::Down;
-            port.peer = None;
-            port.blocked = false;
-            port.outbox.clear();
-            if let Some(stream) = &mut port.stream {
-                stream.clear();
-            }
-            let pause = dialling.pause.as_micros() as u64;
-            dialling.at = link.spec.retry.map(|_| self.switch.moment.now + pause);
-        } else {
-            link.part_with(self.switch.remove(id));
-        }
-    }
-
-    /// Dials what is due, each on a thread of its own.
-    fn redial(&mut self) {
-        let now = self.switch.moment.now;
-        for (&number, link) in &mut self.links {
-            let Kind::Dialled(_, dialling) = &mut link.kind else { continue };
-            if dialling.under_way || dialling.at.is_none_or(|at| at > now) {
-                continue;
-            }
-            let (endpoint, waker) = (link.spec.endpoint.clone(), self.waker.clone());
-            let dial = move || {
-                // The bridge may have stopped in the meantime, and then nobody wants the answer.
-                let _ = waker.send(Command::Dialled(number, endpoint.dial()));
-            };
-            match std::thread::Builder::new().name("mavwire-dial".into()).spawn(dial) {
-                Ok(_) => (dialling.under_way, dialling.at) = (true, None),
-                Err(_) => dialling.at = Some(now + TICK),
-            }
-        }
-    }
-
-    fn dialled(&mut self, number: u32, result: io::Result<Stream>) {
-        let now = self.switch.moment.now;
-        let Some(link) = self.links.get_mut(&number) else { return };
-        let Kind::Dialled(id, dialling) = &mut link.kind else { return };
-        dialling.under_way = false;
-        match result {
-            Ok(stream) => {
-                (dialling.pause, dialling.at) = (FIRST_RETRY, None);
-                dialling.connections += 1;
-                link.error = None;
-                if let Some(port) = self.switch.port(*id) {
-                    port.peer = stream.peer().map(|peer| peer.to_string());
-                    port.wire = Wire::Stream(stream);
-                }
-            }
-            Err(error) => {
-                link.error = Some(error.to_string());
-                let longest = link.spec.retry.unwrap_or(FIRST_RETRY);
-                dialling.at = Some(now + dialling.pause.min(longest).as_micros() as u64);
-                dialling.pause = (dialling.pause * 2).min(longest);
-            }
-        }
-    }
-
-    fn forget_silent_peers(&mut self) {
-        let now = self.switch.moment.now;
-        for link in self.links.values_mut() {
-            let Kind::DatagramServer(_, peers) = &mut link.kind else { continue };
-            let timeout = link.spec.peer_timeout.as_micros() as u64;
-            let silent: Vec<LinkId> = peers
-                .values()
-                .copied()
-                .filter(|&id| {
-                    let port = self.switch.port(id);
-                    port.is_none_or(|port| now.saturating_sub(port.heard) > timeout)
-                })
-                .collect();
-            peers.retain(|_, id| !silent.contains(id));
-            for id in silent {
-                link.part_with(self.switch.remove(id));
-            }
-        }
-    }
-
     // -- commands
 
     /// Does what the handle asked for; false if that was to stop.
@@ -484,7 +406,10 @@ impl EventLoop {
                 Command::Stats(answer) => {
                     let _ = answer.send(self.stats());
                 }
-                Command::Send(bytes) => self.switch.send(&bytes),
+                Command::Send(bytes) => {
+                    self.feed(self.switch.program(), &bytes);
+                    self.switch.end_send();
+                }
                 Command::Dialled(number, result) => self.dialled(number, result),
                 Command::Stop => return false,
             }
@@ -492,65 +417,6 @@ impl EventLoop {
         // There may be more, for the next round.
         self.waker.wake();
         true
-    }
-
-    fn add(&mut self, spec: LinkSpec, opened: Opened) -> Result<(), BridgeError> {
-        let taken = self.links.values().any(|link| link.spec.name == spec.name);
-        if taken || spec.name == PROGRAM_NAME {
-            return Err(BridgeError::NameTaken(spec.name));
-        }
-        let number = self.last_number + 1;
-        let kind = self.kind(number, &spec, opened)?;
-        self.last_number = number;
-        self.hub.name_link(number, &spec.name);
-        let link = Link {
-            spec,
-            kind,
-            refused: 0,
-            error: None,
-            departed: Traffic::default(),
-            departed_latency: Latency::default(),
-            resting: false,
-        };
-        self.links.insert(number, link);
-        Ok(())
-    }
-
-    fn kind(&mut self, number: u32, spec: &LinkSpec, opened: Opened) -> Result<Kind, BridgeError> {
-        let mut add =
-            |wire| self.switch.add(number, wire, &spec.port).ok_or(BridgeError::TooManyLinks);
-        Ok(match opened {
-            Opened::Datagrams(socket) => {
-                let failed = |error| BridgeError::Io { link: spec.name.clone(), error };
-                let to = spec.endpoint.broadcast_address().map_err(failed)?;
-                let socket = Rc::new(socket);
-                let wire = Wire::Datagrams(Rc::clone(&socket), to.map(Address::from));
-                Kind::Datagrams(socket, add(wire)?)
-            }
-            Opened::DatagramServer(socket) => Kind::DatagramServer(Rc::new(socket), HashMap::new()),
-            Opened::Listener(listener) => Kind::Listener(listener),
-            Opened::Dialled(stream) => {
-                let mut dialling = Dialling { pause: FIRST_RETRY, ..Dialling::default() };
-                match stream {
-                    Some(_) => dialling.connections = 1,
-                    None => dialling.at = Some(0),
-                }
-                let wire = stream.map_or(Wire::Down, Wire::Stream);
-                Kind::Dialled(add(wire)?, dialling)
-            }
-        })
-    }
-
-    fn remove(&mut self, name: &str) -> Result<(), BridgeError> {
-        let found = self.links.iter().find(|(_, link)| link.spec.name == name);
-        let number = *found.ok_or_else(|| BridgeError::NoSuchLink(name.to_owned()))?.0;
-        self.links.remove(&number);
-        let ports: Vec<LinkId> =
-            self.switch.ports().filter(|port| port.link == number).map(|port| port.id).collect();
-        for id in ports {
-            self.switch.remove(id);
-        }
-        Ok(())
     }
 }
 

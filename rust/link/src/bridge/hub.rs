@@ -1,12 +1,16 @@
 //! Where a bridge's frames meet the program around it: the newest frame of each kind, and taps that get a copy of what
 //! comes by. The event loop takes the lock once for all frames of a round.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::kind_hash::KindHash;
+
 /// Kinds of frames whose newest is kept: message ids times components.
 const MAX_LATEST: usize = 16_384;
+/// Removed links whose names are kept, for frames that came over them.
+const MAX_RETIRED: usize = 1024;
 /// Bytes that a tap holds for a program that does not fetch them.
 const TAP_BYTES: usize = 16 << 20;
 
@@ -252,11 +256,20 @@ pub struct Kind {
 
 #[derive(Debug, Default)]
 struct State {
-    latest: HashMap<(u32, u8, u8), Latest>,
+    /// By [`key`].
+    latest: HashMap<u64, Latest, KindHash>,
     count: u64,
     taps: Vec<Arc<TapShared>>,
     link_names: HashMap<u32, String>,
+    /// Removed links, oldest first.
+    retired: VecDeque<u32>,
     stopped: bool,
+}
+
+/// What stands for a kind of message: one number is hashed faster than three.
+#[inline]
+fn key(msgid: u32, sysid: u8, compid: u8) -> u64 {
+    u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid)
 }
 
 /// What event loop and program share.
@@ -282,7 +295,7 @@ impl Hub {
         for (info, bytes) in frames.iter().filter(|(info, _)| info.index.is_some()) {
             state.count += 1;
             let order = state.count;
-            let key = (info.msgid, info.sysid, info.compid);
+            let key = key(info.msgid, info.sysid, info.compid);
             if let Some(latest) = state.latest.get_mut(&key) {
                 (latest.info, latest.order) = (*info, order);
                 latest.count += 1;
@@ -311,6 +324,17 @@ impl Hub {
         lock(&self.state).link_names.insert(number, name.to_owned());
     }
 
+    /// Notes that a link is no more. Names of the last of these stay.
+    pub(super) fn retire_link(&self, number: u32) {
+        let mut state = lock(&self.state);
+        state.retired.push_back(number);
+        if state.retired.len() > MAX_RETIRED
+            && let Some(oldest) = state.retired.pop_front()
+        {
+            state.link_names.remove(&oldest);
+        }
+    }
+
     /// What the link with a number is called, or was.
     pub fn link_name(&self, number: u32) -> Option<String> {
         lock(&self.state).link_names.get(&number).cloned()
@@ -320,7 +344,7 @@ impl Hub {
     pub fn latest(&self, msgid: u32, sysid: Option<u8>, compid: Option<u8>) -> Option<Latest> {
         let state = lock(&self.state);
         if let (Some(sysid), Some(compid)) = (sysid, compid) {
-            return state.latest.get(&(msgid, sysid, compid)).cloned();
+            return state.latest.get(&key(msgid, sysid, compid)).cloned();
         }
         let matching = state.latest.values().filter(|latest| {
             latest.info.msgid == msgid
@@ -439,6 +463,19 @@ mod tests {
         assert_eq!(many.recv_timeout(LONG), Ok(true));
         hub.deliver(&frames([9]));
         assert!(tap.take(1).is_none(), "what was there is gone, and nothing comes");
+    }
+
+    #[test]
+    fn names_of_removed_links_do_not_pile_up() {
+        let hub = Hub::new();
+        hub.name_link(0, "stays");
+        for number in 1..=2_000 {
+            hub.name_link(number, "guest");
+            hub.retire_link(number);
+        }
+        let named = |number| hub.link_name(number).is_some();
+        assert_eq!((named(0), named(1), named(2_000)), (true, false, true));
+        assert_eq!(lock(&hub.state).link_names.len(), MAX_RETIRED + 1);
     }
 
     #[test]

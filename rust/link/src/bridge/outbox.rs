@@ -56,6 +56,13 @@ impl Outbox {
         self.queued_whole() + self.rest.len()
     }
 
+    /// Half of what may wait does.
+    #[inline]
+    pub(super) fn is_half_full(&self) -> bool {
+        2 * self.queued_whole() > self.limit
+    }
+
+    #[inline]
     fn queued_whole(&self) -> usize {
         self.lanes[URGENT].len() + self.lanes[PLAIN].len()
     }

@@ -173,6 +173,18 @@ impl Port {
         true
     }
 
+    /// It takes more, and has half of what may wait.
+    #[inline]
+    pub(super) fn is_crowded(&self) -> bool {
+        !self.blocked && self.outbox.is_half_full()
+    }
+
+    /// Counts damaged frames and junk that arrived.
+    pub(super) fn count(&mut self, damaged: u64, junk_bytes: u64) {
+        self.traffic.damaged += damaged;
+        self.traffic.junk_bytes += junk_bytes;
+    }
+
     /// What became of its frames; `routed` stays empty.
     pub(super) fn traffic(&self) -> Traffic {
         Traffic {

@@ -3,7 +3,7 @@
 use std::net::UdpSocket;
 use std::os::fd::AsRawFd as _;
 
-use mavwire_core::router::MAX_LINKS;
+use mavwire_core::router::{ComponentStats, LinkSet};
 
 use super::event_loop::{EventLoop, Kind, Link, PROGRAM_NAME};
 use super::latency::Latency;
@@ -11,10 +11,31 @@ use super::port::Wire;
 use super::recorder::Recorder;
 use super::stats::{ComponentReport, LinkReport, Stats};
 
+/// Who was heard, as it stands in the router: thousands, if someone makes up addresses. Who asks turns it into reports, so
+/// that frames do not wait for that.
+pub(super) struct Heard {
+    now: u64,
+    components: Vec<(u8, u8, ComponentStats, LinkSet)>,
+    /// Names of links by the numbers of their ports.
+    names: Vec<Option<String>>,
+}
+
+impl Heard {
+    /// A report on each component.
+    pub(super) fn reports(&self) -> Vec<ComponentReport> {
+        let report = |&(sysid, compid, stats, links): &(u8, u8, ComponentStats, LinkSet)| {
+            let names = links.iter().filter_map(|id| self.names.get(id.index())?.as_deref());
+            let age = self.now.saturating_sub(stats.heard) as f64 / 1e6;
+            ComponentReport { sysid, compid, stats, age, links: unique(names) }
+        };
+        self.components.iter().map(report).collect()
+    }
+}
+
 impl EventLoop {
-    pub(super) fn stats(&self) -> Stats {
+    /// All but the components, and what they are made of.
+    pub(super) fn stats(&self) -> (Stats, Heard) {
         let now = self.switch.moment.now;
-        let components = self.switch.router().components(now);
         let program = LinkReport {
             name: PROGRAM_NAME.to_owned(),
             state: "up",
@@ -22,30 +43,24 @@ impl EventLoop {
             ..LinkReport::default()
         };
         let links = self.links.iter().flat_map(|(&n, link)| self.link_reports(n, link));
-        let links = links.chain([program]);
-        let names = self.names();
-        Stats {
+        let stats = Stats {
             uptime: now as f64 / 1e6,
-            links: links.collect(),
-            components: components
-                .map(|(sysid, compid, stats, links)| ComponentReport {
-                    sysid,
-                    compid,
-                    stats,
-                    age: now.saturating_sub(stats.heard) as f64 / 1e6,
-                    links: unique(links.iter().filter_map(|id| names[id.index()])),
-                })
-                .collect(),
+            links: links.chain([program]).collect(),
+            components: Vec::new(),
             recording: self.recorder.as_ref().map(Recorder::stats),
-        }
+        };
+        let components = self.switch.router().components(now).collect();
+        (stats, Heard { now, components, names: self.names() })
     }
 
     /// Number of a port -> name of its link.
-    fn names(&self) -> Vec<Option<&str>> {
-        let mut names = vec![None; MAX_LINKS];
+    fn names(&self) -> Vec<Option<String>> {
+        let mut names = Vec::new();
         for port in self.switch.ports() {
             let link = self.links.get(&port.link);
-            names[port.id.index()] = Some(link.map_or(PROGRAM_NAME, |link| &link.spec.name));
+            names.resize(names.len().max(port.id.index() + 1), None);
+            names[port.id.index()] =
+                Some(link.map_or(PROGRAM_NAME, |link| &link.spec.name).to_owned());
         }
         names
     }

@@ -7,9 +7,10 @@ use std::sync::Arc;
 use mavwire_core::border::{Border, BorderOptions};
 use mavwire_core::frame::{FrameBuffer, Header};
 use mavwire_core::registry::{Entry, Registry};
-use mavwire_core::router::{Fate, LinkId, LinkOptions, LinkSet, MAX_LINKS, Router, Settings};
+use mavwire_core::router::{Fate, LinkId, LinkOptions, LinkSet, Router, Settings};
 use mavwire_core::scan::{Found, Resync, Scanner};
 use mavwire_core::signing::{SecretKey, SigningState, timestamp_from_unix_micros};
+use mavwire_core::stream::Piece;
 
 use super::endpoint::PortSpec;
 use super::hub::{FrameInfo, Frames};
@@ -29,16 +30,28 @@ pub(super) struct Moment {
     pub(super) unix: u64,
 }
 
+/// What pieces of a stream were.
+#[derive(Debug, Default)]
+struct Tally {
+    damaged: u64,
+    junk_bytes: u64,
+    /// A frame got in that proves its sender.
+    proven: bool,
+}
+
 #[derive(Debug)]
 pub(super) struct Switch {
     registry: Arc<Registry>,
     router: Router,
+    /// By number, up to the highest that is taken.
     ports: Vec<Option<Port>>,
     program: LinkId,
     /// One for each key that was ever used, so that what was heard before cannot be replayed to a peer that is new.
     signing: Vec<Rc<RefCell<SigningState>>>,
     /// Ports with something to send.
     pub(super) dirty: LinkSet,
+    /// A port that takes more has a queue that is half full: time to send.
+    pub(super) crowded: bool,
     /// What came in this round, for the program around the bridge and for the recording.
     pub(super) arrived: Frames,
     pub(super) moment: Moment,
@@ -50,10 +63,11 @@ impl Switch {
         let mut switch = Self {
             registry,
             router,
-            ports: (0..MAX_LINKS).map(|_| None).collect(),
+            ports: Vec::new(),
             program: LinkId(0),
             signing: Vec::new(),
             dirty: LinkSet::EMPTY,
+            crowded: false,
             arrived: Frames::default(),
             moment: Moment::default(),
         };
@@ -69,6 +83,9 @@ impl Switch {
     pub(super) fn add(&mut self, link: u32, wire: Wire, spec: &PortSpec) -> Option<LinkId> {
         let id = self.router.add_link(spec.options.clone())?;
         let border = (!spec.border.is_open()).then(|| self.border(link, &spec.border));
+        if self.ports.len() <= id.index() {
+            self.ports.resize_with(id.index() + 1, || None);
+        }
         self.ports[id.index()] = Some(Port::new(id, link, wire, spec, border, self.moment.now));
         Some(id)
     }
@@ -76,7 +93,7 @@ impl Switch {
     /// The same for a peer of a server: it gets nothing before it sent a signature, if it needs one.
     pub(super) fn add_peer(&mut self, link: u32, wire: Wire, spec: &PortSpec) -> Option<&mut Port> {
         let id = self.add(link, wire, spec)?;
-        let port = self.ports[id.index()].as_mut()?;
+        let port = self.port(id)?;
         port.muted = spec.border.verify;
         Some(port)
     }
@@ -109,15 +126,18 @@ impl Switch {
         self.dirty.remove(id);
         let traffic = self.traffic(id);
         self.router.remove_link(id);
-        let Some(mut port) = self.ports[id.index()].take() else {
+        let Some(mut port) = self.ports.get_mut(id.index()).and_then(Option::take) else {
             return (traffic, Latency::default());
         };
+        while self.ports.last().is_some_and(Option::is_none) {
+            self.ports.pop();
+        }
         port.outbox.clear();
         (Traffic { dropped: port.outbox.dropped, ..traffic }, port.outbox.latency)
     }
 
     pub(super) fn port(&mut self, id: LinkId) -> Option<&mut Port> {
-        self.ports[id.index()].as_mut()
+        self.ports.get_mut(id.index())?.as_mut()
     }
 
     pub(super) fn ports(&self) -> impl Iterator<Item = &Port> {
@@ -134,7 +154,7 @@ impl Switch {
     }
 
     pub(super) fn traffic(&self, id: LinkId) -> Traffic {
-        let port = self.ports[id.index()].as_ref();
+        let port = self.ports.get(id.index()).and_then(Option::as_ref);
         let routed = self.router.link_stats(id).unwrap_or_default();
         Traffic { routed, ..port.map(Port::traffic).unwrap_or_default() }
     }
@@ -156,42 +176,56 @@ impl Switch {
 
     /// Routes what arrived at a port.
     pub(super) fn feed(&mut self, id: LinkId, bytes: &[u8]) {
-        let Some(mut stream) = self.ports[id.index()].as_mut().and_then(|port| port.stream.take())
-        else {
-            return;
-        };
+        let Some(mut stream) = self.port(id).and_then(|port| port.stream.take()) else { return };
         let registry = Arc::clone(&self.registry);
-        let (mut damaged, mut junk_bytes, mut good) = (0, 0, false);
+        let mut tally = Tally::default();
         let mut feed = stream.feed(bytes);
         while let Some(piece) = feed.next(&registry) {
-            match piece.found {
-                Found::Frame { header, entry, .. } => {
-                    good |= self.admit(id, piece.bytes, &header, entry);
-                }
-                Found::Rejected { len, .. } => {
-                    damaged += 1;
-                    junk_bytes += len as u64;
-                }
-                Found::Noise { len } => junk_bytes += len as u64,
-                Found::Incomplete { .. } => {}
-            }
+            self.take(id, piece, &mut tally);
         }
         drop(feed);
         let now = self.moment.now;
         if let Some(port) = self.port(id) {
             port.stream = Some(stream);
-            port.traffic.damaged += damaged;
-            port.traffic.junk_bytes += junk_bytes;
-            if good {
+            port.count(tally.damaged, tally.junk_bytes);
+            if tally.proven {
                 port.heard = now;
                 port.muted = false;
             }
         }
     }
 
-    /// Routes frames of the program around the bridge.
-    pub(super) fn send(&mut self, bytes: &[u8]) {
-        self.feed(self.program, bytes);
+    /// Routes what is left of frames that the program around the bridge sent. Half a frame is junk: what is sent next has
+    /// nothing to do with it.
+    pub(super) fn end_send(&mut self) {
+        let id = self.program;
+        let Some(mut stream) = self.port(id).and_then(|port| port.stream.take()) else { return };
+        let registry = Arc::clone(&self.registry);
+        let mut tally = Tally::default();
+        while let Some(piece) = stream.next_at_end(&registry) {
+            self.take(id, piece, &mut tally);
+        }
+        let left = stream.buffered() as u64;
+        stream.clear();
+        if let Some(port) = self.port(id) {
+            port.stream = Some(stream);
+            port.count(tally.damaged, tally.junk_bytes + left);
+        }
+    }
+
+    #[inline]
+    fn take(&mut self, id: LinkId, piece: Piece<'_>, tally: &mut Tally) {
+        match piece.found {
+            Found::Frame { header, entry, .. } => {
+                tally.proven |= self.admit(id, piece.bytes, &header, entry);
+            }
+            Found::Rejected { len, .. } => {
+                tally.damaged += 1;
+                tally.junk_bytes += len as u64;
+            }
+            Found::Noise { len } => tally.junk_bytes += len as u64,
+            Found::Incomplete { .. } => {}
+        }
     }
 
     /// Sends what the bridge itself has to say and is due.
@@ -210,7 +244,7 @@ impl Switch {
     /// Asks a vehicle for telemetry whose heartbeat came, if that is wanted.
     fn ask(&mut self, id: LinkId, frame: &[u8], header: &Header) {
         let moment = self.moment;
-        let Some(port) = &mut self.ports[id.index()] else { return };
+        let Some(port) = self.ports.get_mut(id.index()).and_then(Option::as_mut) else { return };
         let Some(automation) = &mut port.automation else { return };
         let requests = automation.requests(frame, header, moment.now);
         for request in &requests {
@@ -219,27 +253,30 @@ impl Switch {
         }
     }
 
-    /// A good frame at the border of its port; false if it does not get in.
+    /// A good frame at the border of its port; whether it proves its sender.
     #[inline]
     fn admit(&mut self, id: LinkId, frame: &[u8], header: &Header, entry: Option<Entry>) -> bool {
-        let Some(port) = &mut self.ports[id.index()] else { return false };
+        let moment = self.moment;
+        let Some(port) = self.port(id) else { return false };
         let has_automation = port.automation.is_some();
+        let mut proven = true;
         if let Some(border) = &port.border {
-            let now = timestamp_from_unix_micros(self.moment.unix);
+            let now = timestamp_from_unix_micros(moment.unix);
             let Some(entered) = border.incoming(frame, now) else {
                 port.traffic.unverified += 1;
                 return false;
             };
+            proven = entered.proven;
             // Without its signature its header is another one.
-            let header = Header::parse(&entered).unwrap_or(*header);
-            self.dispatch(id, &entered, &header, entry);
+            let header = Header::parse(&entered.frame).unwrap_or(*header);
+            self.dispatch(id, &entered.frame, &header, entry);
         } else {
             self.dispatch(id, frame, header, entry);
         }
         if has_automation {
             self.ask(id, frame, header);
         }
-        true
+        proven
     }
 
     #[inline]
@@ -250,6 +287,7 @@ impl Switch {
                 for id in links.iter() {
                     if let Some(port) = &mut self.ports[id.index()] {
                         port.push(frame, header, entry, moment);
+                        self.crowded |= port.is_crowded();
                     }
                 }
                 self.dirty = self.dirty | links;
@@ -257,7 +295,8 @@ impl Switch {
             Fate::Unroutable => {}
             Fate::Filtered | Fate::Duplicate | Fate::Withheld => return,
         }
-        let link = self.ports[source.index()].as_ref().map_or(PROGRAM, |port| port.link);
+        let port = self.ports.get(source.index()).and_then(Option::as_ref);
+        let link = port.map_or(PROGRAM, |port| port.link);
         let &Header { sysid, compid, msgid, .. } = header;
         let info = FrameInfo {
             len: frame.len() as u16,

@@ -9,6 +9,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+const PROGRAM: &str = event_loop::PROGRAM_NAME;
 const LIMIT: Duration = Duration::from_secs(60);
 
 fn registry() -> Arc<Registry> {
@@ -178,6 +179,33 @@ fn one_that_reads_nothing_slows_nobody() {
     drop(stalled);
     wait_for("its end", || bridge.stats().unwrap().links.len() == 3);
     assert!(report(&bridge, "clients").traffic.dropped > 0, "its numbers stay");
+}
+
+#[test]
+fn a_burst_beyond_the_queue_loses_nothing_where_the_link_takes_it() {
+    let bridge = start(None);
+    let _station = station(&bridge, "station");
+    let frames = 50_000;
+    let burst: Vec<u8> =
+        (0..frames).flat_map(|n| heartbeat((n % 200) as u8 + 1, (n / 200) as u8)).collect();
+    assert!(burst.len() > 10 * (64 << 10), "sixteen times what may wait");
+    bridge.send(burst).unwrap();
+    wait_for("them", || report(&bridge, "station").traffic.sent == frames);
+    assert_eq!(report(&bridge, "station").traffic.dropped, 0);
+}
+
+#[test]
+fn half_a_frame_does_not_spoil_what_is_sent_next() {
+    let bridge = start(None);
+    let station = station(&bridge, "station");
+    bridge.send([&heartbeat(1, 1)[..], &heartbeat(1, 2)[..9]].concat()).unwrap();
+    bridge.send(heartbeat(1, 3)).unwrap();
+    // Junk that looks like the start of a frame keeps nothing back either.
+    bridge.send([&[0xFD, 50][..], &heartbeat(1, 4)].concat()).unwrap();
+    for seq in [1, 3, 4] {
+        assert_eq!(receive(&station).0, heartbeat(1, seq));
+    }
+    assert_eq!(report(&bridge, PROGRAM).traffic.junk_bytes, 9 + 2);
 }
 
 #[test]

@@ -1,0 +1,204 @@
+//! Links that are added and removed, connections that come and go.
+
+use std::collections::HashMap;
+use std::io;
+use std::net::SocketAddr;
+use std::rc::Rc;
+
+use mavwire_core::router::LinkId;
+
+use super::BridgeError;
+use super::endpoint::{LinkSpec, Opened, Stream};
+use super::event_loop::{
+    Command, Dialling, EventLoop, FIRST_RETRY, Kind, Link, MAX_PEERS, PROGRAM_NAME, TICK,
+};
+use super::latency::Latency;
+use super::port::Wire;
+use super::stats::Traffic;
+use crate::address::Address;
+
+/// A peer that needs a signature has this long to send one before another may have its place; microseconds.
+const TIME_TO_PROVE: u64 = 1_000_000;
+
+impl EventLoop {
+    /// Adds a link that is open.
+    pub(super) fn add(&mut self, spec: LinkSpec, opened: Opened) -> Result<(), BridgeError> {
+        let taken = self.links.values().any(|link| link.spec.name == spec.name);
+        if taken || spec.name == PROGRAM_NAME {
+            return Err(BridgeError::NameTaken(spec.name));
+        }
+        let number = self.last_number + 1;
+        let kind = self.kind(number, &spec, opened)?;
+        self.last_number = number;
+        self.hub.name_link(number, &spec.name);
+        let link = Link {
+            spec,
+            kind,
+            refused: 0,
+            error: None,
+            departed: Traffic::default(),
+            departed_latency: Latency::default(),
+            resting: false,
+        };
+        self.links.insert(number, link);
+        Ok(())
+    }
+
+    fn kind(&mut self, number: u32, spec: &LinkSpec, opened: Opened) -> Result<Kind, BridgeError> {
+        let mut add =
+            |wire| self.switch.add(number, wire, &spec.port).ok_or(BridgeError::TooManyLinks);
+        Ok(match opened {
+            Opened::Datagrams(socket, to) => {
+                let socket = Rc::new(socket);
+                let wire = Wire::Datagrams(Rc::clone(&socket), to.map(Address::from));
+                Kind::Datagrams(socket, add(wire)?)
+            }
+            Opened::DatagramServer(socket) => Kind::DatagramServer(Rc::new(socket), HashMap::new()),
+            Opened::Listener(listener) => Kind::Listener(listener),
+            Opened::Dialled(stream) => {
+                let mut dialling = Dialling { pause: FIRST_RETRY, ..Dialling::default() };
+                match stream {
+                    Some(_) => dialling.connections = 1,
+                    None => dialling.at = Some(0),
+                }
+                let wire = stream.map_or(Wire::Down, Wire::Stream);
+                Kind::Dialled(add(wire)?, dialling)
+            }
+        })
+    }
+
+    /// Removes a link, which closes it.
+    pub(super) fn remove(&mut self, name: &str) -> Result<(), BridgeError> {
+        let found = self.links.iter().find(|(_, link)| link.spec.name == name);
+        let number = *found.ok_or_else(|| BridgeError::NoSuchLink(name.to_owned()))?.0;
+        self.links.remove(&number);
+        self.hub.retire_link(number);
+        let ports: Vec<LinkId> =
+            self.switch.ports().filter(|port| port.link == number).map(|port| port.id).collect();
+        for id in ports {
+            self.switch.remove(id);
+        }
+        Ok(())
+    }
+
+    /// A port for a new peer of a server; `None` if there is no room for it.
+    pub(super) fn welcome(&mut self, number: u32, wire: Wire, from: SocketAddr) -> Option<LinkId> {
+        let count = self.switch.ports().filter(|port| port.link == number).count();
+        let room = count < MAX_PEERS || self.make_room(number);
+        let link = self.links.get_mut(&number)?;
+        let added = room.then(|| self.switch.add_peer(number, wire, &link.spec.port)).flatten();
+        let Some(port) = added else {
+            link.refused += 1;
+            return None;
+        };
+        port.peer = Some(from.to_string());
+        Some(port.id)
+    }
+
+    /// Sends away the peer of a server that has waited for longest without proving itself, and had the time for it: those
+    /// without the key do not keep out those who have it.
+    fn make_room(&mut self, number: u32) -> bool {
+        let now = self.switch.moment.now;
+        let unproven = self.switch.ports().filter(|port| {
+            port.link == number && port.muted && now.saturating_sub(port.heard) > TIME_TO_PROVE
+        });
+        let Some(id) = unproven.min_by_key(|port| port.heard).map(|port| port.id) else {
+            return false;
+        };
+        let Some(link) = self.links.get_mut(&number) else { return false };
+        if let Kind::DatagramServer(_, peers) = &mut link.kind {
+            peers.retain(|_, port| *port != id);
+        }
+        link.part_with(self.switch.remove(id));
+        true
+    }
+
+    /// A stream has ended. A server's port goes with it; what is dialled is dialled again.
+    pub(super) fn hang_up(&mut self, id: LinkId, error: Option<io::Error>) {
+        let Some(port) = self.switch.port(id) else { return };
+        let Some(link) = self.links.get_mut(&port.link) else { return };
+        if let Some(error) = error {
+            link.error = Some(error.to_string());
+        }
+        if let Kind::Dialled(_, dialling) = &mut link.kind {
+            port.wire = Wire::Down;
+            port.peer = None;
+            port.blocked = false;
+            port.outbox.clear();
+            if let Some(stream) = &mut port.stream {
+                stream.clear();
+            }
+            let pause = dialling.pause.as_micros() as u64;
+            dialling.at = link.spec.retry.map(|_| self.switch.moment.now + pause);
+        } else {
+            link.part_with(self.switch.remove(id));
+        }
+    }
+
+    /// Dials what is due, each on a thread of its own.
+    pub(super) fn redial(&mut self) {
+        let now = self.switch.moment.now;
+        for (&number, link) in &mut self.links {
+            let Kind::Dialled(_, dialling) = &mut link.kind else { continue };
+            if dialling.under_way || dialling.at.is_none_or(|at| at > now) {
+                continue;
+            }
+            let (endpoint, patience) = (link.spec.endpoint.clone(), link.spec.peer_timeout);
+            let waker = self.waker.clone();
+            let dial = move || {
+                // The bridge may have stopped in the meantime, and then nobody wants the answer.
+                let _ = waker.send(Command::Dialled(number, endpoint.dial(patience)));
+            };
+            match std::thread::Builder::new().name("mavwire-dial".into()).spawn(dial) {
+                Ok(_) => (dialling.under_way, dialling.at) = (true, None),
+                Err(_) => dialling.at = Some(now + TICK),
+            }
+        }
+    }
+
+    /// What became of an attempt to connect.
+    pub(super) fn dialled(&mut self, number: u32, result: io::Result<Stream>) {
+        let now = self.switch.moment.now;
+        let Some(link) = self.links.get_mut(&number) else { return };
+        let Kind::Dialled(id, dialling) = &mut link.kind else { return };
+        dialling.under_way = false;
+        match result {
+            Ok(stream) => {
+                (dialling.pause, dialling.at) = (FIRST_RETRY, None);
+                dialling.connections += 1;
+                link.error = None;
+                if let Some(port) = self.switch.port(*id) {
+                    port.peer = stream.peer().map(|peer| peer.to_string());
+                    port.wire = Wire::Stream(stream);
+                }
+            }
+            Err(error) => {
+                link.error = Some(error.to_string());
+                let longest = link.spec.retry.unwrap_or(FIRST_RETRY);
+                dialling.at = Some(now + dialling.pause.min(longest).as_micros() as u64);
+                dialling.pause = (dialling.pause * 2).min(longest);
+            }
+        }
+    }
+
+    /// Forgets peers of UDP servers that sent no good frame for too long.
+    pub(super) fn forget_silent_peers(&mut self) {
+        let now = self.switch.moment.now;
+        for link in self.links.values_mut() {
+            let Kind::DatagramServer(_, peers) = &mut link.kind else { continue };
+            let timeout = link.spec.peer_timeout.as_micros() as u64;
+            let silent: Vec<LinkId> = peers
+                .values()
+                .copied()
+                .filter(|&id| {
+                    let port = self.switch.port(id);
+                    port.is_none_or(|port| now.saturating_sub(port.heard) > timeout)
+                })
+                .collect();
+            peers.retain(|_, id| !silent.contains(id));
+            for id in silent {
+                link.part_with(self.switch.remove(id));
+            }
+        }
+    }
+}
