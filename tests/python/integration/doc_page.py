@@ -11,7 +11,8 @@ toml, xml, ...  saved, if the first line is a comment with a file name; else onl
 
 Comments in the page, which readers do not see, say what differs:
 
-<!-- setup ... -->           Python that makes what the page takes for granted; `page` is an ExitStack
+<!-- setup ... -->           Python that makes what the page takes for granted; `page` is an
+                             ExitStack, `page_text` what comes behind the first setup
 <!-- run: background -->     the next block goes on until the page ends
 <!-- run: until output -->   the next block is stopped by Ctrl-C once it has printed something
 <!-- run: not, because -->   the next block is only compiled, if it is Python, and otherwise left alone
@@ -93,10 +94,12 @@ def adapted(text: str, ports: dict[str, str]) -> str:
 class Page:
     """The state of a run: one namespace, and what goes on in the background."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, text: str) -> None:
         self.name = name
         self.stack = ExitStack()
-        self.names: dict[str, Any] = {"__name__": "__main__", "page": self.stack}
+        self.names: dict[str, Any] = {
+            "__name__": "__main__", "page": self.stack, "page_text": text,
+        }  # fmt: skip
         self.background: list[subprocess.Popen[bytes]] = []
 
     def run(self, block: Block) -> None:
@@ -206,9 +209,10 @@ def main() -> int:
     bin_folder = str(Path(sys.executable).parent)
     os.environ["PATH"] = os.pathsep.join([bin_folder, os.environ["PATH"]])
     os.environ["PYTHONUNBUFFERED"] = "1"
-    page = Page(path.name)
+    text = adapted(path.read_text(encoding="utf-8"), free_ports())
+    page = Page(path.name, text.partition("\n-->\n")[2] or text)
     try:
-        for block in blocks(adapted(path.read_text(encoding="utf-8"), free_ports())):
+        for block in blocks(text):
             page.run(block)
     except BaseException:
         print(f"{path.name}:{block.line}: this block went wrong", file=sys.stderr)
