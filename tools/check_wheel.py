@@ -31,7 +31,9 @@ NEEDED = (
 )
 NATIVE = re.compile(r"mavwire/_native(\.abi3\.so|\.pyd)")
 LICENCES = re.compile(r"[^/]+\.dist-info/licenses/LICENSE-(APACHE|MIT)")
-ALLOWED = re.compile(r"mavwire/.+\.(pyi?|json|toml|js|css|html)|mavwire/py\.typed|[^/]+\.dist-info/.+")
+ALLOWED = re.compile(
+    r"mavwire/.+\.(pyi?|json|toml|js|css|html)|mavwire/py\.typed|[^/]+\.dist-info/.+"
+)
 
 
 def main() -> int:

@@ -64,7 +64,9 @@ def blocks(text: str) -> Iterator[Block]:
         setup = match["setup"]
         code = match["code"] if setup is None else setup
         start = match.start("code" if setup is None else "setup")
-        yield Block(match["language"] or "python", code, match["how"] or "", text.count("\n", 0, start))
+        yield Block(
+            match["language"] or "python", code, match["how"] or "", text.count("\n", 0, start)
+        )
 
 
 def free_ports() -> dict[str, str]:
@@ -161,7 +163,9 @@ class Page:
         try:
             assert process.stdout
             if not process.stdout.readline():
-                raise AssertionError(f"{command[-1]}: ended with {process.wait()} and printed nothing")
+                raise AssertionError(
+                    f"{command[-1]}: ended with {process.wait()} and printed nothing"
+                )
             process.send_signal(signal.SIGINT)
             process.stdout.read()
         finally:
