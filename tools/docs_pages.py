@@ -27,24 +27,27 @@ SINGLE = {
     "changelog.md": "CHANGELOG.md",
     "examples/index.md": "examples/README.md",
 }
-# Page of the reference -> its title and the modules on it.
+# Page of the reference -> its title and the modules on it, within mavwire.
 MODULES = {
-    "package": ("mavwire", ["mavwire.logs", "mavwire._alias"]),
-    "mavutil": ("mavutil: links and logs as pymavlink has them", ["mavwire.links.mavfile", "mavwire.links.connection"]),
-    "dialects": ("dialects", ["mavwire.dialects"]),
-    "native": ("Messages, tables and parsers (native)", ["mavwire._native"]),
-    "logs": ("logs", ["mavwire.logs.telemetry", "mavwire.logs.dataflash", "mavwire.logs.table", "mavwire.logs.conversion", "mavwire.logs.rewriting"]),
-    "aio": ("aio: links in asyncio", ["mavwire.aio", "mavwire.aio.link", "mavwire.aio.vehicle", "mavwire.aio.errors"]),
-    "bridge": ("bridge", ["mavwire.bridge.bridge", "mavwire.bridge.sinks", "mavwire.bridge.errors"]),
-    "sim": ("sim: simulated vehicles", ["mavwire.sim", "mavwire.sim.vehicle", "mavwire.sim.runner", "mavwire.sim.impairment"]),
-    "fleet": ("fleet: logs on many machines", ["mavwire.fleet"]),
-    "plots": ("plots and maps", ["mavwire.plots"]),
-    "mission-parameters-files": ("Missions, parameters, files", ["mavwire.mavwp", "mavwire.mavparm", "mavwire.mavftp"]),
-    "expressions": ("Expressions", ["mavwire.expression", "mavwire.mavexpression"]),
-    "generator": ("generator", ["mavwire.generator.mavgen", "mavwire.generator.mavparse"]),
-    "traffic": ("traffic: telemetry for tests", ["mavwire.traffic"]),
-    "shadow": ("shadow: compare with pymavlink", ["mavwire.shadow"]),
-}  # fmt: skip
+    "package": ("mavwire", "logs _alias"),
+    "mavutil": ("mavutil: links and logs as pymavlink has them", "links.mavfile links.connection"),
+    "dialects": ("dialects", "dialects"),
+    "native": ("Messages, tables and parsers (native)", "_native"),
+    "logs": (
+        "logs",
+        "logs.telemetry logs.dataflash logs.table logs.conversion logs.rewriting",
+    ),
+    "aio": ("aio: links in asyncio", "aio aio.link aio.vehicle aio.errors"),
+    "bridge": ("bridge", "bridge.bridge bridge.sinks bridge.errors"),
+    "sim": ("sim: simulated vehicles", "sim sim.vehicle sim.runner sim.impairment"),
+    "fleet": ("fleet: logs on many machines", "fleet"),
+    "plots": ("plots and maps", "plots"),
+    "mission-parameters-files": ("Missions, parameters, files", "mavwp mavparm mavftp"),
+    "expressions": ("Expressions", "expression mavexpression"),
+    "generator": ("generator", "generator.mavgen generator.mavparse"),
+    "traffic": ("traffic: telemetry for tests", "traffic"),
+    "shadow": ("shadow: compare with pymavlink", "shadow"),
+}
 
 FENCE = re.compile(r"^(`{3,}|~{3,})", re.MULTILINE)
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s]+)\)")
@@ -75,11 +78,14 @@ def page_sources() -> dict[str, Path]:
 def generated() -> dict[str, str]:
     """Page -> text of what no file of the repository has."""
     pages = {f"messages/{name}": text for name, text in message_pages.pages().items()}
+    rows = []
     for name, (title, modules) in MODULES.items():
-        blocks = "\n\n".join(f"::: {module}" for module in modules)
+        full = [f"mavwire.{module}" for module in modules.split()]
+        blocks = "\n\n".join(f"::: {module}" for module in full)
         pages[f"api/{name}.md"] = f"# {title}\n\n{blocks}\n"
-    rows = [f"| [{title}]({name}.md) | {', '.join(f'`{one}`' for one in modules)} |" for name, (title, modules) in MODULES.items()]  # fmt: skip
-    pages["api/index.md"] = "\n".join(["# Python modules\n", "| page | modules |", "| --- | --- |", *rows, ""])  # fmt: skip
+        rows.append((f"[{title}]({name}.md)", ", ".join(f"`{module}`" for module in full)))
+    index = message_pages.table(("page", "modules"), rows)
+    pages["api/index.md"] = "\n".join(["# Python modules\n", *index, ""])
     pages["commands.md"] = command_page()
     return pages
 
