@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,10 @@ import pytest
 from integration import doc_page
 
 ROOT = Path(__file__).parents[3]
-PAGES = ("tutorial", "porting", "signing", "dialects", "vehicles", "faq", "aio")
+PAGES = (
+    "tutorial", "porting", "signing", "dialects", "vehicles", "faq", "links", "aio", "bridge", "sim",
+    "logs", "columns", "dataflash", "plots", "fleet",
+)  # fmt: skip
 TIMEOUT = 240
 
 
@@ -22,6 +26,7 @@ def test_page(name: str, tmp_path: Path) -> None:
     made = subprocess.run(
         [sys.executable, doc_page.__file__, ROOT / "docs" / f"{name}.md"],
         cwd=tmp_path, capture_output=True, text=True, timeout=TIMEOUT, check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT / "tests" / "python")},
     )  # fmt: skip
     assert made.returncode == 0, made.stdout[-1000:] + made.stderr[-2000:]
 
