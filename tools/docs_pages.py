@@ -13,6 +13,7 @@ import os
 import re
 import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path, PurePosixPath
 
 import message_pages
@@ -125,13 +126,13 @@ def relinked(source: Path, page: str, pages: dict[str, Path]) -> str:
     return outside_fences(text, replace)
 
 
-def outside_fences(text: str, replace: object) -> str:
+def outside_fences(text: str, replace: Callable[[re.Match[str]], str]) -> str:
     """`LINK.sub` on all but fenced code."""
     parts, fenced = [], False
     for line in text.splitlines(keepends=True):
         if FENCE.match(line):
             fenced = not fenced
-        parts.append(line if fenced else LINK.sub(replace, line))  # type: ignore[arg-type]
+        parts.append(line if fenced else LINK.sub(replace, line))
     return "".join(parts)
 
 

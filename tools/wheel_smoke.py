@@ -40,7 +40,7 @@ def use(log: Path) -> None:
     mavwire.open_log(log)["ATTITUDE"].write("attitude.parquet")
     assert Path("attitude.parquet").read_bytes()[:4] == b"PAR1"
     assert Vehicle().step(5.0), "a vehicle that says nothing"
-    assert mavwire.__version__ in run("mavwire", "--version")
+    assert str(mavwire.__version__) in run("mavwire", "--version")
     assert f"{MESSAGES:,} messages" in run("mavwire", "info", str(log))
     assert run("mavwire", "dump", "--types", "HEARTBEAT", str(log)).count("HEARTBEAT")
     assert "roll" in run("mavwire", "definitions", "show", "ATTITUDE")
