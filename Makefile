@@ -137,14 +137,14 @@ format: $(VENV)/.requirements-lint ## Format all sources
 .PHONY: docs
 docs: build $(VENV)/.requirements-docs ## Build the documentation site into target/site; warnings are errors
 	@$(BIN)/python tools/docs_pages.py
-	@NO_MKDOCS_2_WARNING=true $(BIN)/mkdocs build --quiet --strict
+	@NO_MKDOCS_2_WARNING=true $(BIN)/mkdocs build --strict
 	@echo 'The site is in target/site/index.html'
 
 .PHONY: wheel
 wheel: $(VENV)/.requirements-build $(VENV)/.requirements-package ## Make source distribution and release wheel in dist, and check the wheel
 	rm -rf dist
 	$(BIN)/maturin sdist --out dist
-	$(PIP) wheel --no-deps --no-build-isolation --wheel-dir dist dist/*.tar.gz
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) wheel --no-deps --no-build-isolation --wheel-dir dist dist/*.tar.gz
 	$(BIN)/python tools/check_wheel.py dist/*.whl
 
 .PHONY: stubs

@@ -30,17 +30,14 @@ SINGLE = {
 }
 # Page of the reference -> its title and the modules on it, within mavwire.
 MODULES = {
-    "package": ("mavwire", "logs _alias"),
+    "package": ("mavwire: logs as messages and tables", "logs _alias"),
     "mavutil": ("mavutil: links and logs as pymavlink has them", "links.mavfile links.connection"),
     "dialects": ("dialects", "dialects"),
     "native": ("Messages, tables and parsers (native)", "_native"),
-    "logs": (
-        "logs",
-        "logs.telemetry logs.dataflash logs.table logs.conversion logs.rewriting",
-    ),
-    "aio": ("aio: links in asyncio", "aio aio.link aio.vehicle aio.errors"),
+    "logs": ("logs: files made of logs", "logs.conversion logs.rewriting"),
+    "aio": ("aio: links in asyncio", "aio"),
     "bridge": ("bridge", "bridge.bridge bridge.sinks bridge.errors"),
-    "sim": ("sim: simulated vehicles", "sim sim.vehicle sim.runner sim.impairment"),
+    "sim": ("sim: simulated vehicles", "sim"),
     "fleet": ("fleet: logs on many machines", "fleet"),
     "plots": ("plots and maps", "plots"),
     "mission-parameters-files": ("Missions, parameters, files", "mavwp mavparm mavftp"),
