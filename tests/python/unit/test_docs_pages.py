@@ -5,7 +5,9 @@ from __future__ import annotations
 import posixpath
 import re
 from pathlib import Path
+from typing import Any
 
+import docs_navigation
 import docs_pages
 import message_pages
 import pytest
@@ -46,7 +48,15 @@ def test_every_page_has_its_place_in_the_navigation(site: Path) -> None:
     named = set(re.findall(r"([\w/.-]+\.md)", navigation))
     pages = {path.relative_to(site).as_posix() for path in site.rglob("*.md")}
     assert not named - pages
-    assert not {page for page in pages - named if not page.startswith("messages/")}
+    assert not {page for page in pages - named if "/" in page and not page.startswith("messages/")}
+
+
+def test_pages_that_nobody_placed_come_last(tmp_path: Path) -> None:
+    for name in ("known.md", "new.md"):
+        (tmp_path / name).write_text("# A page\n")
+    sections: list[dict[str, Any]] = [{"Start": ["index.md"]}, {"Guides": [{"Known": "known.md"}]}]
+    docs_navigation.on_config({"nav": sections, "docs_dir": str(tmp_path)})
+    assert sections[1]["Guides"] == [{"Known": "known.md"}, "new.md"]
 
 
 def test_commands_are_listed(site: Path) -> None:
