@@ -52,7 +52,7 @@ def main() -> int:
 
 def check_name(name: str) -> None:
     """One wheel serves CPython 3.11 and all that follow."""
-    if not re.fullmatch(r"mavwire-[^-]+-cp311-abi3-\w+\.whl", name):
+    if not re.fullmatch(r"mavwire-[^-]+-cp311-abi3-[\w.]+\.whl", name):
         raise SystemExit(f"{name}: not a wheel for the stable ABI of CPython 3.11")
 
 
@@ -72,7 +72,7 @@ def check_contents(names: list[str]) -> None:
 
 def check_symbols(wheel: Path) -> None:
     """Nothing outside the stable ABI is used."""
-    subprocess.run([Path(sys.executable).with_name("abi3audit"), "--strict", wheel], check=True)
+    subprocess.run([sys.executable, "-m", "abi3audit", "--strict", wheel], check=True)
 
 
 def check_install(wheel: Path) -> None:
@@ -86,8 +86,8 @@ def check_install(wheel: Path) -> None:
             for name, value in os.environ.items()
             if not name.startswith(("PYTHON", "PYO3", "CARGO", "RUST", "VIRTUAL_ENV"))
         }
-        system = "" if os.name != "nt" else os.environ["PATH"]
-        environment["PATH"] = os.pathsep.join(filter(None, [str(scripts), system]))
+        system = [] if os.name != "nt" else [str(Path(os.environ["SYSTEMROOT"]) / "System32")]
+        environment["PATH"] = os.pathsep.join([str(scripts), *system])
         python = str(scripts / "python")
         for command in (
             [python, "-m", "pip", "--quiet", "--disable-pip-version-check", "install", "--no-index", str(wheel.resolve())],

@@ -12,6 +12,7 @@ import tarfile
 import tomllib
 from pathlib import Path
 
+import check_wheel
 import mavwire
 import pytest
 
@@ -112,3 +113,39 @@ def test_requirements_are_pinned() -> None:
         for line in path.read_text().splitlines():
             if line and not line.startswith("#") and path.name != "bench-build.txt":
                 assert "==" in line, f"{path.name}: {line}"
+
+
+WHEEL = [
+    *check_wheel.NEEDED,
+    "mavwire/_native.abi3.so",
+    "mavwire-0.1.0.dist-info/licenses/LICENSE-MIT",
+    "mavwire-0.1.0.dist-info/licenses/LICENSE-APACHE",
+    "mavwire-0.1.0.dist-info/METADATA",
+]
+
+
+def test_a_good_wheel_passes() -> None:
+    check_wheel.check_contents(WHEEL)
+    check_wheel.check_name(
+        "mavwire-0.1.0-cp311-abi3-manylinux_2_17_armv7l.manylinux2014_armv7l.whl"
+    )
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        (WHEEL[1:], "missing: mavwire/__init__.py"),
+        ([*WHEEL, "mavwire/_native.pyd"], "exactly one extension module"),
+        (WHEEL[:-2], "licences"),
+        ([*WHEEL, "tests/test_x.py"], "not to be in it: tests/test_x.py"),
+        ([*WHEEL, "mavwire.libs/libz.so"], "not to be in it: mavwire.libs"),
+    ],
+)
+def test_a_bad_wheel_is_refused(names: list[str], said: str) -> None:
+    with pytest.raises(SystemExit, match=said):
+        check_wheel.check_contents(names)
+
+
+def test_a_wheel_of_one_version_is_refused() -> None:
+    with pytest.raises(SystemExit, match="stable ABI"):
+        check_wheel.check_name("mavwire-0.1.0-cp311-cp311-linux_x86_64.whl")
