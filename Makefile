@@ -134,6 +134,19 @@ format: $(VENV)/.requirements-lint ## Format all sources
 	$(BIN)/ruff check --fix-only --quiet .
 	$(BIN)/ruff format .
 
+.PHONY: docs
+docs: build $(VENV)/.requirements-docs ## Build the documentation site into target/site; warnings are errors
+	@$(BIN)/python tools/docs_pages.py
+	@NO_MKDOCS_2_WARNING=true $(BIN)/mkdocs build --strict
+	@echo 'The site is in target/site/index.html'
+
+.PHONY: wheel
+wheel: $(VENV)/.requirements-build $(VENV)/.requirements-package ## Make source distribution and release wheel in dist, and check the wheel
+	rm -rf dist
+	$(BIN)/maturin sdist --out dist
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) wheel --no-deps --no-build-isolation --wheel-dir dist dist/*.tar.gz
+	$(BIN)/python tools/check_wheel.py dist/*.whl
+
 .PHONY: stubs
 stubs: build ## Write the type stubs of the dialect modules
 	$(BIN)/python tools/generate_stubs.py

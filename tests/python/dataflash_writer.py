@@ -98,3 +98,17 @@ def sample() -> Log:
     log.add("GPS", 5_000_000, 0, 3, 100_000, 2200, -353_632_620)
     log.add("IMU", 6_000_000, 0, float("nan"), 1).add("MODE", 7_000_000, 4, 4, 1)
     return log
+
+
+def flight(seconds: int = 20) -> Log:
+    """A flight with the record types that the documentation speaks of, at 10 Hz, in two modes."""
+    log = sample().define("ATT", "Qff", "TimeUS,Roll,Pitch", 165)
+    log.define("ACC", "QBfff", "TimeUS,I,AccX,AccY,AccZ", 166)
+    log.data[:] = log.data.replace(b"IMU\0", b"OLD\0").replace(b"ACC\0", b"IMU\0")
+    log.add("FMTU", 3, 166, "s#ooo", "F----").add("PARM", 2002, "ATC_RAT_RLL_P", 0.135, 0.135)
+    for tick in range(seconds * 10):
+        time = 8_000_000 + tick * 100_000
+        log.add("ATT", time, tick % 30, -tick % 20)
+        log.add("ACC", time + 1, 0, 0.1, 0.2, -9.8).add("ACC", time + 2, 1, 0.1, 0.2, -9.7)
+        log.add("GPS", time + 3, 0, 3, 103_000 + tick * 100, 2200, -353_632_620 + tick)
+    return log

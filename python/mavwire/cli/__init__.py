@@ -54,7 +54,10 @@ COMMANDS = {
     "bridge": ("mavwire.cli.bridge", "route MAVLink between serial ports, UDP and TCP; record it"),
     "replay": ("mavwire.cli.replay", "send the frames of a log again, at their pace or faster"),
     "gen": ("mavwire.cli.gen", "generate a Python dialect module from XML definitions"),
-    "definitions": ("mavwire.cli.definitions", "store upstream XML for its descriptions"),
+    "definitions": (
+        "mavwire.cli.definitions",
+        "show a message, enum or command; store upstream descriptions",
+    ),
     "run": ("mavwire.cli.run", "run a program that imports pymavlink on mavwire"),
     "alias": ("mavwire.cli.alias", "let mavwire answer 'import pymavlink' in this environment"),
 }

@@ -1,7 +1,14 @@
-"""Store a set of MAVLink XML definitions, whose descriptions then appear in docstrings, `enums` and help.
+"""Show a message, an enum or a command; store MAVLink XML with descriptions.
 
-The definitions that come with mavwire carry facts alone. `sync` copies a folder of upstream XML to
-the user's data folder, `status` shows what is stored there, `clear` removes it.
+The definitions that come with mavwire carry facts, and a line on what common messages are for. The
+descriptions of upstream XML appear in docstrings, `enums` and here once they are stored: `sync`
+copies a folder of it to the user's data folder, `status` shows what is stored there, `clear`
+removes it.
+
+examples:
+  mavwire definitions show ATTITUDE
+  mavwire definitions show MAV_STATE
+  mavwire definitions show NAV_TAKEOFF
 """
 
 from __future__ import annotations
@@ -21,8 +28,13 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """`sync DIR`, `status` or `clear`."""
+    """`show NAME`, `sync DIR`, `status` or `clear`."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    show = actions.add_parser("show", help="fields of a message, values of an enum, a command")
+    show.add_argument("name", help="its name, in any letter case; commands also without MAV_CMD_")
+    show.add_argument(
+        "--dialect", default="ardupilotmega", help="whose definitions (default: %(default)s)"
+    )
     sync = actions.add_parser("sync", help="store the *.xml files of a folder")
     sync.add_argument("folder", type=Path, help="folder with *.xml, or one above v1.0/")
     actions.add_parser("status", help="show what is stored")
@@ -30,8 +42,10 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """0; CommandError says what is wrong with the folder or a file."""
-    if args.action == "sync":
+    """0; CommandError says what is wrong with the name, the folder or a file."""
+    if args.action == "show":
+        print(show(args.name, args.dialect))
+    elif args.action == "sync":
         count = sync(args.folder)
         print(f"{count} definition files stored in {stored_folder()}")
     elif args.action == "clear":
@@ -40,6 +54,16 @@ def main(args: Namespace) -> int:
     else:
         print(_status())
     return 0
+
+
+def show(name: str, dialect: str) -> str:
+    """What the dialect has under this name, as text."""
+    from mavwire import mavutil
+    from mavwire.cli._definition_text import describe
+    from mavwire.cli._reading import definitions
+
+    with definitions(dialect, "2.0"):
+        return describe(mavutil.mavlink, name)
 
 
 def sync(folder: Path) -> int:

@@ -2,7 +2,7 @@
 
 The definitions that come with mavwire carry facts alone. Prose is the user's to add: XML in the folder that ``MDEF`` names,
 a set stored by ``mavwire definitions sync``, or the XML that an installed pymavlink carries as package data. It is read
-when somebody first asks for a description, and never otherwise.
+when somebody first asks for a description, and never otherwise. Where there is none, mavwire's own summaries take its place.
 """
 
 from __future__ import annotations
@@ -41,7 +41,10 @@ def _candidates(dialect: str) -> Iterator[Path]:
 
 
 class Texts:
-    """Descriptions of one dialect, read on first use; empty where no XML with prose is at hand."""
+    """Descriptions of one dialect, read on first use.
+
+    Where no XML has prose, mavwire's own summaries of messages and commands; else nothing.
+    """
 
     def __init__(self, dialect: str) -> None:
         self._dialect = dialect
@@ -66,11 +69,17 @@ class Texts:
 
     def message(self, name: str) -> tuple[str, dict[str, str]]:
         """Description of a message and of its fields by name."""
-        return self._find()["messages"].get(name, ("", {}))
+        from mavwire.dialects import _summaries
+
+        text, fields = self._find()["messages"].get(name, ("", {}))
+        return text or _summaries.message(name), fields
 
     def entry(self, enum: str, name: str) -> str:
         """Description of an enum entry."""
-        return self._find()["enums"].get(enum, {}).get(name, ("", {}))[0]
+        from mavwire.dialects import _summaries
+
+        text: str = self._find()["enums"].get(enum, {}).get(name, ("", {}))[0]
+        return text or (_summaries.command(name) if enum == "MAV_CMD" else "")
 
     def params(self, enum: str, name: str) -> dict[int, str]:
         """Descriptions of a command's parameters by number."""
