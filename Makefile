@@ -138,6 +138,10 @@ format: $(VENV)/.requirements-lint ## Format all sources
 stubs: build ## Write the type stubs of the dialect modules
 	$(BIN)/python tools/generate_stubs.py
 
+.PHONY: coverage-table
+coverage-table: build $(VENV)/.requirements-test ## Write docs/coverage.md: every public name of pymavlink
+	$(BIN)/python tools/coverage_table.py
+
 .PHONY: clean
 clean: ## Remove everything that was built
 	rm -rf $(VENV) target dist python/mavwire/*.so .pytest_cache .mypy_cache .ruff_cache .hypothesis
