@@ -66,12 +66,17 @@ class Texts:
 
     def message(self, name: str) -> tuple[str, dict[str, str]]:
         """Description of a message and of its fields by name."""
-        return self._find()["messages"].get(name, ("", {}))
+        texts: tuple[str, dict[str, str]] = self._find()["messages"].get(name, ("", {}))
+        return texts
 
     def entry(self, enum: str, name: str) -> str:
         """Description of an enum entry."""
-        return self._find()["enums"].get(enum, {}).get(name, ("", {}))[0]
+        return self._entry(enum, name)[0]
 
     def params(self, enum: str, name: str) -> dict[int, str]:
         """Descriptions of a command's parameters by number."""
-        return self._find()["enums"].get(enum, {}).get(name, ("", {}))[1]
+        return self._entry(enum, name)[1]
+
+    def _entry(self, enum: str, name: str) -> tuple[str, dict[int, str]]:
+        texts: tuple[str, dict[int, str]] = self._find()["enums"].get(enum, {}).get(name, ("", {}))
+        return texts
