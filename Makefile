@@ -125,6 +125,7 @@ lint-python: build $(VENV)/.requirements-lint $(VENV)/.requirements-test ## Chec
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright --warnings --pythonpath $(BIN)/python --project tests/typed
 	$(BIN)/python tools/generate_stubs.py --check
 	$(BIN)/python -m mypy.stubtest $(STUBBED) --allowlist tests/stubtest_allowlist.txt
 
@@ -150,6 +151,10 @@ wheel: $(VENV)/.requirements-build $(VENV)/.requirements-package ## Make source 
 .PHONY: stubs
 stubs: build ## Write the type stubs of the dialect modules
 	$(BIN)/python tools/generate_stubs.py
+
+.PHONY: coverage-table
+coverage-table: build $(VENV)/.requirements-test ## Write docs/coverage.md: every public name of pymavlink
+	$(BIN)/python tools/coverage_table.py
 
 .PHONY: clean
 clean: ## Remove everything that was built

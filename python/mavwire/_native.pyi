@@ -6,7 +6,7 @@ where that stands. Links and logs are described in `_stubs`, which is there for 
 """
 
 from collections.abc import Callable, Iterable
-from typing import Any, Final, Literal, TypeAlias, final
+from typing import Any, Final, Literal, Self, TypeAlias, final
 
 from typing_extensions import Buffer, disjoint_base
 
@@ -268,7 +268,7 @@ class Message:
     # Built messages compare by value, so they have no hash.
     __hash__: None  # type: ignore[assignment]
 
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> Message: ...
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     @property
     def _timestamp(self) -> float:
         """Seconds since 1970 (or of the log's own clock), set by whoever received the message."""
@@ -349,7 +349,7 @@ class Message:
 class Signing:
     """Signing state of one link."""
 
-    def __new__(cls) -> Signing: ...
+    def __new__(cls) -> Self: ...
     @property
     def secret_key(self) -> bytes | None:
         """The secret key: 32 bytes, or None. ValueError for any other length."""
@@ -444,7 +444,7 @@ class MAVLink:
     send_callback_args: Any
     send_callback_kwargs: Any
 
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> MAVLink: ...
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     @property
     def robust_parsing(self) -> bool:
         """Bad input gives BAD_DATA messages instead of exceptions."""

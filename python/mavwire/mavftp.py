@@ -11,8 +11,6 @@ ftp.process_ftp_reply("get").display_message()
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ._ftp.channel import HDR_LEN, MAX_PAYLOAD
 from ._ftp.cli import (
     auto_connect,
@@ -91,13 +89,13 @@ __all__ = [
 ]
 
 
-@dataclass(eq=False)
 class WriteQueue:
     """A block of a file that is being written: where it is, and when it was sent last."""
 
-    ofs: int
-    size: int
-    last_send: float = 0
+    def __init__(self, ofs: int, size: int) -> None:
+        self.ofs = ofs
+        self.size = size
+        self.last_send: float = 0
 
 
 if __name__ == "__main__":

@@ -92,9 +92,10 @@ __all__ = [
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
+    from typing import Any, Literal
 
     from . import mavexpression
+    from ._stubs.mavutil import Connection
     from .generator.mavcrc import x25crc
     from .links.child import mavchildexec
     from .links.inspect_message import (
@@ -121,9 +122,9 @@ if TYPE_CHECKING:
     from .links.uds import mavuds
     from .links.websocket import mavwebsocket, mavwebsocket_client
 
-    mavlink: Any
+    mavlink: ModuleType
     current_dialect: str
-    mavfile_global: Any
+    mavfile_global: mavfile | None
     global_link_id: int
     have_ascii: bool
 
@@ -271,9 +272,9 @@ def mavlink_connection(
     force_connected: bool = False,
     progress_callback: Callable[[int], Any] | None = None,
     udp_timeout: float = 0,
-    resync: str | None = None,
+    resync: Literal["skip", "rescan"] | None = None,
     **opts: Any,
-) -> Any:
+) -> Connection:
     """Open a link or a log.
 
     `device` is tcp:, tcpin:, udpin:, udpout:, udpbcast: or udp: with HOST:PORT; uds:PATH;
@@ -309,7 +310,7 @@ def mavlink_connection(
         udp_timeout=udp_timeout,
         resync=resync,
     )
-    link = connect(device, options)
+    link: Connection = connect(device, options)
     if resync is not None and hasattr(link, "mav"):
         link.mav.resync = resync
     return link

@@ -304,8 +304,8 @@ class Quaternion(QuaternionBase):
     def _euler_of(self, dcm: Matrix3) -> np.ndarray:
         return np.array(dcm.to_euler())
 
-    def transform(self, v: Any) -> Any:
+    def transform(self, v3: Any) -> Any:
         """A vector from the body's frame in the earth's: Vector3 from Vector3, else an array."""
-        if isinstance(v, Vector3):
-            return Vector3(*super().transform([v.x, v.y, v.z]))
-        return super().transform(v)
+        if isinstance(v3, Vector3):
+            return Vector3(*super().transform([v3.x, v3.y, v3.z]))
+        return super().transform(v3)

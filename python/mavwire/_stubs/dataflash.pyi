@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from os import PathLike
-from typing import Any, TypeAlias, final
+from typing import Any, Self, TypeAlias, final
 
 from typing_extensions import disjoint_base
 
@@ -47,7 +47,7 @@ class MicrosClock:
 
     timebase: float
     timestamp: float
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> MicrosClock: ...
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
 
 # A layout of a log: type, length, name, format, columns.
 _Layout: TypeAlias = tuple[int, int, str, str, list[str]]
@@ -59,7 +59,7 @@ class DataflashReader:
 
     messages: dict[str, Any]
     offset: int
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> DataflashReader: ...
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     @property
     def data_len(self) -> int: ...
     def recv_msg(self) -> DFMessage | None: ...

@@ -1,16 +1,17 @@
 """Links, as `mavwire._native` has them."""
 
 from collections.abc import Iterable
-from typing import Any
+from typing import IO, Any, Self
 
 from mavwire._native import Message
+from mavwire._stubs.mavutil import CurrentMAVLink, ReceivedMessage
 from typing_extensions import disjoint_base
 
 @disjoint_base
 class SystemState:
     """Base of `mavutil.mavfile_state`: holds the table of newest messages."""
 
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> SystemState: ...
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     messages: dict[str, Any]
     """Message type -> newest message."""
 
@@ -25,8 +26,8 @@ class SystemState:
 class Link:
     """The part of `mavutil.mavfile`'s state that every message changes."""
 
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> Link: ...
-    mav: Any
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
+    mav: CurrentMAVLink
     """The `MAVLink` object of the current dialect."""
     message_hooks: Any
     """Functions called as `hook(link, message)` for every message."""
@@ -43,9 +44,9 @@ class Link:
     """Seconds since the vehicle booted, as its messages say."""
     first_byte: bool
     """The protocol version of the link is still to be found out from its first byte."""
-    logfile: Any
+    logfile: IO[bytes] | None
     """File that received messages are recorded to, or None."""
-    logfile_raw: Any
+    logfile_raw: IO[bytes] | None
     """File that received bytes are recorded to, or None."""
 
     @property
@@ -101,10 +102,10 @@ class LiveLink(Link):
     A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
     """
 
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> LiveLink: ...
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     def __setattr__(self, name: str, value: Any, /) -> None: ...
     def __delattr__(self, name: str, /) -> None: ...
-    def recv_msg(self) -> Any:
+    def recv_msg(self) -> ReceivedMessage | None:
         """The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived."""
 
     def recv_match(
@@ -113,7 +114,7 @@ class LiveLink(Link):
         type: str | Iterable[str] | None = None,
         blocking: bool = False,
         timeout: float | None = None,
-    ) -> Any:
+    ) -> ReceivedMessage | None:
         """The next message of a `type` (name, list or set) for which `condition` holds.
 
         Messages that do not match are consumed, but have updated the state. Returns None when

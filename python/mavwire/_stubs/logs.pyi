@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Iterable
 from os import PathLike
-from typing import Any, Protocol, final
+from typing import Any, Protocol, Self, final
 
 from mavwire._native import Dialect, Message
 from mavwire._stubs.links import Link
+from mavwire._stubs.mavutil import ReceivedMessage
 from typing_extensions import disjoint_base
 
 @disjoint_base
@@ -15,7 +16,7 @@ class LogLink(Link):
     A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
     """
 
-    def __new__(cls, *_args: Any, **_kwargs: Any) -> LogLink: ...
+    def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     def __setattr__(self, name: str, value: Any, /) -> None: ...
     def __delattr__(self, name: str, /) -> None: ...
     percent: float
@@ -24,7 +25,7 @@ class LogLink(Link):
     def recv(self, n: int | None = None) -> bytes:
         """Up to `n` bytes of the log; empty at its end."""
 
-    def recv_msg(self) -> Any:
+    def recv_msg(self) -> ReceivedMessage | None:
         """The next message, BAD_DATA and UNKNOWN included; None at the end of the log."""
 
     def recv_match(
@@ -33,7 +34,7 @@ class LogLink(Link):
         type: str | Iterable[str] | None = None,
         blocking: bool = False,
         timeout: float | None = None,
-    ) -> Any:
+    ) -> ReceivedMessage | None:
         """The next message of a `type` (name, list or set) for which `condition` holds.
 
         None at the end of the log. An indexed log is read only where messages of the wanted types,

@@ -79,7 +79,7 @@ class Selection:
         return self._is_skipped(kind) or self._is_too_soon(kind, msg)
 
     def _is_skipped(self, kind: str) -> bool:
-        every = self._args.reduce
+        every: int | None = self._args.reduce
         if not every or not (kind in STREAMED or kind.startswith(STREAMED_PREFIXES)):
             return False
         self._counts[kind] = count = self._counts.get(kind, 0) + 1

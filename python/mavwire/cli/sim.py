@@ -182,9 +182,13 @@ def _links(devices: list[str], mavutil: Any) -> list[Any]:
             for link in links:
                 link.close()
             raise CommandError(f"{device}: {error}") from None
-        if links[-1].fd is None and not hasattr(links[-1], "port"):
+        if _is_log(links[-1], mavutil):
             raise CommandError(f"{device} is a log, not a link")
     return links
+
+
+def _is_log(link: Any, mavutil: Any) -> bool:
+    return isinstance(link, mavutil.mavlogfile) or not isinstance(link, mavutil.mavfile)
 
 
 def _announcement(vehicles: list[Vehicle], args: Namespace) -> str:

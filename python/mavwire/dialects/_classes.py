@@ -302,7 +302,9 @@ def _add_methods(mavlink: type, native: _native.Dialect, module: str, texts: Tex
         def made() -> Callable[..., Any]:
             cls = native.message_class(message)
             info = cls._info
-            return make(info, cls, module, lambda: _docs.method_doc(native, info, texts))
+            method: Callable[..., Any]
+            method = make(info, cls, module, lambda: _docs.method_doc(native, info, texts))
+            return method
 
         return made
 

@@ -71,16 +71,20 @@ class Texts:
         """Description of a message and of its fields by name."""
         from mavwire.dialects import _summaries
 
-        text, fields = self._find()["messages"].get(name, ("", {}))
-        return text or _summaries.message(name), fields
+        texts: tuple[str, dict[str, str]] = self._find()["messages"].get(name, ("", {}))
+        return texts[0] or _summaries.message(name), texts[1]
 
     def entry(self, enum: str, name: str) -> str:
         """Description of an enum entry."""
         from mavwire.dialects import _summaries
 
-        text: str = self._find()["enums"].get(enum, {}).get(name, ("", {}))[0]
+        text = self._entry(enum, name)[0]
         return text or (_summaries.command(name) if enum == "MAV_CMD" else "")
 
     def params(self, enum: str, name: str) -> dict[int, str]:
         """Descriptions of a command's parameters by number."""
-        return self._find()["enums"].get(enum, {}).get(name, ("", {}))[1]
+        return self._entry(enum, name)[1]
+
+    def _entry(self, enum: str, name: str) -> tuple[str, dict[int, str]]:
+        texts: tuple[str, dict[int, str]] = self._find()["enums"].get(enum, {}).get(name, ("", {}))
+        return texts

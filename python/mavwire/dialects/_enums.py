@@ -59,16 +59,17 @@ def _untabbed(text: str) -> str:
 class Enum(dict[int, EnumEntry]):
     """Entries by value, in ascending order; the last one is the ``_ENUM_END`` marker. ``bitmask`` says what values are."""
 
-    def __init__(self, *args: Any, bitmask: bool = False) -> None:
-        super().__init__(*args)
-        self.bitmask = bitmask
+    def __init__(self) -> None:
+        super().__init__()
+        self.bitmask = False
 
 
 def make_enums(rows: list[tuple[Any, ...]], texts: _descriptions.Texts) -> dict[str, Enum]:
     """``enums`` from the rows that the native dialect gives."""
     enums = {}
     for name, bitmask, _description, entries in rows:
-        enum = Enum(bitmask=bitmask)
+        enum = Enum()
+        enum.bitmask = bitmask
         for row in entries:
             enum[row[0]] = _DefinedEntry(name, row, texts)
         enums[name] = enum

@@ -13,7 +13,12 @@ from .modes import MAV_AUTOPILOT_PX4, px4_map
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from typing import Any
+
+    from mavwire._stubs.mavutil import CurrentMAVLink, ReceivedMessage
+
+    from .vehicle_state import mavfile_state
 
 MAV_CMD_NAV_LOITER_UNLIM = 17
 MAV_CMD_NAV_RETURN_TO_LAUNCH = 20
@@ -39,13 +44,12 @@ PARAM_FETCH_INTERVAL = 2.0
 class Commands:
     """The sending and waiting methods of `mavfile`."""
 
-    mav: Any
-    messages: Any
+    mav: CurrentMAVLink
     sysid: int
-    sysid_state: dict[int, Any]
-    target_system: Any
-    target_component: Any
-    base_mode: Any
+    sysid_state: dict[int, mavfile_state]
+    target_system: int
+    target_component: int
+    base_mode: int
     param_fetch_start: float
 
     def _command_long(self, command: int, *params: float) -> None:
@@ -200,15 +204,17 @@ class Commands:
 
     # -- waiting
 
-    def wait_heartbeat(self, blocking: bool = True, timeout: float | None = None) -> Any:
+    def wait_heartbeat(
+        self, blocking: bool = True, timeout: float | None = None
+    ) -> ReceivedMessage | None:
         """The next HEARTBEAT of anyone, ground stations included; None after `timeout`."""
         return self.recv_match(type="HEARTBEAT", blocking=blocking, timeout=timeout)
 
-    def _next_of_target(self, type: str) -> Any:
+    def _next_of_target(self, type: str) -> ReceivedMessage:
         """The next message of a type from the target, or from anyone while there is none."""
         while True:
             msg = self.recv_match(type=type, blocking=True)
-            if self.target_system in (0, msg.get_srcSystem()):
+            if msg is not None and self.target_system in (0, msg.get_srcSystem()):
                 return msg
 
     def wait_gps_fix(self) -> None:
@@ -232,8 +238,7 @@ class Commands:
 
     def motors_armed(self) -> int:
         """The target's armed bit: true while its motors are armed."""
-        armed: int = self.sysid_state[self.sysid].armed
-        return armed
+        return self.sysid_state[self.sysid].armed
 
     def motors_armed_wait(self) -> None:
         """Wait until a heartbeat says that the motors are armed."""
@@ -247,12 +252,15 @@ class Commands:
 
     if TYPE_CHECKING:
 
+        @property
+        def messages(self) -> dict[str, Any]: ...
+
         def mode_mapping(self) -> dict[str, Any] | None: ...
 
         def recv_match(
             self,
             condition: str | None = None,
-            type: Any = None,
+            type: str | Iterable[str] | None = None,
             blocking: bool = False,
             timeout: float | None = None,
-        ) -> Any: ...
+        ) -> ReceivedMessage | None: ...

@@ -23,7 +23,9 @@ from .waiting import wait_readable
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from typing import Any
+    from typing import IO, Any, Self
+
+    from mavwire._stubs.mavutil import CurrentMAVLink, ReceivedMessage
 
 MARKERS = (0xFE, 0xFD)
 MARKER_V2 = 0xFD
@@ -99,13 +101,13 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         self.source_system = source_system
         self.source_component = source_component
         self.robust_parsing = True
-        self.mav: Any = self._new_mav()
+        self.mav = self._new_mav()
         self.mav.robust_parsing = self.robust_parsing
-        self.logfile: Any = None
-        self.logfile_raw: Any = None
+        self.logfile: IO[bytes] | None = None
+        self.logfile_raw: IO[bytes] | None = None
         self.start_time = time.time()
-        self.message_hooks: list[Callable[[mavfile, Any], None]] = []
-        self.idle_hooks: list[Callable[[mavfile], None]] = []
+        self.message_hooks: list[Callable[[mavfile, ReceivedMessage], object]] = []
+        self.idle_hooks: list[Callable[[mavfile], object]] = []
         self.uptime = 0.0
         self.notimestamps = notimestamps
         self._timestamp: float | None = None
@@ -117,10 +119,11 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
 
     # -- the parser object
 
-    def _new_mav(self) -> Any:
-        return state.mavlink.MAVLink(
+    def _new_mav(self) -> CurrentMAVLink:
+        mav: CurrentMAVLink = state.mavlink.MAVLink(
             self, srcSystem=self.source_system, srcComponent=self.source_component
         )
+        return mav
 
     def _replace_mav(self) -> bytes:
         """A parser of the current dialect in place of the old one, which hands over its state.
@@ -176,23 +179,23 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         """Release the transport. Each has its own."""
         raise RuntimeError("no close() method supplied")
 
-    def __enter__(self) -> mavfile:
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, exc_type: Any, exc_value: Any, traceback: Any) -> None:
+    def __exit__(self, exc_type: object, exc_value: object, traceback: object) -> None:
         self.close()
 
     def pre_message(self) -> None:
         """Called before each message is read; log readers take the timestamp here."""
 
-    def recv_msg(self) -> Any:
+    def recv_msg(self) -> ReceivedMessage | None:
         """The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived."""
         self.pre_message()
         while True:
             data = self.recv(self.mav.bytes_needed())
             if data:
                 data = self._arrived(data)
-            msg = self.mav.parse_char(data)
+            msg: ReceivedMessage | None = self.mav.parse_char(data)
             if msg is not None:
                 self._delivered(msg)
                 return msg
@@ -209,17 +212,17 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
                 return unread + data
         return data
 
-    def _delivered(self, msg: Any) -> None:
+    def _delivered(self, msg: ReceivedMessage) -> None:
         """Record a received message and take it into the state."""
         self._record(msg)
         self.post_message(msg)
 
-    def _record(self, msg: Any) -> None:
+    def _record(self, msg: ReceivedMessage) -> None:
         """Record a received message, if messages are recorded."""
         if self.logfile and msg.get_type() != "BAD_DATA":
             self._log(self.logfile, lambda file: record(file, time.time(), msg.get_msgbuf()))
 
-    def _log(self, file: Any, write: Callable[[Any], Any]) -> None:
+    def _log(self, file: IO[bytes], write: Callable[[IO[bytes]], object]) -> None:
         """Write to a log and flush it now and then; a failing log never stops reception."""
         try:
             write(file)
@@ -266,7 +269,7 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         type: str | Iterable[str] | None = None,
         blocking: bool = False,
         timeout: float | None = None,
-    ) -> Any:
+    ) -> ReceivedMessage | None:
         """The next message of a `type` (name, list or set) for which `condition` holds.
 
         Messages that do not match are consumed, but have updated the state. Returns None when
@@ -287,18 +290,19 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
             if msg is None:
                 self._idle(timeout, deadline)
 
-    def _recv_candidate(self, types: Any) -> Any:
+    def _recv_candidate(self, types: Any) -> ReceivedMessage | None:
         """The next message that may match; log readers skip records of other types here."""
         return self.recv_msg()
 
-    def _matches(self, msg: Any, types: Any, condition: str | None) -> Any:
+    def _matches(self, msg: ReceivedMessage, types: Any, condition: str | None) -> bool:
         """Whether `msg` is wanted; the condition sees the messages of its sender."""
         if types is not None and msg.get_type() not in types:
             return False
         if condition is None:
             return True
         sender = self.sysid_state[msg.get_srcSystem()]
-        return evaluate_condition(condition, sender.messages)
+        holds: bool = evaluate_condition(condition, sender.messages)
+        return holds
 
     def _idle(self, timeout: float | None, deadline: float | None) -> None:
         """Run the idle hooks, then wait for data, never beyond `deadline`."""

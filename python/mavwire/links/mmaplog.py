@@ -13,7 +13,9 @@ from .vehicle_state import add_message
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
+    from typing import Any, Literal
+
+    from mavwire._stubs.mavutil import ReceivedMessage
 
 # Beyond this many keys in `messages` the index adds no further instances.
 MAX_INDEXED_KEYS = 8192
@@ -35,7 +37,7 @@ class mavmmaplog(mavlogfile):
         filename: str,
         progress_callback: Callable[[int], Any] | None = None,
         *,
-        resync: str | None = None,
+        resync: Literal["skip", "rescan"] | None = None,
     ) -> None:
         super().__init__(filename)
         if resync is not None:
@@ -126,7 +128,7 @@ class mavmmaplog(mavlogfile):
         self._restart()
         self.flightmode = "UNKNOWN"
 
-    def _recv_candidate(self, types: Any) -> Any:
+    def _recv_candidate(self, types: Any) -> ReceivedMessage | None:
         if types is not None:
             self.skip_to_type(types)
         return self.recv_msg()

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
+    from mavwire._stubs.mavutil import CurrentMAVLink
+
 KEY_LEN = 32
 # Signature timestamps count 10 us units since 2015-01-01 00:00 UTC.
 EPOCH = 1420070400
@@ -70,9 +72,9 @@ def _opened(store: Any, timestamp: int) -> tuple[Callable[[int], int] | None, in
 class Signing:
     """The signing methods of `mavfile`."""
 
-    mav: Any
-    target_system: Any
-    target_component: Any
+    mav: CurrentMAVLink
+    target_system: int
+    target_component: int
 
     def setup_signing(
         self,

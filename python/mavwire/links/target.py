@@ -19,6 +19,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    from mavwire._stubs.mavutil import ReceivedMessage
+
 
 class Target:
     """The properties and look-ups of `mavfile` that concern its target."""
@@ -101,13 +103,15 @@ class Target:
         sysid: int | None = None,
         compid: int | None = None,
         max_age: float | None = None,
-    ) -> Any:
+    ) -> ReceivedMessage | None:
         """The newest message of `type` from a system (the target) or one of its components.
 
         None if there is none, or none that is at most `max_age` seconds old. It is there as soon as
         it was received, whoever received it.
         """
-        msg = self.messages_of(self.sysid if sysid is None else sysid, compid).get(type)
+        newest: dict[str, ReceivedMessage]
+        newest = self.messages_of(self.sysid if sysid is None else sysid, compid)
+        msg = newest.get(type)
         if msg is None or (max_age is not None and self._age(msg) > max_age):
             return None
         return msg

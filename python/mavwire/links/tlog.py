@@ -73,6 +73,11 @@ class mavlogfile(LogLink, mavfile):
     def _condition_holds(self, condition: str, msg: Any) -> Any:
         return self._matches(msg, None, condition)
 
+    @property
+    def port(self) -> LogPort:
+        """What programs ask that look after links without a descriptor in turn."""
+        return LogPort(self)
+
     def close(self) -> None:
         """Close the file."""
         self._close_reader()
@@ -92,6 +97,18 @@ class mavlogfile(LogLink, mavfile):
         if self.planner_format:
             raise RuntimeError(f"bad planner timestamp {self.f.read(PLANNER_TIME_LEN)!r}")
         LogLink.pre_message(self)
+
+
+class LogPort:
+    """A log as a port that has received all of it: MAVProxy reads `--master=flight.tlog` so."""
+
+    def __init__(self, link: mavlogfile) -> None:
+        self._link = link
+
+    def inWaiting(self) -> int:
+        """Bytes that are left to read; 0 for a log that is written, or closed."""
+        link = self._link
+        return 0 if link.writeable or link.f.closed else max(link.filesize - link.f.tell(), 0)
 
 
 class LogFile:

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
+    from mavwire._stubs.mavutil import CurrentMAVLink
+
 MAV_AUTOPILOT_ARDUPILOTMEGA = 3
 MAV_AUTOPILOT_INVALID = 8
 MAV_COMP_ID_GIMBAL = 154
@@ -24,11 +26,11 @@ GPS_FIX_TYPE_3D_FIX = 3
 class Tracking:
     """The state-keeping methods of `mavfile`."""
 
-    mav: Any
+    mav: CurrentMAVLink
     sysid: int
     sysid_state: dict[int, mavfile_state]
-    target_system: Any
-    target_component: Any
+    target_system: int
+    target_component: int
     _fix_home: Callable[[int], None]
 
     def _new_state(self) -> mavfile_state:

@@ -24,6 +24,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    from mavwire._native import Message
+
 UDP_MAX_PACKET_LEN = 65535
 # Each reply target costs a send per message. A full table replaces a peer silent this long.
 MAX_CLIENTS = 128
@@ -114,13 +116,19 @@ class mavudp(ChunkedLink):
         self._switch_peer(self.last_address)
         return data
 
-    def _delivered(self, msg: Any) -> None:
-        if self.last_address is not None and msg.get_msgId() >= 0 and self._is_trusted(msg):
+    def post_message(self, msg: Message) -> None:
+        """Take a received message into the link's state, once. Its sender, which is that of the last
+        datagram, is answered from now on: programs may read with `recv` and parse by themselves.
+        """
+        is_new = not getattr(msg, "_posted", False)
+        if is_new and self.last_address is not None and self._is_trusted(msg):
             self._heard(self.last_address)
-        super()._delivered(msg)
+        super().post_message(msg)
 
-    def _is_trusted(self, msg: Any) -> bool:
+    def _is_trusted(self, msg: Message) -> bool:
         """Whether `msg` may say who is there: with a key, what a callback let pass may not."""
+        if msg.get_msgId() < 0:
+            return False
         signing = getattr(self.mav, "signing", None)
         return signing is None or signing.secret_key is None or bool(msg.get_signed())
 

@@ -6,7 +6,8 @@ known keys keep being updated and new ones are left out.
 
 from __future__ import annotations
 
-from mavwire._native import SystemState, add_message, forget_states
+from mavwire import _native
+from mavwire._native import SystemState, forget_states
 
 from . import state
 
@@ -14,10 +15,17 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    from mavwire._native import Message
+
 MAV_TYPE_FIXED_WING = 1
 MAV_AUTOPILOT_GENERIC = 0
 
 __all__ = ["SystemStates", "add_message", "mavfile_state", "param_state"]
+
+
+def add_message(messages: dict[str, Any], mtype: str, msg: Message) -> None:
+    """Make `msg` the newest of its type in `messages`, and of its instance if the type has them."""
+    _native.add_message(messages, mtype, msg)
 
 
 class mavfile_state(SystemState):

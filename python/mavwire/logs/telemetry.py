@@ -119,7 +119,7 @@ class TelemetryLog:
     def __bool__(self) -> bool:
         return True
 
-    def _scan(self, selection: Selection) -> Any:
+    def _scan(self, selection: Selection) -> LogScan:
         self._check_open()
         if self.compressed:
             raise ValueError(f"messages of a compressed log are read as tables only: {self.path!r}")

@@ -44,7 +44,7 @@ class Battery:
         """Volts at the terminals."""
         left = max(0.0, 1.0 - self.used / max(self.capacity, 1.0))
         # Steep at both ends and flat between, as lithium cells are.
-        cell = EMPTY_CELL + (FULL_CELL - EMPTY_CELL) * (0.75 * left + 0.25 * left**0.25)
+        cell: float = EMPTY_CELL + (FULL_CELL - EMPTY_CELL) * (0.75 * left + 0.25 * left**0.25)
         return CELLS * (cell - CELL_RESISTANCE * self.current)
 
     def step(self, dt: float, copter: Copter, powered: bool) -> None:

@@ -407,3 +407,53 @@ def test_parameters_are_bounded_over_all_senders():
     assert len(link.params) == 200  # the target's
     assert sum(len(state.params) for state in link.param_state.values()) == of_all + 200
     assert link.names_refused == of_one
+
+
+# -- programs that read with `recv` and parse by themselves
+
+
+def peer_of(link: mavutil.mavudp) -> socket.socket:
+    """A bare socket that speaks to a server."""
+    peer = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    peer.settimeout(WAIT)
+    peer.connect(link.port.getsockname())
+    return peer
+
+
+def pump(link: mavutil.mavudp) -> list:
+    """What MAVProxy does when the descriptor is ready."""
+    assert link.select(WAIT)
+    messages = link.mav.parse_buffer(link.recv(16 * 1024)) or []
+    for msg in messages:
+        link.post_message(msg)
+    return messages
+
+
+def test_who_sent_what_a_program_parsed_itself_is_answered():
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
+        peer.send(heartbeat())
+        assert [msg.get_type() for msg in pump(link)] == ["HEARTBEAT"]
+        assert link.clients == {peer.getsockname()}
+        link.mav.ping_send(1, 2, 0, 0)
+        assert peer.recv(300)[7] == mavlink.MAVLINK_MSG_ID_PING
+        assert link.target_system == 1 and link.mav_count == 1
+
+
+def test_nobody_else_is_answered_for_what_a_program_parsed_itself():
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
+        link.mav.robust_parsing = True
+        peer.send(b"nonsense")
+        assert {msg.get_type() for msg in pump(link)} <= {"BAD_DATA"}
+        assert not link.clients
+        with peer_of(link) as stranger:
+            peer.send(heartbeat())
+            msg = receive(link)
+            stranger.send(b"nonsense")
+            pump(link)
+            link.post_message(msg)  # once more, while the stranger was heard last
+            assert link.clients == {peer.getsockname()}
+        link.setup_signing(b"k" * 32)
+        with peer_of(link) as forger:
+            forger.send(heartbeat(seq=1))
+            pump(link)
+            assert link.clients == {peer.getsockname()}

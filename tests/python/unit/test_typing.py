@@ -12,11 +12,14 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "examples" / "typed.py"
+PROJECT = sorted((ROOT / "tests" / "typed").glob("*.py"))
 
 PRELUDE = """
+from mavwire import mavutil, mavwp
 from mavwire.dialects.v10 import common as v10
 from mavwire.dialects.v20 import ardupilotmega, common, minimal
 mav = ardupilotmega.MAVLink(None)
+link = mavutil.mavlink_connection("")
 """
 
 # Line of code -> a part of what the checker has to say about it, None for nothing.
@@ -42,6 +45,16 @@ CASES: dict[str, str | None] = {
     "v10.MAVLINK_MSG_ID_BUTTON_CHANGE": "has no attribute",
     "base: common.MAVLink = mav": None,
     "other: ardupilotmega.MAVLink = common.MAVLink(None)": "Incompatible types",
+    "mavutil.mavlink_connection(14550)": 'Argument 1 to "mavlink_connection"',
+    "mavutil.mavlink_connection('', resync='all')": 'Argument "resync" to "mavlink_connection"',
+    "reveal_type(link.recv_match(type='ATTITUDE'))": "ReceivedMessage | None",
+    "reveal_type(link.recv_match(type='ATTITUDE', blocking=True).yaw)": '"Any"',
+    "link.recv_match(type='ATTITUDE').yaw": 'Item "None" of',
+    "link.rewind()": None,
+    "link.mav.heartbeat_send(2, 3, 81, 4, 4)": None,
+    "mavutil.mavudp('').rewind()": '"mavudp" has no attribute "rewind"',
+    "mavutil.mavudp('').set_mode(b'AUTO')": 'Argument 1 to "set_mode"',
+    "reveal_type(mavwp.MAVWPLoader().count())": '"int"',
     "msg: common.MAVLink_message = ardupilotmega.MAVLink_ahrs_message(0, 0, 0, 0, 0, 0, 0)": None,
 }
 
@@ -63,8 +76,9 @@ def check(folder: Path, *files: Path) -> tuple[int, list[str]]:
     return run.returncode, run.stdout.splitlines()
 
 
-def test_example_is_strictly_typed(tmp_path: Path) -> None:
-    assert check(tmp_path, EXAMPLE) == (0, [])
+def test_example_and_project_are_strictly_typed(tmp_path: Path) -> None:
+    assert len(PROJECT) > 3
+    assert check(tmp_path, EXAMPLE, *PROJECT) == (0, [])
 
 
 def test_example_runs() -> None:
