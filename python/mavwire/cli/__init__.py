@@ -49,6 +49,7 @@ COMMANDS = {
         "mavwire.tools.mavsensor_status_change",
         "when sensors came, went or failed",
     ),
+    "graph": ("mavwire.tools.mavgraph", "fields and formulas in a window or an image"),
     "tools": ("mavwire.cli.tools", "give these the names of pymavlink's scripts"),
     "sim": ("mavwire.cli.sim", "fly simulated vehicles for a ground station or a test"),
     "bridge": ("mavwire.cli.bridge", "route MAVLink between serial ports, UDP and TCP; record it"),
