@@ -136,8 +136,10 @@ def main(arguments: Sequence[str] | None = None, mount: Callable[..., Any] | Non
     try:
         wait_heartbeat(link)
         mount(FTP(link), options.mountpoint, foreground=True, nothreads=True, ro=True)
-    except (OSError, RuntimeError) as error:
-        sys.exit(f"mavftpfs: {options.mountpoint}: {error or 'FUSE cannot mount there'}")
+    except RuntimeError as error:  # the number that FUSE ended with
+        sys.exit(f"mavftpfs: FUSE cannot mount on {options.mountpoint} (error {error})")
+    except OSError as error:
+        sys.exit(f"mavftpfs: {options.mountpoint}: {error}")
     finally:
         link.close()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from dataclasses import dataclass, field
 from typing import Any
@@ -19,15 +18,17 @@ MODE_COLOURS = {
     "STABILIZE": "#80ff00", "ACRO": "#ffff00", "ALT_HOLD": "#ff8080", "AUTO": "#00ff00",
     "GUIDED": "#8080ff", "LOITER": "#0000ff", "RTL": "#ff0080", "CIRCLE": "#80ff80",
     "POSITION": "#ff00ff", "LAND": "#00ff80", "MANUAL": "#ff0000", "FBWA": "#ff8000",
-    "CRUISE": "#00ffff", "STEERING": "#8000ff", "HOLD": "#0080ff", "UNKNOWN": "#ffffff",
+    "CRUISE": "#00ffff", "STEERING": "#8000ff", "HOLD": "#0080ff",
 }  # fmt: skip
 OTHER_MODE = "#1a1a1a"
-PX4_COLOURS = {name: MODE_COLOURS[name] for name in ("MANUAL", "UNKNOWN")}
+PX4_COLOURS = {
+    "MANUAL": "#ff0000", "SEATBELT": "#808000", "EASY": "#00ff00", "AUTO": "#0000ff",
+    "UNKNOWN": "#ffffff",
+}  # fmt: skip
 SHADE = 0.1
 SIZE = (12.0, 6.0)
 """Inches."""
 QUARTER_HOUR = 900
-NEEDED = "matplotlib is needed for graphs: pip install 'mavwire[plot]'"
 
 
 @dataclass(frozen=True)
@@ -104,40 +105,8 @@ class Graph:
         return self.shades[-1]
 
 
-def save(graph: Graph, path: str) -> None:
-    """Draw into an image file. ImportError without matplotlib, ValueError for what it has not."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise ImportError(NEEDED) from error
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    figure = Figure(figsize=SIZE)
-    _check_format(path, FigureCanvasAgg(figure).get_supported_filetypes())
-    _draw(figure, graph)
-    figure.savefig(path)
-
-
-def _check_format(path: str, formats: dict[str, str]) -> None:
-    suffix = os.path.splitext(path)[1].removeprefix(".").lower()
-    if suffix and suffix not in formats:
-        raise ValueError(f"images are {', '.join(sorted(formats))}, which {path!r} does not end in")
-
-
-def show(graph: Graph) -> None:
-    """Draw in a window, and return. RuntimeError where there is no display."""
-    try:
-        import matplotlib
-        from matplotlib import pyplot
-    except ImportError as error:
-        raise ImportError(NEEDED) from error
-    if matplotlib.get_backend().lower() in ("agg", "cairo", "pdf", "pgf", "ps", "svg", "template"):
-        raise RuntimeError("there is no display for a window; --output FILE draws an image")
-    _draw(pyplot.figure(figsize=SIZE), graph)
-    pyplot.show(block=False)
-
-
-def _draw(figure: Any, graph: Graph) -> None:
+def draw(figure: Any, graph: Graph) -> None:
+    """Draw it into a figure of matplotlib."""
     left = figure.gca()
     right = left.twinx() if any(line.right for line in graph.lines) else None
     if not graph.style.over:
@@ -146,15 +115,23 @@ def _draw(figure: Any, graph: Graph) -> None:
                 _use_clock(axes)
     for line in graph.lines:
         _draw_line(right if line.right and right is not None else left, line, graph.style)
-    for modes in graph.shades:
-        for span in modes.spans:
-            colour = modes.colours.get(span.mode, OTHER_MODE)
-            start, end = _local_days([span.start, span.end])
-            left.axvspan(start, end, fc=colour, ec="none", alpha=SHADE)
+    for number, modes in enumerate(graph.shades, 1):
+        _shade(left, modes, is_last=number == len(graph.shades))
     if left.get_lines():
         left.legend(loc=graph.style.legend)
     if right is not None and right.get_lines():
         right.legend(loc=graph.style.legend2)
+
+
+def _shade(axes: Any, modes: Modes, is_last: bool) -> None:
+    """Flight modes in the background; the last of all reaches to the edge."""
+    edge = axes.get_xlim()[1]
+    for number, span in enumerate(modes.spans, 1):
+        start, end = _local_days([span.start, span.end])
+        if is_last and number == len(modes.spans):
+            end = max(start, edge)
+        colour = modes.colours.get(span.mode, OTHER_MODE)
+        axes.axvspan(start, end, fc=colour, ec="none", alpha=SHADE)
 
 
 def _draw_line(axes: Any, line: Line, style: Style) -> None:

@@ -6,23 +6,22 @@ value at each of them, with the newest of the others.
 
 from __future__ import annotations
 
-from collections import ChainMap
+from typing import Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_dialect, add_no_timestamps, add_planner
+from mavwire.tools._figures import open_figures
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
     from collections.abc import Mapping
-    from typing import Any
 
     from mavwire.plots.expressions import Expression
     from mavwire.plots.graphs import Graph
 
 VEHICLES = ("ardupilot", "px4", "apm")
-UNKNOWN = "UNKNOWN"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -51,12 +50,13 @@ def add_arguments(parser: ArgumentParser) -> None:
 def main(args: Namespace) -> int:
     """Run the subcommand."""
     from mavwire.cli.plot import _is_log, check_output
-    from mavwire.plots.graphs import Graph, Style, save, show
+    from mavwire.plots.graphs import SIZE, Graph, Style, draw
 
     logs = [one for one in args.what if _is_log(one)]
     fields = [one for one in args.what if not _is_log(one)]
     _check(args, logs, fields)
     check_output(args.output or "", logs)
+    figures = open_figures(args.output)
     style = Style(args.legend, args.legend2, args.marker, args.linestyle, args.xaxis is not None)
     graph = Graph(style)
     expressions = [_parsed(one) for one in fields]
@@ -69,15 +69,8 @@ def main(args: Namespace) -> int:
         for place, one in enumerate(series, number * len(fields)):
             colour = place - number * len(fields) if args.multi else place
             one.draw(graph, names[place], fields[place - number * len(fields)], colour)
-    try:
-        if args.output:
-            save(graph, args.output)
-        else:
-            show(graph)
-    except (ValueError, ImportError, RuntimeError) as error:
-        raise CommandError(str(error)) from error
-    if not args.output:
-        _wait()
+    draw(figures.figure("", figsize=SIZE), graph)
+    figures.finish()
     return 0
 
 
@@ -106,14 +99,6 @@ def _parsed(text: str) -> Expression:
         raise CommandError(str(error)) from error
 
 
-def _wait() -> None:
-    """Keep the windows until the user has seen them."""
-    try:
-        input("press enter to exit....")
-    except EOFError:
-        print()
-
-
 def _read(path: str, args: Namespace, series: list[Series], graph: Graph, shift: float) -> None:
     """Gather the values of one log."""
     types = None if args.flightmode else {kind for one in series for kind in one.types}
@@ -125,9 +110,7 @@ def _read(path: str, args: Namespace, series: list[Series], graph: Graph, shift:
         ) as log,
     ):  # fmt: skip
         modes = graph.modes(args.flightmode) if args.flightmode else None
-        # The newest of every sender, as mavgraph.py has it: `messages` are those of one vehicle.
-        newest: dict[str, Any] = {}
-        messages = ChainMap(newest, log.link.messages)
+        newest = Newest(log.link.messages)
         for msg in log.messages(types, args.condition):
             stamp = msg._timestamp + shift
             if modes is not None:
@@ -136,7 +119,23 @@ def _read(path: str, args: Namespace, series: list[Series], graph: Graph, shift:
             newest[kind] = msg
             for one in series:
                 if kind in one.types:
-                    one.take(messages, msg, kind, stamp)
+                    one.take(newest, msg, kind, stamp)
+
+
+class Newest(dict[str, Any]):
+    """The newest messages of every sender by type, as mavgraph.py has them: the `messages` of a link
+    are those of one vehicle, and hold some that did not come yet. Its state is there too.
+    """
+
+    def __init__(self, state: Mapping[str, Any]) -> None:
+        self._state = state
+
+    def __missing__(self, name: str) -> Any:
+        from mavwire.plots.expressions import STATE_NAMES
+
+        if name in STATE_NAMES:
+            return self._state[name]
+        raise KeyError(name)
 
 
 class Series:

@@ -21,10 +21,12 @@ if TYPE_CHECKING:
 
     from mavwire.cli._reading import Reading
 
-SOURCES = ("GPOS",)
 NO_STATE = -1
 # aabbggrr by main state; a state beyond them has the colour of none.
-COLOURS = ("ff0000ff", "ff008000", "ffff0000")
+COLOURS = (
+    "ff0000ff", "ff008000", "ffff0000", "ffee82ee", "ff00ffff", "ff00a5ff", "ff87b8de", "fffffff0",
+    "ffe6d8ad", "ff00fc7c",
+)  # fmt: skip
 HEADER = """<?xml version="1.0" encoding="UTF-8"?>
 <kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2">
 """
@@ -48,8 +50,8 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--aoff", type=float, default=0.0, help="metres to add to the altitude")
     add("-o", "--output", metavar="FILE", default="mav.kml", help="(default: %(default)s)")
     add(
-        "-s", "--source", action="append", metavar="TYPE",
-        help="message with Lat, Lon and Alt: GPOS (default) or GPS; may be repeated",
+        "-s", "--source", metavar="TYPE", default="GPOS",
+        help="message with Lat, Lon and Alt: GPOS (default) or GPS",
     )  # fmt: skip
     add("-e", "--extrude", action="store_true", help="walls from the lines to the ground")
 
@@ -70,21 +72,17 @@ def main(args: Namespace) -> int:
 
 def _lines(log: Reading, args: Namespace) -> list[Line]:
     """The lines of one log, in the order in which they begin."""
-    sources = tuple(args.source or SOURCES)
     state = NO_STATE
     lines: list[Line] = []
-    open_lines: dict[str, Line] = {}
-    for msg in log.messages(("STAT", *sources), args.condition):
+    for msg in log.messages(("STAT", args.source), args.condition):
         kind = msg.get_type()
         if kind == "STAT" and hasattr(msg, "MainState"):
             state = msg.MainState
-        if kind not in sources:
+        if kind != args.source:
             continue
-        line = open_lines.get(kind)
-        if line is None or line.state != state:
-            line = open_lines[kind] = Line(kind, state)
-            lines.append(line)
-        line.points.append(_point(log, msg, args.aoff))
+        if not lines or lines[-1].state != state:
+            lines.append(Line(kind, state))
+        lines[-1].points.append(_point(log, msg, args.aoff))
     return lines
 
 

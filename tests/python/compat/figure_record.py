@@ -50,7 +50,13 @@ def _axes(axes: Any) -> FigureRecord:
 
 def _text(text: Any) -> FigureRecord:
     place = [str(getattr(text, name, None)) for name in ("xy", "xycoords", "textcoords")]
-    style = [text.get_rotation(), text.get_color(), text.get_ha(), text.get_va(), text.get_fontsize()]
+    style = [
+        text.get_rotation(),
+        text.get_color(),
+        text.get_ha(),
+        text.get_va(),
+        text.get_fontsize(),
+    ]
     return {"text": text.get_text(), "at": [*text.get_position()], "place": place, "style": style}
 
 

@@ -38,6 +38,8 @@ CASES = {
                                "--mode loiter --condition HEARTBEAT.base_mode!=89"]),
     "tomfile": ("mavtomfile", ["", "--types ATTITUDE,STATUSTEXT",
                                "--condition HEARTBEAT.custom_mode==0"]),
+    "gpslock": ("mavgpslock", [""]),
+    "sigloss": ("mavsigloss", ["--deltat 0.9", "--types HEARTBEAT --deltat 2"]),
     "bitmask_change": ("mavbitmask_change", [f"LOG {SENSORS}", f"LOG HEARTBEAT.base_mode {SENSORS}",
                                              "LOG HEARTBEAT.type EKF_STATUS_REPORT.flags"]),
     "sensor_status_change": ("mavsensor_status_change", [""]),
@@ -93,6 +95,7 @@ def test_a_damaged_log(verb: str, logs: dict[str, Path], tmp_path: Path, oracle:
         ("togpx", ""),
         ("search", "--types HEARTBEAT --stop"),
         ("extract", "--mode loiter"),
+        ("gpslock", ""),
     ],
 )
 def test_several_logs(
@@ -146,7 +149,7 @@ def test_a_log_with_positions_at_zero(tmp_path: Path, oracle: str) -> None:
     ):
         log.add(number, gps(number, lat, 5.0, fix, lon))
     path = log.done()
-    for verb in ("flighttime", "summarize", "togpx"):
+    for verb in ("flighttime", "summarize", "togpx", "gpslock"):
         (tmp_path / verb).mkdir()
         compare(CASES[verb][0], verb, "", tmp_path / verb, path)
 
