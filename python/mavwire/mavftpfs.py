@@ -1,6 +1,6 @@
 """The files of a vehicle as a file system to look into: pymavlink's `mavftpfs`.
 
-`python -m mavwire.mavftpfs --device DEVICE --mountpoint FOLDER` mounts them, read-only, through FUSE
+`python -m mavwire.mavftpfs --mavlink LINK --mountpoint FOLDER` mounts them, read-only, through FUSE
 (`pip install 'mavwire[fuse]'`, and libfuse of the system). What a vehicle says is not believed where it
 matters: names that lead elsewhere are left out, and what it does not answer is an error of the read.
 """
@@ -34,7 +34,7 @@ SEARCHABLE = 0o555
 MADE_UP = "@"
 
 
-class FTP(Operations):  # type: ignore[misc]
+class FTP(Operations):
     """The calls of FUSE over a MAVFTP client of the link `mav`."""
 
     def __init__(self, mav: Any) -> None:
@@ -123,14 +123,16 @@ def main(arguments: Sequence[str] | None = None, mount: Callable[..., Any] | Non
     from mavwire import mavutil
 
     parser = argparse.ArgumentParser(description="Mount the files of a vehicle, read-only.")
-    parser.add_argument("--device", required=True, help="link, such as udpin:0.0.0.0:14550")
+    parser.add_argument(
+        "-m", "--mavlink", default="udpin:0.0.0.0:14550", help="link (default %(default)s)"
+    )
     parser.add_argument("--baudrate", type=int, default=115200, help="default %(default)s")
     parser.add_argument("--mountpoint", required=True, help="an empty folder")
     options = parser.parse_args(arguments)
     if mount is None:
         sys.exit(f"mavftpfs: {NEEDED}")
     try:
-        link = mavutil.mavlink_connection(options.device, baud=options.baudrate)
+        link = mavutil.mavlink_connection(options.mavlink, baud=options.baudrate)
     except (OSError, ValueError) as error:
         sys.exit(f"mavftpfs: {error}")
     try:

@@ -125,11 +125,10 @@ def draw(figure: Any, graph: Graph) -> None:
 
 def _shade(axes: Any, modes: Modes, is_last: bool) -> None:
     """Flight modes in the background; the last of all reaches to the edge."""
-    edge = axes.get_xlim()[1]
     for number, span in enumerate(modes.spans, 1):
         start, end = _local_days([span.start, span.end])
         if is_last and number == len(modes.spans):
-            end = max(start, edge)
+            end = max(start, axes.get_xlim()[1])
         colour = modes.colours.get(span.mode, OTHER_MODE)
         axes.axvspan(start, end, fc=colour, ec="none", alpha=SHADE)
 

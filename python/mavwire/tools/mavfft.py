@@ -23,14 +23,14 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--sample-length", type=int, default=0, help="samples of each FFT (default: all at once)"
     )
-    parser.add_argument("--output", metavar="FILE", help="an image, and no window")
+    parser.add_argument("--image", metavar="FILE", help="an image, and no window")
 
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
     if args.sample_length < 0:
         raise CommandError("--sample-length is a number of samples, or 0 for all")
-    figures = open_figures(args.output)
+    figures = open_figures(args.image)
     samples: dict[str, Samples] = {name: Samples() for name in SENSORS}
     with definitions():
         for path in args.logs:

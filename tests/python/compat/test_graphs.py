@@ -66,10 +66,18 @@ def test_one_log(options: str, tmp_path: Path, oracle: str) -> None:
     assert len(ours["axes"]) == len(theirs["axes"])
     for our, their in zip(ours["axes"], theirs["axes"], strict=True):
         assert_same_axes(our, their)
-    assert ours["axes"][0]["legend"]["place"] == theirs["axes"][0]["legend"]["place"]
 
 
-@pytest.mark.parametrize("options", ["", "--multi", "--labels a,b,c,d --timeshift 5"])
+def test_legends_are_where_they_are_wanted(tmp_path: Path) -> None:
+    """With --output mavgraph.py puts the last one into the upper left corner all the same."""
+    log = flight_log(tmp_path / "flight.tlog")
+    options = "ATTITUDE.roll GPS_RAW_INT.vel:2 --legend center --legend2 'lower right'"
+    _, drawn = figure(["-m", "mavwire", "graph"], options, tmp_path / "ours", log)
+    places = [axes["legend"]["place"] for axes in drawn["axes"]]
+    assert places == [10, 4]
+
+
+@pytest.mark.parametrize("options", ["--multi", "--labels a,b,c,d --timeshift 5"])
 def test_two_logs(options: str, tmp_path: Path, oracle: str) -> None:
     logs = flight_log(tmp_path / "flight.tlog"), random_log(tmp_path / "random.tlog", 1)
     options = f"ATTITUDE.pitch HEARTBEAT.custom_mode {options}"

@@ -112,7 +112,7 @@ def test_a_vehicle_that_does_not_answer(files: Any, monkeypatch: pytest.MonkeyPa
 
 def test_the_command_without_fuse(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="pip install 'mavwire\\[fuse\\]'"):
-        mavftpfs.main(["--device", "udpin:127.0.0.1:0", "--mountpoint", "/mnt"], mount=None)
+        mavftpfs.main(["--mavlink", "udpin:127.0.0.1:0", "--mountpoint", "/mnt"], mount=None)
 
 
 def test_the_command_mounts_read_only(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -123,7 +123,7 @@ def test_the_command_mounts_read_only(monkeypatch: pytest.MonkeyPatch) -> None:
     def mount(files: Any, folder: str, **options: Any) -> None:
         mounted.update(options, names=files.readdir("/"), folder=folder)
 
-    mavftpfs.main(["--device", "udpin:127.0.0.1:0", "--mountpoint", "/mnt/x"], mount=mount)
+    mavftpfs.main(["--mavlink", "udpin:127.0.0.1:0", "--mountpoint", "/mnt/x"], mount=mount)
     assert mounted["names"] == [".", "..", "LOGS", "a.txt"]
     assert (mounted["folder"], mounted["ro"], mounted["foreground"]) == ("/mnt/x", True, True)
 
@@ -136,4 +136,4 @@ def test_a_folder_that_cannot_be_mounted_on(monkeypatch: pytest.MonkeyPatch) -> 
         raise RuntimeError(1)
 
     with pytest.raises(SystemExit, match="/mnt/x"):
-        mavftpfs.main(["--device", "udpin:127.0.0.1:0", "--mountpoint", "/mnt/x"], mount=mount)
+        mavftpfs.main(["--mavlink", "udpin:127.0.0.1:0", "--mountpoint", "/mnt/x"], mount=mount)
