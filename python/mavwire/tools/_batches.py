@@ -49,7 +49,7 @@ def batches(messages: Iterable[Any]) -> Iterator[Batch]:
     for msg in messages:
         if msg.get_type() == "ISBH":
             batch = _begin(msg)
-        elif batch is None or msg.N != batch.number or msg.seqno != batch.parts:
+        elif batch is None or batch.number != msg.N or msg.seqno != batch.parts:
             batch = None
         else:
             batch.parts += 1

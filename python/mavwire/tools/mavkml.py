@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from mavwire.cli._reading import Reading
 
 NO_STATE = -1
+# Seconds between points, at least.
+STEP = 0.1
 # aabbggrr by main state; a state beyond them has the colour of none.
 COLOURS = (
     "ff0000ff", "ff008000", "ffff0000", "ffee82ee", "ff00ffff", "ff00a5ff", "ff87b8de", "fffffff0",
@@ -73,6 +75,7 @@ def main(args: Namespace) -> int:
 def _lines(log: Reading, args: Namespace) -> list[Line]:
     """The lines of one log, in the order in which they begin."""
     state = NO_STATE
+    last: float | None = None
     lines: list[Line] = []
     for msg in log.messages(("STAT", args.source), args.condition):
         kind = msg.get_type()
@@ -80,6 +83,9 @@ def _lines(log: Reading, args: Namespace) -> list[Line]:
             state = msg.MainState
         if kind != args.source:
             continue
+        if last is not None and msg._timestamp - last < STEP:
+            continue
+        last = msg._timestamp
         if not lines or lines[-1].state != state:
             lines.append(Line(kind, state))
         lines[-1].points.append(_point(log, msg, args.aoff))

@@ -1,4 +1,4 @@
-"""`mavwire graph` draws what mavgraph.py draws: the same lines, colours, legends and shades."""
+"""What `mavwire graph` and the spectra draw: the lines, colours, legends and shades of the scripts."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from random import Random
+from struct import pack
 from typing import Any
 
+import dataflash_writer
 import pytest
 from dump_logs import environment
 from tool_runs import SCRIPTS, flight_log, in_folder, random_log
@@ -26,15 +29,21 @@ CASES = (
 )
 
 
+def draw(program: list[str], folder: Path) -> list[str]:
+    """What a program prints that draws in a folder."""
+    result = subprocess.run(
+        [sys.executable, RECORDER, *program],
+        capture_output=True, check=True, cwd=folder, env=environment(), timeout=250,
+    )  # fmt: skip
+    return result.stdout.decode().splitlines()
+
+
 def figure(program: list[str], options: str, folder: Path, *logs: Path) -> tuple[list[str], Any]:
     """What a program prints and what it draws."""
     in_folder(folder, logs)
     names = [log.name for log in logs]
-    result = subprocess.run(
-        [sys.executable, RECORDER, *program, *names, *shlex.split(options), "--output", "out.png"],
-        capture_output=True, check=True, cwd=folder, env=environment(), timeout=250,
-    )  # fmt: skip
-    return result.stdout.decode().splitlines(), json.loads((folder / "out.png").read_text())
+    printed = draw([*program, *names, *shlex.split(options), "--output", "out.png"], folder)
+    return printed, json.loads((folder / "out.png").read_text())
 
 
 def assert_same_axes(ours: Any, theirs: Any) -> None:
@@ -66,6 +75,59 @@ def test_one_log(options: str, tmp_path: Path, oracle: str) -> None:
     assert len(ours["axes"]) == len(theirs["axes"])
     for our, their in zip(ours["axes"], theirs["axes"], strict=True):
         assert_same_axes(our, their)
+
+
+def spectra_log(path: Path) -> Path:
+    """Batches of fast samples and single ones, of two sensors. Behind the last whole batch another
+    one begins: mavfft_isb.py waits for that.
+    """
+    log = dataflash_writer.Log()
+    log.define("ISBH", "QHBBHHQf", "TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate")
+    log.define("ISBD", "QHHaaa", "TimeUS,N,seqno,x,y,z")
+    for name, axis in (("ACC1", "Acc"), ("GYR1", "Gyr")):
+        log.define(name, "QQfff", f"TimeUS,SampleUS,{axis}X,{axis}Y,{axis}Z")
+    random = Random(1)
+    for number in range(7):
+        kind, instance = number % 2, number % 2
+        log.add("ISBH", 1000 * number, number, kind, instance, 1000, 128, 0, 1000.0)
+        for part in range(4 if number < 6 else 0):
+            rows = [[random.randrange(-999, 999) for _ in range(32)] for _ in range(3)]
+            log.add("ISBD", 0, number, part, *(pack("<32h", *row) for row in rows))
+    for number in range(300):
+        for name in ("ACC1", "GYR1"):
+            values = [random.gauss(number % 7, 0.1) for _ in range(3)]
+            log.add(name, 10_000 + number * 1000, number * 1000, *values)
+    log.write(path)
+    return path
+
+
+SPECTRA = (
+    ("mavfft_isb", "fft_isb", "--overlap --window blackman --output lsd --axis XZ"),
+    ("mavfft_isb", "fft_isb", "--scale linear --max-freq 300"),
+    ("mavfft", "fft", "--sample-length 128"),
+)
+
+
+@pytest.mark.parametrize(("script", "verb", "options"), SPECTRA)
+def test_spectra(script: str, verb: str, options: str, tmp_path: Path, oracle: str) -> None:
+    if script == "mavfft_isb":
+        pytest.importorskip("scipy", reason="mavfft_isb.py needs scipy")
+    log = spectra_log(tmp_path / "fast.bin")
+    folders = in_folder(tmp_path / "theirs", (log,)), in_folder(tmp_path / "ours", (log,))
+    theirs = draw([str(SCRIPTS / f"{script}.py"), log.name, *options.split()], folders[0])
+    command = ["-m", "mavwire", verb, log.name, *options.split(), "--image", "out.png"]
+    ours = draw(command, folders[1])
+    # How fast the script was is no output to compare.
+    assert ours == [line for line in theirs if "messages/second" not in line]
+    drawn = [json.loads(path.read_text()) for path in sorted(folders[0].glob("*.json"))]
+    drawn = [one for one in drawn if one["axes"][0]["lines"]]
+    images = sorted(folders[1].glob("out*.png"))
+    assert len(images) == len(drawn) == 2
+    for image, their in zip(images, drawn, strict=True):
+        our = json.loads(image.read_text())
+        assert our["axes"][0]["limits"] == pytest.approx(their["axes"][0]["limits"])
+        assert_same_axes(our["axes"][0], their["axes"][0])
+        assert our["axes"][0]["labels"] == their["axes"][0]["labels"]
 
 
 def test_legends_are_where_they_are_wanted(tmp_path: Path) -> None:
