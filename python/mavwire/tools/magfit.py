@@ -17,8 +17,12 @@ if TYPE_CHECKING:
 PARAMETERS = ("COMPASS_OFS_X", "COMPASS_OFS_Y", "COMPASS_OFS_Z")
 # A sphere has four numbers; fewer points than this say little about it.
 LEAST = 20
-# Measurements further from the sphere than this many standard deviations are left out, twice.
-OUTLIER = 3.0
+# Measurements further from the sphere than this many standard deviations are left out, twice; a
+# deviation is so many times the median distance where noise is normal.
+OUTLIER = 4.0
+DEVIATIONS = 1.4826
+# So are those this many times as far from the middle as half of them.
+FAR = 10.0
 ROUNDS = 3
 
 
@@ -114,11 +118,14 @@ def fit(points: Any, radius: float | None = None) -> tuple[Any, float, Any]:
     import numpy as np
 
     kept = np.isfinite(points).all(axis=1)
+    if kept.any():  # what is far beyond all others would bend the first fit
+        far = _distances(points, np.median(points[kept], axis=0))
+        kept &= far <= FAR * np.median(far[kept])
     centre, size = _fit(points[kept], radius)
     for _ in range(ROUNDS - 1):
         distances = np.abs(_distances(points, centre) - size)
-        spread = float(np.sqrt((distances[kept] ** 2).mean()))
-        near = kept & (distances <= max(OUTLIER * spread, 1e-9 * size))
+        spread = float(np.median(distances[kept])) * DEVIATIONS
+        near = kept & (distances <= max(OUTLIER * spread, 1e-6 * size))
         if near.sum() < LEAST:
             break
         kept = near

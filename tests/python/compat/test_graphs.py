@@ -22,10 +22,9 @@ RECORDER = str(Path(__file__).with_name("figure_record.py"))
 CASES = (
     "ATTITUDE.roll GPS_RAW_INT.vel:2 VFR_HUD.alt 'degrees(ATTITUDE.pitch)' HEARTBEAT.type:2",
     "ATTITUDE.roll+HEARTBEAT.type HEARTBEAT.get_srcSystem() --labels a,b --legend center",
-    "ATTITUDE.roll GPS_RAW_INT.vel --xaxis GPS_RAW_INT.lat",
+    "ATTITUDE.roll 'GPS_RAW_INT.vel{HEARTBEAT.custom_mode==5}' --xaxis GPS_RAW_INT.lat",
     "ATTITUDE.time_boot_ms --flightmode apm --timeshift 10 --condition HEARTBEAT.type==2",
     "ATTITUDE.time_boot_ms --flightmode px4 --marker + --linestyle=: --legend 'lower left'",
-    "GPS_RAW_INT.lat:2 HEARTBEAT.type:2 'GPS_RAW_INT.vel{HEARTBEAT.custom_mode==5}'",
 )
 
 

@@ -133,7 +133,7 @@ def test_where_a_notch_belongs(tmp_path: Path, capsys: pytest.CaptureFixture[str
     image = str(tmp_path / "fast.svg")
     assert cli.main(["fft_isb", path, "--notch-params", "--image", image]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1:3] == ["Sensor: Gyro[0]", "Peak 0: 125.0 Hz, 15.6 Hz wide"]
+    assert lines[1:3] == ["Sensor: Gyro[0]", "Peak 0: 125.0 Hz, 7.8 Hz wide"]
     assert "INS_HNTCH_FREQ 125.0" in lines
     more = ["--notch-params", "--notch-peak", "9999", "--image", image]
     assert "--notch-peak 9999" in fails(capsys, "fft_isb", path, *more)
