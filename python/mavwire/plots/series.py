@@ -232,7 +232,7 @@ class _Collector:
     def take(self, msg: Any, kind: str, messages: dict[str, Any]) -> None:
         """The vehicle has sent a message that the expression names."""
         instance = self.expression.instances.get(kind)
-        if instance is not None and not _is_instance(msg, instance):
+        if instance is not None and not is_instance(msg, instance):
             return
         try:
             value = evaluate_expression(self.expression.text, messages)
@@ -253,7 +253,7 @@ class _Collector:
         return Series(self.expression, times, values, self._failed, self._error)
 
 
-def _is_instance(msg: Any, number: int) -> bool:
+def is_instance(msg: Any, number: int) -> bool:
     """Whether a message is of one instance; True for types without."""
     fmt = getattr(msg, "fmt", None)
     name = fmt.instance_field if fmt is not None else getattr(msg, "_instance_field", None)

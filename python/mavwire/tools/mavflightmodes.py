@@ -44,7 +44,7 @@ def _print_modes(log: Reading) -> None:
         if sender.flightmode == shown:
             continue
         shown, stamp, percent = link.flightmode, msg._timestamp, link.percent
-        clock = time.asctime(time.localtime(stamp))
+        clock = time.ctime(stamp)
         print(f"{clock} MAV.flightmode={shown:<12} (MAV.timestamp={int(stamp)} {int(percent)}%)")
         modes.add(shown, stamp, percent)
     modes.finish()

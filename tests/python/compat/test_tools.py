@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import dataflash_writer
 import pytest
 from tool_runs import (
     Log,
@@ -38,6 +39,8 @@ CASES = {
                                "--mode loiter --condition HEARTBEAT.base_mode!=89"]),
     "tomfile": ("mavtomfile", ["", "--types ATTITUDE,STATUSTEXT",
                                "--condition HEARTBEAT.custom_mode==0"]),
+    "gpslock": ("mavgpslock", [""]),
+    "sigloss": ("mavsigloss", ["--deltat 0.9", "--types HEARTBEAT --deltat 2"]),
     "bitmask_change": ("mavbitmask_change", [f"LOG {SENSORS}", f"LOG HEARTBEAT.base_mode {SENSORS}",
                                              "LOG HEARTBEAT.type EKF_STATUS_REPORT.flags"]),
     "sensor_status_change": ("mavsensor_status_change", [""]),
@@ -93,6 +96,7 @@ def test_a_damaged_log(verb: str, logs: dict[str, Path], tmp_path: Path, oracle:
         ("togpx", ""),
         ("search", "--types HEARTBEAT --stop"),
         ("extract", "--mode loiter"),
+        ("gpslock", ""),
     ],
 )
 def test_several_logs(
@@ -146,7 +150,7 @@ def test_a_log_with_positions_at_zero(tmp_path: Path, oracle: str) -> None:
     ):
         log.add(number, gps(number, lat, 5.0, fix, lon))
     path = log.done()
-    for verb in ("flighttime", "summarize", "togpx"):
+    for verb in ("flighttime", "summarize", "togpx", "gpslock"):
         (tmp_path / verb).mkdir()
         compare(CASES[verb][0], verb, "", tmp_path / verb, path)
 
@@ -158,3 +162,26 @@ def test_a_log_without_what_is_looked_for(tmp_path: Path, oracle: str) -> None:
     for verb in ("parms", "flightmodes", "flighttime", "summarize", "mission", "togpx", "loss"):
         (tmp_path / verb).mkdir()
         compare(CASES[verb][0], verb, "", tmp_path / verb, path)
+
+
+@pytest.mark.parametrize("options", ["", "-s GPS --aoff 10.5 -e", "-o other.kml"])
+def test_ways_as_kml(options: str, tmp_path: Path, oracle: str) -> None:
+    pytest.importorskip("simplekml", reason="mavkml.py needs simplekml")
+    log = dataflash_writer.Log()
+    for name in ("GPOS", "GPS"):
+        log.define(name, "QLLf", "TimeUS,Lat,Lon,Alt")
+    log.define("STAT", "QB", "TimeUS,MainState")
+    for number in range(60):
+        if number % 12 == 11:
+            log.add("STAT", number * 100_000, number // 12 * 3 % 10)
+        place = 100_000_000 + number, -200_000_000 + number * number
+        log.add("GPOS", number * 100_000, *place, 1.5 * number)
+        log.add("GPS", number * 50_000, *place, 2.5 * number)
+    compare("mavkml", "kml", options, tmp_path, Path(log.write(tmp_path / "way.bin")))
+
+
+def test_a_log_without_a_way_as_kml(tmp_path: Path, oracle: str) -> None:
+    pytest.importorskip("simplekml", reason="mavkml.py needs simplekml")
+    log = Log(tmp_path / "flight.tlog")
+    log.add(0, attitude(0))
+    compare("mavkml", "kml", "", tmp_path, log.done())

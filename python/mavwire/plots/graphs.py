@@ -1,0 +1,176 @@
+"""Graphs as mavgraph.py draws them: its colours and line styles, local time, shaded flight modes."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+from .images import printable
+from .modes import MOST_SPANS, Span
+
+COLOURS = (
+    "red", "green", "blue", "orange", "olive", "black", "grey", "yellow", "brown", "darkcyan",
+    "cornflowerblue", "darkmagenta", "deeppink", "darkred",
+)  # fmt: skip
+"""Of the lines; further ones are red."""
+MODE_COLOURS = {
+    "STABILIZE": "#80ff00", "ACRO": "#ffff00", "ALT_HOLD": "#ff8080", "AUTO": "#00ff00",
+    "GUIDED": "#8080ff", "LOITER": "#0000ff", "RTL": "#ff0080", "CIRCLE": "#80ff80",
+    "POSITION": "#ff00ff", "LAND": "#00ff80", "MANUAL": "#ff0000", "FBWA": "#ff8000",
+    "CRUISE": "#00ffff", "STEERING": "#8000ff", "HOLD": "#0080ff",
+}  # fmt: skip
+OTHER_MODE = "#1a1a1a"
+PX4_COLOURS = {
+    "MANUAL": "#ff0000", "SEATBELT": "#808000", "EASY": "#00ff00", "AUTO": "#0000ff",
+    "UNKNOWN": "#ffffff",
+}  # fmt: skip
+SHADE = 0.1
+SIZE = (12.0, 6.0)
+"""Inches."""
+QUARTER_HOUR = 900
+
+
+@dataclass(frozen=True)
+class Style:
+    """How lines and legends look; `over` says that x is no time."""
+
+    legend: str = "upper left"
+    legend2: str = "upper right"
+    marker: str | None = None
+    linestyle: str | None = None
+    over: bool = False
+
+    def line(self) -> dict[str, str]:
+        """matplotlib's options."""
+        marker, line = ("+", "None") if self.over else ("None", "-")
+        return {"marker": self.marker or marker, "linestyle": self.linestyle or line}
+
+
+@dataclass
+class Modes:
+    """The flight modes of one log; `colours` are those of its kind of autopilot."""
+
+    colours: dict[str, str]
+    spans: list[Span] = field(default_factory=list)
+
+    def add(self, stamp: float, mode: str) -> None:
+        """The vehicle is in this mode, in seconds since 1970."""
+        if self.spans and (self.spans[-1].mode == mode or len(self.spans) >= MOST_SPANS):
+            last = self.spans[-1]
+            self.spans[-1] = Span(last.mode, last.start, stamp)
+            return
+        if self.spans:
+            last = self.spans[-1]
+            self.spans[-1] = Span(last.mode, last.start, stamp)
+        self.spans.append(Span(mode, stamp, stamp))
+
+
+@dataclass
+class Line:
+    """One line: x in seconds since 1970 or of another field, and texts that stand at an x."""
+
+    label: str
+    right: bool
+    colour: str
+    x: list[float]
+    y: list[float]
+    texts: list[tuple[float, str]]
+
+
+@dataclass
+class Graph:
+    """What is drawn."""
+
+    style: Style
+    lines: list[Line] = field(default_factory=list)
+    shades: list[Modes] = field(default_factory=list)
+
+    def add(
+        self,
+        label: str,
+        right: bool,
+        colour: int,
+        x: list[float],
+        y: list[float],
+        texts: list[tuple[float, str]],
+    ) -> None:
+        """A line in the colour of this number."""
+        name = COLOURS[colour] if colour < len(COLOURS) else COLOURS[0]
+        self.lines.append(Line(label, right, name, x, y, texts))
+
+    def modes(self, vehicle: str) -> Modes:
+        """The modes of another log; `vehicle` is "px4" or ArduPilot."""
+        self.shades.append(Modes(PX4_COLOURS if vehicle == "px4" else MODE_COLOURS))
+        return self.shades[-1]
+
+
+def draw(figure: Any, graph: Graph) -> None:
+    """Draw it into a figure of matplotlib."""
+    left = figure.gca()
+    right = left.twinx() if any(line.right for line in graph.lines) else None
+    if not graph.style.over:
+        for axes in (left, right):
+            if axes is not None:
+                _use_clock(axes)
+    for line in graph.lines:
+        _draw_line(right if line.right and right is not None else left, line, graph.style)
+    for number, modes in enumerate(graph.shades, 1):
+        _shade(left, modes, is_last=number == len(graph.shades))
+    if left.get_lines():
+        left.legend(loc=graph.style.legend)
+    if right is not None and right.get_lines():
+        right.legend(loc=graph.style.legend2)
+
+
+def _shade(axes: Any, modes: Modes, is_last: bool) -> None:
+    """Flight modes in the background; the last of all reaches to the edge."""
+    for number, span in enumerate(modes.spans, 1):
+        start, end = _local_days([span.start, span.end])
+        if is_last and number == len(modes.spans):
+            end = max(start, axes.get_xlim()[1])
+        colour = modes.colours.get(span.mode, OTHER_MODE)
+        axes.axvspan(start, end, fc=colour, ec="none", alpha=SHADE)
+
+
+def _draw_line(axes: Any, line: Line, style: Style) -> None:
+    def shown(x: list[float]) -> Any:
+        return x if style.over else _local_days(x)
+
+    if line.x:
+        label = printable(line.label)
+        axes.plot(shown(line.x), line.y, label=label, color=line.colour, **style.line())
+    if line.texts:
+        places = axes.get_xaxis_transform()
+        for x, (_, text) in zip(shown([x for x, _ in line.texts]), line.texts, strict=True):
+            axes.text(
+                x, 0.02, f"[{printable(text)}]", rotation=90, transform=places, parse_math=False,
+                color=line.colour,
+            )  # fmt: skip
+            axes.update_datalim([(x, 0.0)], updatey=False)
+
+
+def _use_clock(axes: Any) -> None:
+    from matplotlib.dates import AutoDateLocator, DateFormatter
+
+    axes.xaxis_date()
+    axes.xaxis.set_major_locator(AutoDateLocator())
+    axes.xaxis.set_major_formatter(DateFormatter("%H:%M:%S"))
+
+
+def _local_days(seconds: list[float]) -> Any:
+    """Days since 1970 on the local clock, which is what matplotlib takes for times."""
+    import numpy as np
+
+    stamps = np.asarray(seconds, float)
+    blocks, which = np.unique(stamps // QUARTER_HOUR, return_inverse=True)
+    offsets = np.array([_offset(float(block) * QUARTER_HOUR) for block in blocks])
+    return (stamps + offsets[which]) / 86400.0
+
+
+def _offset(stamp: float) -> int:
+    """Seconds of the local clock before UTC; clocks change at quarters of an hour."""
+    try:
+        return time.localtime(stamp).tm_gmtoff
+    except (OverflowError, OSError, ValueError):  # a year that the system does not have
+        return 0

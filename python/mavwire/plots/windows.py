@@ -1,0 +1,66 @@
+"""Figures of matplotlib that go to windows, or to image files."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+NEEDED = "matplotlib is needed for figures: pip install 'mavwire[plot]'"
+NO_DISPLAY = "there is no display for a window; --output FILE draws an image"
+BLIND = frozenset(("agg", "cairo", "pdf", "pgf", "ps", "svg", "template"))
+"""What matplotlib draws with where it opens no windows."""
+
+
+class Figures:
+    """Some figures. `output` is an image file; where it is None they are shown in windows.
+
+    Raises ImportError without matplotlib, ValueError for an image that it does not write, RuntimeError
+    where there is no display.
+    """
+
+    def __init__(self, output: str | None) -> None:
+        try:
+            import matplotlib
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+            from matplotlib.figure import Figure
+        except ImportError as error:
+            raise ImportError(NEEDED) from error
+        self._output = output
+        self._figures: dict[str, Any] = {}
+        if output is None:
+            if matplotlib.get_backend().lower() in BLIND:
+                raise RuntimeError(NO_DISPLAY)
+            return
+        formats = FigureCanvasAgg(Figure()).get_supported_filetypes()
+        if os.path.splitext(output)[1].removeprefix(".").lower() not in formats:
+            known = ", ".join(f".{one}" for one in sorted(formats))
+            raise ValueError(f"images are {known}, which {output!r} does not end in")
+
+    def figure(self, name: str, **options: Any) -> Any:
+        """A new figure; the options are matplotlib's."""
+        if self._output is None:
+            from matplotlib import pyplot
+
+            self._figures[name] = pyplot.figure(num=name or None, **options)
+        else:
+            from matplotlib.figure import Figure
+
+            self._figures[name] = Figure(**options)
+        return self._figures[name]
+
+    def finish(self) -> list[str]:
+        """Show the windows until they are closed, or write the images; the names of these.
+
+        Of several figures each has an image with its name: `out-ACC1.png`.
+        """
+        if self._output is None:
+            from matplotlib import pyplot
+
+            pyplot.show()
+            return []
+        root, suffix = os.path.splitext(self._output)
+        paths = []
+        for name, figure in self._figures.items():
+            paths.append(self._output if len(self._figures) == 1 else f"{root}-{name}{suffix}")
+            figure.savefig(paths[-1])
+        return paths

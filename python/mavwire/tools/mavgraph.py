@@ -1,0 +1,188 @@
+"""Fields and formulas over time, or over another one, in a window or an image (mavgraph.py).
+
+An expression with :2 behind it has the axis on the right. A formula over several messages has a
+value at each of them, with the newest of the others.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mavwire.cli._errors import CommandError
+from mavwire.cli._reading import definitions, reading
+from mavwire.tools._arguments import add_condition, add_dialect, add_no_timestamps, add_planner
+from mavwire.tools._figures import open_figures
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Mapping
+
+    from mavwire.plots.expressions import Expression
+    from mavwire.plots.graphs import Graph
+
+VEHICLES = ("ardupilot", "px4", "apm")
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavgraph.py's options."""
+    parser.add_argument(
+        "what", metavar="LOG or EXPR", nargs="+", help="logs, and what to draw of them"
+    )
+    add_no_timestamps(parser)
+    add_planner(parser)
+    add_condition(parser)
+    add = parser.add_argument
+    add("--labels", help="names for the legend, separated by commas")
+    add("--legend", default="upper left", help="where the legend is (default: %(default)s)")
+    add("--legend2", default="upper right", help="that of the right axis (default: %(default)s)")
+    add("--marker", help="of matplotlib, such as + (default: none; + with --xaxis)")
+    add("--linestyle", help="of matplotlib (default: solid; none with --xaxis)")
+    add("--xaxis", metavar="EXPR", help="what to draw over, in place of time")
+    add("--multi", action="store_true", help="the same colours for each log")
+    add("--zero-time-base", action="store_true", help="dataflash logs begin at time 0")
+    add("--flightmode", metavar="apm|px4", help="shade flight modes")
+    add_dialect(parser)
+    add("--output", metavar="FILE", help="an image, such as .png, .svg or .pdf, and no window")
+    add("--timeshift", type=float, default=0.0, help="seconds that the first log is moved by")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    from mavwire.cli.plot import _is_log, check_output
+    from mavwire.plots.graphs import SIZE, Graph, Style, draw
+
+    logs = [one for one in args.what if _is_log(one)]
+    fields = [one for one in args.what if not _is_log(one)]
+    _check(args, logs, fields)
+    check_output(args.output or "", logs)
+    figures = open_figures(args.output)
+    style = Style(args.legend, args.legend2, args.marker, args.linestyle, args.xaxis is not None)
+    graph = Graph(style)
+    expressions = [_parsed(one) for one in fields]
+    x = None if args.xaxis is None else _parsed(args.xaxis)
+    for number, path in enumerate(logs):
+        print(f"Processing {path}")
+        series = [Series(one, x) for one in expressions]
+        _read(path, args, series, graph, args.timeshift if number == 0 else 0.0)
+        names = args.labels.split(",") if args.labels else fields * len(logs)
+        for place, one in enumerate(series, number * len(fields)):
+            colour = place - number * len(fields) if args.multi else place
+            one.draw(graph, names[place], fields[place - number * len(fields)], colour)
+    draw(figures.figure("", figsize=SIZE), graph)
+    figures.finish()
+    return 0
+
+
+def _check(args: Namespace, logs: list[str], fields: list[str]) -> None:
+    """CommandError for options that do not go together."""
+    if not logs:
+        raise CommandError("No files to process")
+    if args.labels is not None and len(args.labels.split(",")) != len(fields) * len(logs):
+        count, wanted = len(args.labels.split(",")), len(fields) * len(logs)
+        raise CommandError(f"Number of labels ({count}) must match number of fields ({wanted})")
+    if args.flightmode is not None and args.xaxis:
+        raise CommandError("Cannot request flightmode backgrounds with an x-axis expression")
+    if args.flightmode is not None and args.flightmode not in VEHICLES:
+        raise CommandError(
+            f"Unknown flight controller '{args.flightmode}' in specification of --flightmode"
+            f" (choose from {','.join(VEHICLES)})"
+        )
+
+
+def _parsed(text: str) -> Expression:
+    from mavwire.plots.expressions import parse
+
+    try:
+        return parse(text)
+    except ValueError as error:
+        raise CommandError(str(error)) from error
+
+
+def _read(path: str, args: Namespace, series: list[Series], graph: Graph, shift: float) -> None:
+    """Gather the values of one log."""
+    types = None if args.flightmode else {kind for one in series for kind in one.types}
+    with (
+        definitions(args.dialect),
+        reading(
+            "graph", path, notimestamps=args.no_timestamps, planner_format=args.planner,
+            zero_time_base=args.zero_time_base,
+        ) as log,
+    ):  # fmt: skip
+        modes = graph.modes(args.flightmode) if args.flightmode else None
+        newest = Newest(log.link.messages)
+        for msg in log.messages(types, args.condition):
+            stamp = msg._timestamp + shift
+            if modes is not None:
+                modes.add(stamp, log.link.flightmode)
+            kind = msg.get_type()
+            newest[kind] = msg
+            for one in series:
+                if kind in one.types:
+                    one.take(newest, msg, kind, stamp)
+
+
+class Newest(dict[str, Any]):
+    """The newest messages of every sender by type, as mavgraph.py has them: the `messages` of a link
+    are those of one vehicle, and hold some that did not come yet. Its state is there too.
+    """
+
+    def __init__(self, state: Mapping[str, Any]) -> None:
+        self._state = state
+
+    def __missing__(self, name: str) -> Any:
+        from mavwire.plots.expressions import STATE_NAMES
+
+        if name in STATE_NAMES:
+            return self._state[name]
+        raise KeyError(name)
+
+
+class Series:
+    """The values of one expression over one log."""
+
+    def __init__(self, expression: Expression, x: Expression | None) -> None:
+        self.types = expression.types
+        self._expression = expression
+        self._over = None if x is None else x.text
+        self._x: list[float] = []
+        self._y: list[float] = []
+        self._texts: list[tuple[float, str]] = []
+
+    def take(self, messages: Mapping[str, Any], msg: Any, kind: str, stamp: float) -> None:
+        """A message came that the expression names; `messages` are the newest ones."""
+        from mavwire.plots.series import is_instance
+
+        instance = self._expression.instances.get(kind)
+        if instance is not None and not is_instance(msg, instance):
+            return
+        value = self._value(self._expression.text, messages)
+        x = stamp if self._over is None else self._value(self._over, messages)
+        if value is None or x is None:
+            return
+        if isinstance(value, str):
+            self._texts.append((x, value))
+            return
+        try:
+            y = float(value)
+            self._x.append(float(x))
+        except (TypeError, ValueError) as error:
+            raise CommandError(f"{self._expression.text!r} is no number: {error}") from error
+        self._y.append(y)
+
+    def _value(self, text: str, messages: Mapping[str, Any]) -> Any:
+        from mavwire.expression import evaluate_expression
+
+        try:
+            return evaluate_expression(text, messages)
+        except Exception as error:  # whatever a function of an expression raises
+            raise CommandError(f"{text!r}: {type(error).__name__}: {error}") from error
+
+    def draw(self, graph: Graph, label: str, field: str, colour: int) -> None:
+        """Add what was gathered to the graph; say so if that is nothing."""
+        if not self._x and not self._texts:
+            print(f"Failed to find any values for field {field}")
+            return
+        right = self._expression.right
+        name = label.removesuffix(":2") if label == field else label
+        graph.add(name, right, colour, self._x, self._y, self._texts)

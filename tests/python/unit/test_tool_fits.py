@@ -1,0 +1,176 @@
+"""Compass offsets, batches of fast samples, and what graphs, spectra and ways refuse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from random import Random
+from types import SimpleNamespace
+from typing import Any
+
+import dataflash_writer
+import numpy as np
+import pytest
+from mavwire import cli
+from mavwire.dialects.v20 import ardupilotmega as mavlink
+from mavwire.tools import magfit
+from mavwire.tools._batches import Spectrum, batches
+from tool_runs import Log, flight_log
+
+CENTRE = (30.0, -50.0, 12.0)
+
+
+def sphere(random: Random, count: int, radius: float = 450.0) -> list[tuple[float, ...]]:
+    """Points around CENTRE."""
+    found = []
+    for _ in range(count):
+        away = np.array([random.gauss(0, 1) for _ in range(3)])
+        place = np.array(CENTRE) + away / np.linalg.norm(away) * radius
+        found.append(tuple(float(one) for one in place))
+    return found
+
+
+def fails(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+    """What a subcommand says that fails: one line."""
+    assert cli.main([str(one) for one in arguments]) == 1
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert error.startswith(f"mavwire {arguments[0]}: error: ")
+    return error
+
+
+@pytest.mark.parametrize("radius", [None, 450.0])
+def test_outliers_do_not_move_the_centre(radius: float | None) -> None:
+    points = np.array([*sphere(Random(1), 300), (9000.0, 9000.0, 0.0), (0.0, 0.0, -30000.0)])
+    centre, size, kept = magfit.fit(points, radius)
+    assert centre == pytest.approx(CENTRE, abs=0.01)
+    assert size == pytest.approx(450.0, abs=0.01)
+    assert int(kept.sum()) == 300
+
+
+def test_offsets_of_a_telemetry_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = Log(tmp_path / "compass.tlog")
+    log.add(0, mavlink.MAVLink_sensor_offsets_message(5, -7, 9, 0.0, 0, 0, 0, 0, 0, 0, 0, 0))
+    for number, (x, y, z) in enumerate(sphere(Random(2), 200), 1):
+        field = round(x) + 5, round(y) - 7, round(z) + 9
+        log.add(number / 10, mavlink.MAVLink_raw_imu_message(0, 0, 0, 0, 0, 0, 0, *field))
+    assert cli.main(["magfit", str(log.done())]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1:3] == [
+        "Extracted 200 data points",
+        "Current offsets: Vector3(5.00, -7.00, 9.00)",
+    ]
+    words = lines[4].removeprefix("New offsets: Vector3(").rstrip(")").split(", ")
+    assert [-float(one) for one in words] == pytest.approx(CENTRE, abs=0.3)
+    assert lines[5].startswith("Field strength: 45")
+
+
+def test_offsets_of_a_dataflash_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    log = dataflash_writer.Log()
+    for name in ("MAG", "MAG2"):
+        log.define(name, "Qhhhhhh", "TimeUS,MagX,MagY,MagZ,OfsX,OfsY,OfsZ")
+    for number, place in enumerate(sphere(Random(3), 100)):
+        log.add("MAG2", number * 1000, *map(round, place), 1, 2, 3)
+    path = log.write(tmp_path / "compass.bin")
+    image = tmp_path / "points.png"
+    assert cli.main(["magfit", path, "--mag2", "--plot", "--image", str(image)]) == 0
+    assert "Current offsets: Vector3(1.00, 2.00, 3.00)" in capsys.readouterr().out
+    assert image.read_bytes().startswith(b"\x89PNG")
+    assert "0 data points are too few" in fails(capsys, "magfit", path)
+
+
+def test_points_that_make_no_sphere(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = Log(tmp_path / "still.tlog")
+    for number in range(50):
+        log.add(number, mavlink.MAVLink_raw_imu_message(0, 0, 0, 0, 0, 0, 0, 100, 200, number))
+    assert "turn the vehicle about all axes" in fails(capsys, "magfit", log.done())
+
+
+def header(number: int, **changed: Any) -> Any:
+    """An ISBH record."""
+    values = {"N": number, "type": 0, "instance": 0, "mul": 10, "smp_cnt": 64, "smp_rate": 100.0}
+    return SimpleNamespace(get_type=lambda: "ISBH", **(values | changed))
+
+
+def part(number: int, seqno: int) -> Any:
+    """An ISBD record with 32 samples."""
+    rows = {axis: list(range(32)) for axis in "xyz"}
+    return SimpleNamespace(get_type=lambda: "ISBD", N=number, seqno=seqno, **rows)
+
+
+def test_batches_without_a_part_are_passed_over() -> None:
+    records = [
+        part(0, 1), header(1), part(1, 0), part(1, 1), header(2), part(2, 1), part(2, 0),
+        header(3), part(3, 0), part(4, 1), header(5, mul=0), part(5, 0), part(5, 1),
+        header(6, smp_cnt=0), part(6, 0), header(7, type=9), part(7, 0), part(7, 1),
+        header(8), part(8, 0), part(8, 1),
+    ]  # fmt: skip
+    assert [batch.number for batch in batches(records)] == [1, 8]
+
+
+def test_a_sine_has_its_power_at_its_frequency() -> None:
+    seconds = np.arange(64) / 100.0
+    spectrum = Spectrum("hanning", overlap=False)
+    for batch in batches([header(1), part(1, 0), part(1, 1)] * 2):
+        batch.values = [list(np.sin(2 * np.pi * 25 * seconds) * 10)] * 3
+        spectrum.add(batch)
+    density = spectrum.density(0)
+    assert spectrum.frequencies()[int(density.argmax())] == pytest.approx(25.0)
+    # Its mean square is a half.
+    assert density.sum() * 100.0 / 64 == pytest.approx(0.5, rel=0.01)
+
+
+def test_where_a_notch_belongs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    log = dataflash_writer.Log()
+    log.define("ISBH", "QHBBHHQf", "TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate")
+    log.define("ISBD", "QHHaaa", "TimeUS,N,seqno,x,y,z")
+    log.add("ISBH", 0, 0, 1, 0, 1000, 256, 0, 1000.0)
+    wave = np.round(1000 * np.sin(2 * np.pi * 125 * np.arange(256) / 1000.0)).astype("<i2")
+    for seqno in range(8):
+        row = wave[32 * seqno :][:32].tobytes()
+        log.add("ISBD", 0, 0, seqno, row, row, row)
+    path = log.write(tmp_path / "fast.bin")
+    image = str(tmp_path / "fast.svg")
+    assert cli.main(["fft_isb", path, "--notch-params", "--image", image]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1:3] == ["Sensor: Gyro[0]", "Peak 0: 125.0 Hz, 7.8 Hz wide"]
+    assert "INS_HNTCH_FREQ 125.0" in lines
+    more = ["--notch-params", "--notch-peak", "9999", "--image", image]
+    assert "--notch-peak 9999" in fails(capsys, "fft_isb", path, *more)
+    assert "--axis Q" in fails(capsys, "fft_isb", path, "--axis", "Q", "--image", image)
+
+
+def test_what_graphs_refuse(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    monkeypatch.chdir(tmp_path)
+    log = flight_log(tmp_path / "flight.tlog")
+    out = ("--output", "out.png")
+    for wanted, arguments in {
+        "No files to process": ("ATTITUDE.roll", *out),
+        "no such log: none.tlog": (log, "none.tlog", "ATTITUDE.roll", *out),
+        "Number of labels (1) must match number of fields (2)": (
+            log, "ATTITUDE.roll", "ATTITUDE.yaw", "--labels", "a", *out,
+        ),
+        "Cannot request flightmode": (
+            log, "ATTITUDE.roll", "--flightmode", "apm", "--xaxis", "ATTITUDE.yaw", *out,
+        ),
+        "Unknown flight controller 'x'": (log, "ATTITUDE.roll", "--flightmode", "x", *out),
+        "ATTITUDE.foo": (log, "ATTITUDE.foo", *out),
+        "no expression: '1+'": (log, "1+", *out),
+        "images are .": (log, "ATTITUDE.roll", "--output", "out.nope"),
+        "is a log that is read": (log, "ATTITUDE.roll", "--output", log.name),
+    }.items():  # fmt: skip
+        assert wanted in fails(capsys, "graph", *arguments)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["flight.tlog"]
+
+
+def test_a_way_without_altitude(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    log = dataflash_writer.Log().define("GPS", "QLL", "TimeUS,Lat,Lng").add("GPS", 1, 2, 3)
+    path = log.write(tmp_path / "way.bin")
+    assert "GPS has no Lat, Lon and Alt" in fails(capsys, "kml", path, "-s", "GPS")
