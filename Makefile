@@ -13,7 +13,7 @@ PYTEST_FLAGS ?= -n auto --dist loadfile
 FRAMES ?= 1000000
 
 BUILD_INPUTS := Cargo.toml $(wildcard Cargo.lock) pyproject.toml \
-	$(shell find rust message_definitions -type f -not -path '*/target/*' 2>/dev/null)
+	$(shell find rust message_definitions -type f -not -path '*/target/*' -not -path 'rust/fuzz/*' 2>/dev/null)
 # Modules whose stubs are compared with what is really there.
 STUBBED := mavwire._native $(subst /,.,$(patsubst python/%.py,%,$(wildcard python/mavwire/dialects/v[12]0/[!_]*.py)))
 
@@ -73,6 +73,10 @@ test-rust: ## Run the tests of the Rust crates (the extension module is tested t
 .PHONY: test-python
 test-python: build $(VENV)/.requirements-test $(VENV)/.requirements-peers ## Run the tests of the Python package
 	$(BIN)/python -m pytest $(PYTEST_FLAGS)
+
+.PHONY: requirements
+requirements: ## Print which tests prove which requirement of docs/requirements.md
+	@$(PYTHON) tools/requirement_coverage.py
 
 .PHONY: differential
 differential: build $(VENV)/.requirements-test ## Compare FRAMES frames with pymavlink on all processors
