@@ -11,6 +11,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PROFILE ?= ci
 PYTEST_FLAGS ?= -n auto --dist loadfile
 FRAMES ?= 1000000
+SECONDS ?= 20
 
 BUILD_INPUTS := Cargo.toml $(wildcard Cargo.lock) pyproject.toml \
 	$(shell find rust message_definitions -type f -not -path '*/target/*' -not -path 'rust/fuzz/*' 2>/dev/null)
@@ -69,6 +70,7 @@ test: test-rust test-python ## Set up and run every test
 .PHONY: test-rust
 test-rust: ## Run the tests of the Rust crates (the extension module is tested through Python)
 	cargo test --workspace --exclude mavwire-py --locked
+	cargo test --manifest-path rust/fuzz/Cargo.toml --target-dir target --locked
 
 .PHONY: test-python
 test-python: build $(VENV)/.requirements-test $(VENV)/.requirements-peers ## Run the tests of the Python package
@@ -77,6 +79,14 @@ test-python: build $(VENV)/.requirements-test $(VENV)/.requirements-peers ## Run
 .PHONY: requirements
 requirements: ## Print which tests prove which requirement of docs/requirements.md
 	@$(PYTHON) tools/requirement_coverage.py
+
+.PHONY: hardening
+hardening: build $(VENV)/.requirements-test ## Print the hardening table, mavwire beside pymavlink (HARDENING_FLAGS=--short)
+	@PYTHONPATH=tests/python $(BIN)/python -m hardening $(HARDENING_FLAGS)
+
+.PHONY: fuzz
+fuzz: ## Fuzz each target of rust/fuzz for SECONDS with libFuzzer, which needs nightly Rust (FUZZ_FLAGS="scanner --keep")
+	@$(PYTHON) tools/fuzz.py --seconds $(SECONDS) $(FUZZ_FLAGS)
 
 .PHONY: differential
 differential: build $(VENV)/.requirements-test ## Compare FRAMES frames with pymavlink on all processors
@@ -122,6 +132,7 @@ lint: lint-rust lint-python ## Check format, style and types
 .PHONY: lint-rust
 lint-rust: | $(BIN)/python ## Check the Rust sources
 	cargo fmt --all --check
+	cargo fmt --manifest-path rust/fuzz/Cargo.toml --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 
 .PHONY: lint-python
@@ -135,6 +146,7 @@ lint-python: build $(VENV)/.requirements-lint $(VENV)/.requirements-test ## Chec
 .PHONY: format
 format: $(VENV)/.requirements-lint ## Format all sources
 	cargo fmt --all
+	cargo fmt --manifest-path rust/fuzz/Cargo.toml
 	$(BIN)/ruff check --fix-only --quiet .
 	$(BIN)/ruff format .
 
@@ -144,4 +156,4 @@ stubs: build ## Write the type stubs of the dialect modules
 
 .PHONY: clean
 clean: ## Remove everything that was built
-	rm -rf $(VENV) target dist python/mavwire/*.so .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) target dist rust/fuzz/target rust/fuzz/artifacts python/mavwire/*.so .pytest_cache .mypy_cache .ruff_cache .hypothesis

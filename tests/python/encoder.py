@@ -40,10 +40,11 @@ def signed(
     link_id: int = 3,
     *,
     sysid: int = 1,
+    compid: int = 1,
     crc_extra: int | None = None,
 ) -> bytes:
     """A version 2 frame with a signature."""
-    start = frame(msgid, payload, sysid=sysid, flags=1, crc_extra=crc_extra)
+    start = frame(msgid, payload, sysid=sysid, compid=compid, flags=1, crc_extra=crc_extra)
     start += bytes([link_id]) + timestamp.to_bytes(6, "little")
     return start + hashlib.sha256(key + start).digest()[:6]
 
