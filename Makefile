@@ -11,9 +11,10 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PROFILE ?= ci
 PYTEST_FLAGS ?= -n auto --dist loadfile
 FRAMES ?= 1000000
+SECONDS ?= 20
 
 BUILD_INPUTS := Cargo.toml $(wildcard Cargo.lock) pyproject.toml \
-	$(shell find rust message_definitions -type f -not -path '*/target/*' 2>/dev/null)
+	$(shell find rust message_definitions -type f -not -path '*/target/*' -not -path 'rust/fuzz/*' 2>/dev/null)
 # Modules whose stubs are compared with what is really there.
 STUBBED := mavwire._native $(subst /,.,$(patsubst python/%.py,%,$(wildcard python/mavwire/dialects/v[12]0/[!_]*.py)))
 
@@ -69,10 +70,23 @@ test: test-rust test-python ## Set up and run every test
 .PHONY: test-rust
 test-rust: ## Run the tests of the Rust crates (the extension module is tested through Python)
 	cargo test --workspace --exclude mavwire-py --locked
+	cargo test --manifest-path rust/fuzz/Cargo.toml --target-dir target --locked
 
 .PHONY: test-python
 test-python: build $(VENV)/.requirements-test $(VENV)/.requirements-peers ## Run the tests of the Python package
 	$(BIN)/python -m pytest $(PYTEST_FLAGS)
+
+.PHONY: requirements
+requirements: ## Print which tests prove which requirement of docs/requirements.md
+	@$(PYTHON) tools/requirement_coverage.py
+
+.PHONY: hardening
+hardening: build $(VENV)/.requirements-test ## Print the hardening table, mavwire beside pymavlink (HARDENING_FLAGS=--short)
+	@PYTHONPATH=tests/python $(BIN)/python -m hardening $(HARDENING_FLAGS)
+
+.PHONY: fuzz
+fuzz: ## Fuzz each target of rust/fuzz for SECONDS with libFuzzer, which needs nightly Rust (FUZZ_FLAGS="scanner --keep")
+	@$(PYTHON) tools/fuzz.py --seconds $(SECONDS) $(FUZZ_FLAGS)
 
 .PHONY: differential
 differential: build $(VENV)/.requirements-test ## Compare FRAMES frames with pymavlink on all processors
@@ -118,6 +132,7 @@ lint: lint-rust lint-python ## Check format, style and types
 .PHONY: lint-rust
 lint-rust: | $(BIN)/python ## Check the Rust sources
 	cargo fmt --all --check
+	cargo fmt --manifest-path rust/fuzz/Cargo.toml --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 
 .PHONY: lint-python
@@ -132,6 +147,7 @@ lint-python: build $(VENV)/.requirements-lint $(VENV)/.requirements-test ## Chec
 .PHONY: format
 format: $(VENV)/.requirements-lint ## Format all sources
 	cargo fmt --all
+	cargo fmt --manifest-path rust/fuzz/Cargo.toml
 	$(BIN)/ruff check --fix-only --quiet .
 	$(BIN)/ruff format .
 
@@ -158,4 +174,4 @@ coverage-table: build $(VENV)/.requirements-test ## Write docs/coverage.md: ever
 
 .PHONY: clean
 clean: ## Remove everything that was built
-	rm -rf $(VENV) target dist python/mavwire/*.so .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) target dist rust/fuzz/target rust/fuzz/artifacts python/mavwire/*.so .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,46 @@
+//! XML definitions: refused with a place, or laid out so that every message fits a frame.
+
+use mavwire_core::registry::Registry;
+use mavwire_schema::{
+    ParseOptions, Reason, SchemaError, WireVersion, decode_blob, encode_blob, parse_definitions,
+    resolve,
+};
+
+/// Any text as a definition file.
+pub fn xml(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let definitions = match parse_definitions("my.xml", text, &ParseOptions::default()) {
+        Ok(definitions) => definitions,
+        Err(error) => return check(&error),
+    };
+    let again = decode_blob(&encode_blob(std::slice::from_ref(&definitions)));
+    assert_eq!(again.expect("what was encoded"), [definitions.clone()]);
+    for version in [WireVersion::V1, WireVersion::V2] {
+        let mut lookup = |path: &str| match path {
+            "my.xml" => Ok(definitions.clone()),
+            "minimal.xml" => mavwire_core::builtin::definitions(path),
+            _ => Err(SchemaError::new(path, Reason::NotFound)),
+        };
+        let dialect = match resolve("my.xml", &mut lookup, version) {
+            Ok(dialect) => dialect,
+            Err(error) => {
+                check(&error);
+                continue;
+            }
+        };
+        for message in &dialect.messages {
+            assert!(message.id < 1 << 24 && message.min_len <= message.max_len);
+            for field in &message.fields {
+                assert!(usize::from(field.offset) + field.wire_len() <= message.max_len.into());
+            }
+        }
+        let count = dialect.messages.len();
+        let registry = Registry::new(dialect);
+        let found = registry.dialect().messages.iter().filter(|m| registry.lookup(m.id).is_some());
+        assert_eq!(found.count(), count);
+    }
+}
+
+fn check(error: &SchemaError) {
+    assert!(!error.file().is_empty() && error.to_string().starts_with(error.file()));
+}

@@ -1,0 +1,244 @@
+"""Hostile and slow peers on links."""
+
+from __future__ import annotations
+
+import io
+import json
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from encoder import frame, heartbeat
+
+from hardening.tools import (
+    KEY,
+    capture_of,
+    datagrams,
+    dialect_of,
+    drain,
+    feed,
+    mavutil_of,
+    memory,
+    parser_of,
+    silence,
+    udp_server,
+    until,
+)
+
+INTERRUPT = Path(__file__).parents[3] / "benches" / "python" / "interrupt_worker.py"
+
+
+def names(first: int, count: int) -> Iterator[bytes]:
+    for n in range(first, first + count):
+        yield frame(251, struct.pack("<If10s", 1, 2.5, b"N%d" % n))
+
+
+def unknown_ids(first: int, count: int) -> Iterator[bytes]:
+    for n in range(first, first + count):
+        yield frame(1_000_000 + n, b"\1\2\3", crc_extra=77)
+
+
+def parameters(first: int, count: int) -> Iterator[bytes]:
+    for n in range(first, first + count):
+        yield frame(22, struct.pack("<fHH16sB", 1.5, 65535, 0, b"P%d" % n, 9))
+
+
+def tables(package: str, short: bool) -> dict[str, Any]:
+    """Bytes kept for each further key that a peer makes up, once the tables are full."""
+    # pymavlink's have no end: it need not be waited for.
+    full, further = (70_000, 30_000) if package == "mavwire" else (2_000, 10_000)
+    found = {}
+    for name, made in (
+        ("names", names),
+        ("unknown ids", unknown_ids),
+        ("parameters", parameters),
+    ):
+        link = capture_of(package)
+        link.rx += heartbeat()
+        feed(link, made(0, full))
+        before = memory()
+        feed(link, made(full, further))
+        found[name] = max(memory() - before, 0) // further
+    return found
+
+
+def backlog(package: str, short: bool) -> dict[str, Any]:
+    """Messages that wait in the parser, ten in each datagram and one taken for each datagram."""
+    count = 300 if short else 3000
+    link, address = udp_server(package)
+    most = 0
+    with datagrams() as peer:
+        for n in range(count):
+            peer.sendto(b"".join(heartbeat(10 * n + i) for i in range(10)), address)
+            until(lambda: link.select(0.1))
+            link.recv_msg()
+            most = max(most, link.mav.buf_len() // len(heartbeat()))
+    link.close()
+    return {f"of {10 * count:,}, waiting": most}
+
+
+def injection(package: str, short: bool) -> dict[str, Any]:
+    """Frames kept of 500 in two pieces each, while another peer sends one to three bytes."""
+    link, address = udp_server(package)
+    kept = 0
+    with datagrams() as victim, datagrams() as other:
+        victim.sendto(heartbeat(), address)
+        until(lambda: link.recv_msg() is not None)
+        for n in range(500):
+            for peer, data in (
+                (victim, heartbeat(n)[:11]),
+                (other, b"\xfd\xff\x01"[: 1 + n % 3]),
+                (victim, heartbeat(n)[11:]),
+            ):
+                peer.sendto(data, address)
+                until(lambda: link.select(0.1))
+                kept += sum(msg.get_type() == "HEARTBEAT" for msg in drain(link))
+    link.close()
+    return {"kept": kept}
+
+
+def reflection(package: str, short: bool) -> dict[str, Any]:
+    """Whether a peer that sent one byte is sent our traffic."""
+    link, address = udp_server(package)
+    with datagrams() as peer:
+        peer.sendto(b"x", address)
+        until(lambda: link.select(0.1))
+        drain(link)
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        peer.settimeout(0.5)
+        try:
+            peer.recv(300)
+        except TimeoutError:
+            return {"it is": "no"}
+        finally:
+            link.close()
+    return {"it is": "yes"}
+
+
+def tcp_server(package: str) -> tuple[Any, tuple[str, int]]:
+    """A `tcpin:` link and its address."""
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        address = probe.getsockname()
+    return mavutil_of(package).mavlink_connection(f"tcpin:127.0.0.1:{address[1]}"), address
+
+
+def second_client(package: str, short: bool) -> dict[str, Any]:
+    """Whether a server takes the next client after one left."""
+    link, address = tcp_server(package)
+    taken = []
+    for seq in (1, 2):
+        seen: list[Any] = []
+        with socket.create_connection(address) as client, silence():
+            client.sendall(heartbeat(seq))
+
+            def look(seen: list[Any] = seen) -> bool:
+                seen.extend(drain(link))
+                return bool(seen)
+
+            taken.append(until(look, 3 if short else 10))
+        with silence():
+            until(lambda: link.recv_msg() is None and link.port is None, 0.5)
+    link.close()
+    return {"taken": "yes" if taken == [True, True] else "no"}
+
+
+def end_of_stream(package: str, short: bool) -> dict[str, Any]:
+    """Lines printed within two seconds after the other end hung up."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        link = mavutil_of(package).mavlink_connection(f"tcp:127.0.0.1:{port}")
+        server.accept()[0].close()
+        with silence() as lines:
+            end = time.monotonic() + (0.5 if short else 2)
+            while time.monotonic() < end:
+                link.recv_match(blocking=True, timeout=0.1)
+        link.close()
+    return {"lines": lines[0]}
+
+
+def slow_reader(package: str, short: bool) -> dict[str, Any]:
+    """What becomes of frames that the other end does not read in time."""
+    count = 60_000 if short else 200_000
+    with socket.socket() as server:
+        server.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 16)
+        server.bind(("127.0.0.1", 0))
+        server.listen(1)
+        port = server.getsockname()[1]
+        link = mavutil_of(package).mavlink_connection(f"tcp:127.0.0.1:{port}")
+        link.port.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 16)
+        slow, _ = server.accept()
+        failed = 0
+        with silence():
+            for n in range(count):
+                try:
+                    link.mav.statustext_send(6, b"%050d" % n)
+                except Exception:
+                    failed += 1
+            received = bytearray()
+            slow.settimeout(1)
+            try:
+                while True:
+                    link.recv_msg()  # sends on what was queued
+                    received += slow.recv(1 << 20)
+            except TimeoutError:
+                pass
+        slow.close()
+        link.close()
+    parser = parser_of("mavwire")
+    found = [msg.get_type() for msg in parser.parse_buffer(bytes(received)) or []]
+    whole = found.count("STATUSTEXT")
+    told = getattr(link, "frames_dropped", 0) + failed
+    torn = len(found) - whole + (parser.buf_len() > 0)
+    return {f"lost silently of {count:,}": count - whole - told, "torn": torn}
+
+
+def senders(package: str, short: bool) -> dict[str, Any]:
+    """Four threads that send signed frames through one object."""
+    each = 1000 if short else 3000
+    sys.setswitchinterval(1e-5)
+    frames: list[bytes] = []
+
+    class Wire:
+        def write(self, data: bytes) -> None:
+            frames.append(bytes(data))
+
+    mav = dialect_of(package).MAVLink(Wire(), 1, 1)
+    mav.signing.secret_key = KEY
+    mav.signing.sign_outgoing = True
+    mav.signing.timestamp = 1000
+
+    def send() -> None:
+        for n in range(each):
+            mav.heartbeat_send(2, 3, 81, n, 4)
+
+    threads = [threading.Thread(target=send) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    numbers = [data[4] for data in frames]
+    stamps = [data[-12:-6] for data in frames]
+    return {
+        "breaks of the sequence": sum((a + 1) % 256 != b for a, b in pairwise(numbers)),
+        "timestamps used twice": len(stamps) - len(set(stamps)),
+    }
+
+
+def interrupted(package: str, short: bool) -> dict[str, Any]:
+    """Milliseconds that Ctrl-C takes to end a blocking receive, at worst."""
+    found = {}
+    for kind in ("udpin",) if short else ("udpin", "tcp", "tcpin", "uds", "serial"):
+        command = [sys.executable, str(INTERRUPT), package, kind]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+        answer = io.StringIO(done.stdout).read()
+        found[f"{kind}, ms"] = (
+            round(1000 * json.loads(answer)["seconds"], 1) if answer else "does not run"
+        )
+    return found

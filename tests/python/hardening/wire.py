@@ -1,0 +1,120 @@
+"""Garbage and damage in a stream."""
+
+from __future__ import annotations
+
+import math
+import time
+from random import Random
+from typing import Any
+
+from encoder import attitude, frame, heartbeat
+
+from hardening.tools import memory, parse, parser_of
+
+POLICIES = {"mavwire": ("skip", "rescan"), "pymavlink": ("skip",)}
+MINIMAL = bytes([0xFE, 0, 0, 0, 0, 0, 0, 0])
+
+
+def patterns(size: int) -> dict[str, bytes]:
+    return {
+        "all 0xFD": b"\xfd" * size,
+        "all 0xFE": b"\xfe" * size,
+        "random": Random(1).randbytes(size),
+        "zeros": bytes(size),
+        "minimal headers": MINIMAL * (size // len(MINIMAL)),
+    }
+
+
+def seconds_to_parse(package: str, resync: str, data: bytes) -> float:
+    """CPU time."""
+    mav = parser_of(package, resync)
+    before = time.process_time()
+    for _ in parse(mav, data):
+        pass
+    return max(time.process_time() - before, 1e-6)
+
+
+def garbage(package: str, short: bool) -> dict[str, Any]:
+    """Megabytes for each second of CPU time; of two policies the slower."""
+    size = (4 << 20 if package == "mavwire" else 1 << 18) // (8 if short else 1)
+    return {
+        name: round(
+            min(
+                size / 1e6 / seconds_to_parse(package, resync, data) for resync in POLICIES[package]
+            ),
+            1,
+        )
+        for name, data in patterns(size).items()
+    }
+
+
+def growth(package: str, short: bool) -> dict[str, Any]:
+    """By which power of its size input takes longer: the worst pattern."""
+    size = (1 << 20 if package == "mavwire" else 1 << 16) // (4 if short else 1)
+    worst = 0.0
+    for resync in POLICIES[package]:
+        small, large = patterns(size), patterns(8 * size)
+        for name in small:
+            times = [
+                min(seconds_to_parse(package, resync, one[name]) for _ in range(3))
+                for one in (small, large)
+            ]
+            worst = max(worst, math.log(times[1] / times[0], 8))
+    return {"exponent": round(worst, 2)}
+
+
+def telemetry(count: int) -> list[bytes]:
+    rand = Random(1)
+    frames = []
+    for seq in range(count):
+        angles = [rand.gauss(0, 1) for _ in range(6)]
+        if seq % 4 == 0:
+            frames.append(heartbeat(seq))
+        else:
+            frames.append(frame(30, attitude(seq, *angles), seq % 256))
+    return frames
+
+
+def lossy(frames: list[bytes]) -> tuple[bytes, int]:
+    """1% of the bytes are lost; how many frames lost none."""
+    rand, kept, intact = Random(2), [], 0
+    for one in frames:
+        left = bytes(byte for byte in one if rand.random() >= 0.01)
+        kept.append(left)
+        intact += len(left) == len(one)
+    return b"".join(kept), intact
+
+
+def good(package: str, stream: bytes, resync: str = "rescan") -> int:
+    return sum(msg.get_msgId() >= 0 for msg in parse(parser_of(package, resync), stream, 1000))
+
+
+def kept(package: str, short: bool) -> dict[str, Any]:
+    """Good frames of damaged streams."""
+    beats = [heartbeat(seq) for seq in range(1000)]
+    stream, intact = lossy(telemetry(13_330))
+    false_headers = b"".join(b"\xfd\xff\x01" + beat for beat in beats)
+    return {
+        "of 100 after one stray 0xFD": good(package, b"\xfd" + b"".join(beats[:100])),
+        "of 1,000 with FD FF 01 before each": good(package, false_headers),
+        f"intact frames lost of {intact:,} at 1% byte loss": intact - good(package, stream),
+    }
+
+
+def unaligned(package: str, short: bool) -> dict[str, Any]:
+    """Kilobytes that a parser keeps after 8 MB that never end with a frame."""
+    mav = parser_of(package)
+    stream = heartbeat() * 2000
+    chunk = stream[5:] + stream[:5]
+
+    def megabytes(count: int) -> None:
+        done = 0
+        while done < count * 1_000_000:
+            mav.parse_buffer(bytearray(chunk))
+            done += len(chunk)
+
+    mav.parse_buffer(bytearray(stream[:5]))
+    megabytes(1)
+    before = memory()
+    megabytes(8)
+    return {"kB": max(memory() - before, 0) // 1000}
