@@ -27,6 +27,7 @@ NEEDED = {
     "python/mavwire/py.typed", "python/mavwire/_data/summaries.toml", "python/mavwire/_native.pyi",
     "python/mavwire/bridge/inspector.html", "python/mavwire/plots/_assets/chart.js",
 }  # fmt: skip
+FUZZ = ROOT / "rust" / "fuzz"  # a workspace of its own, which is not distributed
 UNWANTED = re.compile(
     r"\.(so|pyd|pyc|tlog|BIN|log|orig|rej)$|__pycache__|/\.|^(\.|tests/|target/|docs/|benches/|dist/)"
 )
@@ -35,7 +36,7 @@ UNWANTED = re.compile(
 def test_the_version_has_one_place() -> None:
     assert mavwire.__version__ == VERSION
     assert PROJECT["project"]["dynamic"] == ["version"]
-    for manifest in sorted((ROOT / "rust").glob("*/Cargo.toml")):
+    for manifest in sorted(set((ROOT / "rust").glob("*/Cargo.toml")) - {FUZZ / "Cargo.toml"}):
         package = tomllib.loads(manifest.read_text())["package"]
         assert package["version"] == {"workspace": True}, manifest
     locked = tomllib.loads((ROOT / "Cargo.lock").read_text())["package"]
@@ -84,7 +85,8 @@ def test_the_source_distribution_builds(source_files: set[str]) -> None:
         ("python/mavwire", "*.py"), ("python/mavwire", "*.pyi"), ("rust", "src/**/*.rs"),
         ("rust", "build.rs"), ("rust", "Cargo.toml"), ("message_definitions/v1.0", "*.xml"),
     ):  # fmt: skip
-        found = {path.relative_to(ROOT).as_posix() for path in (ROOT / folder).rglob(pattern)}
+        paths = (path for path in (ROOT / folder).rglob(pattern) if FUZZ not in path.parents)
+        found = {path.relative_to(ROOT).as_posix() for path in paths}
         assert found
         assert not found - source_files
 
