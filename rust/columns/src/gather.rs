@@ -98,7 +98,7 @@ pub(crate) fn gather_scaled(values: &mut Vec<f64>, rows: &Rows<'_>, source: &Sou
         FieldType::F32 if matches!(source, Source::Half(_)) => {
             gather(values, rows, place, |bytes| {
                 scale.apply(half(u16::from_le_bytes(bytes)) as f32 as f64)
-            })
+            });
         }
         FieldType::Char | FieldType::U8 => each!(u8),
         FieldType::I8 => each!(i8),

@@ -23,7 +23,7 @@ use crate::error::Error;
 const FEW_ROWS: usize = 2048;
 
 /// Bytes of a column below which compressing costs more than it gives.
-const FEW_BYTES: usize = 4096;
+const FEW_BYTES: usize = 1024;
 
 /// A Parquet file being written.
 pub(crate) struct RowGroups<W: Write + Send> {
