@@ -43,10 +43,18 @@ def add_arguments(parser: ArgumentParser) -> None:
     """The options."""
     parser.add_argument("endpoints", metavar="ENDPOINT", nargs="*", help="a link")
     parser.add_argument(
-        "--master", metavar="ENDPOINT", action="append", default=[], help="a link, the same"
+        "--master",
+        metavar="ENDPOINT",
+        action="append",
+        default=[],
+        help="a link too: the word for the vehicle's, as MAVProxy has it",
     )
     parser.add_argument(
-        "--out", metavar="ENDPOINT", action="append", default=[], help="a link, the same"
+        "--out",
+        metavar="ENDPOINT",
+        action="append",
+        default=[],
+        help="a link too: the word for a ground station's",
     )
     parser.add_argument(
         "--config", metavar="FILE", help="links and options: TOML, or mavlink-router's main.conf"

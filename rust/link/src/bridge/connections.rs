@@ -2,23 +2,64 @@
 
 use std::collections::HashMap;
 use std::io;
-use std::net::SocketAddr;
+use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::rc::Rc;
+use std::time::Duration;
 
 use mavwire_core::router::LinkId;
 
 use super::BridgeError;
 use super::endpoint::{LinkSpec, Opened, Stream};
-use super::event_loop::{
-    Command, Dialling, EventLoop, FIRST_RETRY, Kind, Link, MAX_PEERS, PROGRAM_NAME, TICK,
-};
+use super::event_loop::{Command, EventLoop, PROGRAM_NAME, TICK};
 use super::latency::Latency;
 use super::port::Wire;
 use super::stats::Traffic;
 use crate::address::Address;
 
+/// Peers of a UDP server, and connections to a TCP server.
+const MAX_PEERS: usize = 64;
+/// The first pause before a connection is tried again; doubled up to the limit of the link.
+const FIRST_RETRY: Duration = Duration::from_millis(250);
 /// A peer that needs a signature has this long to send one before another may have its place; microseconds.
 const TIME_TO_PROVE: u64 = 1_000_000;
+
+/// What a link has besides its ports.
+pub(super) enum Kind {
+    Datagrams(Rc<UdpSocket>, LinkId),
+    DatagramServer(Rc<UdpSocket>, HashMap<Address, LinkId>),
+    Listener(TcpListener),
+    Dialled(LinkId, Dialling),
+}
+
+/// The state of a connection that is made again.
+#[derive(Default)]
+pub(super) struct Dialling {
+    /// When to try again; `None` while connected, being connected, or given up.
+    pub(super) at: Option<u64>,
+    pause: Duration,
+    pub(super) under_way: bool,
+    pub(super) connections: u64,
+}
+
+pub(super) struct Link {
+    pub(super) spec: LinkSpec,
+    pub(super) kind: Kind,
+    pub(super) refused: u64,
+    pub(super) error: Option<String>,
+    /// Of the peers that left.
+    pub(super) departed: Traffic,
+    pub(super) departed_latency: Latency,
+    /// A listener that cannot accept, for want of descriptors, is left alone until the next tick.
+    pub(super) resting: bool,
+}
+
+impl Link {
+    /// Keeps the numbers of a peer that left.
+    pub(super) fn part_with(&mut self, (traffic, latency): (Traffic, Latency)) {
+        self.departed.add(&traffic);
+        self.departed_latency.add(&latency);
+    }
+}
 
 impl EventLoop {
     /// Adds a link that is open.

@@ -3,9 +3,9 @@
 //! Nothing here waits for one link. Connecting happens on threads of its own, writing stops where a socket takes no more,
 //! and a round takes a bounded amount from each link so that a flood on one does not keep the others waiting.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::io::{self, Read as _};
-use std::net::{TcpListener, UdpSocket};
+use std::net::UdpSocket;
 use std::os::fd::{AsRawFd as _, RawFd};
 use std::os::unix::net::UnixStream;
 use std::rc::Rc;
@@ -16,13 +16,13 @@ use std::time::{Duration, Instant};
 use mavwire_core::router::{LinkId, LinkSet};
 
 use super::automation::Automation;
+use super::connections::{Kind, Link};
 use super::endpoint::{LinkSpec, Opened, Stream};
 use super::hub::Hub;
-use super::latency::Latency;
 use super::port::Wire;
 use super::recorder::Recorder;
 use super::report::Heard;
-use super::stats::{Stats, Traffic};
+use super::stats::Stats;
 use super::switch::{Moment, PROGRAM, Switch};
 use super::{BridgeError, Waker};
 use crate::address::Address;
@@ -33,8 +33,6 @@ use crate::readiness::poll;
 
 /// What the link is called that frames of the program around the bridge come over.
 pub(super) const PROGRAM_NAME: &str = "program";
-/// Peers of a UDP server, and connections to a TCP server.
-pub(super) const MAX_PEERS: usize = 64;
 /// Batches of datagrams that are read from one socket in a round, and connections that are taken.
 const TURNS: usize = 8;
 /// Bytes after which no further batch is read.
@@ -45,8 +43,6 @@ const PIECE: usize = 16 * 1024;
 const COMMANDS: usize = 64;
 /// How often peers are looked at that say nothing any more.
 pub(super) const TICK: u64 = 1_000_000;
-/// The first pause before a connection is tried again; doubled up to the limit of the link.
-pub(super) const FIRST_RETRY: Duration = Duration::from_millis(250);
 
 /// What the handle asks of the thread.
 pub(super) enum Command {
@@ -57,44 +53,6 @@ pub(super) enum Command {
     /// A thread that dials has an answer.
     Dialled(u32, io::Result<Stream>),
     Stop,
-}
-
-/// What a link has besides its ports.
-pub(super) enum Kind {
-    Datagrams(Rc<UdpSocket>, LinkId),
-    DatagramServer(Rc<UdpSocket>, HashMap<Address, LinkId>),
-    Listener(TcpListener),
-    Dialled(LinkId, Dialling),
-}
-
-/// The state of a connection that is made again.
-#[derive(Default)]
-pub(super) struct Dialling {
-    /// When to try again; `None` while connected, being connected, or given up.
-    pub(super) at: Option<u64>,
-    pub(super) pause: Duration,
-    pub(super) under_way: bool,
-    pub(super) connections: u64,
-}
-
-pub(super) struct Link {
-    pub(super) spec: LinkSpec,
-    pub(super) kind: Kind,
-    pub(super) refused: u64,
-    pub(super) error: Option<String>,
-    /// Of the peers that left.
-    pub(super) departed: Traffic,
-    pub(super) departed_latency: Latency,
-    /// A listener that cannot accept, for want of descriptors, is left alone until the next tick.
-    pub(super) resting: bool,
-}
-
-impl Link {
-    /// Keeps the numbers of a peer that left.
-    pub(super) fn part_with(&mut self, (traffic, latency): (Traffic, Latency)) {
-        self.departed.add(&traffic);
-        self.departed_latency.add(&latency);
-    }
 }
 
 /// What a ready descriptor stands for.

@@ -5,7 +5,8 @@ use std::os::fd::AsRawFd as _;
 
 use mavwire_core::router::{ComponentStats, LinkSet};
 
-use super::event_loop::{EventLoop, Kind, Link, PROGRAM_NAME};
+use super::connections::{Kind, Link};
+use super::event_loop::{EventLoop, PROGRAM_NAME};
 use super::latency::Latency;
 use super::port::Wire;
 use super::recorder::Recorder;
