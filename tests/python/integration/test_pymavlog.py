@@ -25,7 +25,9 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     _, ground = flying("ardupilot")
     frames = [bytes(msg.get_msgbuf()) for msg in ground.messages]
     telemetry.write_bytes(
-        b"".join(record(frame, 1_700_000_000_000_000 + i * 10_000) for i, frame in enumerate(frames))
+        b"".join(
+            record(frame, 1_700_000_000_000_000 + i * 10_000) for i, frame in enumerate(frames)
+        )
     )
     return [str(dataflash), str(telemetry)]
 
