@@ -10,7 +10,7 @@ from mavwire import _native
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
+    from mavwire._native import DFMessage
 
 SECONDS_PER_DAY = 86400
 # Unix time of 1980-01-06, when GPS weeks begin, and seconds that UTC has been set back since.
@@ -39,7 +39,7 @@ class DFReaderClock:
         """Set the Unix time of the log's zero."""
         self.timebase = base
 
-    def message_arrived(self, m: Any) -> None:
+    def message_arrived(self, m: DFMessage) -> None:
         """See a message before it gets its time."""
 
     def rewind_event(self) -> None:
@@ -53,7 +53,7 @@ class DFReaderClock_usec(_native.MicrosClock, DFReaderClock):
         DFReaderClock.__init__(self)
         self.first_us_stamp: float | None = None
 
-    def find_time_base(self, gps: Any, first_us_stamp: float | None) -> None:
+    def find_time_base(self, gps: DFMessage, first_us_stamp: float | None) -> None:
         """Reckon the time base from a GPS message."""
         seconds = self._gpsTimeToTime(gps.GWk, gps.GMS)
         self.set_timebase(seconds - gps.TimeUS * 0.000001)
@@ -63,14 +63,14 @@ class DFReaderClock_usec(_native.MicrosClock, DFReaderClock):
         """Whether TimeMS is when a message was logged; in batches of samples it is not."""
         return not type.startswith(("ACC", "GYR"))
 
-    def should_use_msec_field0(self, m: Any) -> bool:
+    def should_use_msec_field0(self, m: DFMessage) -> bool:
         """Whether the first column is the time, in milliseconds."""
         if not self.type_has_good_TimeMS(m.get_type()):
             return False
         names = m.get_fieldnames()
         return bool(names) and names[0] == "TimeMS"
 
-    def set_message_timestamp(self, m: Any) -> None:
+    def set_message_timestamp(self, m: DFMessage) -> None:
         """Set `_timestamp`; a message without a time has that of the one before."""
         if "TimeUS" in m.get_fieldnames():
             m._timestamp = self.timebase + m.TimeUS * 1.0e-6
@@ -94,12 +94,12 @@ class DFReaderClock_msec(DFReaderClock):
         super().__init__()
         self.first_ms_stamp: float | None = None
 
-    def find_time_base(self, gps: Any, first_ms_stamp: float | None) -> None:
+    def find_time_base(self, gps: DFMessage, first_ms_stamp: float | None) -> None:
         """Reckon the time base from a GPS message."""
         self.set_timebase(self._gpsTimeToTime(gps.Week, gps.TimeMS) - gps.T * 0.001)
         self.first_ms_stamp = first_ms_stamp
 
-    def set_message_timestamp(self, m: Any) -> None:
+    def set_message_timestamp(self, m: DFMessage) -> None:
         """Set `_timestamp`; a message without a time has that of the one before."""
         names = m.get_fieldnames()
         if "TimeMS" in names and m.get_type() not in GPS_TYPES:
@@ -124,19 +124,19 @@ class DFReaderClock_px4(DFReaderClock):
         super().__init__()
         self.px4_timebase: float = 0
 
-    def find_time_base(self, gps: Any) -> None:
+    def find_time_base(self, gps: DFMessage) -> None:
         """Reckon the time base from a GPS message."""
         self.set_timebase(gps.GPSTime * 1.0e-6 - self.px4_timebase)
 
-    def set_px4_timebase(self, time_msg: Any) -> None:
+    def set_px4_timebase(self, time_msg: DFMessage) -> None:
         """Take the time of a TIME message."""
         self.px4_timebase = time_msg.StartTime * 1.0e-6
 
-    def set_message_timestamp(self, m: Any) -> None:
+    def set_message_timestamp(self, m: DFMessage) -> None:
         """Set `_timestamp` to the time of the TIME message before."""
         m._timestamp = self.timebase + self.px4_timebase
 
-    def message_arrived(self, m: Any) -> None:
+    def message_arrived(self, m: DFMessage) -> None:
         """Notice the TIME messages."""
         if m.get_type() == "TIME" and "StartTime" in m.get_fieldnames():
             self.set_px4_timebase(m)
@@ -156,7 +156,7 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
         self.counts = {}
         self.counts_since_gps = {}
 
-    def message_arrived(self, m: Any) -> None:
+    def message_arrived(self, m: DFMessage) -> None:
         """Count a message; a GPS one moves the time base."""
         kind = m.get_type()
         self.counts[kind] = self.counts.get(kind, 0) + 1
@@ -164,7 +164,7 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
         if kind in GPS_TYPES:
             self.gps_message_arrived(m)
 
-    def gps_message_arrived(self, m: Any) -> None:
+    def gps_message_arrived(self, m: DFMessage) -> None:
         """Move the time base to a later GPS time, and learn the rates of the types on the way."""
         time = self._time_of(m)
         if time is None or time <= self.timebase:
@@ -176,7 +176,7 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
         self.timebase = time
         self.counts_since_gps = {}
 
-    def _time_of(self, m: Any) -> float | None:
+    def _time_of(self, m: DFMessage) -> float | None:
         names = m.get_fieldnames()
         if "GPSTime" in names:
             return float(m.GPSTime * 1.0e-6)
@@ -188,7 +188,7 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
             return None
         return self._gpsTimeToTime(week, msec) if week else None
 
-    def set_message_timestamp(self, m: Any) -> None:
+    def set_message_timestamp(self, m: DFMessage) -> None:
         """Set `_timestamp` by the type's rate and its count since the GPS message."""
         rate = self.msg_rate.get(m.get_type(), DEFAULT_RATE)
         if int(rate) == 0:

@@ -101,7 +101,7 @@ class CSVReader:
         self.params: dict[str, Any] = {}
         self.percent = 0
         self.linecount: int | None = None
-        self._flightmodes: list[Any] = []
+        self._flightmodes: list[tuple[str, float, float]] = []
         self.f = open(filename, newline="", encoding="utf-8", errors="backslashreplace")
         self._rewind()
 
@@ -188,6 +188,6 @@ class CSVReader:
         """There is one type: 1."""
         return 1
 
-    def flightmode_list(self) -> list[Any]:
+    def flightmode_list(self) -> list[tuple[str, float, float]]:
         """Empty: a CSV file has no flight modes."""
         return self._flightmodes

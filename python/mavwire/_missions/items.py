@@ -5,12 +5,16 @@ from __future__ import annotations
 import copy
 import time
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mavwire import mavutil
 
 from . import files
 from .errors import MAVWPError
+
+if TYPE_CHECKING:
+    from mavwire._native import Message
+    from mavwire._stubs.mavutil import ReceivedMessage
 
 DO_JUMP = 177
 DO_RETURN_PATH_START, DO_LAND_START = 188, 189
@@ -39,7 +43,7 @@ class MissionItemProtocol:
     """
 
     def __init__(self, target_system: int = 0, target_component: int = 0) -> None:
-        self.wpoints: list[Any] = []
+        self.wpoints: list[ReceivedMessage] = []
         self.target_system = target_system
         self.target_component = target_component
         self.last_change: float = 0
@@ -55,25 +59,25 @@ class MissionItemProtocol:
         """How many items there are."""
         return len(self.wpoints)
 
-    def wp(self, i: int) -> Any:
+    def wp(self, i: int) -> ReceivedMessage | Any:
         """Item `i`, or None when there is none."""
         try:
             return self.wpoints[i]
         except (IndexError, TypeError):
             return None
 
-    def item(self, i: int) -> Any:
+    def item(self, i: int) -> ReceivedMessage | Any:
         """Item `i`, or None when there is none."""
         return self.wp(i)
 
     def _changed(self) -> None:
         self.last_change = time.time()
 
-    def add(self, w: Any, comment: str = "") -> None:
+    def add(self, w: Message | list[Any], comment: str = "") -> None:
         """Append a copy of an item, or of each item of a list; `comment` goes with a single one."""
         self._put(len(self.wpoints), w, comment)
 
-    def insert(self, idx: int, w: Any, comment: str = "") -> None:
+    def insert(self, idx: int, w: Message | list[Any], comment: str = "") -> None:
         """Put a copy of an item, or of each item of a list, before item `idx`.
 
         Beyond the end it is appended; a negative `idx` is no place and nothing happens.
@@ -102,21 +106,23 @@ class MissionItemProtocol:
             w.seq = seq
         self._changed()
 
-    def set(self, w: Any, idx: int) -> None:
+    def set(self, w: Message, idx: int) -> None:
         """Replace item `idx`; `idx` may be the number of items, which appends."""
-        w.seq = idx
+        item: Any = w
+        item.seq = idx
         if idx == len(self.wpoints):
-            self.wpoints.append(w)
+            self.wpoints.append(item)
         elif idx < len(self.wpoints):
-            self.wpoints[idx] = w
+            self.wpoints[idx] = item
         else:
             count = len(self.wpoints)
             raise MAVWPError(f"adding waypoint at idx={idx} past end of list (count={count})")
         self._changed()
 
-    def remove(self, w: Any) -> None:
+    def remove(self, w: Message | list[Any]) -> None:
         """Remove an item, or each item of a list; ValueError when there is no equal item."""
-        for one in w if isinstance(w, list) else [w]:
+        items: list[Any] = w if isinstance(w, list) else [w]
+        for one in items:
             self.wpoints.remove(one)
         self.reindex()
 
@@ -176,7 +182,7 @@ class MissionItemProtocol:
         """Whether the command has a position."""
         return True
 
-    def is_location_wp(self, w: Any) -> bool:
+    def is_location_wp(self, w: ReceivedMessage) -> bool:
         """Whether a vehicle flies to the item: its command has a position, and that is not 0, 0."""
         if w.command == DO_LAND_START or (w.x == 0 and w.y == 0):
             return False

@@ -5,11 +5,14 @@ mission items.
 from __future__ import annotations
 
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mavwire import mavutil
 
 from . import files
+
+if TYPE_CHECKING:
+    from mavwire._stubs.mavutil import ReceivedMessage
 
 MAX_RALLY_POINTS = 10
 
@@ -18,7 +21,7 @@ class MAVRallyLoader:
     """RALLY_POINT messages; `rally_points` is the list of them."""
 
     def __init__(self, target_system: int = 0, target_component: int = 0) -> None:
-        self.rally_points: list[Any] = []
+        self.rally_points: list[ReceivedMessage] = []
         self.target_system = target_system
         self.target_component = target_component
         self.last_change: float = 0
@@ -27,7 +30,7 @@ class MAVRallyLoader:
         """How many rally points there are."""
         return len(self.rally_points)
 
-    def rally_point(self, i: int) -> Any:
+    def rally_point(self, i: int) -> ReceivedMessage:
         """Rally point `i`, counted from 0."""
         return self.rally_points[i]
 
@@ -114,7 +117,7 @@ class MAVFenceLoader:
     """FENCE_POINT messages; the first is where the vehicle returns to, the others are the polygon."""
 
     def __init__(self, target_system: int = 0, target_component: int = 0) -> None:
-        self.points: list[Any] = []
+        self.points: list[ReceivedMessage] = []
         self.target_system = target_system
         self.target_component = target_component
         self.last_change: float = 0
@@ -123,7 +126,7 @@ class MAVFenceLoader:
         """How many points there are."""
         return len(self.points)
 
-    def point(self, i: int) -> Any:
+    def point(self, i: int) -> ReceivedMessage:
         """Point `i`, counted from 0."""
         return self.points[i]
 
