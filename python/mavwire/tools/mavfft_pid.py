@@ -40,6 +40,7 @@ def main(args: Namespace) -> int:
     rows: dict[str, list[tuple[float, ...]]] = {name: [] for name in CONTROLLERS}
     with definitions():
         for path in args.logs:
+            print(f"Processing log {path}")
             with reading("fft_pid", path) as log:
                 for msg in log.messages(CONTROLLERS, args.condition):
                     rows[msg.get_type()].append(tuple(getattr(msg, term) for term in TERMS))
