@@ -54,6 +54,7 @@ COMMANDS = {
     "playback": ("mavwire.tools.mavplayback", "a log as if the vehicle flew again"),
     "fft": ("mavwire.tools.mavfft", "spectra of the inertial sensors in dataflash logs"),
     "fft_isb": ("mavwire.tools.mavfft_isb", "spectra of batches of fast samples"),
+    "fft_pid": ("mavwire.tools.mavfft_pid", "spectra of the terms of PID controllers"),
     "magfit": ("mavwire.tools.magfit", "compass offsets from what a compass measured"),
     "gpslock": ("mavwire.tools.mavgpslock", "when GPS got and lost its fix"),
     "sigloss": ("mavwire.tools.mavsigloss", "when nothing was received for some time"),

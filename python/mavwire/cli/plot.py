@@ -48,8 +48,8 @@ def main(args: argparse.Namespace) -> int:
     """Run the subcommand."""
     from mavwire import plots
 
-    logs = [one for one in args.what if _is_log(one)]
-    expressions = [one for one in args.what if not _is_log(one)]
+    logs = [one for one in args.what if is_log(one)]
+    expressions = [one for one in args.what if not is_log(one)]
     if not logs:
         raise CommandError(f"there is no log among {', '.join(args.what)}")
     if not expressions:
@@ -84,6 +84,6 @@ def check_output(out: str, logs: list[str]) -> None:
             raise CommandError(f"--out {out} is a log that is read; name another file")
 
 
-def _is_log(name: str) -> bool:
+def is_log(name: str) -> bool:
     """Whether an argument is a file, or can only mean one."""
     return os.path.exists(name) or name.lower().endswith(LOG_SUFFIXES)

@@ -69,6 +69,19 @@ def _begin(msg: Any) -> Batch | None:
     return Batch(sensor, msg.N, float(msg.mul), msg.smp_cnt, float(msg.smp_rate))
 
 
+def density(values: Any, rate: float, window: str | None) -> Any:
+    """The power spectral density of evenly spaced values, without its first and its last number.
+
+    `window` is "hanning", "blackman" or None; `rate` is in Hz.
+    """
+    import numpy as np
+
+    shape = {"hanning": np.hanning, "blackman": np.blackman}.get(window or "", np.ones)(len(values))
+    power = 2.0 * np.abs(np.fft.rfft(values * shape)) ** 2 / (rate * (shape**2).sum())
+    power[0] = power[-1] = 0.0
+    return power
+
+
 class Spectrum:
     """The power spectral density of one sensor, averaged over its batches.
 
@@ -111,14 +124,7 @@ class Spectrum:
             self._power[number] = self._power[number] + self._density(between)
 
     def _density(self, values: Any) -> Any:
-        import numpy as np
-
-        shape = {"hanning": np.hanning, "blackman": np.blackman}.get(self._window or "", np.ones)
-        window = shape(self.length)
-        power = 2.0 * np.abs(np.fft.rfft(values * window)) ** 2
-        power /= self.rate * (window**2).sum()
-        power[0] = power[-1] = 0.0
-        return power
+        return density(values, self.rate, self._window)
 
     def frequencies(self) -> Any:
         """Of the densities, in Hz."""

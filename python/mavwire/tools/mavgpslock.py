@@ -44,7 +44,9 @@ def _locked(log: Reading, condition: str | None) -> int:
     for msg in log.messages(TYPES, condition):
         fix = msg.Status if msg.get_type() == "GPS" else msg.fix_type
         now = int(msg._timestamp)
-        since = now if since is None else since
+        if since is None:  # where it begins, whatever the fix is
+            since = now
+            continue
         if locked == (fix >= FIX_2D):
             continue
         locked = not locked

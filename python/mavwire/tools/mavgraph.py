@@ -10,6 +10,11 @@ from typing import Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
+from mavwire.cli.plot import check_output, is_log
+from mavwire.expression import evaluate_expression
+from mavwire.plots.expressions import STATE_NAMES, parse
+from mavwire.plots.graphs import SIZE, Graph, Style, draw
+from mavwire.plots.series import is_instance
 from mavwire.tools._arguments import add_condition, add_dialect, add_no_timestamps, add_planner
 from mavwire.tools._figures import open_figures
 
@@ -19,7 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mavwire.plots.expressions import Expression
-    from mavwire.plots.graphs import Graph
 
 VEHICLES = ("ardupilot", "px4", "apm")
 
@@ -49,11 +53,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    from mavwire.cli.plot import _is_log, check_output
-    from mavwire.plots.graphs import SIZE, Graph, Style, draw
-
-    logs = [one for one in args.what if _is_log(one)]
-    fields = [one for one in args.what if not _is_log(one)]
+    logs = [one for one in args.what if is_log(one)]
+    fields = [one for one in args.what if not is_log(one)]
     _check(args, logs, fields)
     check_output(args.output or "", logs)
     figures = open_figures(args.output)
@@ -91,8 +92,6 @@ def _check(args: Namespace, logs: list[str], fields: list[str]) -> None:
 
 
 def _parsed(text: str) -> Expression:
-    from mavwire.plots.expressions import parse
-
     try:
         return parse(text)
     except ValueError as error:
@@ -131,8 +130,6 @@ class Newest(dict[str, Any]):
         self._state = state
 
     def __missing__(self, name: str) -> Any:
-        from mavwire.plots.expressions import STATE_NAMES
-
         if name in STATE_NAMES:
             return self._state[name]
         raise KeyError(name)
@@ -151,8 +148,6 @@ class Series:
 
     def take(self, messages: Mapping[str, Any], msg: Any, kind: str, stamp: float) -> None:
         """A message came that the expression names; `messages` are the newest ones."""
-        from mavwire.plots.series import is_instance
-
         instance = self._expression.instances.get(kind)
         if instance is not None and not is_instance(msg, instance):
             return
@@ -171,8 +166,6 @@ class Series:
         self._y.append(y)
 
     def _value(self, text: str, messages: Mapping[str, Any]) -> Any:
-        from mavwire.expression import evaluate_expression
-
         try:
             return evaluate_expression(text, messages)
         except Exception as error:  # whatever a function of an expression raises

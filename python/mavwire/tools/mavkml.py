@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
     from mavwire.cli._reading import Reading
 
-NO_STATE = -1
+# What mavkml.py takes for the state in the beginning, and what it calls that until one is told.
+FIRST_STATE, NO_STATE = 0, -1
 # Seconds between points, at least.
 STEP = 0.1
 # aabbggrr by main state; a state beyond them has the colour of none.
@@ -74,21 +75,25 @@ def main(args: Namespace) -> int:
 
 def _lines(log: Reading, args: Namespace) -> list[Line]:
     """The lines of one log, in the order in which they begin."""
-    state = NO_STATE
-    last: float | None = None
+    state, named = FIRST_STATE, NO_STATE
     lines: list[Line] = []
+    line: Line | None = None
+    last: float | None = None
     for msg in log.messages(("STAT", args.source), args.condition):
         kind = msg.get_type()
         if kind == "STAT" and hasattr(msg, "MainState"):
-            state = msg.MainState
+            named = msg.MainState
+            if named != state:
+                state, line, last = named, None, None
         if kind != args.source:
             continue
         if last is not None and msg._timestamp - last < STEP:
             continue
         last = msg._timestamp
-        if not lines or lines[-1].state != state:
-            lines.append(Line(kind, state))
-        lines[-1].points.append(_point(log, msg, args.aoff))
+        if line is None:
+            line = Line(kind, named)
+            lines.append(line)
+        line.points.append(_point(log, msg, args.aoff))
     return lines
 
 

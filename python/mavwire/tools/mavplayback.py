@@ -15,6 +15,7 @@ from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli.replay import factor
 from mavwire.tools._arguments import add_condition, add_planner
+from mavwire.tools._telemetry import require_telemetry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def main(args: Namespace) -> int:
         ExitStack() as stack,
         reading("playback", args.log, planner_format=args.planner) as log,
     ):
+        require_telemetry(log)
         outs = _links(args.out or [OUT], args.baudrate, stack)
         flights = _links(args.fgout or [FLIGHTGEAR], args.baudrate, stack)
 

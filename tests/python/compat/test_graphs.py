@@ -14,7 +14,7 @@ from typing import Any
 import dataflash_writer
 import pytest
 from dump_logs import environment
-from tool_runs import SCRIPTS, flight_log, in_folder, random_log
+from tool_runs import flight_log, in_folder, program, random_log
 
 pytest.importorskip("matplotlib", reason="matplotlib is not installed")
 
@@ -28,20 +28,20 @@ CASES = (
 )
 
 
-def draw(program: list[str], folder: Path) -> list[str]:
+def draw(command: list[str], folder: Path) -> list[str]:
     """What a program prints that draws in a folder."""
     result = subprocess.run(
-        [sys.executable, RECORDER, *program],
+        [sys.executable, RECORDER, *command],
         capture_output=True, check=True, cwd=folder, env=environment(), timeout=250,
     )  # fmt: skip
     return result.stdout.decode().splitlines()
 
 
-def figure(program: list[str], options: str, folder: Path, *logs: Path) -> tuple[list[str], Any]:
+def figure(command: list[str], options: str, folder: Path, *logs: Path) -> tuple[list[str], Any]:
     """What a program prints and what it draws."""
     in_folder(folder, logs)
     names = [log.name for log in logs]
-    printed = draw([*program, *names, *shlex.split(options), "--output", "out.png"], folder)
+    printed = draw([*command, *names, *shlex.split(options), "--output", "out.png"], folder)
     return printed, json.loads((folder / "out.png").read_text())
 
 
@@ -68,7 +68,7 @@ def assert_same_axes(ours: Any, theirs: Any) -> None:
 @pytest.mark.parametrize("options", CASES)
 def test_one_log(options: str, tmp_path: Path, oracle: str) -> None:
     log = flight_log(tmp_path / "flight.tlog")
-    printed, theirs = figure([str(SCRIPTS / "mavgraph.py")], options, tmp_path / "theirs", log)
+    printed, theirs = figure(program("mavgraph"), options, tmp_path / "theirs", log)
     ours_printed, ours = figure(["-m", "mavwire", "graph"], options, tmp_path / "ours", log)
     assert ours_printed == printed
     assert len(ours["axes"]) == len(theirs["axes"])
@@ -85,6 +85,8 @@ def spectra_log(path: Path) -> Path:
     log.define("ISBD", "QHHaaa", "TimeUS,N,seqno,x,y,z")
     for name, axis in (("ACC1", "Acc"), ("GYR1", "Gyr")):
         log.define(name, "QQfff", f"TimeUS,SampleUS,{axis}X,{axis}Y,{axis}Z")
+    for name in ("PIDR", "PIDY"):
+        log.define(name, "Qffffff", "TimeUS,Tar,Act,Err,P,I,D")
     random = Random(1)
     for number in range(7):
         kind, instance = number % 2, number % 2
@@ -96,6 +98,8 @@ def spectra_log(path: Path) -> Path:
         for name in ("ACC1", "GYR1"):
             values = [random.gauss(number % 7, 0.1) for _ in range(3)]
             log.add(name, 10_000 + number * 1000, number * 1000, *values)
+        for name in ("PIDR", "PIDY"):
+            log.add(name, number * 10_000, *(random.gauss(1, 1) for _ in range(6)))
     log.write(path)
     return path
 
@@ -104,6 +108,7 @@ SPECTRA = (
     ("mavfft_isb", "fft_isb", "--overlap --window blackman --output lsd --axis XZ"),
     ("mavfft_isb", "fft_isb", "--scale linear --max-freq 300"),
     ("mavfft", "fft", "--sample-length 128"),
+    ("mavfft_pid", "fft_pid", "--sample-rate 100"),
 )
 
 
@@ -113,7 +118,7 @@ def test_spectra(script: str, verb: str, options: str, tmp_path: Path, oracle: s
         pytest.importorskip("scipy", reason="mavfft_isb.py needs scipy")
     log = spectra_log(tmp_path / "fast.bin")
     folders = in_folder(tmp_path / "theirs", (log,)), in_folder(tmp_path / "ours", (log,))
-    theirs = draw([str(SCRIPTS / f"{script}.py"), log.name, *options.split()], folders[0])
+    theirs = draw([*program(script), log.name, *options.split()], folders[0])
     command = ["-m", "mavwire", verb, log.name, *options.split(), "--image", "out.png"]
     ours = draw(command, folders[1])
     # How fast the script was is no output to compare.
@@ -142,7 +147,7 @@ def test_legends_are_where_they_are_wanted(tmp_path: Path) -> None:
 def test_two_logs(options: str, tmp_path: Path, oracle: str) -> None:
     logs = flight_log(tmp_path / "flight.tlog"), random_log(tmp_path / "random.tlog", 1)
     options = f"ATTITUDE.pitch HEARTBEAT.custom_mode {options}"
-    printed, theirs = figure([str(SCRIPTS / "mavgraph.py")], options, tmp_path / "theirs", *logs)
+    printed, theirs = figure(program("mavgraph"), options, tmp_path / "theirs", *logs)
     ours_printed, ours = figure(["-m", "mavwire", "graph"], options, tmp_path / "ours", *logs)
     assert ours_printed == printed
     assert_same_axes(ours["axes"][0], theirs["axes"][0])

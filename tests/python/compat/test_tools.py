@@ -168,15 +168,15 @@ def test_a_log_without_what_is_looked_for(tmp_path: Path, oracle: str) -> None:
 def test_ways_as_kml(options: str, tmp_path: Path, oracle: str) -> None:
     pytest.importorskip("simplekml", reason="mavkml.py needs simplekml")
     log = dataflash_writer.Log()
-    for name in ("GPOS", "GPS"):
-        log.define(name, "QLLf", "TimeUS,Lat,Lon,Alt")
+    log.define("GPOS", "QLLf", "TimeUS,Lat,Lon,Alt")
+    log.define("GPS", "QBIHLLf", "TimeUS,Status,GMS,GWk,Lat,Lon,Alt")
     log.define("STAT", "QB", "TimeUS,MainState")
     for number in range(60):
         if number % 12 == 11:
             log.add("STAT", number * 100_000, number // 12 * 3 % 10)
         place = 100_000_000 + number, -200_000_000 + number * number
         log.add("GPOS", number * 100_000, *place, 1.5 * number)
-        log.add("GPS", number * 50_000, *place, 2.5 * number)
+        log.add("GPS", number * 100_000, 3, number * 100, 2200, *place, 2.5 * number)
     compare("mavkml", "kml", options, tmp_path, Path(log.write(tmp_path / "way.bin")))
 
 

@@ -34,6 +34,12 @@ def in_folder(folder: Path, logs: tuple[Path, ...]) -> Path:
     return folder
 
 
+def program(script: str) -> list[str]:
+    """How Python runs one of pymavlink's scripts."""
+    installed = SCRIPTS / f"{script}.py"
+    return [str(installed)] if installed.exists() else ["-m", f"pymavlink.tools.{script}"]
+
+
 def compare(script: str, verb: str, options: str, folder: Path, *logs: Path) -> list[str]:
     """Run pymavlink's script and mavwire's subcommand; what they print, which is the same.
 
@@ -42,8 +48,7 @@ def compare(script: str, verb: str, options: str, folder: Path, *logs: Path) -> 
     names = " ".join(log.name for log in logs)
     text = options.replace("LOG", names) if "LOG" in options else f"{options} {names}"
     arguments = shlex.split(text)
-    installed = SCRIPTS / f"{script}.py"
-    command = [str(installed)] if installed.exists() else ["-m", f"pymavlink.tools.{script}"]
+    command = program(script)
     their_folder = in_folder(folder / "theirs", logs)
     our_folder = in_folder(folder / "ours", logs)
     theirs, their_code = run([*command, *arguments], their_folder)

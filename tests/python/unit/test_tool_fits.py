@@ -167,6 +167,31 @@ def test_what_graphs_refuse(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["flight.tlog"]
 
 
+def test_windows(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    from matplotlib import pyplot
+
+    log = str(flight_log(tmp_path / "flight.tlog"))
+    monkeypatch.setattr(matplotlib, "get_backend", lambda: "agg")
+    assert "there is no display for a window" in fails(capsys, "graph", log, "ATTITUDE.roll")
+    shown: list[str] = []
+
+    def show() -> None:
+        axes = pyplot.gcf().axes
+        shown.extend(line.get_label() for one in axes for line in one.get_lines())
+
+    monkeypatch.setattr(matplotlib, "get_backend", lambda: "windows")
+    monkeypatch.setattr(pyplot, "show", show)
+    pyplot.switch_backend("agg")
+    try:
+        assert cli.main(["graph", log, "ATTITUDE.roll", "GPS_RAW_INT.vel:2"]) == 0
+    finally:
+        pyplot.close("all")
+    assert shown == ["ATTITUDE.roll", "GPS_RAW_INT.vel"]
+
+
 def test_a_way_without_altitude(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
