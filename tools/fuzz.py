@@ -68,7 +68,9 @@ def run(programs: Path, name: str, seconds: int, keep: bool) -> bool:
         command.append(f"-artifact_prefix={artifacts}/")
         if dictionary.exists():
             command.append(f"-dict={dictionary}")
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
+        done = subprocess.run(
+            command, capture_output=True, text=True, errors="replace", check=False
+        )
         if keep:
             merge = [str(programs / name), "-merge=1", "-max_len=1024", str(corpus), found]
             subprocess.run(merge, capture_output=True, check=False)
