@@ -91,21 +91,22 @@ def bombs_of(short: bool) -> dict[str, str]:
 
 
 def bomb(package: str, xml: str, limit: float) -> str:
-    before = time.perf_counter()
+    before = time.process_time()
     try:
         with silence(), alarm(limit):
             parse_xml(package, xml)
     except TimeoutError:
         return f"no end in {limit:.0f} s"
     except Exception as error:
-        took = 1000 * (time.perf_counter() - before)
+        took = 1000 * (time.process_time() - before)
         return f"{type(error).__name__}, {took:.0f} ms"
     return "accepted"
 
 
 def bombs(package: str, short: bool) -> dict[str, Any]:
     """What becomes of definitions that are made to hurt."""
-    limit = 3.0 if short else 20.0
+    # What has no end in pymavlink need not be waited for in the short form.
+    limit = 3.0 if short and package == "pymavlink" else 20.0
     importlib.import_module(f"{package}.generator.mavparse")
     found = {}
     for name, xml in bombs_of(short).items():

@@ -142,7 +142,7 @@ def second_client(package: str, short: bool) -> dict[str, Any]:
                 seen.extend(drain(link))
                 return bool(seen)
 
-            taken.append(until(look, 3 if short else 10))
+            taken.append(until(look, 30 if package == "mavwire" else 3))
         with silence():
             until(lambda: link.recv_msg() is None and link.port is None, 0.5)
     link.close()

