@@ -42,6 +42,8 @@ pub enum Compression {
     Snappy,
     /// gzip; text formats only.
     Gzip,
+    /// LZ4; MCAP only.
+    Lz4,
 }
 
 impl Format {
@@ -52,6 +54,7 @@ impl Format {
             Compression::Zstd => self != Self::Arrow,
             Compression::Snappy => self == Self::Parquet,
             Compression::Gzip => matches!(self, Self::Csv | Self::JsonLines),
+            Compression::Lz4 => false,
         }
     }
 }
@@ -154,7 +157,9 @@ fn parquet_properties(
     let compression = match compression {
         Compression::Zstd => ParquetCompression::ZSTD(ZstdLevel::try_new(1)?),
         Compression::Snappy => ParquetCompression::SNAPPY,
-        Compression::None | Compression::Gzip => ParquetCompression::UNCOMPRESSED,
+        Compression::None | Compression::Gzip | Compression::Lz4 => {
+            ParquetCompression::UNCOMPRESSED
+        }
     };
     let mut properties = WriterProperties::builder()
         .set_compression(compression)
@@ -257,7 +262,7 @@ impl<W: Write> Squeeze<W> {
         Ok(match compression {
             Compression::Gzip => Self::Gzip(GzEncoder::new(out, flate2::Compression::fast())),
             Compression::Zstd => Self::Zstd(zstd::stream::write::Encoder::new(out, 1)?),
-            Compression::None | Compression::Snappy => Self::Plain(out),
+            Compression::None | Compression::Snappy | Compression::Lz4 => Self::Plain(out),
         })
     }
 

@@ -12,6 +12,9 @@ pub const BLOCK: usize = 8 << 20;
 /// Room in front of a block for what the block before it left: the start of a record.
 const HEADROOM: usize = 4096;
 
+/// Bytes that are read of a log before there is room for a whole block: many logs have no more.
+const FIRST_READ: usize = 64 << 10;
+
 /// Bytes that tell what kind of log it is.
 const PROBE: usize = 64 << 10;
 
@@ -70,12 +73,25 @@ struct Buffer {
 
 impl Buffer {
     fn read(&mut self, source: &mut Source, block: usize) -> io::Result<usize> {
-        self.bytes.resize(HEADROOM + block, 0);
         self.start = HEADROOM;
-        let into = &mut self.bytes[HEADROOM..];
-        let filled = fill(&mut *source.inner, into, &mut source.failed);
-        self.bytes.truncate(HEADROOM + filled.as_ref().copied().unwrap_or(0));
-        filled
+        let (mut filled, mut room) = (0, self.bytes.capacity().max(FIRST_READ).min(block));
+        loop {
+            self.bytes.resize(HEADROOM + room, 0);
+            let into = &mut self.bytes[HEADROOM + filled..];
+            match fill(&mut *source.inner, into, &mut source.failed) {
+                Ok(len) => filled += len,
+                Err(error) if filled > 0 => source.failed = Some(error),
+                Err(error) => {
+                    self.bytes.truncate(HEADROOM);
+                    return Err(error);
+                }
+            }
+            if filled < room || room == block || source.failed.is_some() {
+                self.bytes.truncate(HEADROOM + filled);
+                return Ok(filled);
+            }
+            room = block;
+        }
     }
 
     fn unread(&self) -> &[u8] {
