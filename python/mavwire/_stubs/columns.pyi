@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
-from typing import Any, Protocol, final
+from typing import Any, Protocol, TypeAlias, final
 
 from mavwire._native import Dialect
 from typing_extensions import Buffer
@@ -16,10 +16,14 @@ __all__ = [
     "LogRewrite",
     "RecordBatches",
     "align_tables",
+    "decompress",
     "empty_table",
     "log_summary",
     "write_table",
 ]
+
+_Log: TypeAlias = str | PathLike[str] | tuple[str | PathLike[str], int, int] | bytes
+"""A file, the bytes of one from the first to one that is not meant any more, or the bytes of a log."""
 
 class _Query(Protocol):
     """What to read into tables; None stands for all. See `mavwire.logs.query.Query`."""
@@ -39,7 +43,7 @@ class _Query(Protocol):
 class LogColumns:
     """One pass over a telemetry log or raw stream, an iterator of tables."""
 
-    def __new__(cls, path: str | PathLike[str], dialect: Dialect, query: _Query) -> LogColumns: ...
+    def __new__(cls, log: _Log, dialect: Dialect, query: _Query) -> LogColumns: ...
     def __iter__(self) -> LogColumns: ...
     def __next__(self) -> list[tuple[str, RecordBatches]]:
         """What is ready after another block of the log: message names and tables, perhaps none."""
@@ -143,11 +147,11 @@ class ColumnView(Buffer):
 
 @final
 class Converter:
-    """Writes the tables of a log to `folder/MESSAGE/file`."""
+    """Writes the tables of a log to `folder/MESSAGE/file`, or all to `folder/file` of MCAP."""
 
     def __new__(
         cls,
-        path: str | PathLike[str],
+        log: _Log,
         dialect: Dialect,
         query: _Query,
         folder: str | PathLike[str],
@@ -172,11 +176,11 @@ class DataflashTables:
     """A dataflash log, binary or text, that was gone through once for what it says about itself."""
 
     @staticmethod
-    def open(path: str | PathLike[str]) -> DataflashTables | None:
-        """The log at `path`; None if it is no dataflash log."""
+    def open(log: _Log) -> DataflashTables | None:
+        """What a log says about itself; None if it is no dataflash log."""
 
     @staticmethod
-    def recognises(path: str | PathLike[str]) -> bool:
+    def recognises(log: _Log) -> bool:
         """Whether a file begins as a dataflash log does."""
 
     @property
@@ -200,7 +204,7 @@ class DataflashTables:
         format: str,
         compression: str,
     ) -> Converter:
-        """One run over the log, writing `folder/TYPE/file`."""
+        """One run over the log, writing `folder/TYPE/file`, or `folder/file` of MCAP."""
 
     def summary(self, gap: int, pulse: Callable[[int], object] | None) -> dict[str, Any]:
         """What is in the log; `gap` in microseconds. See `mavwire.logs.summary`."""
@@ -242,6 +246,12 @@ def write_table(
     table: RecordBatches, path: str | PathLike[str], format: str, compression: str
 ) -> None:
     """Writes a table to a file, which appears when it is complete."""
+
+def decompress(path: str | PathLike[str], out: str | PathLike[str]) -> str | None:
+    """Writes what a file holds that is compressed with gzip or zstd; what is wrong with that file.
+
+    `out` appears when it is complete, with everything in front of what is wrong.
+    """
 
 def empty_table(dialect: Dialect, msgid: int, query: _Query) -> RecordBatches:
     """A table without rows of a message; ValueError if there is none of that id."""

@@ -1,9 +1,10 @@
-"""`mavwire convert LOG... -o OUT`: logs to Parquet, CSV, JSON lines or Arrow files.
+"""`mavwire convert LOG... -o OUT`: logs to Parquet, CSV, JSON lines, Arrow or MCAP files.
 
-One folder for each message type, one file in it for each log, and a manifest with what became of
-every log. A second run does what is missing. With --workers or --scheduler many logs are converted
-at the same time, by processes of this machine or a Dask cluster; LOG may then be a pattern or a URL
-too (needs pip install 'mavwire[fleet]').
+One folder for each message type, one file in it for each log; of MCAP one file for each log, which
+Foxglove and PlotJuggler open. And a manifest with what became of every log: a second run does what
+is missing. With --workers or --scheduler many logs are converted at the same time, by processes of
+this machine or a Dask cluster; LOG may then be a pattern or a URL too (needs
+pip install 'mavwire[fleet]').
 """
 
 from __future__ import annotations
@@ -19,22 +20,22 @@ if TYPE_CHECKING:
     import argparse
     from typing import Any
 
-    from mavwire.logs.conversion import Converted
+    from mavwire.logs.manifest import Converted
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the subcommand."""
-    from mavwire.logs.conversion import COMPRESSIONS, FORMATS
+    from mavwire.logs.conversion import COMPRESSIONS
 
     parser.add_argument(
         "logs", metavar="LOG", nargs="+", help="telemetry or dataflash log, also .gz and .zst"
     )
     parser.add_argument("-o", "--out", required=True, help="folder for the files")
-    parser.add_argument("--format", choices=list(FORMATS), default="parquet")
+    parser.add_argument("--format", choices=list(COMPRESSIONS), default="parquet")
     parser.add_argument(
         "--compression",
         choices=sorted({one for some in COMPRESSIONS.values() for one in some}),
-        help="default: zstd for parquet, none for the others",
+        help="default: zstd for parquet and mcap, none for the others",
     )
     parser.add_argument("--types", help="message types, separated by commas (default: all)")
     parser.add_argument("--systems", help="system ids, separated by commas (default: all)")

@@ -33,11 +33,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--labels", help="names for the legend, separated by commas")
     parser.add_argument("--title", help="default: the names of the logs")
     parser.add_argument("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'")
+    parser.add_argument("--xaxis", metavar="EXPR", help="plot over this in the place of time")
     parser.add_argument("--system", type=int, metavar="ID", help="default: the first autopilot")
     parser.add_argument(
         "--relative",
         action="store_true",
         help="seconds from the start of each log, to compare them",
+    )
+    parser.add_argument(
+        "--timeshift", type=float, default=0.0, metavar="SECONDS", help="move the first log in time"
+    )
+    parser.add_argument(
+        "--flightmode",
+        choices=("apm", "px4"),
+        help="whose flight modes they are (default: as the log says)",
     )
     parser.add_argument("--no-modes", action="store_true", help="do not shade flight modes")
     parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
@@ -63,9 +72,12 @@ def main(args: argparse.Namespace) -> int:
             labels=None if args.labels is None else args.labels.split(","),
             title=args.title,
             condition=args.condition,
+            xaxis=args.xaxis,
             system=args.system,
             relative=args.relative,
+            timeshift=args.timeshift,
             modes=not args.no_modes,
+            flightmode=args.flightmode,
             dialect=args.dialect,
         )
     except (ValueError, ImportError) as error:

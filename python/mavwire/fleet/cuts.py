@@ -16,10 +16,10 @@ from mavwire.logs.reading import native_dialect
 from mavwire.logs.selection import UNKNOWN
 from mavwire.logs.summary import summarise
 
-from .places import ByteRange, localised
-
 if TYPE_CHECKING:
     from mavwire.logs.summary import LogInfo
+
+    from .places import ByteRange
 
 CLEAN = 64 << 10
 """Bytes without damage in front of a cut: more than a frame may claim to reach."""
@@ -56,9 +56,8 @@ def _is_clean(place: int, info: LogInfo) -> bool:
 
 def _begins_alike(path: str, place: int, info: LogInfo, dialect: str) -> bool:
     """Whether a reader that begins there takes the log for what it is."""
-    head = place, min(place + PROBE, info.bytes)
-    with localised(path, head) as copy:
-        reader = LogColumns(copy, native_dialect(dialect)[1], Query(types=[]))
-        for _ in reader:
-            pass
+    head = path, place, min(place + PROBE, info.bytes)
+    reader = LogColumns(head, native_dialect(dialect)[1], Query(types=[]))
+    for _ in reader:
+        pass
     return reader.stamped == info.stamped and reader.damage is None

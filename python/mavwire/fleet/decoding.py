@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import RecordBatches, empty_table
 from mavwire.logs.query import Query
-from mavwire.logs.reading import _batches, native_dialect, no_rows
+from mavwire.logs.reading import native_dialect, no_rows
+from mavwire.logs.sources import open_columns
 from mavwire.logs.table import Table
 
-from .places import ByteRange, localised
+from .places import ByteRange, located
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -47,9 +48,10 @@ def decode(
             _check(wanted, module, query)
         query.columns = wanted
     pieces: dict[str, list[RecordBatches]] = {}
-    with localised(path, byte_range, storage_options) as local:
-        for table in _batches([local], native, query):
-            pieces.setdefault(table.name, []).append(table._batches)
+    with located(path, byte_range, storage_options) as source:
+        for found in open_columns(source, native, query):
+            for name, batches in found:
+                pieces.setdefault(name, []).append(batches)
     tables = {name: RecordBatches.joined(some) for name, some in pieces.items()}
     for msgid in query.types or ():
         name = module.mavlink_map[msgid].msgname

@@ -1,21 +1,26 @@
 """Logs wherever they are: local paths and what fsspec opens, and ranges of their bytes.
 
-The native reader takes a local file that it reads from the start. A range of a log, and a log on an
-object store, is therefore copied to a temporary file first.
+The native reader takes files, ranges of files, and bytes. A log of an object store is fetched into
+memory, or into a temporary file where it is large.
 """
 
 from __future__ import annotations
 
-import errno
 import glob
 import os
 import tempfile
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.reading import check_readable
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+    from mavwire.logs.sources import Source
+
+IN_MEMORY = 128 << 20
+"""Bytes of an object that are held in memory; more of them go to a file."""
 CHUNK = 8 << 20
 
 ByteRange = tuple[int, int]
@@ -75,43 +80,49 @@ def status(path: str, options: Mapping[str, Any] | None = None) -> tuple[int, in
 
 
 @contextmanager
-def localised(
+def located(
     path: str, byte_range: ByteRange | None = None, options: Mapping[str, Any] | None = None
-) -> Iterator[str]:
-    """A local file with the bytes of a log, gone afterwards unless it is the log itself.
+) -> Iterator[Source]:
+    """What the native reader takes for a log or a range of it.
 
     OSError and what fsspec raises where it cannot be read, ValueError for a range that is not
     there.
     """
-    if byte_range is None and not is_url(path):
-        yield path
+    if not is_url(path):
+        check_readable(path)
+        if byte_range is not None:
+            _check_range(path, byte_range, os.path.getsize(path))
+        yield path if byte_range is None else (path, *byte_range)
+        return
+    fs, inner = file_system(path, options)
+    size = fs.size(inner)
+    start, end = byte_range or (0, size)
+    if byte_range is not None and size is not None:
+        _check_range(path, byte_range, size)
+    if end is not None and end - start <= IN_MEMORY:
+        yield bytes(fs.cat_file(inner, start=start, end=end))
         return
     with tempfile.TemporaryDirectory(prefix="mavwire-") as folder:
-        copy = os.path.join(folder, os.path.basename(path) or "log")  # names tell kinds of logs
-        with _opened(path, options) as source, open(copy, "wb") as target:
-            _copy(path, source, target, byte_range)
+        copy = os.path.join(folder, os.path.basename(inner) or "log")
+        with fs.open(inner, "rb") as source, open(copy, "wb") as target:
+            _copy(source, target, start, end)
         yield copy
 
 
-def _opened(path: str, options: Mapping[str, Any] | None) -> Any:
-    if is_url(path):
-        fs, inner = file_system(path, options)
-        return fs.open(inner, "rb")
-    if os.path.isdir(path):
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
-    return open(path, "rb")
+def _check_range(path: str, byte_range: ByteRange, size: int) -> None:
+    start, end = byte_range
+    if not 0 <= start <= end:
+        raise ValueError(f"{path}: no range of bytes: {start} to {end}")
+    if end > size:
+        raise ValueError(f"{path} ends {end - size} bytes before the range {start} to {end} does")
 
 
-def _copy(path: str, source: Any, target: Any, byte_range: ByteRange | None) -> None:
-    start, end = byte_range or (0, None)
-    if start:
-        source.seek(start)
+def _copy(source: Any, target: Any, start: int, end: int | None) -> None:
+    source.seek(start)
     left = None if end is None else end - start
     while left is None or left > 0:
         piece = source.read(CHUNK if left is None else min(CHUNK, left))
         if not piece:
-            break
+            return
         target.write(piece)
         left = None if left is None else left - len(piece)
-    if left:
-        raise ValueError(f"{path} ends {left} bytes before the range {start} to {end} does")

@@ -11,7 +11,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.conversion import FORMATS, Converted, Manifest, prepare
+from mavwire.logs.conversion import prepare
+from mavwire.logs.manifest import Converted, Manifest
 
 from .clients import connected
 from .cuts import find_cuts
@@ -248,15 +249,12 @@ class _Run:
         if len(parts) > 1:
             whole.files = dict(sorted(whole.files.items()))
             if whole.error is not None:  # some of a log looks like all of it
-                self._remove(whole.files)
+                self.manifest.remove_files(whole.files)
                 whole.files, whole.rows = {}, 0
         self._finish(whole)
 
     def _finish(self, row: Converted) -> None:
-        """Note the outcome of a log. Files that it had and has no more would be rows of nothing."""
-        earlier = self.manifest.rows.get(row.path)
-        if earlier is not None and row.error is None:
-            self._remove(name for name in earlier.files if name not in row.files)
+        """Note the outcome of a log."""
         self.rows[row.path] = row
         self.manifest.add(row)
         self._done += 1
@@ -264,14 +262,6 @@ class _Run:
             self.progress(self._done, self._logs)
         if time.monotonic() - self._stored >= STORE_EVERY:
             self._store_now()
-
-    def _remove(self, names: Iterable[str]) -> None:
-        """Remove files of ours. The manifest may have been written by anyone."""
-        for name in list(names):
-            folder, _, file = name.partition("/")
-            ours = folder.isidentifier() and FORMATS[self.recipe.format] in file
-            if ours and not {"/", "\\"} & set(file):
-                self.store.remove(name)
 
     def _store_now(self) -> None:
         self.manifest.store()

@@ -22,13 +22,6 @@ class Folder(Store):
         os.makedirs(os.path.dirname(place), exist_ok=True)
         os.replace(draft, place)
 
-    def remove(self, name: str) -> None:
-        """Remove a file, if it is there."""
-        try:
-            os.remove(self.place(name))
-        except FileNotFoundError:
-            pass
-
 
 class Remote:
     """A place that fsspec opens. Object stores show an object when all of it is there."""

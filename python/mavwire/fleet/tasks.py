@@ -13,10 +13,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.conversion import Converted, Job
+from mavwire.logs.conversion import Job
+from mavwire.logs.manifest import Converted
 from mavwire.logs.reading import native_dialect
 
-from .places import ByteRange, is_url, localised
+from .places import ByteRange, is_url, located
 from .stores import Folder, store_of
 
 if TYPE_CHECKING:
@@ -55,22 +56,18 @@ def convert_pieces(pieces: list[Piece], recipe: Recipe) -> list[Converted]:
 
 
 def _convert(piece: Piece, recipe: Recipe) -> Converted:
-    row = Converted(piece.path, piece.name)
     try:
-        source = localised(piece.path, piece.byte_range, recipe.storage_options)
-        with source as local, _workspace(recipe) as folder:
+        place = located(piece.path, piece.byte_range, recipe.storage_options)
+        with place as source, _workspace(recipe) as folder:
             native = native_dialect(recipe.dialect)[1]
             job = Job(folder, native, recipe.query, recipe.format, recipe.compression, None)
-            made = job.run(local, piece.name)
-            if made.error is not None:
-                row.error = made.error.replace(local, piece.path)
-            publish(folder, made, recipe)
-            row.rows, row.bad_bytes, row.files = made.rows, made.bad_bytes, made.files
+            row = job.run(piece.path, piece.name, source)
+            publish(folder, row, recipe)
+            return row
     except (
         Exception
     ) as error:  # whatever fsspec's file systems raise: one log does not end the rest
-        row.error = f"{type(error).__name__}: {error}"
-    return row
+        return Converted(piece.path, piece.name, error=f"{type(error).__name__}: {error}")
 
 
 def publish(folder: str, made: Converted, recipe: Recipe) -> None:

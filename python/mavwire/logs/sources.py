@@ -2,41 +2,85 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import Converter, DataflashTables, LogColumns
+from mavwire._native import Converter, DataflashTables, LogColumns, decompress
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from .query import Query
 
+Source = str | tuple[str, int, int] | bytes
+"""What the native readers take: a path; the path of a log and the first byte, and the first that is
+not meant any more; the bytes of a log.
+"""
+COMPRESSED = (b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd")
+"""How gzip and zstd begin."""
 
-def is_dataflash(path: str) -> bool:
-    """Whether a file begins as a dataflash log, binary or text, does; false for one that cannot be
+
+def is_dataflash(source: Source) -> bool:
+    """Whether a log begins as a dataflash log does, binary or text; false for one that cannot be
     read.
     """
     try:
-        return DataflashTables.recognises(path)
+        return DataflashTables.recognises(source)
     except OSError:
         return False
 
 
-def open_columns(path: str, native: Any, query: Query) -> LogColumns:
+def open_columns(source: Source, native: Any, query: Query) -> LogColumns:
     """A run over a log, giving tables; ValueError for what makes no sense with its kind."""
-    tables = DataflashTables.open(path)
+    tables = DataflashTables.open(source)
     if tables is None:
         query.check_telemetry()
-        return LogColumns(path, native, query)
+        return LogColumns(source, native, query)
     query.check_dataflash()
     return tables.columns(query)
 
 
 def open_converter(
-    path: str, native: Any, query: Query, out: str, file: str, format: str, compression: str
+    source: Source, native: Any, query: Query, out: str, file: str, format: str, compression: str
 ) -> Converter:
     """A run over a log, writing `out/TYPE/file`; ValueError as by `open_columns`."""
-    tables = DataflashTables.open(path)
+    tables = DataflashTables.open(source)
     if tables is None:
         query.check_telemetry()
-        return Converter(path, native, query, out, file, format, compression)
+        return Converter(source, native, query, out, file, format, compression)
     query.check_dataflash()
     return tables.convert(query, out, file, format, compression)
+
+
+def head_of(source: Source, size: int) -> bytes:
+    """The first bytes of a log."""
+    if isinstance(source, bytes):
+        return source[:size]
+    path, start, end = (source, 0, size) if isinstance(source, str) else source
+    with open(path, "rb") as file:
+        file.seek(start)
+        return file.read(min(size, end - start))
+
+
+def is_compressed(path: str) -> bool:
+    """Whether a file begins as gzip or zstd does."""
+    return head_of(path, 4).startswith(COMPRESSED)
+
+
+@contextmanager
+def decompressed(path: str) -> Iterator[str]:
+    """A file with the bytes of a log, for readers that go to and fro in it: the log itself, or for
+    the time being a file of what is in a compressed one, as far as that is whole.
+    """
+    if not is_compressed(path):
+        yield path
+        return
+    name = os.path.basename(path)
+    for suffix in (".gz", ".zst"):
+        name = name.removesuffix(suffix)
+    with tempfile.TemporaryDirectory(prefix="mavwire-") as folder:
+        copy = os.path.join(folder, name or "log")  # names tell kinds of logs
+        decompress(path, copy)
+        yield copy

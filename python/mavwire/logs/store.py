@@ -13,6 +13,7 @@ class Files(Protocol):
     def exists(self, name: str) -> bool: ...
     def read(self, name: str) -> bytes | None: ...
     def write(self, name: str, content: bytes) -> None: ...
+    def remove(self, name: str) -> None: ...
 
 
 class Store:
@@ -41,6 +42,18 @@ class Store:
     def write(self, name: str, content: bytes) -> None:
         """Write or replace a file, which is never seen half written."""
         write_file(self.place(name), content)
+
+    def append(self, name: str, content: bytes) -> None:
+        """Add to the end of a file, which is begun if there is none."""
+        with open(self.place(name), "ab", buffering=0) as file:
+            file.write(content)
+
+    def remove(self, name: str) -> None:
+        """Remove a file, if it is there."""
+        try:
+            os.remove(self.place(name))
+        except FileNotFoundError:
+            pass
 
 
 def write_file(path: str, content: bytes) -> None:

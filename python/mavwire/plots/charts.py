@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,12 +10,14 @@ from typing import Any
 
 from mavwire.logs.store import write_file
 
-from .expressions import parse
+from .expressions import Expression, parse
 from .modes import Span
 from .series import LogSeries, read_series
 
 IMAGES = (".png", ".svg", ".pdf")
 PAGES = (".html", ".htm")
+AUTOPILOTS = {"apm": 3, "px4": 12}
+"""Values of MAV_AUTOPILOT."""
 YEAR_10000 = 253_402_300_800
 """Seconds since 1970 of the first time that calendars do not have."""
 
@@ -26,7 +29,7 @@ class Line:
     label: str
     right: bool
     times: Any
-    """Seconds, since 1970 or since the first value."""
+    """Seconds, since 1970 or since the first value, or values of another expression."""
     values: Any
 
 
@@ -39,6 +42,8 @@ class Chart:
     modes: list[Span]
     absolute: bool
     """Times are since 1970."""
+    across: str = "seconds"
+    """What the x axis has if it is not times since 1970."""
 
 
 @dataclass
@@ -59,19 +64,25 @@ def plot(
     labels: Sequence[str] | None = None,
     title: str | None = None,
     condition: str | None = None,
+    xaxis: str | None = None,
     system: int | None = None,
     relative: bool = False,
+    timeshift: float = 0.0,
     modes: bool = True,
+    flightmode: str | None = None,
     dialect: str = "all",
 ) -> Plotted:
     """Draw expressions such as `ATTITUDE.roll` or `degrees(ATTITUDE.pitch):2` over time.
 
     `out` ends in .png, .svg or .pdf (needs matplotlib), or in .html. `:2` is the axis on the right.
     `labels` stand in the legend for the expressions. `condition` leaves out messages at which it
-    does not hold; `system` is the vehicle's id, by default the first autopilot that is heard.
-    `relative` counts seconds from the first value of each log, so that several can be compared.
-    `modes` shades the flight modes of the first log. Raises OSError for files that cannot be read or
-    written, ImportError where matplotlib is missing, ValueError for what cannot be plotted.
+    does not hold; `xaxis` is an expression to plot over in the place of time. `system` is the
+    vehicle's id, by default the first autopilot that is heard. `relative` counts seconds from the
+    first value of each log, so that several can be compared; `timeshift` is added to the times of
+    the first log. `modes` shades the flight modes of the first log, which `flightmode` reads as
+    those of ArduPilot ("apm") or PX4 ("px4") whatever a telemetry log says. Raises OSError for files
+    that cannot be read or written, ImportError where matplotlib is missing, ValueError for what
+    cannot be plotted.
     """
     paths = [os.fspath(one) for one in ([logs] if isinstance(logs, str | os.PathLike) else logs)]
     texts = [expressions] if isinstance(expressions, str) else list(expressions)
@@ -83,12 +94,28 @@ def plot(
         raise ValueError("a plot needs a log and an expression")
     if labels is not None and len(labels) != len(texts):
         raise ValueError(f"{len(texts)} expressions have {len(labels)} labels")
+    if flightmode is not None and flightmode not in AUTOPILOTS:
+        raise ValueError(f"flightmode is one of {', '.join(AUTOPILOTS)}, not {flightmode!r}")
+    if xaxis is not None and (relative or timeshift):
+        raise ValueError("over xaxis there are no times: leave relative and timeshift out")
+    if not math.isfinite(timeshift):
+        raise ValueError(f"timeshift is a number of seconds, not {timeshift!r}")
     parsed = [parse(text) for text in texts]
+    across = None if xaxis is None else parse(xaxis)
     read = [
-        read_series(path, parsed, condition=condition, system=system, dialect=dialect)
+        read_series(
+            path,
+            parsed,
+            condition=condition,
+            xaxis=across,
+            system=system,
+            autopilot=None if flightmode is None else AUTOPILOTS[flightmode],
+            dialect=dialect,
+        )
         for path in paths
     ]
-    chart = _chart(read, labels or [one.text for one in parsed], title, relative, modes)
+    names = labels or [one.text for one in parsed]
+    chart = _chart(read, names, title, relative, timeshift, modes, across)
     notes = _notes(read)
     points = sum(len(line.times) for line in chart.lines)
     if not points:
@@ -106,15 +133,24 @@ def plot(
 
 
 def _chart(
-    read: list[LogSeries], labels: Sequence[str], title: str | None, relative: bool, modes: bool
+    read: list[LogSeries],
+    labels: Sequence[str],
+    title: str | None,
+    relative: bool,
+    timeshift: float,
+    modes: bool,
+    across: Expression | None,
 ) -> Chart:
     lines: list[Line] = []
     shown: list[Span] = []
     firsts = [float(one.times[0]) for log in read for one in log.series if len(one.times)]
-    relative = relative or any(not 0 <= time < YEAR_10000 for time in _bounds(read))
+    if across is None:
+        times = [time + shift for time in _bounds(read) for shift in (0.0, timeshift)]
+        relative = relative or any(not 0 <= time < YEAR_10000 for time in times)
     for number, log in enumerate(read):
         own = [float(one.times[0]) for one in log.series if len(one.times)]
         zero = min(own, default=0.0) if relative else 0.0
+        zero -= 0.0 if number else timeshift
         name = f"{os.path.basename(log.path)}: " if len(read) > 1 else ""
         for label, one in zip(labels, log.series, strict=True):
             right = one.expression.right
@@ -122,7 +158,10 @@ def _chart(
         if modes and number == 0 and firsts:
             shown = [Span(s.mode, s.start - zero, s.end - zero) for s in log.modes]
     names = ", ".join(os.path.basename(log.path) for log in read)
-    return Chart(names if title is None else title, lines, shown, not relative)
+    title = names if title is None else title
+    if across is not None:
+        return Chart(title, lines, [], False, across.text)
+    return Chart(title, lines, shown, not relative)
 
 
 def _bounds(read: list[LogSeries]) -> list[float]:

@@ -79,7 +79,7 @@ def _times(chart: Chart, seconds: Any) -> Any:
 
 def _label_axes(chart: Chart, axes: Any) -> None:
     if not chart.absolute:
-        axes.set_xlabel("seconds")
+        axes.set_xlabel(printable(chart.across))
         return
     from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 

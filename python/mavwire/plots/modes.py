@@ -47,8 +47,10 @@ def vehicle_of(heartbeats: Table) -> int | None:
     return int(systems[0]) if len(systems) else None
 
 
-def mode_changes(heartbeats: Table, system: int | None) -> list[tuple[float, str]]:
-    """When a system went into which mode."""
+def mode_changes(
+    heartbeats: Table, system: int | None, autopilot: int | None = None
+) -> list[tuple[float, str]]:
+    """When a system went into which mode; as `autopilot` calls them, or else as itself does."""
     import numpy as np
 
     rows = vehicle_rows(heartbeats) & (heartbeats["sysid"] == (system or 0))
@@ -64,6 +66,8 @@ def mode_changes(heartbeats: Table, system: int | None) -> list[tuple[float, str
     found: list[tuple[float, str]] = []
     for row in np.flatnonzero(differs):
         values = {name: int(column[row]) for name, column in zip(names, columns, strict=True)}
+        if autopilot is not None:
+            values["autopilot"] = autopilot
         mode = mode_string_v10(SimpleNamespace(get_msgId=lambda: 0, **values))
         found.append((float(times[row]), mode))
     return found

@@ -78,6 +78,7 @@ def chart_page(chart: Chart) -> bytes:
         "modes": shaded(chart.modes, first),
         "zero": first,
         "absolute": chart.absolute,
+        "across": chart.across,
     }
     help = "wheel: zoom in time · shift + wheel: zoom values · drag: move · double click: all"
     return page(chart.title, help, data, "chart.js")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from mavwire.expression import evaluate_expression
 from mavwire.links.recognise import log_kind
+from mavwire.logs.sources import decompressed
 
 from .expressions import EXACT, Expression, column_of
 from .modes import Span, mode_changes, spans, vehicle_of
@@ -21,7 +23,9 @@ if TYPE_CHECKING:
 
 @dataclass
 class Series:
-    """One expression over one log: arrays of seconds since 1970 and of values, all finite."""
+    """One expression over one log: arrays of seconds since 1970, or of what the x axis has in their
+    place, and of values, all finite.
+    """
 
     expression: Expression
     times: Any
@@ -46,40 +50,53 @@ def read_series(
     expressions: Sequence[Expression],
     *,
     condition: str | None = None,
+    xaxis: Expression | None = None,
     system: int | None = None,
+    autopilot: int | None = None,
     dialect: str = "all",
 ) -> LogSeries:
     """The series of a log, in the order of the expressions.
 
-    `condition` leaves out messages at which it does not hold. `system` is the vehicle's, by default
-    the first autopilot that is heard. Raises OSError for a log that cannot be read, ValueError for
+    `condition` leaves out messages at which it does not hold. The values of `xaxis` stand in the
+    place of times. `system` is the vehicle's, by default the first autopilot that is heard;
+    `autopilot` is whose flight modes a telemetry log has, in the place of what it says itself.
+    Raises OSError for a log that cannot be read, ValueError for
     one that is none, that has no times, and for a field or type that its definitions do not have.
     """
+    how = _How(condition, xaxis, system, dialect)
     if not is_telemetry(path):
-        made, changes = _from_messages(path, expressions, condition, system, dialect)
-        return LogSeries(path, made, spans(changes, _end(made)))
+        return _of_messages(path, expressions, how)
     from mavwire.logs import DataflashLog, open_log
 
     log = open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
-    if isinstance(log, DataflashLog):
-        raise ValueError(f"a compressed dataflash log has to be decompressed for plots: {path!r}")
-    plain = [one for one in expressions if one.plain and condition is None]
+    if isinstance(log, DataflashLog):  # a compressed one
+        with decompressed(path) as copy:
+            return replace(_of_messages(copy, expressions, how), path=path)
+    quick = condition is None and xaxis is None
+    plain = [one for one in expressions if one.plain and quick]
     tables = _tables(path, plain, dialect)
     heartbeats = tables["HEARTBEAT"]
     if system is None:
         system = vehicle_of(heartbeats) or busiest_system(path, dialect)
     found = {one: _from_table(one, tables[one.type], system) for one in plain}
     other = [one for one in expressions if found.get(one) is None]
-    if other and log.compressed:
-        raise ValueError(
-            f"{other[0].text} is evaluated message by message, which a compressed log has to be"
-            f" decompressed for: {path!r}"
-        )
     if other:
-        made, _ = _from_messages(path, other, condition, system, dialect)
+        with decompressed(path) as copy:
+            made, _ = _from_messages(copy, other, replace(how, system=system))
         found.update(zip(other, made, strict=True))
     series = [one for one in map(found.get, expressions) if one is not None]
-    return LogSeries(path, series, spans(mode_changes(heartbeats, system), _end(series)))
+    changes = mode_changes(heartbeats, system, autopilot)
+    return LogSeries(path, series, spans(changes, _end(series)))
+
+
+@dataclass(frozen=True)
+class _How:
+    """How messages are evaluated."""
+
+    condition: str | None
+    xaxis: Expression | None
+    system: int | None
+    dialect: str
 
 
 def is_telemetry(path: str) -> bool:
@@ -167,25 +184,27 @@ class _InexactError(Exception):
 # -- messages
 
 
+def _of_messages(path: str, expressions: Sequence[Expression], how: _How) -> LogSeries:
+    made, changes = _from_messages(path, expressions, how)
+    return LogSeries(path, made, spans(changes, _end(made)))
+
+
 def _from_messages(
-    path: str,
-    expressions: Sequence[Expression],
-    condition: str | None,
-    system: int | None,
-    dialect: str,
+    path: str, expressions: Sequence[Expression], how: _How
 ) -> tuple[list[Series], list[tuple[float, str]]]:
     """Evaluate at each message, with the newest messages of the vehicle; and the modes it was in."""
-    collectors = [_Collector(one) for one in expressions]
+    collectors = [_Collector(one, how.xaxis) for one in expressions]
     wanted: dict[str, list[_Collector]] = {}
     for one in collectors:
         for name in one.expression.types:
             wanted.setdefault(name, []).append(one)
     changes: list[tuple[float, str]] = []
-    for msg, link in vehicle_messages(path, [*wanted, "MODE"], system, dialect):
+    types = [*wanted, *(how.xaxis.types if how.xaxis is not None else ()), "MODE"]
+    for msg, link in vehicle_messages(path, types, how.system, how.dialect):
         if not changes or changes[-1][1] != link.flightmode:
             changes.append((msg._timestamp, link.flightmode))
         kind = msg.get_type()
-        if kind not in wanted or not _holds(condition, link):
+        if kind not in wanted or not _holds(how.condition, link):
             continue
         for one in wanted[kind]:
             one.take(msg, kind, link.messages)
@@ -222,8 +241,9 @@ def vehicle_messages(
 class _Collector:
     """Gathers the values of one expression."""
 
-    def __init__(self, expression: Expression) -> None:
+    def __init__(self, expression: Expression, xaxis: Expression | None) -> None:
         self.expression = expression
+        self._xaxis = xaxis
         self._times: list[float] = []
         self._values: list[float] = []
         self._failed = 0
@@ -235,14 +255,14 @@ class _Collector:
         if instance is not None and not is_instance(msg, instance):
             return
         try:
-            value = evaluate_expression(self.expression.text, messages)
-            number = None if value is None else float(value)
+            number = _number(self.expression, messages)
+            place = msg._timestamp if self._xaxis is None else _number(self._xaxis, messages)
         except Exception as error:  # whatever a function of an expression raises
             self._failed += 1
             self._error = self._error or f"{type(error).__name__}: {error}"
             return
-        if number is not None and abs(number) < float("inf"):
-            self._times.append(msg._timestamp)
+        if number is not None and place is not None:
+            self._times.append(place)
             self._values.append(number)
 
     def series(self) -> Series:
@@ -251,6 +271,13 @@ class _Collector:
 
         times, values = np.array(self._times, float), np.array(self._values, float)
         return Series(self.expression, times, values, self._failed, self._error)
+
+
+def _number(expression: Expression, messages: dict[str, Any]) -> float | None:
+    """The value of an expression now; None where it has none."""
+    value = evaluate_expression(expression.text, messages)
+    number = None if value is None else float(value)
+    return number if number is not None and isfinite(number) else None
 
 
 def is_instance(msg: Any, number: int) -> bool:

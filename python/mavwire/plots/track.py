@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.sources import decompressed
+
 from .modes import Span, colours_of, mode_changes, spans, vehicle_of
 from .series import busiest_system, is_telemetry, vehicle_messages
 
@@ -79,7 +81,7 @@ def read_track(path: str, *, system: int | None = None, dialect: str = "all") ->
     if is_telemetry(path):
         track = _from_tables(path, system, dialect)
     else:
-        track = _from_messages(path)
+        track = _from_messages(path, path)
     if not len(track.times):
         raise ValueError(f"there is no position in {path!r}")
     return track
@@ -103,9 +105,12 @@ def _track(
 
 
 def _from_tables(path: str, system: int | None, dialect: str) -> Track:
-    from mavwire.logs import open_log, read
+    from mavwire.logs import DataflashLog, open_log, read
 
-    open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
+    log = open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
+    if isinstance(log, DataflashLog):  # a compressed one
+        with decompressed(path) as copy:
+            return _from_messages(copy, path)
     names = "GLOBAL_POSITION_INT GPS_RAW_INT HEARTBEAT HOME_POSITION".split()
     names += "MISSION_COUNT MISSION_ITEM MISSION_ITEM_INT".split()
     tables = read(path, names, dialect=dialect)
@@ -178,7 +183,8 @@ def _is_place(place: Place) -> bool:
 # -- dataflash
 
 
-def _from_messages(path: str) -> Track:
+def _from_messages(path: str, name: str) -> Track:
+    """The track of a dataflash log, which is called `name`."""
     import numpy as np
 
     points: dict[str, list[tuple[float, ...]]] = {"POS": [], "GPS": []}
@@ -205,7 +211,7 @@ def _from_messages(path: str) -> Track:
             items[number] = Place(f"{number}", place.lat, place.lon, place.alt)
     rows = points["POS"] or points["GPS"]
     columns = tuple(np.array(rows, float).reshape(-1, 4).T)
-    track = _track(path, columns, changes)  # type: ignore[arg-type]
+    track = _track(name, columns, changes)  # type: ignore[arg-type]
     first = items.pop(0, None)
     if home is None and first is not None:
         home = Place("home", first.lat, first.lon, first.alt)

@@ -5,7 +5,8 @@ With --exact natively: every good record of damaged logs, times to the microseco
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+import os
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from heapq import merge
 from operator import attrgetter
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavmerge.py's options."""
-    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry log")
+    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry log, also .gz and .zst")
     parser.add_argument("-o", "--output", metavar="FILE", help="write the records to a log")
     parser.add_argument(
         "--exact", action="store_true", help="only write, fast, all that is good in damaged logs"
@@ -34,7 +35,8 @@ def main(args: Namespace) -> int:
     if args.exact:
         return _merge_exactly(args)
     with definitions("all", "2.0"), ExitStack() as stack:
-        logs = [stack.enter_context(reading("merge", path)) for path in args.logs]
+        plain = [stack.enter_context(_decompressed(path)) for path in args.logs]
+        logs = [stack.enter_context(reading("merge", path)) for path in plain]
         for log in logs:
             require_telemetry(log)
         file = open_output(args.output, args.logs, stack) if args.output else None
@@ -46,6 +48,13 @@ def main(args: Namespace) -> int:
             if file is not None:
                 file.write(record(msg))
     return 0
+
+
+def _decompressed(path: str) -> AbstractContextManager[str]:
+    """A log, or what is in a compressed one; `reading` tells what is wrong with it."""
+    from mavwire.logs.sources import decompressed
+
+    return decompressed(path) if os.path.isfile(path) else nullcontext(path)
 
 
 def _merge_exactly(args: Namespace) -> int:

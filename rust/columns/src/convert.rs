@@ -40,6 +40,8 @@ pub enum Compression {
     Snappy,
     /// gzip; text formats only.
     Gzip,
+    /// LZ4; MCAP only.
+    Lz4,
 }
 
 impl Format {
@@ -50,6 +52,7 @@ impl Format {
             Compression::Zstd => self != Self::Arrow,
             Compression::Snappy => self == Self::Parquet,
             Compression::Gzip => matches!(self, Self::Csv | Self::JsonLines),
+            Compression::Lz4 => false,
         }
     }
 }
@@ -227,7 +230,7 @@ impl<W: Write> Squeeze<W> {
         Ok(match compression {
             Compression::Gzip => Self::Gzip(GzEncoder::new(out, flate2::Compression::fast())),
             Compression::Zstd => Self::Zstd(zstd::stream::write::Encoder::new(out, 1)?),
-            Compression::None | Compression::Snappy => Self::Plain(out),
+            Compression::None | Compression::Snappy | Compression::Lz4 => Self::Plain(out),
         })
     }
 

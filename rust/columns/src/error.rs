@@ -12,6 +12,15 @@ pub enum Error {
     /// What parquet says.
     #[error(transparent)]
     Parquet(#[from] parquet::errors::ParquetError),
+    /// What mcap says.
+    #[error("MCAP: {0}")]
+    Mcap(mcap::McapError),
+    /// An MCAP file of a log without times.
+    #[error("MCAP needs a time for each message, and this log has none: convert to another format")]
+    NoTimes,
+    /// More message types and senders than an MCAP file has room for.
+    #[error("MCAP has room for {0} message types and senders: choose some types or systems")]
+    TooManyChannels(usize),
     /// A column that the message does not have.
     #[error("{message} has no column {column:?}")]
     NoColumn {
@@ -20,4 +29,13 @@ pub enum Error {
         /// What was asked for.
         column: String,
     },
+}
+
+impl From<mcap::McapError> for Error {
+    fn from(error: mcap::McapError) -> Self {
+        match error {
+            mcap::McapError::Io(error) => Self::Io(error),
+            error => Self::Mcap(error),
+        }
+    }
 }

@@ -1,4 +1,5 @@
-//! MAVLink logs as Arrow tables, one for each message type, and from there to Parquet, CSV, JSON lines and Arrow files.
+//! MAVLink logs as Arrow tables, one for each message type, and from there to Parquet, CSV, JSON lines, Arrow
+//! and MCAP files.
 //!
 //! A log is read in blocks of bounded size ([`input`]). Each is searched for records on all processors ([`scan`]), with
 //! exactly the outcome of one [`mavwire_core::log::tlog::RecordScanner`] over the whole log. The records are then laid side by
@@ -17,6 +18,7 @@ pub mod gather;
 pub mod input;
 pub mod instances;
 pub mod layout;
+pub mod mcap;
 mod piece;
 pub mod reader;
 pub mod rewrite;

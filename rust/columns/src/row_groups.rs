@@ -115,7 +115,9 @@ fn properties(
     let compression = match compression {
         Compression::Zstd => ParquetCompression::ZSTD(ZstdLevel::try_new(1)?),
         Compression::Snappy => ParquetCompression::SNAPPY,
-        Compression::None | Compression::Gzip => ParquetCompression::UNCOMPRESSED,
+        Compression::None | Compression::Gzip | Compression::Lz4 => {
+            ParquetCompression::UNCOMPRESSED
+        }
     };
     let mut properties = WriterProperties::builder()
         .set_compression(compression)

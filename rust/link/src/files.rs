@@ -1,7 +1,8 @@
 //! Files read from start to end, and files that appear whole or not at all.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Read, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Opens a file for reading it once.
@@ -10,6 +11,16 @@ use std::path::{Path, PathBuf};
 /// What the operating system says.
 pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     Ok(Box::new(File::open(path)?))
+}
+
+/// Opens some of the bytes of a file for reading them once. A file that ends in front of them has less.
+///
+/// # Errors
+/// What the operating system says.
+pub fn open_part(path: &Path, bytes: Range<u64>) -> io::Result<Box<dyn Read + Send>> {
+    let mut file = File::open(path)?;
+    file.seek(SeekFrom::Start(bytes.start))?;
+    Ok(Box::new(file.take(bytes.end.saturating_sub(bytes.start))))
 }
 
 /// A file under construction: it bears another name until it is committed, and is removed where that never happens.
@@ -74,6 +85,21 @@ impl Drop for Draft {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_part_is_what_is_there_of_it() {
+        let path = std::env::temp_dir().join(format!("mavwire-part-{}", std::process::id()));
+        std::fs::write(&path, b"0123456789").expect("writing");
+        let part = |bytes: Range<u64>| {
+            let mut read = String::new();
+            open_part(&path, bytes).expect("opening").read_to_string(&mut read).expect("reading");
+            read
+        };
+        let backwards = Range { start: 5, end: 3 };
+        let parts = [0..10, 3..5, 8..20, 30..40, backwards].map(part);
+        assert_eq!(parts, ["0123456789", "34", "89", "", ""]);
+        std::fs::remove_file(path).expect("removing");
+    }
 
     #[test]
     fn a_draft_becomes_the_file_or_nothing() {

@@ -1,6 +1,6 @@
 //! `LogColumns`: a log as tables, batch by batch; and `log_summary`, what is in it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use mavwire_columns::Error;
@@ -15,6 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::dialect::Dialect;
+use crate::source::Source;
 use crate::table::{RecordBatches, columns_error};
 
 /// What to read: the attributes of the object that `LogColumns` is given.
@@ -72,10 +73,9 @@ impl Query {
         }
     }
 
-    /// A reader of the log at `path`, for use without the interpreter.
-    pub(crate) fn open(&self, path: &Path, dialect: &Dialect) -> Result<Box<dyn Decode>, Error> {
-        let source = files::open(path)?;
-        let size = path.metadata().map_or(0, |status| status.len());
+    /// A reader of a telemetry log, for use without the interpreter.
+    pub(crate) fn open(&self, log: &Source, dialect: &Dialect) -> Result<Box<dyn Decode>, Error> {
+        let (source, size) = (log.open()?, log.size());
         let registry = Arc::clone(&dialect.registry);
         let (wanted, options) = (self.wanted(dialect), self.options());
         let reader = Reader::new(source, registry, wanted, options, self.limits())?;
@@ -106,8 +106,8 @@ fn table(batch: Batch) -> (String, RecordBatches) {
 #[pymethods]
 impl LogColumns {
     #[new]
-    fn open(py: Python<'_>, path: PathBuf, dialect: &Dialect, query: Query) -> PyResult<Self> {
-        py.detach(|| query.open(&path, dialect)).map(Self::new).map_err(columns_error)
+    fn open(py: Python<'_>, log: Source, dialect: &Dialect, query: Query) -> PyResult<Self> {
+        py.detach(|| query.open(&log, dialect)).map(Self::new).map_err(columns_error)
     }
 
     fn __iter__(slf: Bound<'_, Self>) -> Bound<'_, Self> {

@@ -1,39 +1,33 @@
 //! `DataflashTables`: what a dataflash log says about itself, and its records as tables.
 
-use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use mavwire_columns::Error;
 use mavwire_columns::dataflash::{self, Form, Survey, Wanted, table_layout};
 use mavwire_columns::layout::Options;
 use mavwire_columns::reader::Decode;
-use mavwire_link::files;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::columns::{LogColumns, Query, Stopped, Teller, count_row, summary_dict};
 use crate::convert::Converter;
+use crate::source::Source;
 use crate::table::{RecordBatches, columns_error};
 
 /// A dataflash log, binary or text, that was gone through once for what it says about itself.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct DataflashTables {
-    path: PathBuf,
+    log: Source,
     survey: Arc<Survey>,
-}
-
-/// Opens a log for as often as it is read.
-fn opener(path: &Path) -> impl Fn() -> io::Result<Box<dyn Read + Send>> + '_ {
-    move || files::open(path)
 }
 
 impl DataflashTables {
     fn reader(&self, query: &Query) -> Result<Box<dyn Decode>, Error> {
         let (start, end) = query.span();
         let wanted = Wanted { names: query.names.clone(), start, end };
-        let (open, options) = (opener(&self.path), query.options());
+        let (open, options) = (|| self.log.open(), query.options());
         let survey = Arc::clone(&self.survey);
         Ok(Box::new(dataflash::Reader::new(survey, &open, wanted, &options, query.limits())?))
     }
@@ -41,25 +35,25 @@ impl DataflashTables {
 
 #[pymethods]
 impl DataflashTables {
-    /// The log at `path`; None if it is no dataflash log.
+    /// What a log says about itself; None if it is no dataflash log.
     #[staticmethod]
-    fn open(py: Python<'_>, path: PathBuf) -> PyResult<Option<Self>> {
+    fn open(py: Python<'_>, log: Source) -> PyResult<Option<Self>> {
         let tell = Teller(None);
         let survey = py.detach(|| {
-            let open = opener(&path);
+            let open = || log.open();
             if !dataflash::recognise(open().map_err(Error::from)?).map_err(Error::from)? {
                 return Ok(None);
             }
             Survey::read(&open, || tell.tell(0))
         });
         let survey = survey.map_err(Stopped::into_err)?;
-        Ok(survey.map(|survey| Self { path, survey: Arc::new(survey) }))
+        Ok(survey.map(|survey| Self { log, survey: Arc::new(survey) }))
     }
 
     /// Whether a file begins as a dataflash log does.
     #[staticmethod]
-    fn recognises(py: Python<'_>, path: PathBuf) -> PyResult<bool> {
-        Ok(py.detach(|| dataflash::recognise(files::open(&path)?))?)
+    fn recognises(py: Python<'_>, log: Source) -> PyResult<bool> {
+        Ok(py.detach(|| dataflash::recognise(log.open()?))?)
     }
 
     /// Whether it is a binary log; else it is text.
@@ -114,7 +108,7 @@ impl DataflashTables {
         pulse: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let tell = Teller(pulse);
-        let open = opener(&self.path);
+        let open = || self.log.open();
         let sum =
             py.detach(|| dataflash::summary(&self.survey, &open, gap, |bytes| tell.tell(bytes)));
         let sum = sum.map_err(Stopped::into_err)?;

@@ -20,9 +20,11 @@ mod column_view;
 mod columns;
 mod components;
 mod convert;
+mod convert_output;
 mod create;
 mod dataflash;
 mod dataflash_tables;
+mod decompress;
 mod describe;
 mod descriptors;
 mod dialect;
@@ -68,6 +70,7 @@ mod send_lock;
 mod shared;
 mod signing;
 mod slot;
+mod source;
 mod system;
 mod table;
 mod text;
@@ -106,6 +109,8 @@ mod _native {
     use crate::dataflash::shape::DataflashShape;
     #[pymodule_export]
     use crate::dataflash_tables::DataflashTables;
+    #[pymodule_export]
+    use crate::decompress::decompress;
     #[pymodule_export]
     use crate::describe::describe;
     #[pymodule_export]

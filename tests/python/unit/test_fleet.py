@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gzip
 import json
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -18,11 +17,12 @@ from mavwire.dialects.v20 import all as mavlink
 from mavwire.fleet import convert, dask_frame, decode, running, to_parquet
 from mavwire.fleet.cuts import find_cuts
 from mavwire.fleet.grouping import group_bytes, grouped
-from mavwire.fleet.places import expand, localised, status
+from mavwire.fleet.places import expand, located, status
 from mavwire.fleet.stores import store_of
 from mavwire.fleet.tasks import Recipe
-from mavwire.logs.conversion import Manifest, prepare
 from mavwire.logs.conversion import convert as convert_here
+from mavwire.logs.conversion import prepare
+from mavwire.logs.manifest import Manifest
 from unit.link_tools import heartbeat, record
 
 pytest.importorskip("fsspec")
@@ -257,12 +257,12 @@ def test_places(tmp_path, small):
     assert expand(odd) == [str(odd)], "a name that looks like a pattern"
     assert expand(tmp_path / "no*.tlog") == [str(tmp_path / "no*.tlog")]
     assert status(str(odd))[0] == 10
-    with localised(str(odd), (2, 6)) as copy:
-        assert Path(copy).read_bytes() == b"xxxx"
-    assert not os.path.exists(copy)
-    with pytest.raises(ValueError, match="ends 10 bytes before"), localised(str(odd), (5, 20)):
-        pass
-    with pytest.raises(IsADirectoryError), localised(str(tmp_path), (0, 1)):
+    with located(str(odd), (2, 6)) as source:
+        assert source == (str(odd), 2, 6)
+    for wrong, said in [((5, 20), "ends 10 bytes before"), ((6, 2), "no range"), ((-1, 2), "no r")]:
+        with pytest.raises(ValueError, match=said), located(str(odd), wrong):
+            pass
+    with pytest.raises(IsADirectoryError), located(str(tmp_path), (0, 1)):
         pass
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gzip
 import os
 from pathlib import Path
 
 import numpy as np
 import pytest
+from dataflash_writer import Log
 from lxml import etree
 from mavwire import cli, plots, traffic
 from mavwire.dialects.v20 import all as mavlink
@@ -209,3 +211,16 @@ def test_the_command(tmp_path, log, capsys):
     assert "is a log that is read" in capsys.readouterr().err
     assert cli.main(["map", str(tmp_path / "none.tlog"), "--out", str(out)]) == 1
     assert "none.tlog" in capsys.readouterr().err
+
+
+def test_compressed_logs(log, tmp_path):
+    dataflash = tmp_path / "flight.BIN"
+    made = Log().define("POS", "QLLe", "TimeUS,Lat,Lng,Alt")
+    made.add("POS", 1_000_000, 473_977_418, 85_455_939, 12_345).write(dataflash)
+    for path in (log, dataflash):
+        packed = tmp_path / f"{path.name}.gz"
+        packed.write_bytes(gzip.compress(path.read_bytes()))
+        found, same = read_track(str(packed)), read_track(str(path))
+        assert found.name == packed.name
+        assert (found.lat.tolist(), found.modes) == (same.lat.tolist(), same.modes)
+        assert (found.home, found.waypoints) == (same.home, same.waypoints)

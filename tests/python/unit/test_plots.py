@@ -183,17 +183,114 @@ def test_a_log_without_times_is_named(tmp_path):
         plots.plot(path, "HEARTBEAT.type", tmp_path / "x.html")
 
 
-def test_compressed_logs(flight, tmp_path):
+@pytest.mark.parametrize("text", ["VFR_HUD.alt", "VFR_HUD.alt%2"], ids=["columns", "messages"])
+def test_compressed_logs(flight, tmp_path, text):
     path = tmp_path / "flight.tlog.gz"
     path.write_bytes(gzip.compress(flight.read_bytes(), 1))
-    done, same = (plots.plot(p, "VFR_HUD.alt", tmp_path / "x.html") for p in (path, flight))
-    assert done.points == same.points
-    with pytest.raises(ValueError, match="decompressed"):
-        plots.plot(path, "VFR_HUD.alt%2", tmp_path / "x.html")
-    dataflash = tmp_path / "flight.BIN.gz"
-    dataflash.write_bytes(gzip.compress(sample().data))
-    with pytest.raises(ValueError, match="decompressed"):
-        plots.plot(dataflash, "IMU.AccX", tmp_path / "x.html")
+    found, same = (read_series(str(p), [parse(text)]) for p in (path, flight))
+    assert found.path == str(path)
+    assert found.modes == same.modes
+    np.testing.assert_array_equal(found.series[0].times, same.series[0].times)
+    np.testing.assert_array_equal(found.series[0].values, same.series[0].values)
+    assert len(found.series[0].times) > 10
+
+
+def test_compressed_dataflash_logs(tmp_path):
+    plain, path = tmp_path / "flight.BIN", tmp_path / "flight.BIN.gz"
+    plain.write_bytes(sample().data)
+    path.write_bytes(gzip.compress(sample().data))
+    found, same = (read_series(str(p), [parse("IMU.AccX")]) for p in (path, plain))
+    assert (found.path, found.modes) == (str(path), same.modes)
+    np.testing.assert_array_equal(found.series[0].values, same.series[0].values)
+    assert len(found.series[0].values)
+
+
+# -- the options of mavgraph
+
+
+def test_values_over_another_expression(tmp_path):
+    path = tmp_path / "a.tlog"
+    attitudes(path)
+    done = plots.plot(path, "ATTITUDE.roll", tmp_path / "x.html", xaxis="ATTITUDE.pitch*2")
+    assert done.points == 20
+    data = Page((tmp_path / "x.html").read_bytes()).data()
+    assert (data["absolute"], data["across"], data["modes"]) == (False, "ATTITUDE.pitch*2", [])
+    across, values = numbers(data["lines"][0]["x"]) + data["zero"], numbers(data["lines"][0]["y"])
+    np.testing.assert_allclose(across, [-n / 5 for n in range(20)], rtol=1e-6)
+    np.testing.assert_allclose(values, [n / 10 for n in range(20)], rtol=1e-6)
+
+
+def test_the_x_axis_may_be_of_another_message(tmp_path):
+    path = tmp_path / "a.tlog"
+    attitudes(path)
+    (series,) = read_series(
+        str(path), [parse("ATTITUDE.roll")], xaxis=parse("HEARTBEAT.custom_mode")
+    ).series
+    assert series.times.tolist() == [0.0] * 10 + [3.0] * 10
+
+
+@pytest.mark.parametrize(
+    ("xaxis", "left", "told"),
+    [("1/ATTITUDE.pitch", 19, 0), ("VFR_HUD.alt", 0, 0), ("sqrt(ATTITUDE.pitch)", 1, 19)],
+)
+def test_what_has_no_place_on_the_x_axis_is_left_out(tmp_path, xaxis, left, told):
+    path = tmp_path / "a.tlog"
+    attitudes(path)
+    (series,) = read_series(str(path), [parse("ATTITUDE.roll")], xaxis=parse(xaxis)).series
+    assert (len(series.times), series.left_out) == (left, told)
+    assert (series.error is None) == (told == 0)
+
+
+def test_the_first_log_moves_in_time(tmp_path):
+    path, out = tmp_path / "a.tlog", tmp_path / "x.html"
+    attitudes(path)
+    plots.plot([path, path], "ATTITUDE.roll", out, timeshift=-2.5)
+    data = Page(out.read_bytes()).data()
+    first, second = (numbers(line["x"]) for line in data["lines"])
+    np.testing.assert_allclose(first + 2.5, second, atol=1e-6)
+    begin = data["modes"][0]["start"]
+    plots.plot([path, path], "ATTITUDE.roll", out)
+    data = Page(out.read_bytes()).data()
+    assert data["modes"][0]["start"] + data["zero"] == pytest.approx(T0 / 1e6)
+    assert begin == pytest.approx(-0.5), "modes move with their log"
+
+
+def test_whose_flight_modes_they_are(tmp_path):
+    path = tmp_path / "a.tlog"
+    attitudes(path)
+    found = {
+        name: [span.mode for span in read_series(str(path), [], autopilot=number).modes]
+        for name, number in {"own": None, "apm": 3, "px4": 12}.items()
+    }
+    assert found["own"] == found["apm"] == ["STABILIZE", "AUTO"]
+    assert found["px4"] != found["apm"]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"flightmode": "inav"}, "apm, px4"),
+        ({"xaxis": "ATTITUDE.pitch", "relative": True}, "relative"),
+        ({"xaxis": "ATTITUDE.pitch", "timeshift": 1.0}, "timeshift"),
+        ({"xaxis": "1+"}, "no expression"),
+        ({"timeshift": float("nan")}, "seconds"),
+    ],
+)
+def test_options_that_make_no_sense_are_named(flight, tmp_path, wrong, said):
+    with pytest.raises(ValueError, match=said):
+        plots.plot(flight, "ATTITUDE.roll", tmp_path / "x.html", **wrong)
+    assert not (tmp_path / "x.html").exists()
+
+
+def test_the_command_takes_the_options(tmp_path, capsys):
+    path, out = tmp_path / "a.tlog", tmp_path / "x.html"
+    attitudes(path)
+    argv = ["plot", str(path), "ATTITUDE.roll", "-o", str(out)]
+    assert cli.main([*argv, "--xaxis", "ATTITUDE.pitch", "--condition", "ATTITUDE.roll>1"]) == 0
+    data = Page(out.read_bytes()).data()
+    assert (data["across"], len(numbers(data["lines"][0]["x"]))) == ("ATTITUDE.pitch", 9)
+    assert cli.main([*argv, "--timeshift", "3", "--flightmode", "px4"]) == 0
+    assert "20 points" in capsys.readouterr().out
 
 
 # -- modes

@@ -82,6 +82,26 @@ def test_compressed(flight, tmp_path):
     assert flight.read_bytes().startswith(out.read_bytes()[:1000])
 
 
+def zstd(content: bytes) -> bytes:
+    return bytes(pytest.importorskip("zstandard").compress(content))
+
+
+@pytest.mark.parametrize(("suffix", "pack"), [("gz", gzip.compress), ("zst", zstd)])
+@pytest.mark.parametrize(
+    "command",
+    [["cut", "--types", "ATTITUDE"], ["repair"], ["anonymize", "--shift", "1,2"],
+     ["merge", "-q"], ["merge", "--exact", "-q"]],
+    ids=" ".join,
+)  # fmt: skip
+def test_the_commands_take_compressed_logs(flight, tmp_path, command, suffix, pack):
+    packed = tmp_path / f"flight.tlog.{suffix}"
+    packed.write_bytes(pack(flight.read_bytes()))
+    found, same = tmp_path / "found.tlog", tmp_path / "same.tlog"
+    for log, out in ((packed, found), (flight, same)):
+        assert main([*command, str(log), "-o", str(out)]) == 0
+    assert found.read_bytes() == same.read_bytes() != b""
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_repair(flight, tmp_path, seed):
     random, data = Random(seed), bytearray(flight.read_bytes())

@@ -64,7 +64,7 @@ function drawAxes(spans) {
     context.fillText(timeText(tick, step, data.absolute, false), x, bottom + 5);
   }
   const from = timeText(span[0] + zero, 60, data.absolute, true);
-  context.fillText(data.absolute ? from + " UTC and on" : "seconds", pad.left + (width - pad.left - pad.right) / 2, bottom + 22);
+  context.fillText(data.absolute ? from + " UTC and on" : data.across, pad.left + (width - pad.left - pad.right) / 2, bottom + 22);
   context.textBaseline = "middle";
   for (const side of ["left", "right"]) {
     if (!sides[side].length) continue;
@@ -119,7 +119,7 @@ function drawCursor(spans) {
   const time = toTime(cursor.x), zero = data.absolute ? data.zero : 0;
   context.strokeStyle = "#8888";
   context.beginPath(); context.moveTo(cursor.x, pad.top); context.lineTo(cursor.x, height - pad.bottom); context.stroke();
-  const text = [timeText(time + zero, 0.001, data.absolute, true) + (data.absolute ? "" : " s")];
+  const text = [data.absolute ? timeText(time + zero, 0.001, true, true) : Number(time.toPrecision(9)) + " " + data.across];
   const mode = data.modes.find(({ start, end }) => start <= time && time < end);
   if (mode) text.push(mode.mode);
   for (const line of lines) {

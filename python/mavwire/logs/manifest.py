@@ -1,0 +1,228 @@
+"""The manifest of a folder of converted logs: what became of each, and what its files are called.
+
+`manifest.json` has all logs; `manifest.journal`, while a run goes on, the changes since, a line each.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from .store import Files
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+FORMATS = {
+    "parquet": ".parquet", "csv": ".csv", "jsonl": ".jsonl", "arrow": ".arrow", "mcap": ".mcap",
+}  # fmt: skip
+ONE_FILE = frozenset(("mcap",))
+"""Formats that have one file for each log, and not one for each message type of it."""
+MANIFEST = "manifest.json"
+JOURNAL = "manifest.journal"
+VERSION = 1
+
+
+@dataclass
+class Converted:
+    """One log in the manifest."""
+
+    path: str
+    """Absolute path of the log."""
+    name: str
+    """What its files are called, without suffix."""
+    size: int = 0
+    mtime_ns: int = 0
+    """As it was when it was converted."""
+    rows: int = 0
+    bad_bytes: int = 0
+    """Bytes that belong to no record, which no file has."""
+    files: dict[str, int] = field(default_factory=dict)
+    """`{path below OUT: rows}`."""
+    error: str | None = None
+    """Why there are no files, or what is wrong with a compressed log."""
+    skipped: bool = False
+    """It had been converted before, by an earlier run."""
+
+
+class Manifest:
+    """What was converted into a folder, and how. `status` gives size and time of a log, or raises
+    OSError.
+
+    What a run that was killed left in a journal is taken over. ValueError where one of the two is a
+    file of something else.
+    """
+
+    def __init__(
+        self,
+        store: Files,
+        how: dict[str, Any],
+        status: Callable[[str], tuple[int, int]] | None = None,
+    ) -> None:
+        self._store = store
+        self._status = status or file_status
+        self.how = json.loads(json.dumps(how))
+        self.rows: dict[str, Converted] = {}
+        self.has_journal = False
+        for name, read in ((MANIFEST, _manifest), (JOURNAL, _journal)):
+            content = store.read(name)
+            if content is None:
+                continue
+            stored = read(content)
+            if stored is None:
+                raise ValueError(
+                    f"{store.place(name)} is no manifest of this version of mavwire: convert to"
+                    " another folder or remove it"
+                )
+            self.has_journal = name == JOURNAL
+            if stored["options"] == self.how:
+                self.rows |= {row["path"]: Converted(**row) for row in stored["logs"]}
+
+    def done(self, path: str) -> Converted | None:
+        """The row of a log that need not be converted again."""
+        row = self.rows.get(path)
+        if row is None or row.error is not None:
+            return None
+        try:
+            status = self._status(path)
+        except OSError:
+            return None
+        there = all(self._store.exists(name) for name in row.files)
+        if not there or status != (row.size, row.mtime_ns):
+            return None
+        return replace(row, skipped=True)
+
+    def add(self, row: Converted) -> None:
+        """Note a log. Files that it had and has no more would be rows of nothing: they are removed."""
+        earlier = self.rows.get(row.path)
+        if earlier is not None and row.error is None:
+            self.remove_files(name for name in earlier.files if name not in row.files)
+        self.rows[row.path] = row
+
+    def remove_files(self, names: Iterable[str]) -> None:
+        """Remove files of ours. The manifest may have been written by anyone."""
+        for name in list(names):
+            if _is_ours(name, self.how["format"]):
+                self._store.remove(name)
+
+    def store(self) -> None:
+        """Write the manifest, which is never seen half written, and end the journal."""
+        content = {"version": VERSION, "options": self.how}
+        logs = [stored_row(row) for row in self.rows.values()]
+        self._store.write(MANIFEST, json.dumps({**content, "logs": logs}, indent=1).encode())
+        if self.has_journal:
+            self._store.remove(JOURNAL)
+            self.has_journal = False
+
+    def names(self, paths: list[str]) -> dict[str, str]:
+        """A name for the files of each log."""
+        earlier = {row.path: row.name for row in self.rows.values()}
+        return _names(paths, earlier, self.taken())
+
+    def taken(self) -> set[str]:
+        """What files of logs are called, without folder and suffix."""
+        suffix = FORMATS[self.how["format"]]
+        files = {
+            os.path.basename(name).rpartition(suffix)[0]
+            for row in self.rows.values()
+            for name in row.files
+        }
+        return files | {row.name for row in self.rows.values()}
+
+
+def file_status(path: str) -> tuple[int, int]:
+    """Bytes of a file, and when it was changed in nanoseconds since 1970."""
+    status = os.stat(path)
+    return status.st_size, status.st_mtime_ns
+
+
+_ROW = {
+    "path": str,
+    "name": str,
+    "size": int,
+    "mtime_ns": int,
+    "rows": int,
+    "bad_bytes": int,
+    "files": dict,
+    "error": str | None,
+}
+"""What the manifest holds of `Converted`."""
+
+
+def stored_row(row: Converted) -> dict[str, Any]:
+    """A row as the manifest and the journal hold it."""
+    return {key: getattr(row, key) for key in _ROW}
+
+
+def _manifest(content: bytes) -> dict[str, Any] | None:
+    """The content of a manifest; None for a file of something else, which is not ours to replace."""
+    stored = _parsed(content)
+    if not _is_head(stored) or not isinstance(stored.get("logs"), list):
+        return None
+    return dict(stored) if all(map(_is_row, stored["logs"])) else None
+
+
+def _journal(content: bytes) -> dict[str, Any] | None:
+    """The same of a journal, without a last line of which not all was written."""
+    lines = content.split(b"\n")[:-1]
+    if not lines:
+        return {"options": None}
+    head, rows = _parsed(lines[0]), [_parsed(line) for line in lines[1:]]
+    return {**head, "logs": rows} if _is_head(head) and all(map(_is_row, rows)) else None
+
+
+def _parsed(text: bytes) -> Any:
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+
+
+def _is_head(stored: Any) -> bool:
+    return (
+        isinstance(stored, dict)
+        and stored.get("version") == VERSION
+        and isinstance(stored.get("options"), dict)
+    )
+
+
+def _is_row(row: Any) -> bool:
+    if not isinstance(row, dict) or row.keys() != _ROW.keys():
+        return False
+    if not all(isinstance(row[key], kind) for key, kind in _ROW.items()):
+        return False
+    # Files are written by this name, nowhere but in the folder of their type.
+    return row["name"] not in ("", ".", "..") and os.path.basename(row["name"]) == row["name"]
+
+
+def _is_ours(name: str, format: str) -> bool:
+    """Whether a conversion may have given a file this name."""
+    folder, _, file = name.rpartition("/")
+    in_place = not folder if format in ONE_FILE else re.fullmatch(r"[A-Za-z0-9_%-]+", folder)
+    return bool(in_place) and FORMATS[format] in file and "\\" not in file
+
+
+def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[str, str]:
+    """A name for the files of each log, that of the `earlier` run or one that is not `taken`: the
+    log's own, numbered where two are called the same.
+    """
+    names: dict[str, str] = {}
+    for path in paths:
+        if path in names:
+            continue
+        if path in earlier:
+            names[path] = earlier[path]
+            continue
+        stem = os.path.basename(path)
+        for suffix in (".gz", ".zst", ".tlog", ".BIN", ".bin", ".log"):
+            stem = stem.removesuffix(suffix)
+        name, number = stem or "log", 1
+        while name in taken:
+            number += 1
+            name = f"{stem}-{number}"
+        taken.add(name)
+        names[path] = name
+    return names

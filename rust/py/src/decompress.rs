@@ -1,0 +1,31 @@
+//! `decompress`: a compressed file as a plain one, for readers that go to and fro in a log.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use mavwire_columns::Error;
+use mavwire_columns::input::Blocks;
+use mavwire_link::files::{self, Draft};
+use pyo3::prelude::*;
+
+use crate::columns::{Stopped, Teller};
+
+/// Writes what a file holds that is compressed with gzip or zstd to `out`, which appears when it is complete. Returns what
+/// is wrong with the compressed file, of which everything before that was written; None for nothing.
+#[pyfunction]
+pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> PyResult<Option<String>> {
+    let tell = Teller(None);
+    let done = py.detach(|| -> Result<Option<String>, Stopped> {
+        let mut blocks =
+            Blocks::new(files::open(&path).map_err(Error::from)?).map_err(Error::from)?;
+        let mut draft = Draft::create(&out).map_err(Error::from)?;
+        let mut write = |block: &[u8], _: bool| (block.len(), draft.write_all(block));
+        while let Some(written) = blocks.next(&mut write).map_err(Error::from)? {
+            written.map_err(Error::from)?;
+            tell.tell(0)?;
+        }
+        draft.commit().map_err(Error::from)?;
+        Ok(blocks.damage().map(str::to_owned))
+    });
+    done.map_err(Stopped::into_err)
+}
