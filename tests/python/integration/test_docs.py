@@ -18,7 +18,7 @@ PAGES = (
     "tutorial", "porting", "signing", "dialects", "vehicles", "faq", "links", "aio", "bridge", "sim",
     "logs", "columns", "dataflash", "plots", "fleet",
 )  # fmt: skip
-TIMEOUT = 240
+TIMEOUT = 280
 
 
 @pytest.mark.parametrize("name", PAGES)
