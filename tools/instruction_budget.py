@@ -23,10 +23,9 @@ BUDGET = ROOT / "benches" / "instruction_budget.json"
 TOLERANCE = 0.03
 RUST = ("scan", "scan-rescan", "decode", "encode", "verify", "text", "json")
 PYTHON = ("parse", "noise", "recv_match", "filter", "fields", "pack", "send", "verify")
-TABLES = ("columns", "columns-bin", "parquet")
 # How many messages the short and the long run have, and how far memory is moved in the runs.
-LENGTHS = {"rust": (10_000, 40_000), "python": (1_000, 6_000), "tables": (20_000, 120_000)}
-PADDINGS = {"rust": (0,), "python": (0, 1_000, 5_000), "tables": (0,)}
+LENGTHS = {"rust": (10_000, 40_000), "python": (1_000, 6_000)}
+PADDINGS = {"rust": (0,), "python": (0, 1_000, 5_000)}
 COLLECTED = re.compile(r"Collected\s*:\s*(\d+)")
 
 
@@ -48,7 +47,6 @@ def instructions(command: list[str], padding: int) -> int:
     """Instructions that a program executes; `padding` moves its memory a little."""
     tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
     env = {"PATH": os.environ["PATH"], "HOME": "/", "PYTHONHASHSEED": "0", "PAD": "x" * padding}
-    env["RAYON_NUM_THREADS"] = "1"  # threads that wait count too
     done = subprocess.run([*tool, *command], capture_output=True, text=True, env=env, check=False)
     found = COLLECTED.search(done.stderr)
     if done.returncode or not found:
@@ -74,11 +72,7 @@ def per_message(
 def measure(only: str | None) -> dict[str, float]:
     """All paths, by `language/case`."""
     hot_loops = [sys.executable, str(ROOT / "benches" / "python" / "hot_loops.py")]
-    programs = (
-        ("rust", RUST, build),
-        ("python", PYTHON, lambda: hot_loops),
-        ("tables", TABLES, lambda: hot_loops),
-    )
+    programs = (("rust", RUST, build), ("python", PYTHON, lambda: hot_loops))
     measured = {}
     for language, cases, prepare in programs:
         wanted = [case for case in cases if not only or only in f"{language}/{case}"]
