@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from dataflash_writer import sample
 from integration.station_tools import command, needs, report
-from unit.link_tools import record
+from unit.link_tools import telemetry_log
 from unit.sim_tools import flying
 
 READER = Path(__file__).with_name("pymavlog_reader.py")
@@ -23,12 +23,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     dataflash, telemetry = folder / "flight.bin", folder / "flight.tlog"
     sample().write(dataflash)
     _, ground = flying("ardupilot")
-    frames = [bytes(msg.get_msgbuf()) for msg in ground.messages]
-    telemetry.write_bytes(
-        b"".join(
-            record(frame, 1_700_000_000_000_000 + i * 10_000) for i, frame in enumerate(frames)
-        )
-    )
+    telemetry.write_bytes(telemetry_log(ground.messages))
     return [str(dataflash), str(telemetry)]
 
 

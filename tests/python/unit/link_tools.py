@@ -65,6 +65,13 @@ def record(frame: bytes, microseconds: int = T0) -> bytes:
     return struct.pack(">Q", microseconds) + frame
 
 
+def telemetry_log(messages: list[Any]) -> bytes:
+    """Received messages as a log, a hundredth of a second apart."""
+    return b"".join(
+        record(bytes(msg.get_msgbuf()), T0 + index * 10_000) for index, msg in enumerate(messages)
+    )
+
+
 def drain(link: Any, **kw: Any) -> list[Any]:
     """Every message that is there now."""
     found = []
