@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: mavwire_fuzz::in_one_thread(), |data: &[u8]| mavwire_fuzz::dataflash_text(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| mavwire_fuzz::dataflash_text(data));

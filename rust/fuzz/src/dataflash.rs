@@ -1,20 +1,11 @@
 //! Dataflash logs, binary and text.
 
-use std::io::{Cursor, Read};
-use std::sync::Arc;
-
-use mavwire_columns::dataflash::{Reader, Survey, Wanted};
-use mavwire_columns::error::Error;
-use mavwire_columns::input::decompressed;
-use mavwire_columns::layout::Options;
-use mavwire_columns::reader::{Decode, Limits};
 use mavwire_core::log::dataflash::text::{
     Delimiter, TextDefinitions, decode_line, nth_value, values,
 };
 use mavwire_core::log::dataflash::{Definitions, HEAD_LEN, MAX_RECORD_LEN, RecordEntry, index};
 
 use crate::input::Input;
-use crate::telemetry::is_compressed;
 
 /// Records of a binary log: in two stretches the same as in one, every value of them readable.
 pub fn dataflash(data: &[u8]) {
@@ -37,9 +28,9 @@ pub fn dataflash(data: &[u8]) {
     assert_eq!(end, bytes.len());
     let covered: usize = whole.iter().map(|entry| usize::from(entry.len)).sum();
     assert_eq!(covered as u64 + junk, bytes.len() as u64);
-    // A stretch is told of so many bytes behind its limit.
+    // Behind its limit a stretch sees a whole record, and one that may begin within that.
     let cut = cut % (bytes.len() + 1);
-    let first = bytes.len().min(cut + MAX_RECORD_LEN + 2);
+    let first = bytes.len().min(cut + 2 * MAX_RECORD_LEN + 2);
     let mut parts = Vec::new();
     let last = first == bytes.len();
     let (at, _) = index(&bytes[..first], 0, cut, &definitions, last, |entry, _| parts.push(entry));
@@ -47,7 +38,7 @@ pub fn dataflash(data: &[u8]) {
     assert_eq!(parts, whole);
 }
 
-/// Lines of a text log, and what columns are made of them.
+/// Lines of a text log, and the values in them.
 pub fn dataflash_text(data: &[u8]) {
     let delimiter = Delimiter::of(data);
     let mut definitions = TextDefinitions::new(delimiter);
@@ -64,35 +55,5 @@ pub fn dataflash_text(data: &[u8]) {
             }
         }
         at += line.len() as u64 + 1;
-    }
-}
-
-/// Columns of any bytes that are a dataflash log.
-pub fn dataflash_columns(data: &[u8]) {
-    if is_compressed(data) {
-        return;
-    }
-    let open = || Ok(Box::new(Cursor::new(data.to_vec())) as Box<dyn Read + Send>);
-    let survey = Survey::read::<Error>(&open, || Ok(())).expect("no file");
-    let Some(survey) = survey.map(Arc::new) else { return };
-    let wanted = Wanted { names: None, start: f64::NEG_INFINITY, end: f64::INFINITY };
-    let options = Options { si: true, ..Options::default() };
-    let reader = Reader::new(survey, &open, wanted, &options, Limits { rows: 100, ..Limits::NONE });
-    let mut reader = reader.expect("no file");
-    while let Some(batches) = reader.advance().expect("tables") {
-        assert!(batches.iter().all(|batch| batch.rows.num_rows() > 0));
-    }
-    assert!(reader.position() <= data.len() as u64 && reader.bad_bytes() <= reader.position());
-}
-
-/// Compressed bytes, damaged or not: an end or an error.
-pub fn compressed(data: &[u8]) {
-    let source = Box::new(Cursor::new(data.to_vec()));
-    let Ok(source) = decompressed(source) else { return };
-    let mut out = Vec::new();
-    let read = source.take(1 << 20).read_to_end(&mut out);
-    if !is_compressed(data) {
-        read.expect("bytes as they are");
-        assert_eq!(out, &data[..data.len().min(1 << 20)]);
     }
 }

@@ -15,39 +15,28 @@ mod signing;
 mod telemetry;
 mod wire;
 
-pub use dataflash::{compressed, dataflash, dataflash_columns, dataflash_text};
+pub use dataflash::{dataflash, dataflash_text};
 pub use definitions::xml;
 pub use files::log_files;
 pub use router::router;
 pub use signing::{border, signing};
-pub use telemetry::{columns, convert, rewrite, tlog};
+pub use telemetry::tlog;
 pub use wire::{codec, policies, scanner};
 
 /// A target.
 pub type Target = fn(&[u8]);
 
 /// All targets, by the names of their programs and folders.
-pub const TARGETS: [(&str, Target); 16] = [
+pub const TARGETS: [(&str, Target); 11] = [
     ("border", border),
     ("codec", codec),
-    ("columns", columns),
-    ("compressed", compressed),
-    ("convert", convert),
     ("dataflash", dataflash),
-    ("dataflash_columns", dataflash_columns),
     ("dataflash_text", dataflash_text),
     ("log_files", log_files),
     ("policies", policies),
-    ("rewrite", rewrite),
     ("router", router),
     ("scanner", scanner),
     ("signing", signing),
     ("tlog", tlog),
     ("xml", xml),
 ];
-
-/// Keeps parallel work in the thread that asks for it: what a fuzzer finds shall happen again.
-pub fn in_one_thread() {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
-    pool.build_global().expect("the first pool");
-}
