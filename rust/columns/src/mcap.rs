@@ -1,4 +1,4 @@
-//! A log as one MCAP file, for Foxglove, PlotJuggler and other tools of robotics.
+//! A log as one MCAP file, for Foxglove, `PlotJuggler` and other tools of robotics.
 //!
 //! A channel for each message type and sender, `/SYSID/COMPID/TYPE`, or `/TYPE` of a dataflash log, whose messages are JSON
 //! objects of the fields. Positions and texts have a channel more, in the form that Foxglove shows on a map and as a log
@@ -62,7 +62,7 @@ struct Source {
 struct Row {
     time: i64,
     source: u32,
-    row: u32,
+    at: u32,
 }
 
 /// The JSON of rows, in order, one behind the other.
@@ -129,7 +129,7 @@ impl<W: Write> McapSink<W> {
 
     fn source(&mut self, batch: &Batch) -> Result<Source, Error> {
         let rows = &batch.rows;
-        let column = |name: &str| rows.column_by_name(name).map(|array| array.as_any());
+        let column = |name: &str| rows.column_by_name(name).map(Array::as_any);
         let times = column("timestamp").and_then(|array| array.downcast_ref());
         let times: &TimestampMicrosecondArray = times.ok_or(Error::NoTimes)?;
         if times.null_count() > 0 {
@@ -165,7 +165,7 @@ impl<W: Write> McapSink<W> {
             if let Some((_, channels)) = &source.extra {
                 let text = extra.at(next[number]);
                 if !text.is_empty() {
-                    header.channel_id = channels[row.row as usize];
+                    header.channel_id = channels[row.at as usize];
                     self.writer.write_to_known_channel(&header, text)?;
                 }
             }
@@ -204,11 +204,11 @@ fn body(batch: &Batch) -> StructArray {
 impl Source {
     fn rows(&self, source: u32) -> impl Iterator<Item = Row> {
         let times = self.times.values().iter();
-        (0..).zip(times).map(move |(row, &time)| Row { time, source, row })
+        (0..).zip(times).map(move |(at, &time)| Row { time, source, at })
     }
 
     fn header(&self, row: &Row) -> MessageHeader {
-        let at = row.row as usize;
+        let at = row.at as usize;
         let nanoseconds = u64::try_from(row.time).unwrap_or(0).saturating_mul(1000);
         MessageHeader {
             channel_id: self.channels[at],
@@ -247,7 +247,7 @@ impl Texts {
 fn encode(sources: &[Source], window: &[Row]) -> Result<Vec<(Texts, Texts)>, Error> {
     let mut rows = vec![Vec::new(); sources.len()];
     for row in window {
-        rows[row.source as usize].push(row.row);
+        rows[row.source as usize].push(row.at);
     }
     sources.par_iter().zip(&rows).map(|(source, rows)| source.texts(rows)).collect()
 }
