@@ -110,7 +110,7 @@ pub fn border(data: &[u8]) {
             }
         }
         if let Some(entered) = border.incoming(&frame, now) {
-            check(&entered);
+            check(&entered.frame);
         }
         let any = input.bytes(40);
         let _ = (border.incoming(any, now), border.outgoing(any, None, now));

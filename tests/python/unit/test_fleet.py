@@ -29,7 +29,7 @@ pytest.importorskip("fsspec")
 # Dask's own threads end when they like.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 
-BLOCK = 8 << 20
+BLOCK = 4 << 20
 """Bytes that the reader reads at once: cuts are at the places it came by between two."""
 
 
