@@ -111,10 +111,32 @@ def split_host_port(device: str, kind: str) -> tuple[str, int]:
     return host[1:-1] if bracketed else host, number
 
 
+def interface_index(scope: str) -> int:
+    """The index of a network interface by its name or index; 0 for none. OSError without such."""
+    import socket
+
+    if scope.isdecimal() and len(scope) < len(str(1 << 32)):
+        return int(scope)
+    try:
+        return socket.if_nametoindex(scope) if scope else 0
+    except (OSError, ValueError):
+        import errno
+
+        raise OSError(errno.ENODEV, f"there is no network interface {scope!r}") from None
+
+
+def socket_address(address: tuple[str, int]) -> tuple[str, int] | tuple[str, int, int, int]:
+    """`address` as sockets take it: the network interface after the % of an IPv6 address is a number
+    of its own there."""
+    host, port = address
+    numeric, percent, scope = host.partition("%")
+    return (numeric, port, 0, interface_index(scope)) if percent else address
+
+
 def bind(port: Any, address: tuple[str, int]) -> None:
     """Bind a socket; an OSError names the address."""
     try:
-        port.bind(address)
+        port.bind(socket_address(address))
     except OSError as error:
         raise type(error)(error.errno, f"{error.strerror}: {address[0]}:{address[1]}") from None
 
