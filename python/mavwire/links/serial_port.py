@@ -153,6 +153,8 @@ class mavserial(ChunkedLink):
         try:
             return self.port.write(bytes(buf))
         except Exception:  # whatever the driver raises, the port is unusable
+            if self._closed:  # meanwhile
+                return -1
             self._say_dead()
             self._maybe_reset()
             return -1

@@ -381,3 +381,19 @@ def test_a_serial_port_is_reopened_once_a_second_at_most(serial_port, monkeypatc
     link._maybe_reset()
     assert len(held.opened) == 2
     link.close()
+
+
+def test_a_serial_port_that_is_closed_under_a_writer_says_nothing(serial_port, capsys):
+    link = mavutil.mavlink_connection(serial_port)
+
+    class Closing:
+        """The other thread closes the link while this one writes."""
+
+        def write(self, data):
+            link.close()
+            raise OSError(errno.EBADF, "Bad file descriptor")
+
+    real, link.port = link.port, Closing()
+    link.port.close = real.close
+    assert link.write(heartbeat()) == -1
+    assert (capsys.readouterr().out, real.is_open) == ("", False)

@@ -78,11 +78,13 @@ def test_a_name_is_looked_up_once(names, vehicle):
     assert names.asked == ["vehicle.test"]
 
 
-def test_an_unknown_name_is_looked_up_again_after_a_pause(names, vehicle, monkeypatch):
+def test_an_unknown_name_is_looked_up_again_after_a_pause(names, vehicle, monkeypatch, caplog):
     with mavutil.mavlink_connection(f"udpout:vehicle.test:{vehicle.getsockname()[1]}") as link:
         for _ in range(100):
             link.mav.heartbeat_send(6, 8, 0, 0, 0)
         assert (len(names.asked), link.write_errors) == (1, 100)
+        (record,) = caplog.records
+        assert "the address of vehicle.test:" in record.getMessage()
         now = time.monotonic() + udp.LOOKUP_PAUSE
         monkeypatch.setattr("time.monotonic", lambda: now)
         names.known["vehicle.test"] = "127.0.0.1"
