@@ -27,6 +27,17 @@ def wait_readable(fd: Any, timeout: float) -> bool:
         return False
 
 
+def wait_writable(fd: int, timeout: float) -> bool:
+    """Whether `fd` takes something within `timeout` seconds, or an error."""
+    import select
+
+    if hasattr(select, "poll"):
+        poller = select.poll()
+        poller.register(fd, select.POLLOUT)
+        return bool(poller.poll(timeout * 1000.0))
+    return bool(select.select([], [fd], [], timeout)[1])
+
+
 def set_close_on_exec(fd: int) -> None:
     """Keep `fd` out of child processes where the platform can; never fails."""
     try:
