@@ -114,7 +114,11 @@ class WebSocketClient(Transport):
         return self.sync.port is not None
 
     async def reopen(self) -> None:
-        connected = await in_background(self.sync.connect, lambda _: self.sync.close_port())
+        try:
+            connected = await in_background(self.sync.connect, lambda _: self.sync.close_port())
+        except OSError as error:
+            self.sync._note_failure(error)
+            raise
         if not connected:
             raise ConnectionRefusedError(f"{self.sync.address} is not up")
 

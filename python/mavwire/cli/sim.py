@@ -13,6 +13,7 @@ examples:
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 import time
@@ -178,12 +179,13 @@ def _links(devices: list[str], mavutil: Any) -> list[Any]:
     for device in devices:
         try:
             links.append(mavutil.mavlink_connection(device, autoreconnect=True, retries=1))
-        except (OSError, ValueError) as error:
+            reason = f"{device} is a log, not a link" if _is_log(links[-1], mavutil) else ""
+        except (OSError, ValueError, ImportError) as error:
+            reason = str(error) if device in str(error) else f"{device}: {error}"
+        if reason:
             for link in links:
                 link.close()
-            raise CommandError(f"{device}: {error}") from None
-        if _is_log(links[-1], mavutil):
-            raise CommandError(f"{device} is a log, not a link")
+            raise CommandError(reason)
     return links
 
 
@@ -229,23 +231,23 @@ def _numbers(text: str, counts: tuple[int, ...], form: str) -> list[float]:
         values = [float(part) for part in text.split(",")]
     except ValueError:
         values = []
-    if len(values) not in counts:
+    if len(values) not in counts or not all(map(math.isfinite, values)):
         raise ArgumentTypeError(f"not {form}: {text!r}")
     return values
 
 
 def place(text: str) -> tuple[float, float, float]:
     """LAT,LON or LAT,LON,ALT."""
+    from mavwire.sim.geo import MAX_LATITUDE
+
     lat, lon, *alt = _numbers(text, (2, 3), "LAT,LON[,ALT]")
-    if not (abs(lat) < 89 and abs(lon) <= 180):
+    if not (abs(lat) < MAX_LATITUDE and abs(lon) <= 180):
         raise ArgumentTypeError(f"not a place where a copter could fly: {text!r}")
     return lat, lon, alt[0] if alt else 0.0
 
 
 def wind(text: str) -> tuple[float, float]:
     """DEG,SPEED, where it comes from, as north and east components of where it goes."""
-    import math
-
     direction, speed = _numbers(text, (2,), "DEG,SPEED")
     if not 0 <= speed <= 15:
         raise ArgumentTypeError(f"wind must be between 0 and 15 m/s: {text!r}")

@@ -47,6 +47,19 @@ class ChunkedLink(LiveLink, mavfile):
     def _recv_msg_slowly(self) -> Any:
         """What `recv_msg` does where it cannot be done natively."""
         self.pre_message()
+        msg = None
+        try:
+            msg = self._parsed()
+        finally:
+            # Nothing has come, or garbage, be it raised or not: no reason to leave things undone.
+            if msg is None or msg.get_type() == "BAD_DATA":
+                self._tend()
+        if msg is not None:
+            self._delivered(msg)
+        return msg
+
+    def _parsed(self) -> Any:
+        """The next message of what was read, or of what reading brings; None without one."""
         msg = self.mav.parse_char(b"")
         reads = 0
         while msg is None and reads < READS_PER_CALL:
@@ -54,13 +67,10 @@ class ChunkedLink(LiveLink, mavfile):
             # begins with a marker even on a serial link joined in the middle of a frame.
             data = self.recv(self.mav.bytes_needed() if self.first_byte else None)
             if not data:
-                self._tend()
                 return None
             data = self._arrived(data)  # which may replace the parser
             msg = self.mav.parse_char(data)
             reads += 1
-        if msg is not None:
-            self._delivered(msg)
         return msg
 
     def close(self) -> None:
@@ -74,7 +84,7 @@ class ChunkedLink(LiveLink, mavfile):
         raise NotImplementedError
 
     def _tend(self) -> None:
-        """What is to be done about once a second while nothing arrives."""
+        """What is to be done about once a second while no message arrives."""
         if self.logfile or self.logfile_raw:
             self._flush_logs()
 

@@ -131,6 +131,10 @@ PREFIXES: dict[str, Callable[[str, Options], Any]] = {
 }
 
 
+# Modules that only some links need -> the packages to install.
+PACKAGES = {"serial": "pyserial", "wsproto": "wsproto"}
+
+
 def csv_options(address: str) -> tuple[str, dict[str, str]]:
     """FILE[:name=value]... as a pair; a value may be a colon only for `separator`."""
     filename, *parts = address.split(":")
@@ -179,16 +183,10 @@ def _log(device: str, kind: str, o: Options) -> Any:
 
 
 def _serial(device: str, o: Options) -> Any:
-    try:
-        return state.public.mavserial(
-            device, baud=o.baud, autoreconnect=o.autoreconnect,
-            force_connected=o.force_connected, **o.common,
-        )  # fmt: skip
-    except ModuleNotFoundError as error:
-        if error.name != "serial":
-            raise
-        reason = f"the serial port {device} needs pyserial: pip install pyserial"
-        raise ModuleNotFoundError(reason, name=error.name) from error
+    return state.public.mavserial(
+        device, baud=o.baud, autoreconnect=o.autoreconnect,
+        force_connected=o.force_connected, **o.common,
+    )  # fmt: skip
 
 
 def connect(device: str, options: Options) -> Any:
@@ -200,6 +198,12 @@ def connect(device: str, options: Options) -> Any:
         # Beside the text, which programs compare with that of the operating system.
         error.add_note(f"while opening {device!r}")
         raise
+    except ModuleNotFoundError as error:
+        package = PACKAGES.get(error.name or "")
+        if package is None:
+            raise
+        reason = f"{device} needs {package}: pip install {package}"
+        raise ModuleNotFoundError(reason, name=error.name) from error
 
 
 def _connect(device: str, options: Options) -> Any:

@@ -10,7 +10,9 @@ from .waiting import (
     address_family,
     ask_for_room,
     datagrams_dropped,
+    interface_index,
     set_close_on_exec,
+    socket_address,
     split_host_port,
 )
 
@@ -49,14 +51,6 @@ def _checked(group: str) -> str:
     return group
 
 
-def _interface(socket: Any, scope: str) -> int:
-    """The index of a network interface by its name or index; 0 for none. OSError without such."""
-    if not scope or scope.isdecimal():
-        return int(scope or 0)
-    index: int = socket.if_nametoindex(scope)
-    return index
-
-
 class mavmcast(ChunkedLink):
     """`device` is `""`, PORT, GROUP:PORT or [GROUP]:PORT with an IPv6 group."""
 
@@ -81,7 +75,10 @@ class mavmcast(ChunkedLink):
         self.port_out = socket.socket(address_family(group), socket.SOCK_DGRAM)
         try:
             self.port_out.setblocking(False)
-            self.port_out.connect((group, number))
+            if "%" in group:
+                index = interface_index(group.partition("%")[2])
+                self.port_out.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, index)
+            self.port_out.connect(socket_address((group, number)))
         except OSError:
             self.port.close()
             self.port_out.close()
@@ -106,13 +103,13 @@ class mavmcast(ChunkedLink):
             if hasattr(socket, "SO_REUSEPORT"):
                 port.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
             try:
-                port.bind((group, number))
+                port.bind(socket_address((group, number)))
             except OSError:  # Windows binds no group address
                 port.bind(("", number))
             # On the interface that is named, or the one that the system chooses.
             if family == socket.AF_INET6:
                 address, _, scope = group.partition("%")
-                interface = _interface(socket, scope).to_bytes(4, sys.byteorder)
+                interface = interface_index(scope).to_bytes(4, sys.byteorder)
                 membership = socket.inet_pton(family, address) + interface
                 port.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_JOIN_GROUP, membership)
             else:

@@ -42,6 +42,8 @@ class ReconnectingLink(StreamLink):
 
     autoreconnect: bool
     reconnect_delay: float
+    # Why the last attempt to connect failed; None when it succeeded.
+    connect_error: OSError | None = None
     # Messages that the link had received when it was connected.
     _count_before = 0
 
@@ -72,6 +74,8 @@ class ReconnectingLink(StreamLink):
         """Take over a connection, unless the link was closed while that was made."""
         self._forget_unsent()  # it may end inside a frame that another connection began
         self._count_before = self.mav_count
+        if self.connect_error is not None:
+            self.connect_error = None
         self._install(connection)
         if self._closed:
             self._disconnect()
@@ -92,13 +96,23 @@ class ReconnectingLink(StreamLink):
         return True
 
     def _attempt(self) -> None:
-        from contextlib import suppress
-
         try:
-            with suppress(OSError):  # not there yet
-                self._use(self._connected())
+            self._use(self._connected())
+        except OSError as error:  # not there yet
+            self._note_failure(error)
         finally:
             self._connecting.release()
+
+    def _note_failure(self, error: OSError) -> None:
+        """Keep why connecting failed, and log it unless it was the same the last time."""
+        last, self.connect_error = self.connect_error, error
+        if str(error) != str(last):
+            import logging
+
+            reason = error.strerror or str(error)
+            if str(self.address) not in reason:
+                reason = f"{self.address}: {reason}"
+            logging.getLogger("mavwire.mavutil").warning("%s; trying again", reason)
 
     def _connected(self) -> Any:
         try:

@@ -6,9 +6,10 @@ import os
 import time
 from _thread import allocate_lock
 
-from .chunked import READ_SIZE, ChunkedLink
+from .chunked import READ_SIZE
 from .helpers import FakeSerial
-from .waiting import set_close_on_exec
+from .stream import StreamLink, StreamWriter
+from .waiting import set_close_on_exec, wait_writable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 # setting the rate they believe they already have.
 OPENING_BAUD = 1200
 RESET_INTERVAL = 1.0
+# A port that takes nothing for this long, in seconds, is not waited for until it takes something.
+WRITE_TIMEOUT = 0.5
+# Bytes kept for it then: what comes first when it is read again is old.
+MAX_UNSENT = 1 << 14
 
 
 def _check_baud(baud: Any, device: str) -> None:
@@ -30,8 +35,26 @@ def _check_baud(baud: Any, device: str) -> None:
         raise ValueError(reason) from None
 
 
-class mavserial(ChunkedLink):
+class _Line:
+    """A serial port of this system to write to as a socket: it takes what there is room for."""
+
+    def __init__(self, port: Any) -> None:
+        self._port = port
+
+    def send(self, data: bytes) -> int:
+        return os.write(self._port.fileno(), data)
+
+
+def _is_plain(port: Any) -> bool:
+    """Whether writing to the descriptor of `port` is all that writing to it does."""
+    return type(port).__module__ == "serial.serialposix"
+
+
+class mavserial(StreamLink):
     """`device` is a port name, or `name,baud` where no such file exists."""
+
+    # The port took nothing for WRITE_TIMEOUT.
+    _is_stuck = False
 
     def __init__(
         self,
@@ -53,6 +76,7 @@ class mavserial(ChunkedLink):
         self.rtscts = False
         self._next_reset = 0.0
         self._opening = allocate_lock()
+        self._writer = StreamWriter(MAX_UNSENT)
         self.port: Any = self._open()
         super().__init__(
             self._descriptor(), device, source_system=source_system,
@@ -99,6 +123,7 @@ class mavserial(ChunkedLink):
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
         self.port.close()
+        self._forget_unsent()
 
     def recv(self, n: int | None = None) -> bytes:
         """Up to `n` bytes of what has arrived.
@@ -112,6 +137,8 @@ class mavserial(ChunkedLink):
             self._maybe_reset()
             return b""
         try:
+            if _is_plain(port):
+                self._send_rest(_Line(port))
             data = self._read(port, READ_SIZE if n is None else n)
         except OSError:  # SerialException is one
             if not self.autoreconnect:
@@ -138,6 +165,7 @@ class mavserial(ChunkedLink):
         self.fd = None
         with suppress(OSError):  # closing asks the driver, which is gone
             self.port.close()
+        self._forget_unsent()
         self._drop_partial()
         self._maybe_reset()
 
@@ -147,15 +175,33 @@ class mavserial(ChunkedLink):
         self.portdead = True
 
     def write(self, buf: bytes) -> Any:
-        """Send one frame; -1 when the port is dead, which is printed once, or closed."""
-        if self._closed:
-            return -1
+        """Send one frame whole, or drop it whole when nobody reads; -1 when the port is dead, which is
+        printed once, or closed."""
         try:
-            return self.port.write(bytes(buf))
+            if not self._closed:
+                return self._write(self.port, bytes(buf))
         except Exception:  # whatever the driver raises, the port is unusable
-            self._say_dead()
-            self._maybe_reset()
-            return -1
+            if not self._closed:  # meanwhile
+                self._forget_unsent()
+                self._say_dead()
+                self._maybe_reset()
+        self._writer.dropped_frames += 1
+        return -1
+
+    def _write(self, port: Any, frame: bytes) -> Any:
+        if not _is_plain(port):
+            return port.write(frame)
+        line = _Line(port)
+        if self._is_stuck:
+            self._is_stuck = not wait_writable(port.fileno(), 0)
+        self._send_frame(line, frame)
+        # As long as it takes something: a program that sends faster than the line is slowed down.
+        while self._writer.unsent and not self._is_stuck:
+            if wait_writable(port.fileno(), WRITE_TIMEOUT):
+                self._send_rest(line)
+            else:
+                self._is_stuck = True
+        return len(frame)
 
     def _maybe_reset(self) -> None:
         """Reopen a dead port if asked to, once a second at most."""
@@ -191,6 +237,7 @@ class mavserial(ChunkedLink):
             return False
         with suppress(OSError):  # the old port is gone, which is why it is replaced
             self.port.close()
+        self._forget_unsent()
         self.port = port
         self.portdead = False
         self.fd = self._descriptor()

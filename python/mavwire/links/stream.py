@@ -26,9 +26,10 @@ class StreamWriter:
     waits for it, so that a signal handler that writes in the middle of a write is no deadlock.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, max_unsent: int = MAX_UNSENT) -> None:
         from _thread import allocate_lock
 
+        self._max_unsent = max_unsent
         self.unsent = bytearray()
         self.dropped_frames = 0
         self._sending = allocate_lock()
@@ -39,9 +40,9 @@ class StreamWriter:
         Here and below, `note` is told whether something is left in the queue. One thread at a
         time does so, and the last one knows best.
         """
-        if len(self.unsent) + len(frame) > MAX_UNSENT:
+        if len(self.unsent) + len(frame) > self._max_unsent:
             self.flush(port, note)
-        if len(self.unsent) + len(frame) > MAX_UNSENT:
+        if len(self.unsent) + len(frame) > self._max_unsent:
             self.dropped_frames += 1
             return
         self.unsent.extend(frame)

@@ -49,6 +49,8 @@ class mavudp(ChunkedLink):
     # The destination's name is to be looked up: at first, and again when sending fails.
     _lookup_due = True
     _next_lookup = 0.0
+    # Somebody was told that the name is not known.
+    _unknown_said = False
 
     def __init__(
         self,
@@ -181,8 +183,19 @@ class mavudp(ChunkedLink):
         address = self._destination()
         if address is None:
             self.write_errors += 1
+            self._say_unknown()
         elif not self._send(buf, address):
             self._lookup_due = True  # the host may have moved
+
+    def _say_unknown(self) -> None:
+        """Log once why nothing is sent: sending raises nothing."""
+        if not self._unknown_said:
+            self._unknown_said = True
+            import logging
+
+            host, number = self.destination_addr
+            reason = "the address of %s:%s cannot be found; it is looked up again now and then"
+            logging.getLogger("mavwire.mavutil").warning(reason, host, number)
 
     def _send(self, buf: bytes, address: Any) -> bool:
         """Whether the system took the datagram, or may take the next one."""

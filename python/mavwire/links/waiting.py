@@ -27,6 +27,17 @@ def wait_readable(fd: Any, timeout: float) -> bool:
         return False
 
 
+def wait_writable(fd: int, timeout: float) -> bool:
+    """Whether `fd` takes something within `timeout` seconds, or an error."""
+    import select
+
+    if hasattr(select, "poll"):
+        poller = select.poll()
+        poller.register(fd, select.POLLOUT)
+        return bool(poller.poll(timeout * 1000.0))
+    return bool(select.select([], [fd], [], timeout)[1])
+
+
 def set_close_on_exec(fd: int) -> None:
     """Keep `fd` out of child processes where the platform can; never fails."""
     try:
@@ -111,10 +122,32 @@ def split_host_port(device: str, kind: str) -> tuple[str, int]:
     return host[1:-1] if bracketed else host, number
 
 
+def interface_index(scope: str) -> int:
+    """The index of a network interface by its name or index; 0 for none. OSError without such."""
+    import socket
+
+    if scope.isdecimal() and len(scope) < len(str(1 << 32)):
+        return int(scope)
+    try:
+        return socket.if_nametoindex(scope) if scope else 0
+    except (OSError, ValueError):
+        import errno
+
+        raise OSError(errno.ENODEV, f"there is no network interface {scope!r}") from None
+
+
+def socket_address(address: tuple[str, int]) -> tuple[str, int] | tuple[str, int, int, int]:
+    """`address` as sockets take it: the network interface after the % of an IPv6 address is a number
+    of its own there."""
+    host, port = address
+    numeric, percent, scope = host.partition("%")
+    return (numeric, port, 0, interface_index(scope)) if percent else address
+
+
 def bind(port: Any, address: tuple[str, int]) -> None:
     """Bind a socket; an OSError names the address."""
     try:
-        port.bind(address)
+        port.bind(socket_address(address))
     except OSError as error:
         raise type(error)(error.errno, f"{error.strerror}: {address[0]}:{address[1]}") from None
 

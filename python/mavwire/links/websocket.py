@@ -244,6 +244,16 @@ def split_device(device: str) -> tuple[str, str, str]:
     return protocol, f"{host}{bracket}{parts[0]}:{parts[1]}", resource
 
 
+def _status(ws: Any) -> str:
+    """With what status a server refused to open the WebSocket `ws`, if it said one."""
+    from wsproto.events import RejectConnection
+
+    for event in ws.events():
+        if isinstance(event, RejectConnection):
+            return f": HTTP status {event.status_code}"
+    return ""
+
+
 class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
     """`device` is `ws:host:port[:resource]` or `wss:...`. A server that is not up, or goes, is tried
     again until it is there."""
@@ -273,11 +283,13 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         self.connect()
 
     def connect(self) -> bool:
-        """Connect and shake hands, blocking; whether the server was there to be connected to."""
+        """Connect and shake hands, blocking; whether the server was there to be connected to. OSError
+        where something else answers."""
         try:
             self._use(self._connect())
         except OSError as error:
             if error.errno in PEER_NOT_UP:
+                self._note_failure(error)
                 return False
             raise
         return self._established()
@@ -324,10 +336,12 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
             raise TimeoutError(f"no WebSocket handshake from {self.address}") from None
         except RemoteProtocolError as error:
             reason = f"{self.address} does not speak WebSocket: {error}"
-            raise ConnectionRefusedError(errno.ECONNREFUSED, reason) from error
+            if not data:
+                reason = f"{self.address} hung up during the WebSocket handshake"
+            raise OSError(errno.EPROTO, reason) from error
         if ws.state is not ConnectionState.OPEN:
-            reason = f"{self.address} refused the WebSocket handshake"
-            raise ConnectionRefusedError(errno.ECONNREFUSED, reason)
+            reason = f"{self.address} refused the WebSocket handshake{_status(ws)}"
+            raise OSError(errno.EPROTO, reason)
         return ws
 
     def _install(self, connection: tuple[Any, Any]) -> None:

@@ -13,6 +13,8 @@ METRES_PER_DEGREE = 111_319.49
 # The simulated world ends here, in metres from the origin: sideways, and up or down.
 WORLD = 50_000.0
 SKY = 10_000.0
+# Nearer to the poles the flat world has no east.
+MAX_LATITUDE = 89
 
 
 class Place(NamedTuple):
@@ -21,6 +23,17 @@ class Place(NamedTuple):
     lat: float
     lon: float
     alt: float
+
+
+def check_start(home: Place, heading: float) -> None:
+    """ValueError for what is no place or heading (degrees) to start from; NaN is neither."""
+    if not (abs(home.lat) < MAX_LATITUDE and abs(home.lon) <= 180 and abs(home.alt) <= SKY):
+        raise ValueError(
+            f"home must be a latitude within {MAX_LATITUDE} and a longitude within 180 degrees, and an "
+            f"altitude within {SKY:.0f} m: {home.lat}, {home.lon}, {home.alt}"
+        )
+    if not abs(heading) <= 360:
+        raise ValueError(f"heading must be between -360 and 360 degrees: {heading}")
 
 
 class Local(NamedTuple):

@@ -5,7 +5,6 @@ ArduPilot casts: the float 3.0 means 3. PX4 copies bytes: the float carries the 
 
 from __future__ import annotations
 
-import math
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
@@ -29,6 +28,9 @@ _RANGES = {
     mavlink.MAV_PARAM_TYPE_INT16: (-(2**15), 2**15 - 1),
     mavlink.MAV_PARAM_TYPE_INT32: (-(2**31), 2**31 - 1),
 }
+
+
+FLOAT_MAX: float = struct.unpack("<f", b"\xff\xff\x7f\x7f")[0]
 
 
 def to_wire(value: float, kind: int, bytewise: bool) -> bytes:
@@ -84,8 +86,8 @@ class Parameters(Service, Mapping[str, float]):
         """A value as the parameter's type holds it."""
         if name not in self._index:
             raise KeyError(f"no parameter {name}")
-        if not math.isfinite(value):
-            raise ValueError(f"{name} must be a finite number: {value}")
+        if not abs(value) <= FLOAT_MAX:
+            raise ValueError(f"{name} must be a finite number of 32 bits: {value}")
         kind = self.kind(name)
         if kind == mavlink.MAV_PARAM_TYPE_REAL32:
             return as_float32(value)

@@ -18,7 +18,7 @@ from .answers import Answers
 from .autopilot import Autopilot
 from .commands import Commands
 from .ftp import Ftp
-from .geo import Local, Origin, Place
+from .geo import Local, Origin, Place, check_start
 from .guided import Guided
 from .impairment import PERFECT, Channel, Counters, Impairment, flip_bit
 from .missions import FENCE, MISSION, RALLY, Missions
@@ -75,6 +75,8 @@ class Vehicle:
             raise ValueError(f"sysid must be between 1 and 254: {sysid}")
         if version not in (1, 2):
             raise ValueError(f"version must be 1 or 2: {version}")
+        if version == 1 and signing_key is not None:
+            raise ValueError("MAVLink 1 has no signatures: a vehicle with a key speaks MAVLink 2")
         self.personality: Personality = PERSONALITIES[autopilot]()
         self.sysid = sysid
         self.version = version
@@ -90,6 +92,7 @@ class Vehicle:
         self._incoming: Channel[Any] = Channel(impairment, self._random, lambda *_: None)
         self._frames: list[bytes] = []
         self._place = Place(*(home or self.personality.home))
+        check_start(self._place, heading)
         self._heading, self._wind, self._gps_delay = math.radians(heading), wind, gps_delay
         self.frames_sent = 0
         self.when_ready: Callable[[Vehicle], None] | None = None

@@ -13,6 +13,7 @@ import time
 import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.links import serial_port as serial_port_module
 from unit.link_tools import Capture, heartbeat, make_certificate
 from watchdog import watched
 
@@ -322,14 +323,34 @@ def test_a_frame_that_comes_while_another_thread_ends_its_sending_is_not_left_be
 
 
 @pytest.fixture
-def serial_port():
+def line():
+    """A serial port, and the descriptor of its other end."""
     if not hasattr(os, "openpty"):
         pytest.skip("no pseudo terminals")
     pytest.importorskip("serial")
     ends = os.openpty()
-    yield os.ttyname(ends[1])
+    yield os.ttyname(ends[1]), ends[0]
     for end in ends:
         os.close(end)
+
+
+@pytest.fixture
+def serial_port(line):
+    return line[0]
+
+
+def sequence(end, count, flush=lambda: None):
+    """The sequence numbers of the next `count` messages at one end of a serial line."""
+    mav = mavlink.MAVLink(None)
+    os.set_blocking(end, False)
+    seen = []
+    while len(seen) < count:
+        try:
+            seen += [msg.get_seq() for msg in mav.parse_buffer(os.read(end, 4096)) or []]
+        except BlockingIOError:
+            flush()
+            time.sleep(0.001)
+    return seen
 
 
 class HeldSerial:
@@ -381,3 +402,60 @@ def test_a_serial_port_is_reopened_once_a_second_at_most(serial_port, monkeypatc
     link._maybe_reset()
     assert len(held.opened) == 2
     link.close()
+
+
+def test_a_serial_port_that_is_closed_under_a_writer_says_nothing(serial_port, capsys):
+    link = mavutil.mavlink_connection(serial_port)
+
+    class Closing:
+        """The other thread closes the link while this one writes."""
+
+        def write(self, data):
+            link.close()
+            raise OSError(errno.EBADF, "Bad file descriptor")
+
+    real, link.port = link.port, Closing()
+    link.port.close = real.close
+    assert link.write(heartbeat()) == -1
+    assert (capsys.readouterr().out, real.is_open) == ("", False)
+
+
+def test_a_serial_port_that_nobody_reads_stops_no_sender(line, monkeypatch):
+    device, end = line
+    waits = []
+
+    def wait_writable(fd, timeout):
+        waits.append(timeout)
+        return real(fd, min(timeout, 0.01))
+
+    real = serial_port_module.wait_writable
+    monkeypatch.setattr(serial_port_module, "wait_writable", wait_writable)
+    with mavutil.mavlink_connection(device) as link, watched(WAIT):
+        sent = 3000
+        for _ in range(sent):
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert waits.count(serial_port_module.WRITE_TIMEOUT) == 1
+        assert len(link._writer.unsent) <= serial_port_module.MAX_UNSENT
+        left = sent - link.frames_dropped
+        assert 0 < left < sent
+        assert sequence(end, left, link.recv_msg) == [seq % 256 for seq in range(left)]
+        # It is waited for again, and loses nothing more.
+        dropped = link.frames_dropped
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert sequence(end, 1, link.recv_msg) == [sent % 256]
+        assert (link.frames_dropped, link._is_stuck) == (dropped, False)
+
+
+def test_a_sender_that_is_faster_than_the_serial_line_is_slowed_down(line, monkeypatch):
+    device, end = line
+    # The reader may be kept from reading for as long as it takes.
+    monkeypatch.setattr(serial_port_module, "WRITE_TIMEOUT", WAIT)
+    sent = 3000
+    with mavutil.mavlink_connection(device) as link, watched(WAIT):
+        seen = []
+        reader = threading.Thread(target=lambda: seen.extend(sequence(end, sent)))
+        reader.start()
+        for _ in range(sent):
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        reader.join(WAIT)
+        assert (len(seen), link.frames_dropped) == (sent, 0)

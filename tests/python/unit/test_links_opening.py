@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import socket
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import pytest
 from mavwire import mavutil
 from mavwire.links.mcast import mavmcast
-from unit.link_tools import heartbeat
+from unit.link_tools import free_port, heartbeat
 
 WAIT = 60.0
 
@@ -62,6 +64,57 @@ def test_a_client_without_a_host_connects_to_this_machine() -> None:
             peer.send(heartbeat())
             assert link.recv_match(blocking=True, timeout=WAIT).get_type() == "HEARTBEAT"
             peer.close()
+
+
+def link_local_address() -> str:
+    """An address of this machine that means something on one of its networks only."""
+    try:
+        lines = Path("/proc/net/if_inet6").read_text().splitlines()
+    except OSError:
+        lines = []
+    for line in lines:
+        digits, _, _, scope, _, interface = line.split()
+        if scope == "20":
+            groups = ":".join(digits[start : start + 4] for start in range(0, 32, 4))
+            return f"{groups}%{interface}"
+    pytest.skip("no network interface has a link-local address")
+
+
+@pytest.mark.parametrize(
+    ("here", "there"),
+    [
+        ("udpin:[{}]:{}", "udpout:[{}]:{}"),
+        ("tcpin:[{}]:{}", "tcp:[{}]:{}"),
+        ("wsserver:[{}]:{}", "tcp:[{}]:{}"),
+        ("mcast:[{}]:{}", "mcast:[{}]:{}"),
+    ],
+)
+def test_link_local_addresses_of_a_network_interface(here: str, there: str) -> None:
+    if "ws" in here:
+        pytest.importorskip("wsproto")
+    host, port = link_local_address(), free_port()
+    if "mcast" in here:
+        host = "ff02::4d41%" + host.partition("%")[2]
+    try:
+        first = mavutil.mavlink_connection(here.format(host, port))
+    except OSError as error:
+        # An address that is still being looked into, an interface that is down.
+        assert error.errno in (errno.EADDRNOTAVAIL, errno.ENETUNREACH, errno.ENODEV)
+        pytest.skip(f"no link-local network: {error}")
+    with first, mavutil.mavlink_connection(there.format(host, port)) as second:
+        if "ws" in here:
+            return  # who connects by TCP has found it
+        second.mav.heartbeat_send(6, 8, 0, 0, 7)
+        assert first.recv_match(blocking=True, timeout=WAIT).system_status == 7
+        first.mav.heartbeat_send(6, 8, 0, 0, 8)
+        assert second.recv_match(blocking=True, timeout=WAIT).system_status == 8
+
+
+@pytest.mark.parametrize("device", ["udpin:[fe80::1%{}]:5", "mcast:[ff02::1%{}]:5"])
+@pytest.mark.parametrize("interface", ["nosuch0", str(10**30)])
+def test_a_network_interface_that_is_none_is_named(device: str, interface: str) -> None:
+    with pytest.raises(OSError, match=f"no network interface '{interface}'"):
+        mavutil.mavlink_connection(device.format(interface))
 
 
 class Joining(socket.socket):

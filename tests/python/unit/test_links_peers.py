@@ -5,6 +5,7 @@ line, floods of made-up ids.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import errno
 import socket
 import threading
@@ -77,11 +78,13 @@ def test_a_name_is_looked_up_once(names, vehicle):
     assert names.asked == ["vehicle.test"]
 
 
-def test_an_unknown_name_is_looked_up_again_after_a_pause(names, vehicle, monkeypatch):
+def test_an_unknown_name_is_looked_up_again_after_a_pause(names, vehicle, monkeypatch, caplog):
     with mavutil.mavlink_connection(f"udpout:vehicle.test:{vehicle.getsockname()[1]}") as link:
         for _ in range(100):
             link.mav.heartbeat_send(6, 8, 0, 0, 0)
         assert (len(names.asked), link.write_errors) == (1, 100)
+        (record,) = caplog.records
+        assert "the address of vehicle.test:" in record.getMessage()
         now = time.monotonic() + udp.LOOKUP_PAUSE
         monkeypatch.setattr("time.monotonic", lambda: now)
         names.known["vehicle.test"] = "127.0.0.1"
@@ -298,6 +301,66 @@ def test_a_websocket_client_that_never_shakes_hands_makes_room(clock):
             assert receive(link) is not None
             done.set()
             thread.join()
+            assert link.clients_replaced == 1
+
+
+class Flooder:
+    """A client that has always sent more than was read."""
+
+    def __init__(self, client, data):
+        client.setblocking(False)
+        self._client, self._data, self._unsent = client, data, b""
+
+    def __call__(self):
+        while True:
+            self._unsent = self._unsent or self._data
+            try:
+                self._unsent = self._unsent[self._client.send(self._unsent) :]
+            except BlockingIOError:
+                return
+
+
+def masked(data):
+    """A WebSocket message as a client sends it."""
+    return b"\x82\xfe" + len(data).to_bytes(2) + bytes(4) + data
+
+
+HANDSHAKE = (
+    b"GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+)
+BAD_CHECKSUM = heartbeat()[:-1] + bytes([heartbeat()[-1] ^ 1])
+
+
+@pytest.mark.parametrize("robust", [True, False])
+@pytest.mark.parametrize(
+    ("kind", "garbage"),
+    [
+        ("tcpin", bytes(30_000)),
+        ("wsserver", masked(bytes(30_000))),
+        ("wsserver", masked(BAD_CHECKSUM * 1000)),
+    ],
+)
+def test_a_client_that_sends_garbage_makes_room_for_one_that_waits(clock, kind, garbage, robust):
+    if kind == "wsserver":
+        pytest.importorskip("wsproto")
+    with mavutil.mavlink_connection(f"{kind}:127.0.0.1:0") as link:
+        link.mav.robust_parsing = robust
+        address = link.listen.getsockname()
+        with socket.create_connection(address) as client:
+            first = accepted(link)
+            if kind == "wsserver":
+                client.sendall(HANDSHAKE)
+                with watched(WAIT):
+                    while not link._established():
+                        link.recv_msg()
+            flood = Flooder(client, garbage)
+            with socket.create_connection(address), watched(WAIT):
+                while link.port is first:
+                    flood()
+                    with contextlib.suppress(mavlink.MAVError):
+                        link.recv_msg()
+                    clock.now += one_client.CLIENT_SILENCE / 20
             assert link.clients_replaced == 1
 
 

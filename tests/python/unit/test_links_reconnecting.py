@@ -320,24 +320,73 @@ def test_messages_that_come_with_the_handshake_are_received():
     listener.close()
 
 
-@pytest.mark.parametrize(
-    "answer", [b"", b"HTTP/1.1 404 Not Found\r\n\r\n", b"no web server\r\n\r\n"]
+WRONG_KEY = (
+    b"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    b"Sec-WebSocket-Accept: AAAA\r\n\r\n"
 )
-def test_a_websocket_that_is_refused_is_a_link_without_server(answer):
+
+
+@pytest.mark.parametrize(
+    ("answer", "reason"),
+    [
+        (b"", "hung up during"),
+        (b"HTTP/1.1 404 Not Found\r\n\r\n", "refused the WebSocket handshake: HTTP status 404"),
+        (b"HTTP/1.1 200 OK\r\nContent-Length: 5\r\n\r\nhello", "HTTP status 200"),
+        (b"no web server\r\n\r\n", "does not speak WebSocket"),
+        (WRONG_KEY, "does not speak WebSocket"),
+    ],
+)
+def test_a_websocket_that_is_refused_says_why(answer, reason, caplog):
     pytest.importorskip("wsproto")
     listener = socket.create_server(("127.0.0.1", 0))
+    device = f"ws:127.0.0.1:{listener.getsockname()[1]}"
+    stop = threading.Event()
 
     def serve():
-        with listener.accept()[0] as peer:
-            peer.recv(65536)
-            peer.sendall(answer)
+        while not stop.is_set():
+            with listener.accept()[0] as peer:
+                if peer.recv(65536):
+                    peer.sendall(answer)
 
     thread = threading.Thread(target=serve)
     thread.start()
-    with mavutil.mavlink_connection(f"ws:127.0.0.1:{listener.getsockname()[1]}") as link:
-        assert (link.port, link.fd) == (None, None)
+    with pytest.raises(OSError, match=f"{device} .*{reason}"):
+        mavutil.mavlink_connection(device)
+    # A link that loses its server is told the same, goes on trying, and logs it once.
+    with without_server(device) as link, watched(WAIT):
+        link.reconnect_delay = 0.0
+        while link.connect_error is None or reason not in str(link.connect_error):
+            link.recv_msg()
+        failure = link.connect_error
+        while link.connect_error is failure:
+            link.recv_msg()
+    assert [reason in record.getMessage() for record in caplog.records] == [True]
+    stop.set()
+    socket.create_connection(listener.getsockname()).close()
     thread.join()
     listener.close()
+
+
+def without_server(device):
+    """A WebSocket link whose server was not there when it was opened."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mavutil.mavwebsocket_client, "connect", lambda self: False)
+        return mavutil.mavlink_connection(device)
+
+
+def test_a_websocket_server_that_is_not_up_yet_is_logged_once(attempts, caplog):
+    pytest.importorskip("wsproto")
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))  # and nobody listens
+        device = f"ws:127.0.0.1:{silent.getsockname()[1]}"
+        with mavutil.mavlink_connection(device) as link:
+            attempts.of(link)
+            while len(attempts.moments) < 3:
+                assert link.recv_msg() is None
+                attempts.now += 0.5
+            assert isinstance(link.connect_error, ConnectionRefusedError)
+    (record,) = caplog.records
+    assert record.getMessage() == f"{device}: Connection refused; trying again"
 
 
 def test_sending_on_a_websocket_that_just_ended_is_counted(websockets):

@@ -276,6 +276,12 @@ def test_the_command_ends_when_its_time_is_over(station: Any) -> None:
         (["--speed", "0"], "speed"),
         (["--out", "udpout:nonsense"], "udpout:nonsense"),
         (["--out", "tcp:127.0.0.1:1"], "refused"),
+        (["--out", "csv:pyproject.toml"], "csv:pyproject.toml is a log, not a link"),
+        (["--home", "1,2,1e30"], "altitude within 10000 m"),
+        (["--heading", "nan"], "heading"),
+        (["--heading", "1e308"], "heading"),
+        (["--param", "WPNAV_SPEED=1e39"], "WPNAV_SPEED must be a finite number"),
+        (["--param", "WPNAV_SPEED=nan"], "WPNAV_SPEED must be a finite number"),
     ],
 )
 def test_mistakes_are_one_line(
@@ -290,10 +296,37 @@ def test_mistakes_are_one_line(
 
 
 @pytest.mark.parametrize(
+    ("device", "module", "package"),
+    [
+        ("/dev/ttyUSB0", "serial", "pyserial"),
+        ("ws:127.0.0.1:5", "wsproto", "wsproto"),
+        ("wss:127.0.0.1:5", "wsproto", "wsproto"),
+        ("wsserver:127.0.0.1:0", "wsproto", "wsproto"),
+    ],
+)
+def test_packages_that_a_link_needs_are_named(
+    device: str, module: str, package: str,
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.setitem(sys.modules, module, None)
+    assert cli.main(["sim", "--duration", "1ms", "--out", device]) == 1
+    reason = f"mavwire sim: error: {device} needs {package}: pip install {package}\n"
+    assert capsys.readouterr().err == reason
+
+
+def test_mavlink_1_is_not_signed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    key = tmp_path / "key"
+    key.write_bytes(KEY)
+    assert cli.main(["sim", "--duration", "1ms", "--mavlink1", "--signing-key", str(key)]) == 1
+    assert "MAVLink 1 has no signatures" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
     "arguments",
     [
         ["--loss", "7x"], ["--loss", "101%"], ["--delay", "soon"], ["--home", "here"],
-        ["--home", "90,0"], ["--wind", "0,99"], ["--param", "X"], ["--signing-key", "/no/such/key"],
+        ["--home", "90,0"], ["--home", "1,2,nan"], ["--home", "1,2,inf"], ["--wind", "0,99"],
+        ["--wind", "nan,5"], ["--param", "X"], ["--signing-key", "/no/such/key"],
     ],
 )  # fmt: skip
 def test_values_that_make_no_sense_are_usage_errors(arguments: list[str]) -> None:
