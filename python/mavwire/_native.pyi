@@ -364,15 +364,22 @@ class Signing:
 
     @timestamp.setter
     def timestamp(self, value: int) -> None: ...
-    _follows_clock: bool
-    """Outgoing timestamps follow the clock instead of counting up."""
+    def _set_up(
+        self,
+        key: _BytesLike | None,
+        sign_outgoing: object,
+        allow_unsigned_callback: Callable[[Any, int], object] | None,
+        link_id: int,
+        timestamp: int,
+        follows_clock: bool,
+        keep: Callable[[int], int] | None,
+    ) -> None:
+        """Key, policy and timestamps at once, so that no other thread sees some of them without the
+        rest. Timestamps follow the clock or count up, and `keep(timestamp) -> mark` is called before
+        those from the mark on are used."""
 
     def _share(self, other: Signing) -> bool:
         """Shares the stream table of `other` if that has the same key; whether it has."""
-
-    def _keep_timestamps(self, keep: Callable[[int], int] | None) -> None:
-        """From now on `keep(timestamp) -> mark` is called before timestamps from the mark on are
-        used; None ends that."""
 
     @property
     def link_id(self) -> int:

@@ -22,6 +22,7 @@ KEY_LEN = 32
 EPOCH = 1420070400
 UNITS_PER_SECOND = 100 * 1000
 MAX_LINK_ID = 255
+MAX_TIMESTAMP = (1 << 48) - 1
 # RADIO_STATUS and RADIO, which a telemetry radio injects without knowing any key.
 RADIO_MESSAGES = frozenset((109, 166))
 
@@ -38,6 +39,12 @@ def check_key(secret_key: bytes) -> None:
     """ValueError unless the key has 32 bytes."""
     if len(secret_key) != KEY_LEN:
         raise ValueError(f"a signing key has {KEY_LEN} bytes, not {len(secret_key)}")
+
+
+def _check_number(name: str, value: int, largest: int) -> None:
+    """OverflowError unless a signature has room for the value."""
+    if not 0 <= value <= largest:
+        raise OverflowError(f"{name} is 0 to {largest}, not {value}")
 
 
 def allow_radio_status(mav: Any, msgid: int) -> bool:
@@ -92,26 +99,32 @@ class Signing:
         and defaults to now, and then follows the clock. Links without a `link_id` are numbered in
         order, process-wide. `timestamp_store`, the path of a file or an object with `load` and
         `save`, keeps timestamps rising over restarts whatever the clock does. ValueError for a key
-        of another length; OSError, or what the object raises, for a store that cannot be used.
+        of another length; OverflowError for numbers that a signature has no room for; OSError, or
+        what the object raises, for a store that cannot be used. Nothing is changed by an error.
         """
+        # All is checked before anything is changed: half a set-up would send with timestamps used before.
         check_key(secret_key)
+        if link_id is not None:
+            _check_number("link_id", link_id, MAX_LINK_ID)
         follows_clock = initial_timestamp is None
         if initial_timestamp is None:
             initial_timestamp = signing_timestamp(time.time())
-        # Before anything is changed: half a set-up would send with timestamps used before.
+        _check_number("initial_timestamp", initial_timestamp, MAX_TIMESTAMP)
         keep, timestamp = _opened(timestamp_store, initial_timestamp)
+        number = state.global_link_id if link_id is None else link_id
         signing = self.mav.signing
-        signing.secret_key = secret_key
+        signing._set_up(
+            secret_key,
+            sign_outgoing,
+            allow_unsigned_callback,
+            number,
+            timestamp,
+            follows_clock,
+            keep,
+        )
         _share(signing)
-        signing.sign_outgoing = sign_outgoing
-        signing.allow_unsigned_callback = allow_unsigned_callback
         if link_id is None:
-            link_id = state.global_link_id
-            state.global_link_id = min(state.global_link_id + 1, MAX_LINK_ID)
-        signing.link_id = link_id
-        signing._follows_clock = follows_clock
-        signing.timestamp = timestamp
-        signing._keep_timestamps(keep)
+            state.global_link_id = min(number + 1, MAX_LINK_ID)
 
     def send_signing_key(self, secret_key: bytes, initial_timestamp: int | None = None) -> None:
         """Send the target a SETUP_SIGNING with `secret_key`, which it will sign with from then on.
@@ -133,11 +146,6 @@ class Signing:
     def disable_signing(self) -> None:
         """Forget the key and send unsigned; counters and known streams stay."""
         signing = self.mav.signing
-        signing.secret_key = None  # of this link alone
+        signing._set_up(None, False, None, 0, 0, False, None)
         if _with_key is not None:
             _with_key.discard(signing)
-        signing.sign_outgoing = False
-        signing.allow_unsigned_callback = None
-        signing.link_id = 0
-        signing.timestamp = 0
-        signing._keep_timestamps(None)

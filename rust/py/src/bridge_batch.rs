@@ -45,6 +45,7 @@ impl FrameBatch {
         self.frames.infos.len()
     }
 
+    #[allow(clippy::disallowed_methods)] // a list runs no code of Python's
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
         self.messages(py)?.try_iter()
     }

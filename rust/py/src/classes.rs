@@ -6,6 +6,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
 
+use crate::calling::Calling;
 use crate::create;
 use crate::descriptors::FieldGetter;
 
@@ -22,10 +23,10 @@ pub(crate) fn message_class<'py>(
     let full_name = CString::new(format!("{module}.{name}"))?;
     let class = create::message_class(&full_name, base)?;
     // The module is part of neither name, for texts that quote the class.
-    class.setattr(intern!(name.py(), "__name__"), name)?;
-    class.setattr(intern!(name.py(), "__qualname__"), name)?;
+    class.set_attribute(intern!(name.py(), "__name__"), name)?;
+    class.set_attribute(intern!(name.py(), "__qualname__"), name)?;
     for (attribute, value) in body {
-        class.setattr(attribute.cast::<PyString>()?, &value)?;
+        class.set_attribute(attribute.cast::<PyString>()?, &value)?;
         if let Ok(getter) = value.cast::<FieldGetter>() {
             getter.get().set_owner(&class);
         }

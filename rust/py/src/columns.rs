@@ -14,6 +14,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
+use crate::calling::Calling;
 use crate::dialect::Dialect;
 use crate::source::Source;
 use crate::table::{RecordBatches, columns_error};
@@ -197,7 +198,7 @@ impl Teller {
     pub(crate) fn tell(&self, bytes: u64) -> Result<(), Stopped> {
         let told = Python::attach(|py| {
             py.check_signals()?;
-            self.0.as_ref().map_or(Ok(()), |pulse| pulse.call1(py, (bytes,)).map(drop))
+            self.0.as_ref().map_or(Ok(()), |pulse| pulse.bind(py).invoke1((bytes,)).map(drop))
         });
         told.map_err(Stopped::Raised)
     }

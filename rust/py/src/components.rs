@@ -9,6 +9,7 @@ use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
+use crate::calling::Calling;
 use crate::instances::add_message;
 use crate::link::Link;
 use crate::message::Message;
@@ -123,5 +124,5 @@ fn own_names(tables: &Bound<'_, PyDict>) -> usize {
 
 /// Component that sent a message; `None` for one that was built and never sent, as the first `HOME`.
 fn source_of(message: &Bound<'_, PyAny>) -> PyResult<Option<u8>> {
-    message.call_method0("get_srcComponent")?.extract()
+    message.invoke_method0("get_srcComponent")?.extract()
 }

@@ -24,6 +24,7 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
 
+use crate::calling::Calling;
 use crate::frame_bytes::FrameBytes;
 use crate::info::Info;
 use crate::message::{Message, Origin, flags};
@@ -182,7 +183,7 @@ fn create_and_measure<'py>(
 ) -> PyResult<Bound<'py, Message>> {
     let object = create_by_pyo3(class, message)?;
     let base = class.py().get_type::<Message>();
-    let number = |name: &str| base.getattr(name)?.extract::<usize>();
+    let number = |name: &str| base.attribute(name)?.extract::<usize>();
     // There must be nothing else that would have to be initialised.
     let as_expected = std::ptr::from_ref(object.get()) as usize - object.as_ptr() as usize
         == offset_of!(Instance, message)

@@ -18,6 +18,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyString, PyType};
 use pyo3::{Borrowed, ffi, intern};
 
+use crate::calling::Calling;
 use crate::create;
 use crate::info::{MessageInfo, Place};
 use crate::message::{Message, Origin, flags};
@@ -169,8 +170,8 @@ impl FieldGetter {
         match (&self.class_value, owner) {
             (Some(value), owner) => {
                 let value = value.bind(py);
-                if value.hasattr(intern!(py, "__get__"))? {
-                    Ok(value.call_method1(intern!(py, "__get__"), (obj, owner))?.unbind())
+                if value.attribute_opt(intern!(py, "__get__"))?.is_some() {
+                    Ok(value.invoke_method1(intern!(py, "__get__"), (obj, owner))?.unbind())
                 } else {
                     Ok(value.clone().unbind())
                 }

@@ -15,6 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyType};
 use pyo3::{create_exception, intern};
 
+use crate::calling::Calling;
 use crate::create;
 use crate::frame_bytes::FrameBytes;
 use crate::info::{Info, MessageInfo};
@@ -111,7 +112,7 @@ impl Dialect {
         if version.is(intern!(py, "1.0")) {
             return Ok(false);
         }
-        let number = py.get_type::<pyo3::types::PyFloat>().call1((version,))?;
+        let number = py.get_type::<pyo3::types::PyFloat>().invoke1((version,))?;
         Ok((number.extract::<f64>()? - 2.0).abs() < f64::EPSILON)
     }
 
@@ -137,7 +138,7 @@ impl Dialect {
         let info = Info::of(py, self.registry.message(index));
         let make = self.make_class.get().ok_or_else(|| PyRuntimeError::new_err("not bound"))?;
         let wrapped = Bound::new(py, MessageInfo { info })?;
-        let class = make.bind(py).call1((wrapped,))?.cast_into::<PyType>()?.unbind();
+        let class = make.bind(py).invoke1((wrapped,))?.cast_into::<PyType>()?.unbind();
         Ok(cell.get_or_init(|| MessageClass { class, info }))
     }
 

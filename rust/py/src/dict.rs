@@ -3,9 +3,10 @@
 use std::sync::atomic::Ordering;
 
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use pyo3::{ffi, intern};
 
+use crate::calling::{Calling, import};
 use crate::create::{self, create};
 use crate::frame_bytes::FrameBytes;
 use crate::message::{Message, Origin, flags};
@@ -24,18 +25,6 @@ pub(crate) fn generic_dict<'py>(message: &Bound<'py, PyAny>) -> PyResult<Bound<'
         Bound::from_owned_ptr_or_err(message.py(), dict)?
     };
     Ok(dict.cast_into::<PyDict>()?)
-}
-
-/// `object.__setattr__` / `object.__delattr__`, without this module's bookkeeping.
-pub(crate) fn generic_set_attr(
-    message: &Bound<'_, PyAny>,
-    name: &Bound<'_, PyString>,
-    value: Option<&Bound<'_, PyAny>>,
-) -> PyResult<()> {
-    let value = value.map_or(std::ptr::null_mut(), Bound::as_ptr);
-    // SAFETY: three live objects (or null for deletion), all borrowed for the call only.
-    let result = unsafe { ffi::PyObject_GenericSetAttr(message.as_ptr(), name.as_ptr(), value) };
-    if result == 0 { Ok(()) } else { Err(PyErr::fetch(message.py())) }
 }
 
 /// What writing to an attribute of this name may change.
@@ -67,14 +56,14 @@ pub(crate) fn message_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound
                 if written.contains(name)? {
                     dict.set_item(name, written.get_item(name)?)?;
                 } else if this.origin == Origin::Decoded {
-                    dict.set_item(name, message.getattr(name)?)?;
+                    dict.set_item(name, message.attribute(name)?)?;
                 }
             }
         }
     }
     for name in odd_fields(this.origin) {
         if !written.contains(name)? {
-            dict.set_item(name, message.getattr(name)?)?;
+            dict.set_item(name, message.attribute(name)?)?;
         }
     }
     if let Some(seconds) = this.timestamp() {
@@ -130,7 +119,7 @@ pub(crate) fn copy<'py>(
 pub(crate) fn reduce<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyTuple>> {
     let py = message.py();
     let this = message.get();
-    let restore = py.import(intern!(py, "mavwire._native"))?.getattr(intern!(py, "restore"))?;
+    let restore = import(py, intern!(py, "mavwire._native"))?.attribute(intern!(py, "restore"))?;
     let decoded = this.origin == Origin::Decoded && !this.has(flags::PACKED);
     let frame = decoded.then(|| PyBytes::new(py, &this.frame));
     let timestamp = this.timestamp().filter(|_| decoded);
@@ -159,7 +148,7 @@ pub(crate) fn restore<'py>(
 ) -> PyResult<Bound<'py, Message>> {
     let py = class.py();
     create::require_message_class(class)?;
-    let info = class.getattr(intern!(py, "_info"))?;
+    let info = class.attribute(intern!(py, "_info"))?;
     let info = info.cast::<crate::info::MessageInfo>().ok().map(|info| info.get().info);
     let origin = match frame {
         Some(frame) if info.is_some() && mavwire_core::frame::FrameRef::parse(frame).is_ok() => {

@@ -14,6 +14,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
+use crate::calling::Calling;
 use crate::dump_line::{Column, Item, Labels, Line, Style, write_line};
 use crate::log::LogLink;
 use crate::message::payload_of;
@@ -145,7 +146,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             if seen.is_multiple_of(PULSE) {
                 turn::give_way(self.log.py())?;
                 let percent = self.log.as_super().get().state().percent;
-                self.options.progress.call1((percent,))?;
+                self.options.progress.invoke1((percent,))?;
             }
         }
     }
@@ -206,7 +207,7 @@ impl<'a, 'py> Dump<'a, 'py> {
         if let Some(answer) = remembered {
             return Ok(answer);
         }
-        let answer = self.options.wanted.call1((item.name(),))?.is_truthy()?;
+        let answer = self.options.wanted.invoke1((item.name(),))?.truth()?;
         match item {
             Item::Known { index, .. } => self.wanted.known[usize::from(*index)] = Some(answer),
             Item::Unknown { msgid, .. } if self.wanted.unknown.len() < MAX_UNKNOWN => {
@@ -232,7 +233,7 @@ impl<'a, 'py> Dump<'a, 'py> {
     fn set_clock(&mut self, time: f64) -> PyResult<()> {
         let second = time as u64;
         if second != self.clock.0 && matches!(self.types.style, Style::Standard { .. }) {
-            self.clock = (second, self.options.local_time.call1((second,))?.extract()?);
+            self.clock = (second, self.options.local_time.invoke1((second,))?.extract()?);
         }
         Ok(())
     }
@@ -242,14 +243,14 @@ impl<'a, 'py> Dump<'a, 'py> {
         if !self.lines.is_empty() {
             let bytes = PyBytes::new(py, self.lines.as_bytes());
             self.lines.clear();
-            self.options.write.call1((bytes,))?;
+            self.options.write.invoke1((bytes,))?;
         }
         if let Some(record) = &self.options.record
             && !self.records.is_empty()
         {
             let bytes = PyBytes::new(py, &self.records);
             self.records.clear();
-            record.call1((bytes,))?;
+            record.invoke1((bytes,))?;
         }
         turn::give_way(py)
     }

@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyTuple};
 use pyo3::{Borrowed, intern};
 
+use crate::calling::Calling;
 use crate::info::{Info, Place};
 use crate::message::Message;
 use crate::number;
@@ -143,7 +144,7 @@ pub(crate) fn encode_by_struct<'py>(
             values.push(item);
         }
     }
-    let layout = message.get_type().getattr(intern!(py, "unpacker"))?;
-    let packed = layout.call_method1(intern!(py, "pack"), PyTuple::new(py, values)?)?;
+    let layout = message.get_type().attribute(intern!(py, "unpacker"))?;
+    let packed = layout.invoke_method1(intern!(py, "pack"), PyTuple::new(py, values)?)?;
     Ok(Payload::extended(&info.definition, packed.cast::<PyBytes>()?.as_bytes()))
 }

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PySet, PyString};
 
+use crate::calling::Calling;
 use crate::message::Message;
 use crate::tracking;
 
@@ -35,8 +36,8 @@ impl<'py> Filter<'py> {
         };
         match self {
             Self::All => Ok(true),
-            Self::One(name) => Ok(kind.is(name) || kind.as_any().eq(name)?),
-            Self::In(names) => names.contains(kind),
+            Self::One(name) => Ok(kind.is(name) || kind.equals(name)?),
+            Self::In(names) => names.includes(kind.as_any()),
         }
     }
 }

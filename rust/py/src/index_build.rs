@@ -6,6 +6,7 @@ use mavwire_link::records::RecordFinder;
 use mavwire_schema::WireVersion;
 use pyo3::prelude::*;
 
+use crate::calling::Calling;
 use crate::log::LogLink;
 use crate::log_index::{Indexed, LogIndex, Stop, find_record};
 use crate::turn;
@@ -48,7 +49,7 @@ pub(crate) fn build(
             }
             Some(Stop::NewInstance { index: found, instance, next }) => {
                 let name = &registry.message(found).name;
-                log.call_method1("_index_instance", (name, instance))?;
+                log.invoke_method1("_index_instance", (name, instance))?;
                 next
             }
         };
@@ -81,17 +82,17 @@ fn add_first(
     name: &str,
 ) -> PyResult<()> {
     LogLink::seek_to(log, record.offset)?;
-    let message = log.call_method0("recv_msg")?;
+    let message = log.invoke_method0("recv_msg")?;
     index.forget_instances();
     if message.is_none() {
         return Ok(());
     }
-    log.call_method1("_index_first", (name, message))?;
+    log.invoke_method1("_index_first", (name, message))?;
     index.add(found, record.offset);
     let instance =
         LogLink::reader(log, |reader| index.new_instance(&mut reader.window, found, record))?;
     if let Some(Some(instance)) = instance {
-        log.call_method1("_index_instance", (name, instance))?;
+        log.invoke_method1("_index_instance", (name, instance))?;
     }
     Ok(())
 }
@@ -119,7 +120,7 @@ impl Progress<'_, '_> {
         if percent != self.percent {
             self.percent = percent;
             if let Some(callback) = self.callback {
-                callback.call1((percent,))?;
+                callback.invoke1((percent,))?;
             }
         }
         Ok(())

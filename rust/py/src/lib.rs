@@ -15,6 +15,7 @@ mod bridge_batch;
 mod bridge_options;
 #[cfg(unix)]
 mod bridge_stats;
+mod calling;
 mod classes;
 mod column_view;
 mod columns;

@@ -11,6 +11,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
 
+use crate::calling::{Calling, truth};
 use crate::lock::{Guard, Lock};
 use crate::log_reader::LogReader;
 use crate::mavlink::{MAVLink, overridden};
@@ -275,7 +276,7 @@ impl Link {
     }
     #[setter(notimestamps)]
     fn set_notimestamps(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let value = value.is_truthy()?;
+        let value = value.truth()?;
         self.state().notimestamps = value;
         Ok(())
     }
@@ -286,7 +287,7 @@ impl Link {
         self.state().first_byte
     }
     #[setter(first_byte)]
-    fn set_first_byte(&self, value: bool) {
+    fn set_first_byte(&self, #[pyo3(from_py_with = truth)] value: bool) {
         self.state().first_byte = value;
     }
 
@@ -354,12 +355,12 @@ pub(crate) fn instance_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'
 
 /// True if `class` has its own version of a method that the quick paths stand for.
 pub(crate) fn overrides(class: &Bound<'_, PyType>, methods: &[&str]) -> PyResult<bool> {
-    let base = class.getattr(intern!(class.py(), "_quick_class"))?;
+    let base = class.attribute(intern!(class.py(), "_quick_class"))?;
     if base.is(class) {
         return Ok(false);
     }
     for method in methods {
-        if !class.getattr(*method)?.is(&base.getattr(*method)?) {
+        if !class.attribute(*method)?.is(&base.attribute(*method)?) {
             return Ok(true);
         }
     }
@@ -377,5 +378,5 @@ pub(crate) fn set_attr(
     if methods.contains(&name.to_str()?) {
         quick.store(false, Relaxed);
     }
-    crate::dict::generic_set_attr(link, name, Some(value))
+    link.set_generic_attribute(name, Some(value))
 }

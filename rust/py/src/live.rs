@@ -13,7 +13,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 
-use crate::dict;
+use crate::calling::{Calling, truth};
 use crate::filter::Filter;
 use crate::link::{Link, overrides, set_attr};
 use crate::live_source::{LiveSource, Transport};
@@ -98,11 +98,11 @@ impl LiveLink {
     /// The descriptor to read, while `port` is an open socket, serial port or pipe.
     pub(crate) fn descriptor(slf: &Bound<'_, Self>) -> Option<i32> {
         let py = slf.py();
-        let port = slf.getattr(intern!(py, "port")).ok()?;
+        let port = slf.attribute(intern!(py, "port")).ok()?;
         if port.is_none() || !Self::is_plain_port(slf, &port) {
             return None;
         }
-        let fd = port.call_method0(intern!(py, "fileno")).ok()?.extract::<i32>().ok()?;
+        let fd = port.invoke_method0(intern!(py, "fileno")).ok()?.extract::<i32>().ok()?;
         (fd >= 0).then_some(fd)
     }
 
@@ -117,7 +117,7 @@ impl LiveLink {
             }
             return Ok(message);
         }
-        let message = slf.call_method0(intern!(slf.py(), "_recv_msg_slowly"))?;
+        let message = slf.invoke_method0(intern!(slf.py(), "_recv_msg_slowly"))?;
         if message.is_none() { Ok(None) } else { Ok(Some(message.cast_into::<Message>()?)) }
     }
 
@@ -125,7 +125,7 @@ impl LiveLink {
     fn tend(slf: &Bound<'_, Self>) -> PyResult<()> {
         let records = slf.as_super().get().state().records_messages();
         if slf.get().source().is_time_to_tend(records, Instant::now(), TEND_INTERVAL) {
-            slf.call_method0(intern!(slf.py(), "_tend"))?;
+            slf.invoke_method0(intern!(slf.py(), "_tend"))?;
         }
         Ok(())
     }
@@ -137,13 +137,13 @@ impl LiveLink {
         deadline: Option<Instant>,
     ) -> PyResult<()> {
         let py = slf.py();
-        let hooks = slf.getattr(intern!(py, "idle_hooks"))?;
+        let hooks = slf.attribute(intern!(py, "idle_hooks"))?;
         let has_hooks = hooks.cast::<PyList>().map_or(true, |hooks| !hooks.is_empty());
-        let fd = slf.getattr(intern!(py, "fd"))?.extract::<i32>().ok();
+        let fd = slf.attribute(intern!(py, "fd"))?.extract::<i32>().ok();
         let Some(fd) = fd.filter(|_| !has_hooks) else {
             let remaining = deadline
                 .map(|deadline| deadline.saturating_duration_since(Instant::now()).as_secs_f64());
-            slf.call_method1(intern!(py, "_idle_for"), (timeout, remaining))?;
+            slf.invoke_method1(intern!(py, "_idle_for"), (timeout, remaining))?;
             return Ok(());
         };
         let mut slice = WAIT_SLICE;
@@ -193,9 +193,9 @@ impl LiveLink {
                 shown
             }
         };
-        slf.setattr(intern!(py, "last_address"), &shown)?;
+        slf.set_attribute(intern!(py, "last_address"), &shown)?;
         if sent_message {
-            slf.call_method1(intern!(py, "_heard"), (shown,))?;
+            slf.invoke_method1(intern!(py, "_heard"), (shown,))?;
         }
         Ok(())
     }
@@ -228,7 +228,7 @@ impl LiveLink {
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        dict::generic_set_attr(slf.as_any(), name, None)
+        slf.set_generic_attribute(name, None)
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
@@ -309,14 +309,14 @@ impl LiveLink {
         slf: &Bound<'py, Self>,
         condition: Option<&Bound<'py, PyAny>>,
         r#type: Option<&Bound<'py, PyAny>>,
-        blocking: bool,
+        #[pyo3(from_py_with = truth)] blocking: bool,
         timeout: Option<f64>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let py = slf.py();
         if !slf.get().quick.load(Relaxed) {
             let arguments = (condition, r#type, blocking, timeout);
             let slowly = intern!(py, "_recv_match_slowly");
-            let message = slf.call_method1(slowly, arguments)?;
+            let message = slf.invoke_method1(slowly, arguments)?;
             return Ok((!message.is_none()).then_some(message));
         }
         let filter = Filter::new(r#type, false)?;
@@ -332,7 +332,7 @@ impl LiveLink {
                 if filter.wants(&message)?
                     && condition.map_or(Ok(true), |condition| {
                         let holds = intern!(py, "_condition_holds");
-                        slf.call_method1(holds, (condition, &message))?.is_truthy()
+                        slf.invoke_method1(holds, (condition, &message))?.truth()
                     })?
                 {
                     return Ok(Some(message.into_any()));

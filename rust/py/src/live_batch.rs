@@ -6,6 +6,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
+use crate::calling::Calling;
 use crate::live::LiveLink;
 
 /// Appends to `messages` what `link` has received, `limit` messages at most, and says whether there may be more.
@@ -27,7 +28,7 @@ pub(crate) fn receive_batch(
                 return Ok(false);
             }
         } else {
-            let message = link.call_method0(intern!(py, "recv_msg"))?;
+            let message = link.invoke_method0(intern!(py, "recv_msg"))?;
             if message.is_none() {
                 return Ok(false);
             }

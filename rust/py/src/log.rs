@@ -13,7 +13,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 
-use crate::dict;
+use crate::calling::{Calling, truth};
 use crate::filter::Filter;
 use crate::index_build;
 use crate::link::{Link, overrides, set_attr};
@@ -121,9 +121,9 @@ impl LogLink {
     fn call_slowly<'py>(
         slf: &Bound<'py, Self>,
         method: &str,
-        arguments: impl pyo3::call::PyCallArgs<'py>,
+        arguments: impl IntoPyObject<'py, Target = PyTuple>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let result = slf.call_method1(method, arguments)?;
+        let result = slf.invoke_method1(method, arguments)?;
         Ok((!result.is_none()).then_some(result))
     }
 }
@@ -156,7 +156,7 @@ impl LogLink {
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        dict::generic_set_attr(slf.as_any(), name, None)
+        slf.set_generic_attribute(name, None)
     }
 
     /// How much of the log is read, 0 to 100.
@@ -282,7 +282,7 @@ impl LogLink {
         slf: &Bound<'py, Self>,
         condition: Option<&Bound<'py, PyAny>>,
         r#type: Option<&Bound<'py, PyAny>>,
-        blocking: bool,
+        #[pyo3(from_py_with = truth)] blocking: bool,
         timeout: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         if !Self::is_quick(slf) {
@@ -302,7 +302,7 @@ impl LogLink {
             if filter.wants(&message)?
                 && condition.map_or(Ok(true), |condition| {
                     let holds = intern!(py, "_condition_holds");
-                    slf.call_method1(holds, (condition, &message))?.is_truthy()
+                    slf.invoke_method1(holds, (condition, &message))?.truth()
                 })?
             {
                 return Ok(Some(message.into_any()));

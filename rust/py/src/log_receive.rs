@@ -10,6 +10,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
+use crate::calling::Calling;
 use crate::log::LogLink;
 use crate::mavlink::MAVLink;
 use crate::message::{Message, Origin, flags};
@@ -171,7 +172,7 @@ impl LogLink {
     pub(crate) fn show_first_byte(slf: &Bound<'_, Self>, first: u8) -> PyResult<()> {
         let py = slf.py();
         let byte = PyBytes::new(py, &[first]);
-        slf.call_method1(intern!(py, "auto_mavlink_version"), (byte,))?;
+        slf.invoke_method1(intern!(py, "auto_mavlink_version"), (byte,))?;
         Ok(())
     }
 }

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
+use crate::calling::Calling;
 use crate::log_index::LogIndex;
 
 /// Read along with whatever is asked for, because they keep the mode and the parameters current.
@@ -40,7 +41,7 @@ pub(crate) fn names(types: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let mut names: Vec<String> = match types.cast::<PyString>() {
         Ok(name) => vec![name.to_string()],
         Err(_) => {
-            let names = types.try_iter()?.map(|name| Ok(name?.str()?.to_string()));
+            let names = types.items()?.map(|name| Ok(name?.text()?.to_string()));
             names.collect::<PyResult<_>>()?
         }
     };

@@ -9,6 +9,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 
+use crate::calling::{Calling, truth};
 use crate::dialect::Dialect;
 use crate::lock::{Guard, Lock};
 use crate::message::Message;
@@ -71,10 +72,10 @@ impl Callback {
         let Some(function) = self.function.get(py) else { return Ok(()) };
         let mut arguments = vec![message.clone()];
         if let Some(extra) = self.args.get(py) {
-            arguments.extend(extra.try_iter()?.collect::<PyResult<Vec<_>>>()?);
+            arguments.extend(extra.items()?.collect::<PyResult<Vec<_>>>()?);
         }
         let kwargs = self.kwargs.get(py).and_then(|kwargs| kwargs.cast_into::<PyDict>().ok());
-        function.call(PyTuple::new(py, arguments)?, kwargs.as_ref())?;
+        function.invoke(PyTuple::new(py, arguments)?, kwargs.as_ref())?;
         Ok(())
     }
 
@@ -194,15 +195,15 @@ impl MAVLink {
         _kwargs: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let py = cls.py();
-        let dialect = cls.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?.unbind();
+        let dialect = cls.attribute(intern!(py, "_dialect"))?.cast_into::<Dialect>()?.unbind();
         let native = py.get_type::<Self>();
         let mut replaced = 0;
         for name in overridden::METHODS {
-            if !cls.getattr(name)?.is(&native.getattr(name)?) {
+            if !cls.attribute(name)?.is(&native.attribute(name)?) {
                 replaced |= overridden::by_name(name);
             }
         }
-        if !cls.getattr(intern!(py, "_mavlink_base"))?.is(cls) {
+        if !cls.attribute(intern!(py, "_mavlink_base"))?.is(cls) {
             replaced |= overridden::ENCODE;
         }
         Ok(Self {
@@ -227,11 +228,11 @@ impl MAVLink {
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
         slf.get().overridden.fetch_or(overridden::by_name(name.to_str()?), Relaxed);
-        set_attr(slf, name, value.as_ptr())
+        slf.set_generic_attribute(name, Some(value))
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        set_attr(slf, name, std::ptr::null_mut())
+        slf.set_generic_attribute(name, None)
     }
 
     /// Sequence number of the next frame, 0 to 255.
@@ -270,9 +271,8 @@ impl MAVLink {
         self.robust_parsing.load(Relaxed)
     }
     #[setter]
-    fn set_robust_parsing(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.robust_parsing.store(value.is_truthy()?, Relaxed);
-        Ok(())
+    fn set_robust_parsing(&self, #[pyo3(from_py_with = truth)] value: bool) {
+        self.robust_parsing.store(value, Relaxed);
     }
 
     /// What to do after a damaged frame: "skip" drops its whole claimed length, "rescan" looks for frames inside it.
@@ -447,7 +447,7 @@ impl MAVLink {
         self.parser().have_prefix_error
     }
     #[setter]
-    fn set_have_prefix_error(&self, value: bool) {
+    fn set_have_prefix_error(&self, #[pyo3(from_py_with = truth)] value: bool) {
         self.parser().have_prefix_error = value;
     }
 
@@ -478,7 +478,7 @@ impl MAVLink {
     fn send(
         slf: &Bound<'_, Self>,
         mavmsg: &Bound<'_, PyAny>,
-        force_mavlink1: bool,
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
     ) -> PyResult<()> {
         send::send(slf, mavmsg, force_mavlink1)
     }
@@ -552,22 +552,12 @@ impl MAVLink {
     }
 }
 
-fn set_attr(
-    slf: &Bound<'_, MAVLink>,
-    name: &Bound<'_, PyString>,
-    value: *mut pyo3::ffi::PyObject,
-) -> PyResult<()> {
-    // SAFETY: live objects (or null for deletion), all borrowed for the call only.
-    let result = unsafe { pyo3::ffi::PyObject_GenericSetAttr(slf.as_ptr(), name.as_ptr(), value) };
-    if result == 0 { Ok(()) } else { Err(PyErr::fetch(slf.py())) }
-}
-
 /// Bytes of anything that `bytearray.extend` takes.
 pub(crate) fn bytes_like<'py>(data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     if data.is_exact_instance_of::<PyBytes>() {
         return Ok(data.clone());
     }
     let buffer = PyByteArray::new(data.py(), b"");
-    buffer.call_method1(intern!(data.py(), "extend"), (data,))?;
+    buffer.invoke_method1(intern!(data.py(), "extend"), (data,))?;
     Ok(PyBytes::new(data.py(), &buffer.to_vec()).into_any())
 }

@@ -12,6 +12,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 
+use crate::calling::{Calling, import, truth};
 use crate::extra::Extra;
 use crate::frame_bytes::FrameBytes;
 use crate::info::{Info, MessageInfo};
@@ -246,7 +247,7 @@ impl Message {
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         if slf.get().has(flags::META) {
-            return slf.getattr(intern!(py, "_header"))?.getattr(name);
+            return slf.attribute(intern!(py, "_header"))?.attribute(name);
         }
         let value = slf.get().header().map_or(0, read);
         Ok(value.into_pyobject(py)?.into_any())
@@ -273,7 +274,7 @@ impl Message {
         if let Some(prepared) = create::take_prepared() {
             return Ok(prepared);
         }
-        let info = cls.getattr(intern!(cls.py(), "_info"))?;
+        let info = cls.attribute(intern!(cls.py(), "_info"))?;
         Ok(Self::built(info.cast::<MessageInfo>().ok().map(|info| info.get().info)))
     }
 
@@ -283,7 +284,7 @@ impl Message {
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
         Self::written(slf, dict::flags_for(name.to_str()?));
-        dict::generic_set_attr(slf.as_any(), name, Some(value))
+        slf.set_generic_attribute(name, Some(value))
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
@@ -292,7 +293,7 @@ impl Message {
         if attributes.contains(name)? {
             return attributes.del_item(name);
         }
-        dict::generic_set_attr(slf.as_any(), name, None)
+        slf.set_generic_attribute(name, None)
     }
 
     /// Takes the attributes of a pickled message.
@@ -336,30 +337,30 @@ impl Message {
 
     /// The whole frame, signature included; empty before packing or decoding.
     fn get_msgbuf<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.getattr(intern!(slf.py(), "_msgbuf"))
+        slf.attribute(intern!(slf.py(), "_msgbuf"))
     }
 
     /// The header object.
     fn get_header<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.getattr(intern!(slf.py(), "_header"))
+        slf.attribute(intern!(slf.py(), "_header"))
     }
 
     /// After packing the payload as sent; after decoding the frame from byte 6 up to the checksum.
     fn get_payload<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.getattr(intern!(slf.py(), "_payload"))
+        slf.attribute(intern!(slf.py(), "_payload"))
     }
 
     /// Checksum of the frame, or None.
     fn get_crc<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.getattr(intern!(slf.py(), "_crc"))
+        slf.attribute(intern!(slf.py(), "_crc"))
     }
 
     /// Field names in XML order.
     fn get_fieldnames<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         if slf.get().has(flags::META) {
-            return slf.getattr(intern!(slf.py(), "_fieldnames"));
+            return slf.attribute(intern!(slf.py(), "_fieldnames"));
         }
-        slf.get_type().getattr(intern!(slf.py(), "fieldnames"))
+        slf.get_type().attribute(intern!(slf.py(), "fieldnames"))
     }
 
     /// Message name, "BAD_DATA" or "UNKNOWN_<id>".
@@ -367,7 +368,7 @@ impl Message {
         let py = slf.py();
         match &slf.get().info {
             Some(info) if !slf.get().has(flags::META) => Ok(info.name.bind(py).clone().into_any()),
-            _ => slf.getattr(intern!(py, "_type")),
+            _ => slf.attribute(intern!(py, "_type")),
         }
     }
 
@@ -379,7 +380,7 @@ impl Message {
             Some(info) if !slf.get().has(flags::META) => {
                 Ok(info.definition.id.into_pyobject(py)?.into_any())
             }
-            _ => slf.getattr(intern!(py, "_header"))?.getattr(intern!(py, "msgId")),
+            _ => slf.attribute(intern!(py, "_header"))?.attribute(intern!(py, "msgId")),
         }
     }
 
@@ -402,12 +403,12 @@ impl Message {
 
     /// True only if a signature was checked with a key and was good.
     fn get_signed<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.getattr(intern!(slf.py(), "_signed"))
+        slf.attribute(intern!(slf.py(), "_signed"))
     }
 
     /// Link id of a verified signature, else None.
     fn get_link_id<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.getattr(intern!(slf.py(), "_link_id"))
+        slf.attribute(intern!(slf.py(), "_link_id"))
     }
 
     /// A field as text and JSON show it: bytes become text, everything else stays.
@@ -445,8 +446,8 @@ impl Message {
         slf: &Bound<'py, Self>,
         key: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let instances = slf.getattr(intern!(slf.py(), "_instances"))?;
-        if instances.is_none() || !instances.contains(key)? {
+        let instances = slf.attribute(intern!(slf.py(), "_instances"))?;
+        if instances.is_none() || !instances.includes(key.as_any())? {
             return Err(PyIndexError::new_err(()));
         }
         instances.get_item(key)
@@ -457,7 +458,7 @@ impl Message {
     fn pack<'py>(
         slf: &Bound<'py, Self>,
         mav: &Bound<'py, PyAny>,
-        force_mavlink1: bool,
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         if slf.get().info.is_none() {
             return Err(PyNotImplementedError::new_err(
@@ -474,7 +475,7 @@ impl Message {
         mav: &Bound<'py, PyAny>,
         crc_extra: u8,
         payload: &[u8],
-        force_mavlink1: bool,
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         pack::pack_payload(slf, mav, crc_extra, payload, force_mavlink1)
     }
@@ -492,8 +493,8 @@ impl Message {
         slf: &Bound<'py, Self>,
         memo: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, Self>> {
-        let deepcopy = slf.py().import(intern!(slf.py(), "copy"))?.getattr("deepcopy")?;
-        dict::copy(slf, |value| deepcopy.call1((value, memo)))
+        let deepcopy = import(slf.py(), intern!(slf.py(), "copy"))?.attribute("deepcopy")?;
+        dict::copy(slf, |value| deepcopy.invoke1((value, memo)))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {

@@ -10,6 +10,7 @@ use pyo3::{IntoPyObjectExt, intern};
 use mavwire_core::frame::{CHECKSUM_LEN, FrameRef, Header, SIGNATURE_LEN};
 use std::sync::atomic::Ordering;
 
+use crate::calling::Calling;
 use crate::dict::instance_dict;
 use crate::message::{Message, Origin, flags, payload_of};
 
@@ -82,19 +83,19 @@ impl Meta {
             Self::Payload => keep(message, self, payload_object(py, this)?)?,
             Self::Msgbuf => keep(message, self, msgbuf_object(py, this))?,
             Self::Crc => crc(py, this).into_py_any(py)?,
-            Self::Fieldnames => class.getattr(intern!(py, "fieldnames"))?.unbind(),
+            Self::Fieldnames => class.attribute(intern!(py, "fieldnames"))?.unbind(),
             Self::Type => match (this.info, this.origin) {
                 (Some(info), _) => info.name.clone_ref(py).into_any(),
                 (None, Origin::Bad) => "BAD_DATA".into_py_any(py)?,
                 (None, Origin::Unknown) => unknown_name(this).into_py_any(py)?,
-                (None, _) => class.getattr(intern!(py, "msgname"))?.unbind(),
+                (None, _) => class.attribute(intern!(py, "msgname"))?.unbind(),
             },
             Self::Signed => this.has(flags::SIGNED).into_py_any(py)?,
             Self::LinkId => link_id(this).into_py_any(py)?,
             Self::Instances => py.None(),
-            Self::InstanceField => class.getattr(intern!(py, "instance_field"))?.unbind(),
+            Self::InstanceField => class.attribute(intern!(py, "instance_field"))?.unbind(),
             Self::InstanceOffset if this.info.is_none() => return Ok(None),
-            Self::InstanceOffset => class.getattr(intern!(py, "instance_offset"))?.unbind(),
+            Self::InstanceOffset => class.attribute(intern!(py, "instance_offset"))?.unbind(),
             Self::Posted if this.has(flags::POSTED) => true.into_py_any(py)?,
             Self::Link if this.has(flags::LINK) => {
                 this.link.load(Ordering::Relaxed).into_py_any(py)?
@@ -114,7 +115,7 @@ fn keep(message: &Bound<'_, Message>, meta: Meta, value: Py<PyAny>) -> PyResult<
 fn header_object(message: &Bound<'_, Message>) -> PyResult<Py<PyAny>> {
     let py = message.py();
     let this = message.get();
-    let class = message.getattr(intern!(py, "_header_class"))?;
+    let class = message.attribute(intern!(py, "_header_class"))?;
     let Some(header) = this.header() else {
         let msgid = match (this.info, this.origin) {
             (Some(info), _) => i64::from(info.definition.id),
@@ -122,7 +123,7 @@ fn header_object(message: &Bound<'_, Message>) -> PyResult<Py<PyAny>> {
             (None, Origin::Bad) => -1,
             (None, _) => 0,
         };
-        return Ok(class.call1((msgid,))?.unbind());
+        return Ok(class.invoke1((msgid,))?.unbind());
     };
     let kwargs = PyDict::new(py);
     kwargs.set_item(intern!(py, "incompat_flags"), header.incompat_flags)?;
@@ -131,7 +132,7 @@ fn header_object(message: &Bound<'_, Message>) -> PyResult<Py<PyAny>> {
     kwargs.set_item(intern!(py, "seq"), header.seq)?;
     kwargs.set_item(intern!(py, "srcSystem"), header.sysid)?;
     kwargs.set_item(intern!(py, "srcComponent"), header.compid)?;
-    Ok(class.call((header.msgid,), Some(&kwargs))?.unbind())
+    Ok(class.invoke((header.msgid,), Some(&kwargs))?.unbind())
 }
 
 /// After `pack` the payload as sent. After decoding a slice from byte 6 whatever the header's length: that is what

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use pyo3::{Borrowed, ffi, intern};
 
+use crate::calling::{Calling, import};
 use crate::dialect::Dialect;
 use crate::dict::instance_dict;
 use crate::encode::{self, Payload};
@@ -30,12 +31,12 @@ impl<'py> Sender<'py> {
             return native.get().sender(mav.py());
         }
         let py = mav.py();
-        let signing = mav.getattr(intern!(py, "signing"))?;
-        let sign = signing.getattr(intern!(py, "sign_outgoing"))?.is_truthy()?;
+        let signing = mav.attribute(intern!(py, "signing"))?;
+        let sign = signing.attribute(intern!(py, "sign_outgoing"))?.truth()?;
         Ok(Self {
-            seq: byte(&mav.getattr(intern!(py, "seq"))?)?,
-            sysid: byte(&mav.getattr(intern!(py, "srcSystem"))?)?,
-            compid: byte(&mav.getattr(intern!(py, "srcComponent"))?)?,
+            seq: byte(&mav.attribute(intern!(py, "seq"))?)?,
+            sysid: byte(&mav.attribute(intern!(py, "srcSystem"))?)?,
+            compid: byte(&mav.attribute(intern!(py, "srcComponent"))?)?,
             signing: if sign { Some(signing.cast_into::<Signing>()?) } else { None },
         })
     }
@@ -79,8 +80,8 @@ fn byte(value: &Bound<'_, PyAny>) -> PyResult<u8> {
         Ok(byte) => Ok(byte),
         Err(_) => {
             let py = value.py();
-            let module = py.import(intern!(py, "struct"))?;
-            let packed = module.call_method1(intern!(py, "pack"), ("<B", value))?;
+            let module = import(py, intern!(py, "struct"))?;
+            let packed = module.invoke_method1(intern!(py, "pack"), ("<B", value))?;
             Ok(packed.cast::<PyBytes>()?.as_bytes()[0])
         }
     }
@@ -100,7 +101,7 @@ fn struct_error(value: i64) -> PyErr {
 
 fn dialect_of<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, Dialect>> {
     let py = message.py();
-    Ok(message.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?)
+    Ok(message.attribute(intern!(py, "_dialect"))?.cast_into::<Dialect>()?)
 }
 
 /// `message.pack(mav, force_mavlink1)`
@@ -148,7 +149,9 @@ fn finish<'py>(
     let py = message.py();
     let msgid = match &message.get().info {
         Some(info) if !message.get().has(flags::META) => info.definition.id,
-        _ => message.getattr(intern!(py, "_header"))?.getattr(intern!(py, "msgId"))?.extract()?,
+        _ => {
+            message.attribute(intern!(py, "_header"))?.attribute(intern!(py, "msgId"))?.extract()?
+        }
     };
     let mut frame = FrameBuffer::default();
     Sender::of(mav)?.frame(&mut frame, msgid, payload, crc_extra, version)?;
@@ -173,7 +176,7 @@ fn payload(message: &Bound<'_, Message>, info: &Info) -> PyResult<Payload> {
         let name = info.names[i].stored().bind(py);
         match written.get_item(name) {
             Ok(Some(value)) => Ok(value),
-            _ => message.getattr(name),
+            _ => message.attribute(name),
         }
     };
     let mut payload = Payload::zeroed(&info.definition);
@@ -214,12 +217,12 @@ fn put_in_order(info: &Info, written: &Bound<'_, PyDict>, payload: &mut Payload)
 /// `message.sign_packet(mav)`: appends a signature to the packed frame.
 pub(crate) fn sign_packet(message: &Bound<'_, Message>, mav: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = message.py();
-    let signing = mav.getattr(intern!(py, "signing"))?.cast_into::<Signing>()?;
-    let buffer = message.getattr(intern!(py, "_msgbuf"))?;
+    let signing = mav.attribute(intern!(py, "signing"))?.cast_into::<Signing>()?;
+    let buffer = message.attribute(intern!(py, "_msgbuf"))?;
     let mut frame: Vec<u8> = buffer.extract()?;
     signing.get().sign(&mut frame)?;
     let appended = PyBytes::new(py, &frame[frame.len() - frame::SIGNATURE_LEN..]);
-    buffer.call_method1(intern!(py, "extend"), (appended,))?;
+    buffer.invoke_method1(intern!(py, "extend"), (appended,))?;
     Ok(())
 }
 
@@ -266,8 +269,8 @@ fn text_of<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         return Ok(crate::values::text(py, bytes.as_bytes()).into_any());
     }
     let head =
-        value.call_method1(intern!(py, "split"), (PyBytes::new(py, b"\0"), 1))?.get_item(0)?;
+        value.invoke_method1(intern!(py, "split"), (PyBytes::new(py, b"\0"), 1))?.get_item(0)?;
     let kwargs = PyDict::new(py);
     kwargs.set_item(intern!(py, "errors"), intern!(py, "replace"))?;
-    head.call_method(intern!(py, "decode"), (intern!(py, "ascii"),), Some(&kwargs))
+    head.invoke_method(intern!(py, "decode"), (intern!(py, "ascii"),), Some(&kwargs))
 }

@@ -4,6 +4,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::calling::Calling;
 use crate::link::Link;
 use crate::message::Message;
 use crate::tracking::source_of;
@@ -21,19 +22,19 @@ pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
     let py = link.py();
     let source = source_of(message)?;
     let component = (source.sysid, source.compid).into_pyobject(py)?;
-    let states = link.getattr(intern!(py, "param_state"))?.cast_into::<PyDict>()?;
+    let states = link.attribute(intern!(py, "param_state"))?.cast_into::<PyDict>()?;
     let state = match states.get_item(&component)? {
         Some(state) => state,
         None => {
-            let state = link.call_method0(intern!(py, "_new_param_state"))?;
+            let state = link.invoke_method0(intern!(py, "_new_param_state"))?;
             states.set_item(&component, &state)?;
             state
         }
     };
-    let params = state.getattr(intern!(py, "params"))?.cast_into::<PyDict>()?;
-    let name = message.getattr(intern!(py, "param_id"))?.str()?;
+    let params = state.attribute(intern!(py, "params"))?.cast_into::<PyDict>()?;
+    let name = message.attribute(intern!(py, "param_id"))?.text()?;
     if params.contains(&name)? || has_room(link, &params)? {
-        params.set_item(name, message.getattr(intern!(py, "param_value"))?)?;
+        params.set_item(name, message.attribute(intern!(py, "param_value"))?)?;
     } else {
         link.get().budget.refuse();
     }
@@ -48,5 +49,5 @@ fn has_room(link: &Bound<'_, Link>, params: &Bound<'_, PyDict>) -> PyResult<bool
     if link.get().budget.take_param(MAX_LINK_PARAMS) {
         return Ok(true);
     }
-    Ok(link.getattr(intern!(link.py(), "params"))?.is(params))
+    Ok(link.attribute(intern!(link.py(), "params"))?.is(params))
 }

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyString, PyType};
 use pyo3::{ffi, intern};
 
+use crate::calling::Calling;
 use crate::create::{create, pooled_frame};
 use crate::frame_bytes::FrameBytes;
 use crate::mavlink::{MAVLink, bytes_like, overridden};
@@ -38,7 +39,7 @@ pub(crate) fn obey_ignore_checksum(mav: &Bound<'_, MAVLink>) -> PyResult<()> {
     let py = mav.py();
     let namespace = mav.get().dialect.get().namespace(py)?;
     let ignore = match namespace.get_item(intern!(py, "MAVLINK_IGNORE_CRC"))? {
-        Some(ignore) => ignore.is_truthy()?,
+        Some(ignore) => ignore.truth()?,
         None => {
             return Err(PyRuntimeError::new_err("the dialect module lost its MAVLINK_IGNORE_CRC"));
         }
@@ -77,10 +78,10 @@ pub(crate) fn parse_buffer<'py>(
     if mav.get().is_overridden(overridden::RECEIVE) {
         let messages = PyList::empty(py);
         let empty = PyBytes::new(py, b"");
-        let mut message = mav.call_method1(intern!(py, "parse_char"), (s,))?;
+        let mut message = mav.invoke_method1(intern!(py, "parse_char"), (s,))?;
         while !message.is_none() {
             messages.append(&message)?;
-            message = mav.call_method1(intern!(py, "parse_char"), (&empty,))?;
+            message = mav.invoke_method1(intern!(py, "parse_char"), (&empty,))?;
         }
         return Ok((!messages.is_empty()).then_some(messages));
     }
@@ -286,16 +287,16 @@ fn decode_by_method<'py>(
 ) -> PyResult<Bound<'py, Message>> {
     let py = mav.py();
     let frame = PyByteArray::new(py, bytes);
-    match mav.call_method1(intern!(py, "decode"), (frame,)) {
+    match mav.invoke_method1(intern!(py, "decode"), (frame,)) {
         Ok(message) => Ok(message.cast_into::<Message>()?),
         Err(error)
             if robust
                 && error.is_instance(py, &mav.get().dialect.get().global(py, "MAVError")?) =>
         {
             mav.get().counters.receive_errors.fetch_add(1, Relaxed);
-            let reason = error.value(py).getattr(intern!(py, "message"))?;
+            let reason = error.value(py).attribute(intern!(py, "message"))?;
             let class = mav.get().dialect.get().global(py, "MAVLink_bad_data")?;
-            Ok(class.call1((PyByteArray::new(py, bytes), reason))?.cast_into::<Message>()?)
+            Ok(class.invoke1((PyByteArray::new(py, bytes), reason))?.cast_into::<Message>()?)
         }
         Err(error) => Err(error),
     }
@@ -321,7 +322,7 @@ fn unknown<'py>(mav: &Bound<'py, MAVLink>, bytes: FrameBytes) -> PyResult<Bound<
 
 fn mav_error(mav: &Bound<'_, MAVLink>, error: FrameError) -> PyErr {
     let class = mav.get().dialect.get().global(mav.py(), "MAVError");
-    match class.and_then(|class| class.call1((error.to_string(),))) {
+    match class.and_then(|class| class.invoke1((error.to_string(),))) {
         Ok(error) => PyErr::from_value(error),
         Err(error) => error,
     }
@@ -391,7 +392,7 @@ fn check_frame(mav: &Bound<'_, MAVLink>, bytes: &[u8]) -> PyResult<(Header, Opti
     let body = &bytes[1..header_len + usize::from(header.payload_len)];
     let calculated = x25::accumulate(x25::checksum(body), &[entry.crc_extra]);
     let received = frame.checksum();
-    if calculated != received && !dialect.global(mav.py(), "MAVLINK_IGNORE_CRC")?.is_truthy()? {
+    if calculated != received && !dialect.global(mav.py(), "MAVLINK_IGNORE_CRC")?.truth()? {
         return fail(mav, FrameError::BadChecksum { msgid: header.msgid, received, calculated });
     }
     Ok((header, Some(entry)))

@@ -7,6 +7,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::calling::Calling;
 use crate::create;
 use crate::frame_bytes::FrameBytes;
 use crate::live::LiveLink;
@@ -172,7 +173,7 @@ fn deliver<'py>(
         Message::received(Some(class.info), fresh.bytes, Origin::Decoded).seen_at(fresh.time);
     let message = create::pooled(class.class.bind(slf.py()), message)?;
     if fresh.is_recorded {
-        slf.call_method1(intern!(slf.py(), "_record"), (&message,))?;
+        slf.invoke_method1(intern!(slf.py(), "_record"), (&message,))?;
     }
     let name = class.info.name.bind(slf.py());
     let link = slf.as_super();
@@ -200,7 +201,7 @@ fn deliver_other<'py>(
         LiveLink::announce(slf, is_good)?;
     }
     if slf.as_super().get().state().records_messages() {
-        slf.call_method1(intern!(slf.py(), "_record"), (&message,))?;
+        slf.invoke_method1(intern!(slf.py(), "_record"), (&message,))?;
     }
     tracking::post(slf.as_super(), &message)?;
     Ok(Some(message))

@@ -5,9 +5,10 @@ use std::sync::atomic::Ordering::Relaxed;
 use mavwire_core::frame::FrameBuffer;
 use mavwire_schema::WireVersion;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyString, PyTuple};
+use pyo3::types::{PyBytes, PyTuple};
 use pyo3::{ffi, intern};
 
+use crate::calling::Calling;
 use crate::encode::Payload;
 use crate::info::{Info, MessageInfo};
 use crate::mavlink::{MAVLink, overridden};
@@ -25,7 +26,7 @@ pub(crate) fn send(
     let guard = mav.get().send_lock.lock(py)?;
     let kwargs = pyo3::types::PyDict::new(py);
     kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
-    let frame = message.call_method(intern!(py, "pack"), (mav,), Some(&kwargs))?;
+    let frame = message.invoke_method(intern!(py, "pack"), (mav,), Some(&kwargs))?;
     let len = frame.len()?;
     write(mav, &frame, len)?;
     drop(guard);
@@ -37,30 +38,11 @@ fn write(mav: &Bound<'_, MAVLink>, frame: &Bound<'_, PyAny>, len: usize) -> PyRe
     let py = mav.py();
     let this = mav.get();
     let file = this.file.get(py).unwrap_or_else(|| py.None().into_bound(py));
-    call_method(&file, intern!(py, "write"), frame)?;
+    file.invoke_method_with(intern!(py, "write"), frame)?;
     this.seq.store(this.seq.load(Relaxed).wrapping_add(1).rem_euclid(256), Relaxed);
     shared::add(&this.counters.packets_sent, 1);
     shared::add(&this.counters.bytes_sent, len as u64);
     Ok(())
-}
-
-/// `object.name(argument)` without a bound method and an argument tuple in between.
-fn call_method(
-    object: &Bound<'_, PyAny>,
-    name: &Bound<'_, PyString>,
-    argument: &Bound<'_, PyAny>,
-) -> PyResult<()> {
-    // SAFETY: live objects, the argument list ends with null; the result is a new reference or null with an exception.
-    let result = unsafe {
-        let result = ffi::PyObject_CallMethodObjArgs(
-            object.as_ptr(),
-            name.as_ptr(),
-            argument.as_ptr(),
-            std::ptr::null_mut::<ffi::PyObject>(),
-        );
-        Bound::from_owned_ptr_or_err(object.py(), result)
-    };
-    result.map(drop)
 }
 
 /// `send_values(mav, info, force_mavlink1, *values)` for `mav.<message>_send(...)`: straight from the arguments to the
@@ -94,16 +76,16 @@ fn send_arguments(
     if let Ok(native) = mav.cast::<MAVLink>()
         && !native.get().is_overridden(overridden::SEND | overridden::ENCODE)
         && !native.get().send_callback.is_set()
-        && send_directly(native, info, force_mavlink1.is_truthy()?, values)?
+        && send_directly(native, info, force_mavlink1.truth()?, values)?
     {
         return Ok(());
     }
     let encode = format!("{}_encode", info.definition.name.to_lowercase());
     let values = PyTuple::new(py, values.iter().collect::<Vec<_>>())?;
-    let message = mav.call_method1(encode, values)?;
+    let message = mav.invoke_method1(encode, values)?;
     let kwargs = pyo3::types::PyDict::new(py);
     kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
-    mav.call_method(intern!(py, "send"), (message,), Some(&kwargs))?;
+    mav.invoke_method(intern!(py, "send"), (message,), Some(&kwargs))?;
     Ok(())
 }
 

@@ -15,6 +15,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
+use crate::calling::{Calling, import, truth};
 use crate::lock::{Guard, Lock};
 use crate::mavlink::MAVLink;
 use crate::shared;
@@ -65,6 +66,18 @@ fn signing_error(error: SigningError) -> PyErr {
     }
 }
 
+fn secret_key(key: &Bound<'_, PyAny>) -> PyResult<SecretKey> {
+    let bytes = crate::mavlink::bytes_like(key)?;
+    SecretKey::new(bytes.cast::<PyBytes>()?.as_bytes()).map_err(signing_error)
+}
+
+fn timestamp_of(value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    match value.extract::<u64>() {
+        Ok(timestamp) => Ok(timestamp),
+        Err(_) => value.invoke_method0(intern!(value.py(), "__int__"))?.extract(),
+    }
+}
+
 impl Signing {
     fn state(&self) -> Guard<'_, SigningState> {
         // SAFETY: signing states are Python objects, whose methods run attached.
@@ -97,6 +110,14 @@ impl Signing {
         drop(old);
     }
 
+    fn use_key(&self, py: Python<'_>, key: Option<SecretKey>) {
+        self.has_key.store(key.is_some(), Relaxed);
+        self.state().set_key(key);
+        // What was shared was with links of the key before.
+        let streams = self.with_streams(|streams| streams.clone());
+        self.use_streams(py, Arc::new(Lock::new(streams)));
+    }
+
     /// Has the timestamp stored before it is used, if it reached the mark.
     fn store_timestamp(&self) -> PyResult<()> {
         let timestamp = self.state().timestamp;
@@ -106,7 +127,7 @@ impl Signing {
         // SAFETY: as above.
         let py = unsafe { Python::assume_attached() };
         if let Some(keep) = self.keep.get(py) {
-            self.mark.store(keep.call1((timestamp,))?.extract()?, Relaxed);
+            self.mark.store(keep.invoke1((timestamp,))?.extract()?, Relaxed);
         }
         Ok(())
     }
@@ -178,7 +199,7 @@ impl Signing {
         let Some(callback) = self.allow_unsigned.get(mav.py()) else {
             return Ok(Acceptance::Rejected);
         };
-        if callback.call1((mav, msgid))?.is_truthy()? {
+        if callback.invoke1((mav, msgid))?.truth()? {
             shared::add(&self.passed, 1);
             return Ok(Acceptance::Unchecked);
         }
@@ -230,9 +251,9 @@ fn log_verdict(mav: &Bound<'_, MAVLink>, verdict: Verdict) -> PyResult<()> {
 fn log(mav: &Bound<'_, MAVLink>, line: &str) -> PyResult<()> {
     let py = mav.py();
     let name = mav.get().dialect.get().global(py, "__name__")?;
-    let logging = py.import(intern!(py, "logging"))?;
-    let logger = logging.call_method1(intern!(py, "getLogger"), (name,))?;
-    logger.call_method1(intern!(py, "info"), (line,))?;
+    let logging = import(py, intern!(py, "logging"))?;
+    let logger = logging.invoke_method1(intern!(py, "getLogger"), (name,))?;
+    logger.invoke_method1(intern!(py, "info"), (line,))?;
     Ok(())
 }
 
@@ -266,18 +287,7 @@ impl Signing {
     }
     #[setter]
     fn set_secret_key(&self, py: Python<'_>, key: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let key = match key {
-            Some(key) => {
-                let bytes = crate::mavlink::bytes_like(key)?;
-                Some(SecretKey::new(bytes.cast::<PyBytes>()?.as_bytes()).map_err(signing_error)?)
-            }
-            None => None,
-        };
-        self.has_key.store(key.is_some(), Relaxed);
-        self.state().set_key(key);
-        // What was shared was with links of the key before.
-        let streams = self.with_streams(|streams| streams.clone());
-        self.use_streams(py, Arc::new(Lock::new(streams)));
+        self.use_key(py, key.map(secret_key).transpose()?);
         Ok(())
     }
 
@@ -288,22 +298,37 @@ impl Signing {
     }
     #[setter]
     fn set_timestamp(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let number = match value.extract::<u64>() {
-            Ok(number) => number,
-            Err(_) => value.call_method0(intern!(value.py(), "__int__"))?.extract()?,
-        };
-        self.state().timestamp = number;
+        let timestamp = timestamp_of(value)?;
+        self.state().timestamp = timestamp;
         Ok(())
     }
 
-    /// Outgoing timestamps follow the clock instead of counting up.
-    #[getter(_follows_clock)]
-    fn get_follows_clock(&self) -> bool {
-        self.follows_clock.load(Relaxed)
-    }
-    #[setter(_follows_clock)]
-    fn set_follows_clock(&self, value: bool) {
-        self.follows_clock.store(value, Relaxed);
+    /// Key, policy and timestamps at once, so that no other thread sees some of them without the rest. Timestamps follow
+    /// the clock or count up, and `keep(timestamp) -> mark` is called before those from the mark on are used.
+    #[allow(clippy::too_many_arguments)] // each is a part of what must change at once
+    fn _set_up(
+        &self,
+        py: Python<'_>,
+        key: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = truth)] sign_outgoing: bool,
+        allow_unsigned_callback: Option<Py<PyAny>>,
+        link_id: u8,
+        #[pyo3(from_py_with = timestamp_of)] timestamp: u64,
+        follows_clock: bool,
+        keep: Option<Py<PyAny>>,
+    ) -> PyResult<()> {
+        let key = key.map(secret_key).transpose()?;
+        // Dropped at the end: that may run Python code.
+        let _old = (self.allow_unsigned.get(py), self.keep.get(py));
+        self.use_key(py, key);
+        self.sign_outgoing.store(sign_outgoing, Relaxed);
+        self.link_id.store(link_id, Relaxed);
+        self.follows_clock.store(follows_clock, Relaxed);
+        self.state().timestamp = timestamp;
+        self.mark.store(if keep.is_some() { 0 } else { u64::MAX }, Relaxed);
+        self.allow_unsigned.set(allow_unsigned_callback);
+        self.keep.set(keep);
+        self.store_timestamp()
     }
 
     /// Shares the stream table of `other` if that has the same key; whether it has.
@@ -324,13 +349,6 @@ impl Signing {
         same
     }
 
-    /// From now on `keep(timestamp) -> mark` is called before timestamps from the mark on are used; None ends that.
-    fn _keep_timestamps(&self, keep: Option<Py<PyAny>>) -> PyResult<()> {
-        self.mark.store(if keep.is_some() { 0 } else { u64::MAX }, Relaxed);
-        self.keep.set(keep);
-        self.store_timestamp()
-    }
-
     /// Link id that outgoing signatures carry, 0 to 255.
     #[getter]
     fn link_id(&self) -> u8 {
@@ -347,9 +365,8 @@ impl Signing {
         self.signs_outgoing()
     }
     #[setter]
-    fn set_sign_outgoing(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.sign_outgoing.store(value.is_truthy()?, Relaxed);
-        Ok(())
+    fn set_sign_outgoing(&self, #[pyo3(from_py_with = truth)] value: bool) {
+        self.sign_outgoing.store(value, Relaxed);
     }
 
     /// `callback(mav, msgId) -> bool` decides about frames that are not signed, or not well.

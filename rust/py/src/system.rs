@@ -8,6 +8,7 @@ use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
+use crate::calling::Calling;
 use crate::components::Components;
 use crate::dict;
 use crate::frame_bytes::FrameBytes;
@@ -60,8 +61,8 @@ impl SystemState {
     ) -> PyResult<()> {
         let before = dict::generic_dict(slf.as_any())?.get_item(name)?;
         // What cannot be compared, like an array, may have changed.
-        let changed = before.is_none_or(|before| before.ne(value).unwrap_or(true));
-        dict::generic_set_attr(slf.as_any(), name, Some(value))?;
+        let changed = before.is_none_or(|before| !before.equals(value).unwrap_or(false));
+        slf.set_generic_attribute(name, Some(value))?;
         if changed {
             forget_states();
         }
@@ -69,7 +70,7 @@ impl SystemState {
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        dict::generic_set_attr(slf.as_any(), name, None)?;
+        slf.set_generic_attribute(name, None)?;
         forget_states();
         Ok(())
     }

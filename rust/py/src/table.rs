@@ -15,6 +15,7 @@ use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyList, PyTuple};
 
+use crate::calling::Calling;
 use crate::column_view::ColumnView;
 
 /// What went wrong as Python raises it.
@@ -73,7 +74,7 @@ impl RecordBatches {
     /// A table of anything that has `__arrow_c_stream__`; the data is shared.
     #[staticmethod]
     fn from_stream(table: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let capsule = table.call_method0("__arrow_c_stream__")?.cast_into::<PyCapsule>()?;
+        let capsule = table.invoke_method0("__arrow_c_stream__")?.cast_into::<PyCapsule>()?;
         let pointer = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
         // SAFETY: a capsule of this name holds such a stream, which is moved out and marked as released.
         let stream = unsafe { FFI_ArrowArrayStream::from_raw(pointer.as_ptr().cast()) };
@@ -211,7 +212,7 @@ impl RecordBatches {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let (py, this) = (slf.py(), slf.get());
         let bytes = py.detach(|| ipc_bytes(&this.schema, &this.batches)).map_err(columns_error)?;
-        let restore = slf.get_type().getattr("from_ipc")?;
+        let restore = slf.get_type().attribute("from_ipc")?;
         (restore, (pyo3::types::PyBytes::new(py, &bytes),)).into_pyobject(py)
     }
 

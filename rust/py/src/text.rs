@@ -8,6 +8,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
 
+use crate::calling::{Calling, import};
 use crate::info::Info;
 use crate::message::{Message, flags};
 use crate::values;
@@ -22,12 +23,12 @@ pub(crate) fn format_attr<'py>(
     field: &Bound<'py, PyString>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = message.py();
-    let value = message.getattr(field)?;
+    let value = message.attribute(field)?;
     if !value.is_instance_of::<PyBytes>() {
         return Ok(value);
     }
-    let text = value.call_method1(intern!(py, "decode"), ("utf-8", "backslashreplace"))?;
-    text.call_method1(intern!(py, "rstrip"), ("\0",))
+    let text = value.invoke_method1(intern!(py, "decode"), ("utf-8", "backslashreplace"))?;
+    text.invoke_method1(intern!(py, "rstrip"), ("\0",))
 }
 
 /// What texts show of a field: no secret key.
@@ -45,12 +46,12 @@ fn shown<'py>(
 fn fieldnames<'py>(
     message: &Bound<'py, Message>,
 ) -> PyResult<impl Iterator<Item = PyResult<Bound<'py, PyString>>>> {
-    let names = message.getattr(intern!(message.py(), "_fieldnames"))?.try_iter()?;
+    let names = message.attribute(intern!(message.py(), "_fieldnames"))?.items()?;
     Ok(names.map(|name| Ok(name?.cast_into::<PyString>()?)))
 }
 
 fn type_name<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyAny>> {
-    message.getattr(intern!(message.py(), "_type"))
+    message.attribute(intern!(message.py(), "_type"))
 }
 
 pub(crate) fn to_text(message: &Bound<'_, Message>) -> PyResult<Py<PyString>> {
@@ -60,7 +61,7 @@ pub(crate) fn to_text(message: &Bound<'_, Message>) -> PyResult<Py<PyString>> {
         format::write_text(&mut out, &info.definition, message.get().decoded_payload());
         return Ok(PyString::new(py, &out).unbind());
     }
-    out.push_str(&type_name(message)?.str()?.to_string_lossy());
+    out.push_str(&type_name(message)?.text()?.to_string_lossy());
     out.push_str(" {");
     for (i, name) in fieldnames(message)?.enumerate() {
         let name = name?;
@@ -70,7 +71,7 @@ pub(crate) fn to_text(message: &Bound<'_, Message>) -> PyResult<Py<PyString>> {
         out.push_str(&name.to_string_lossy());
         out.push_str(" : ");
         let value = shown(&name, format_attr(message, &name)?)?;
-        out.push_str(&value.str()?.to_string_lossy());
+        out.push_str(&value.text()?.to_string_lossy());
     }
     out.push('}');
     Ok(PyString::new(py, &out).unbind())
@@ -103,12 +104,12 @@ pub(crate) fn to_json<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py,
         format::write_json(&mut out, &info.definition, message.get().decoded_payload());
         return Ok(PyString::new(py, &out).into_any());
     }
-    let dict = message.call_method0(intern!(py, "to_dict"))?;
+    let dict = message.invoke_method0(intern!(py, "to_dict"))?;
     if let Ok(secret) = dict.get_item(format::SECRET_FIELD) {
         let name = PyString::new(py, format::SECRET_FIELD);
         dict.set_item(&name, shown(&name, secret)?)?;
     }
-    py.import(intern!(py, "json"))?.call_method1(intern!(py, "dumps"), (dict,))
+    import(py, intern!(py, "json"))?.invoke_method1(intern!(py, "dumps"), (dict,))
 }
 
 /// Same type, checksum, sequence number, source and field values. Messages of different dialect modules differ.
@@ -116,17 +117,17 @@ pub(crate) fn equal(message: &Bound<'_, Message>, other: &Bound<'_, PyAny>) -> P
     let py = message.py();
     let Ok(other) = other.cast::<Message>() else { return Ok(false) };
     let base = intern!(py, "_message_base");
-    if !message.getattr(base)?.is(&other.getattr(base)?) {
+    if !message.attribute(base)?.is(&other.attribute(base)?) {
         return Ok(false);
     }
     for method in ["get_type", "get_crc", "get_seq", "get_srcSystem", "get_srcComponent"] {
-        if !message.call_method0(method)?.eq(other.call_method0(method)?)? {
+        if !message.invoke_method0(method)?.equals(&other.invoke_method0(method)?)? {
             return Ok(false);
         }
     }
     for name in fieldnames(message)? {
         let name = name?;
-        if !format_attr(message, &name)?.eq(format_attr(other, &name)?)? {
+        if !format_attr(message, &name)?.equals(&format_attr(other, &name)?)? {
             return Ok(false);
         }
     }

@@ -8,6 +8,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
+use crate::calling::{Calling, import};
 use crate::dict;
 use crate::info::Info;
 use crate::instances::{add_message, add_plain};
@@ -32,7 +33,7 @@ pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
     let source = source_of(message)?;
     let uptime = uptime_of(message)?;
     let clock: f64 =
-        py.import(intern!(py, "time"))?.call_method0(intern!(py, "time"))?.extract()?;
+        import(py, intern!(py, "time"))?.invoke_method0(intern!(py, "time"))?.extract()?;
     let is_radio = (source.sysid, source.compid) == RADIO;
     let seconds = {
         let mut state = link.get().state();
@@ -45,7 +46,7 @@ pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
         seconds
     };
     if this.has(flags::TIMESTAMP_IN_DICT) {
-        message.setattr(intern!(py, "_timestamp"), seconds)?;
+        message.set_attribute(intern!(py, "_timestamp"), seconds)?;
     } else {
         this.set_timestamp(seconds);
     }
@@ -56,7 +57,7 @@ pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
     }
     add_message(&sender.messages, &kind, message, &Room::of(link, OWN_NAMES))?;
     if is_radio {
-        link.call_method1(intern!(py, "_post_radio"), (&kind, message))?;
+        link.invoke_method1(intern!(py, "_post_radio"), (&kind, message))?;
     }
     call_python(link, message, &kind, &sender.state)
 }
@@ -88,24 +89,24 @@ pub(crate) fn call_python(
     match message.get().info {
         Some(info) if info.definition.name == params::PARAM_VALUE => params::keep(link, message)?,
         Some(info) if info.changes_state => {
-            link.call_method1(intern!(py, "_update"), (kind, message, state))?;
+            link.invoke_method1(intern!(py, "_update"), (kind, message, state))?;
         }
         _ => {}
     }
     if let Some(hooks) = link.get().hooks(py) {
-        for hook in hooks.try_iter()? {
-            hook?.call1((link, message))?;
+        for hook in hooks.items()? {
+            hook?.invoke1((link, message))?;
         }
     }
     if message.get().has(flags::SIGNED) {
-        link.call_method1(intern!(py, "_adopt_link_id"), (message,))?;
+        link.invoke_method1(intern!(py, "_adopt_link_id"), (message,))?;
     }
     Ok(())
 }
 
 fn is_posted(message: &Bound<'_, Message>) -> PyResult<bool> {
     let posted = dict::instance_dict(message)?.get_item(intern!(message.py(), "_posted"))?;
-    posted.map_or(Ok(false), |posted| posted.is_truthy())
+    posted.map_or(Ok(false), |posted| posted.truth())
 }
 
 pub(crate) struct Source {
@@ -124,7 +125,7 @@ pub(crate) fn source_of(message: &Bound<'_, Message>) -> PyResult<Source> {
         let counts = this.info.is_some();
         return Ok(Source { sysid: header.sysid, compid: header.compid, seq: header.seq, counts });
     }
-    let number = |method: &str| message.call_method0(method)?.extract::<i64>();
+    let number = |method: &str| message.invoke_method0(method)?.extract::<i64>();
     Ok(Source {
         sysid: number("get_srcSystem")? as u8,
         compid: number("get_srcComponent")? as u8,
@@ -138,7 +139,7 @@ pub(crate) fn message_type<'py>(message: &Bound<'py, Message>) -> PyResult<Bound
     match &message.get().info {
         Some(info) if !message.get().has(flags::META) => Ok(info.name.bind(message.py()).clone()),
         _ => {
-            let kind = message.call_method0(intern!(message.py(), "get_type"))?;
+            let kind = message.invoke_method0(intern!(message.py(), "get_type"))?;
             Ok(kind.cast_into::<PyString>()?)
         }
     }
@@ -154,7 +155,7 @@ fn uptime_of(message: &Bound<'_, Message>) -> PyResult<Option<f64>> {
     for (field, scale) in [(info.time_boot_ms, 1.0e-3), (info.usec, 1.0e-6)] {
         if let Some(index) = field {
             let value: f64 =
-                message.getattr(info.names[index].name.bind(message.py()))?.extract()?;
+                message.attribute(info.names[index].name.bind(message.py()))?.extract()?;
             return Ok(Some(value * scale));
         }
     }
@@ -172,7 +173,7 @@ pub(crate) fn sender<'py>(link: &Bound<'py, Link>, sysid: u8) -> PyResult<Sender
     let state = match states.get_item(sysid)? {
         Some(state) => state,
         None => {
-            let state = link.call_method0(intern!(py, "_new_state"))?;
+            let state = link.invoke_method0(intern!(py, "_new_state"))?;
             states.as_any().set_item(sysid, &state)?;
             state
         }

@@ -155,6 +155,12 @@ def test_every_pyclass_is_frozen() -> None:
             assert "frozen" in options, f"{path}: #[pyclass{options}]"
 
 
+def test_attributes_are_read_where_the_end_of_the_interpreter_does_no_harm() -> None:
+    """Clippy forbids the other methods of PyO3 that `calling.rs` stands for."""
+    for path in rust_sources("py"):
+        assert ".getattr(" not in code_of(path), f"{path} has getattr: use Calling::attribute"
+
+
 @pytest.mark.parametrize("pattern", ["*.rs", "*.py", "*.pyi"])
 def test_files_are_short(pattern: str) -> None:
     generated = ROOT / "python" / "mavwire" / "dialects"

@@ -235,6 +235,71 @@ def test_a_peer_years_ahead_moves_us_a_day_at_most(tmp_path):
     assert TimestampStore(tmp_path / "timestamps").load() <= latest + RESERVE
 
 
+# -- all or nothing
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"link_id": 300},
+        {"link_id": -1},
+        {"initial_timestamp": -1},
+        {"initial_timestamp": 1 << 48},
+        {"secret_key": b"short"},
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("before", [None, KEY], ids=["unsigned", "signed"])
+def test_a_set_up_that_is_refused_changes_nothing(wrong, before, tmp_path):
+    link = Capture()
+    if before:
+        link.setup_signing(before, initial_timestamp=5, link_id=7)
+    state = signing_state(link)
+    number = mavutil.global_link_id
+    store = tmp_path / "timestamps"
+    with pytest.raises((OverflowError, ValueError)):
+        link.setup_signing(**{"secret_key": bytes(32), "timestamp_store": store, **wrong})
+    assert signing_state(link) == state
+    assert mavutil.global_link_id == number
+    assert not store.exists()
+
+
+def signing_state(link: Capture):
+    signing = link.mav.signing
+    return (
+        signing.secret_key,
+        signing.sign_outgoing,
+        signing.link_id,
+        signing.timestamp,
+        signing.allow_unsigned_callback,
+    )
+
+
+class Interrupting:
+    """Stands for the links with a key, and sends whenever it is asked: what another thread could do there."""
+
+    def __init__(self, link: Capture) -> None:
+        self.link = link
+
+    def send(self, *_):
+        self.link.mav.send(HEARTBEAT)
+        return iter(())
+
+    __iter__ = add = discard = send
+
+
+def test_what_is_sent_in_the_middle_of_a_set_up_has_all_of_it_or_nothing(monkeypatch):
+    link = Capture()
+    monkeypatch.setattr(signing_module, "_with_key", Interrupting(link))
+    link.setup_signing(KEY, initial_timestamp=5, link_id=9)
+    link.disable_signing()
+    first, second = bytes(link.tx[:34]), bytes(link.tx[34:68])
+    assert (first[2], first[21], int.from_bytes(first[22:28], "little")) == (1, 9, 5)
+    assert (second[2], second[21], int.from_bytes(second[22:28], "little")) == (1, 9, 6)
+    unsigned = bytes(link.tx[68:])
+    assert (len(unsigned), unsigned[2]) == (21, 0)
+
+
 # -- policy
 
 

@@ -7,11 +7,12 @@ use mavwire_core::log::dataflash::text::{Delimiter, values};
 use pyo3::exceptions::{PyAttributeError, PyIndexError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
-use pyo3::{PyTraverseError, PyVisit, ffi, intern};
+use pyo3::{PyTraverseError, PyVisit, intern};
 
 use super::clock::Seconds;
 use super::shape::{self, Names};
 use super::{render, value};
+use crate::calling::{Calling, import, truth};
 use crate::frame_bytes::FrameBytes;
 use crate::lock::Lock;
 
@@ -157,21 +158,9 @@ impl DFMessage {
     }
 }
 
-/// `object.__getattribute__`.
-fn generic<'py>(
-    slf: &Bound<'py, DFMessage>,
-    name: &Bound<'py, PyString>,
-) -> PyResult<Bound<'py, PyAny>> {
-    // SAFETY: two live objects; the call returns a new reference or sets an exception.
-    unsafe {
-        let value = ffi::PyObject_GenericGetAttr(slf.as_ptr(), name.as_ptr());
-        Bound::from_owned_ptr_or_err(slf.py(), value)
-    }
-}
-
 /// A function of the package's for messages.
 fn helper<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-    py.import(intern!(py, "mavwire._dataflash.messages"))?.getattr(name)
+    import(py, intern!(py, "mavwire._dataflash.messages"))?.attribute(name)
 }
 
 #[pymethods]
@@ -181,13 +170,13 @@ impl DFMessage {
     fn new(
         fmt: &Bound<'_, PyAny>,
         elements: Bound<'_, PyAny>,
-        apply_multiplier: bool,
+        #[pyo3(from_py_with = truth)] apply_multiplier: bool,
         parent: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let elements = match elements.cast::<PyList>() {
             Ok(list) => list.clone(),
             Err(_) => {
-                let items = elements.try_iter()?.collect::<PyResult<Vec<_>>>()?;
+                let items = elements.items()?.collect::<PyResult<Vec<_>>>()?;
                 PyList::new(fmt.py(), items)?
             }
         };
@@ -217,7 +206,7 @@ impl DFMessage {
         if let Some(index) = this.names.field(name)? {
             return this.value(py, index);
         }
-        generic(slf, name).map_err(|error| {
+        slf.generic_attribute(name).map_err(|error| {
             if error.is_instance_of::<PyAttributeError>(py) {
                 return PyAttributeError::new_err(name.clone().unbind());
             }
@@ -316,12 +305,12 @@ impl DFMessage {
             let head = [0xA3, 0x95, this.names.layout.type_id];
             return Ok(PyBytes::new(py, &[&head[..], body].concat()).into_any());
         }
-        helper(py, "get_msgbuf")?.call1((slf,))
+        helper(py, "get_msgbuf")?.invoke1((slf,))
     }
 
     /// Writes a line for each column, with units and what the log's documentation says, to the file `f`.
     fn dump_verbose(slf: &Bound<'_, Self>, f: &Bound<'_, PyAny>) -> PyResult<()> {
-        helper(slf.py(), "dump_verbose")?.call1((slf, f)).map(drop)
+        helper(slf.py(), "dump_verbose")?.invoke1((slf, f)).map(drop)
     }
 
     /// Writes the bits of the value `val` of column `c` as `field_metadata` describes them.
@@ -333,7 +322,7 @@ impl DFMessage {
         field_metadata: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
         let arguments = (slf, f, c, val, field_metadata);
-        helper(slf.py(), "dump_verbose_bitmask")?.call1(arguments).map(drop)
+        helper(slf.py(), "dump_verbose_bitmask")?.invoke1(arguments).map(drop)
     }
 
     /// The newest message of another instance of this type. `IndexError` if there is none.
@@ -345,8 +334,8 @@ impl DFMessage {
         let Some(parent) = &this.parent else {
             return Err(PyAttributeError::new_err("'NoneType' object has no attribute 'messages'"));
         };
-        let messages = parent.bind(py).getattr(intern!(py, "messages"))?;
-        let name = format!("{}[{}]", this.names.layout.name, key.str()?);
+        let messages = parent.bind(py).attribute(intern!(py, "messages"))?;
+        let name = format!("{}[{}]", this.names.layout.name, key.text()?);
         messages.get_item(name).map_err(|_| PyIndexError::new_err(()))
     }
 

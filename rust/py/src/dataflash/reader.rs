@@ -17,6 +17,7 @@ use super::message::DFMessage;
 use super::shape::{self, Names};
 use super::source::{BUDGET, Source};
 use super::state::{Kind, Search, State, Taken};
+use crate::calling::{Calling, truth};
 use crate::lock::Lock;
 use crate::turn;
 
@@ -44,7 +45,7 @@ impl<'py> Types<'py> {
         if let Ok(name) = types.cast::<PyString>() {
             return Ok(Self::Of(vec![name.clone()]));
         }
-        let Ok(items) = types.try_iter() else {
+        let Ok(items) = types.items() else {
             return Err(PyTypeError::new_err("type must be a name or a collection of names"));
         };
         let names = items.filter_map(|name| name.map(|name| name.cast_into().ok()).transpose());
@@ -57,7 +58,7 @@ impl<'py> Types<'py> {
             return Ok(true);
         }
         for one in names {
-            if one.as_any().eq(name)? {
+            if one.equals(name.as_any())? {
                 return Ok(true);
             }
         }
@@ -91,7 +92,7 @@ impl DataflashReader {
         let Taken { message, kind, key, stamped } = taken;
         let message = Bound::new(py, message)?;
         if !stamped {
-            slf.call_method1(intern!(py, "_set_time"), (&message,))?;
+            slf.invoke_method1(intern!(py, "_set_time"), (&message,))?;
         }
         let (messages, tracked) = {
             let state = slf.get().state.lock(py);
@@ -110,7 +111,7 @@ impl DataflashReader {
             }
         }
         if tracked {
-            slf.call_method1(intern!(py, "_track"), (&message,))?;
+            slf.invoke_method1(intern!(py, "_track"), (&message,))?;
         }
         Ok(message)
     }
@@ -124,7 +125,7 @@ impl DataflashReader {
         let instance = slf.get().state.lock(py).kinds[kind].instance.unwrap_or_default();
         let value = message.get().value(py, instance)?;
         let name = &message.get().names.layout.name;
-        Ok(PyString::new(py, &format!("{name}[{}]", value.str()?.to_string_lossy())))
+        Ok(PyString::new(py, &format!("{name}[{}]", value.text()?.to_string_lossy())))
     }
 
     /// Fixes which layouts filtered reads visit, unless that is fixed already.
@@ -169,7 +170,7 @@ impl DataflashReader {
                 let told = Python::attach(|py| {
                     py.check_signals()?;
                     match progress.as_ref().filter(|_| tell) {
-                        Some(progress) => progress.call1(py, (now,)).map(drop),
+                        Some(progress) => progress.bind(py).invoke1((now,)).map(drop),
                         None => Ok(()),
                     }
                 });
@@ -355,8 +356,8 @@ impl DataflashReader {
         slf: &Bound<'py, Self>,
         condition: Option<Bound<'py, PyAny>>,
         r#type: Option<Bound<'py, PyAny>>,
-        blocking: bool,
-        strict: bool,
+        #[pyo3(from_py_with = truth)] blocking: bool,
+        #[pyo3(from_py_with = truth)] strict: bool,
     ) -> PyResult<Option<Bound<'py, DFMessage>>> {
         let _ = blocking;
         let py = slf.py();
@@ -372,8 +373,8 @@ impl DataflashReader {
             match &condition {
                 None => return Ok(Some(message)),
                 Some(condition) => {
-                    let holds = slf.call_method1(intern!(py, "check_condition"), (condition,))?;
-                    if holds.is_truthy()? {
+                    let holds = slf.invoke_method1(intern!(py, "check_condition"), (condition,))?;
+                    if holds.truth()? {
                         return Ok(Some(message));
                     }
                 }
@@ -384,7 +385,12 @@ impl DataflashReader {
 
     /// Moves to the next record of one of the types, or to the end; to the one behind it where it was moved to already.
     #[pyo3(signature = (r#type, strict=false))]
-    fn skip_to_type(&self, py: Python<'_>, r#type: Bound<'_, PyAny>, strict: bool) -> PyResult<()> {
+    fn skip_to_type(
+        &self,
+        py: Python<'_>,
+        r#type: Bound<'_, PyAny>,
+        #[pyo3(from_py_with = truth)] strict: bool,
+    ) -> PyResult<()> {
         self.latch(py, &Types::new(Some(&r#type))?, strict)?;
         loop {
             turn::give_way(py)?;

@@ -9,6 +9,8 @@ use pyo3::types::{PyDict, PyString};
 
 use super::message::DFMessage;
 
+use crate::calling::Calling;
+
 /// A layout and its names.
 pub(crate) struct Names {
     pub(crate) layout: Arc<Layout>,
@@ -28,7 +30,7 @@ impl Names {
         let mut fields = Vec::new();
         for (number, field) in layout.fields.iter().enumerate() {
             let name = PyString::intern(py, &field.name);
-            if class.hasattr(&name)? {
+            if class.attribute_opt(&name)?.is_some() {
                 fields.push(None);
                 continue;
             }
@@ -85,6 +87,6 @@ impl DataflashShape {
 
 /// The shape of a `DFFormat`, which its attribute `_shape` holds.
 pub(crate) fn of_format(format: &Bound<'_, PyAny>) -> PyResult<Arc<Names>> {
-    let shape = format.getattr(pyo3::intern!(format.py(), "_shape"))?;
+    let shape = format.attribute(pyo3::intern!(format.py(), "_shape"))?;
     Ok(Arc::clone(&shape.cast::<DataflashShape>()?.get().names))
 }

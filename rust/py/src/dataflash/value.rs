@@ -6,6 +6,8 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyFloat, PyInt, PyString};
 
+use crate::calling::{Calling, import};
+
 /// The text of a field: up to its NUL, UTF-8, or Latin-1 where it is none.
 pub(super) fn text_of(bytes: &[u8]) -> String {
     decode_line(&bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())])
@@ -50,7 +52,7 @@ pub(super) fn from_body<'py>(
 fn array<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
     let numbers: Vec<i16> =
         bytes.as_chunks::<2>().0.iter().map(|pair| i16::from_le_bytes(*pair)).collect();
-    py.import(intern!(py, "array"))?.getattr(intern!(py, "array"))?.call1(("h", numbers))
+    import(py, intern!(py, "array"))?.attribute(intern!(py, "array"))?.invoke1(("h", numbers))
 }
 
 /// The value of a field in a line of a text log.
@@ -91,7 +93,7 @@ pub(super) fn from_object<'py>(
         FieldKind::Text(len) => Ok(match element.cast::<PyBytes>() {
             Ok(_) if raw_bytes && len == 64 => element.clone(),
             Ok(bytes) => PyString::new(py, &text_of(bytes.as_bytes())).into_any(),
-            Err(_) => element.str()?.into_any(),
+            Err(_) => element.text()?.into_any(),
         }),
         FieldKind::Array => match element.cast::<PyBytes>() {
             Ok(bytes) => array(py, bytes.as_bytes()),
@@ -100,7 +102,7 @@ pub(super) fn from_object<'py>(
         // Text logs have the mode's name.
         FieldKind::Mode if element.is_instance_of::<PyString>() => Ok(element.clone()),
         _ if kind.is_float() => {
-            let number = py.get_type::<PyFloat>().call1((element,))?;
+            let number = py.get_type::<PyFloat>().invoke1((element,))?;
             if !scale || kind.scale().is_none() {
                 return Ok(number);
             }
@@ -111,5 +113,5 @@ pub(super) fn from_object<'py>(
 }
 
 fn int<'py>(element: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    element.py().get_type::<PyInt>().call1((element,))
+    element.py().get_type::<PyInt>().invoke1((element,))
 }
