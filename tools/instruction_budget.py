@@ -24,15 +24,9 @@ TOLERANCE = 0.03
 RUST = ("scan", "scan-rescan", "route", "decode", "encode", "verify", "text", "json")
 BRIDGE = ("forward", "border")
 PYTHON = ("parse", "noise", "recv_match", "filter", "fields", "pack", "send", "verify")
-TABLES = ("columns", "columns-bin", "parquet")
 # How many messages the short and the long run have, and how far memory is moved in the runs.
-LENGTHS = {
-    "rust": (10_000, 40_000),
-    "bridge": (2_000, 12_000),
-    "python": (1_000, 6_000),
-    "tables": (20_000, 120_000),
-}
-PADDINGS = {"rust": (0,), "bridge": (0, 0), "python": (0, 1_000, 5_000), "tables": (0,)}
+LENGTHS = {"rust": (10_000, 40_000), "bridge": (2_000, 12_000), "python": (1_000, 6_000)}
+PADDINGS = {"rust": (0,), "bridge": (0, 0), "python": (0, 1_000, 5_000)}
 COLLECTED = re.compile(r"Collected\s*:\s*(\d+)")
 
 
@@ -84,7 +78,6 @@ def measure(only: str | None) -> dict[str, float]:
         ("rust", RUST, lambda: build("mavwire-core", "hot_paths")),
         ("bridge", BRIDGE, lambda: build("mavwire-link", "forward")),
         ("python", PYTHON, lambda: hot_loops),
-        ("tables", TABLES, lambda: hot_loops),
     )
     measured = {}
     for language, cases, prepare in programs:
