@@ -3,7 +3,7 @@
 use mavwire_core::log::dataflash::text::{
     Delimiter, TextDefinitions, decode_line, nth_value, values,
 };
-use mavwire_core::log::dataflash::{Definitions, HEAD_LEN, MAX_RECORD_LEN, RecordEntry, index};
+use mavwire_core::log::dataflash::{Definitions, HEAD_LEN, LOOK_LEN, RecordEntry, index};
 
 use crate::input::Input;
 
@@ -28,9 +28,9 @@ pub fn dataflash(data: &[u8]) {
     assert_eq!(end, bytes.len());
     let covered: usize = whole.iter().map(|entry| usize::from(entry.len)).sum();
     assert_eq!(covered as u64 + junk, bytes.len() as u64);
-    // Behind its limit a stretch sees a whole record, and one that may begin within that.
+    // Behind its limit a stretch sees all that decides.
     let cut = cut % (bytes.len() + 1);
-    let first = bytes.len().min(cut + 2 * MAX_RECORD_LEN + 2);
+    let first = bytes.len().min(cut + LOOK_LEN);
     let mut parts = Vec::new();
     let last = first == bytes.len();
     let (at, _) = index(&bytes[..first], 0, cut, &definitions, last, |entry, _| parts.push(entry));

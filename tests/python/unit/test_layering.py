@@ -44,6 +44,7 @@ RESERVED_CRATES = {
     "quick-xml": {"schema"},
     "arrow": {"columns"},
     "parquet": {"columns"},
+    "mcap": {"columns"},
     "rayon": {"columns", "link"},
 }
 # Python layers, lowest first: a module imports only from its own layer and from lower ones.
