@@ -18,9 +18,9 @@ use crate::filter::Filter;
 use crate::link::{Link, overrides, set_attr};
 use crate::live_source::{LiveSource, Transport};
 use crate::lock::{Guard, Lock};
-use crate::message::Message;
+use crate::message::{Message, Origin};
 use crate::peers::{from_python, to_python};
-use crate::receive;
+use crate::receive::{self, Received};
 use crate::slot::Slot;
 
 /// Methods whose replacement turns the quick paths off.
@@ -109,19 +109,20 @@ impl LiveLink {
     pub(crate) fn next_message<'py>(
         slf: &Bound<'py, Self>,
     ) -> PyResult<Option<Bound<'py, Message>>> {
-        if Self::is_quick(slf)
-            && let Some(message) = receive::next_message(slf)?.message()
-        {
-            if message.is_none() {
+        if Self::is_quick(slf) {
+            let received = receive::next_message(slf);
+            if is_silence_or_garbage(&received) {
                 Self::tend(slf)?;
             }
-            return Ok(message);
+            if let Some(message) = received?.message() {
+                return Ok(message);
+            }
         }
         let message = slf.invoke_method0(intern!(slf.py(), "_recv_msg_slowly"))?;
         if message.is_none() { Ok(None) } else { Ok(Some(message.cast_into::<Message>()?)) }
     }
 
-    /// Now and then lets Python flush the log and see whether somebody waits for a client that says nothing.
+    /// Now and then lets Python flush the log and see whether somebody waits for a client that says nothing sensible.
     fn tend(slf: &Bound<'_, Self>) -> PyResult<()> {
         let records = slf.as_super().get().state().records_messages();
         if slf.get().source().is_time_to_tend(records, Instant::now(), TEND_INTERVAL) {
@@ -358,4 +359,13 @@ impl LiveLink {
 fn deadline_after(timeout: Option<f64>) -> Option<Instant> {
     let wait = timeout.map(|seconds| Duration::try_from_secs_f64(seconds.max(0.0)));
     Instant::now().checked_add(wait?.ok()?)
+}
+
+/// What came lets nobody say that the client is alive: nothing, or bytes that are no message.
+fn is_silence_or_garbage(received: &PyResult<Received<'_>>) -> bool {
+    match received {
+        Ok(Received::Message(message)) => message.get().origin == Origin::Bad,
+        Ok(Received::Nothing) | Err(_) => true,
+        Ok(Received::Trouble) => false,
+    }
 }

@@ -337,6 +337,7 @@ BAD_CHECKSUM = heartbeat()[:-1] + bytes([heartbeat()[-1] ^ 1])
     ("kind", "garbage"),
     [
         ("tcpin", bytes(30_000)),
+        ("tcpin", BAD_CHECKSUM * 1000),
         ("wsserver", masked(bytes(30_000))),
         ("wsserver", masked(BAD_CHECKSUM * 1000)),
     ],
