@@ -75,6 +75,7 @@ mod source;
 mod system;
 mod table;
 mod text;
+mod thread_number;
 mod tracking;
 mod turn;
 mod values;
@@ -157,6 +158,7 @@ mod _native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::thread_number::follow_forks(module)?;
         module.add("FieldGetter", crate::descriptors::field_getter_type(module.py())?)?;
         let doc = c"build(message, /, *values)\n--\n\n\
             Stores the values of a new message's fields, in XML order.";
