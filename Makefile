@@ -166,6 +166,19 @@ wheel: $(VENV)/.requirements-build $(VENV)/.requirements-package ## Make source 
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) wheel --no-deps --no-build-isolation --wheel-dir dist dist/*.tar.gz
 	$(BIN)/python tools/check_wheel.py dist/*.whl
 
+.PHONY: audit
+audit: | $(BIN)/python ## Check licences and sources of all crates, and look up advisories where their data is to be had
+	@$(PIP) install -r requirements/audit.txt || echo 'pip-audit does not install here and is left out'
+	@$(BIN)/python tools/audit.py
+
+.PHONY: sbom
+sbom: | $(BIN)/python ## Write the bill of materials into dist, as CycloneDX
+	@$(BIN)/python tools/sbom.py
+
+.PHONY: reproducible
+reproducible: $(VENV)/.requirements-build ## Build the committed sources twice, in two places, and compare the wheels
+	@$(BIN)/python tools/reproducible.py
+
 .PHONY: stubs
 stubs: build ## Write the type stubs of the dialect modules
 	$(BIN)/python tools/generate_stubs.py

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from hardening import code, links, logs, signing, wire
+from hardening import code, links, logs, recovery, signing, wire
 
 Measure = Callable[[str, bool], dict[str, Any]]
 Judge = Callable[[Any], bool]
@@ -70,6 +70,8 @@ FIGURES = (
     Figure("kept after 8 MB unaligned", wire.unaligned, (at_most(64, 1000),)),
     Figure("telemetry log cut anywhere", logs.cuts, (NONE,)),
     Figure("damaged dataflash logs", logs.mutated, (NONE,)),
+    Figure("telemetry log, % found", recovery.of_telemetry, (exactly(100.0),)),
+    Figure("dataflash log, % found", recovery.of_dataflash, (exactly(100.0),)),
     Figure("code that is run", code.runs, (NO,)),
     Figure("hostile definitions", code.bombs, (Goal("refused in ms", quickly, refused),)),
     Figure("bytes for a made-up key", links.tables, (at_most(1, 10),)),
