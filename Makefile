@@ -113,6 +113,11 @@ bench-bridge: ## Forward through a bridge at rising rates, to many links, from m
 	@$(MAKE) --no-print-directory build PROFILE=release
 	@$(BIN)/python benches/bridge.py $(BENCH_FLAGS)
 
+.PHONY: soak
+soak: ## Fly through bridge, link, log and decoder for SECONDS, and look for losses and growth (BENCH_FLAGS="--hostile --rate 40000")
+	@$(MAKE) --no-print-directory build PROFILE=release
+	@$(BIN)/python benches/soak.py --seconds $(SECONDS) $(BENCH_FLAGS)
+
 .PHONY: bench-tools
 bench-tools: $(VENV)/.requirements-test ## Run the tools and pymavlink's scripts over the same log
 	@$(MAKE) --no-print-directory build PROFILE=release

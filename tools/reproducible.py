@@ -2,7 +2,7 @@
 """Whether a wheel can be built again, byte by byte: `make reproducible`.
 
 The committed sources are unpacked in two folders of different names and built in each, with a target folder of its own.
-What is told to the compiler makes paths and times no part of the outcome; `--environment` prints it, for builds of one's own.
+What is told to the compiler makes paths and times no part of the outcome; `--environment` prints it.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from hardening import code, links, logs, recovery, signing, wire
+from hardening import code, kills, links, logs, recovery, signing, wire
 
 Measure = Callable[[str, bool], dict[str, Any]]
 Judge = Callable[[Any], bool]
@@ -83,6 +83,7 @@ FIGURES = (
     Figure("slow TCP reader", links.slow_reader, (NONE,)),
     Figure("Ctrl-C", links.interrupted, (at_most(250),), in_short=False),
     Figure("kill -9 while recording", logs.killed, (NONE,)),
+    Figure("kill -9 while writing", kills.sweep, (NONE,), in_short=False),
     Figure("full disk, messages of 500", logs.full_disk, (exactly(500),)),
     Figure("four senders on one link", links.senders, (NONE,)),
     Figure("secrets in a recorded log", logs.secrets, (NO,)),
