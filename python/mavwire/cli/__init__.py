@@ -83,7 +83,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     if name == "help":
         name = arguments.pop(0) if arguments else "--help"
         arguments = ["--help"] if name in COMMANDS else []
-    command: Any = import_module(COMMANDS[name][0]) if name in COMMANDS else None
+    try:
+        command: Any = import_module(COMMANDS[name][0]) if name in COMMANDS else None
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
     if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
         return int(command.main(arguments))
     _replace_closed_streams()

@@ -13,7 +13,7 @@ from mavwire._native import Link, instance_dict
 from . import state
 from .commands import Commands
 from .conditions import evaluate_condition
-from .recording import record
+from .recording import open_recording, record
 from .signing import Signing
 from .target import Target
 from .tracking import Tracking
@@ -259,11 +259,11 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
 
     def setup_logfile(self, logfile: str, mode: str = "wb") -> None:
         """Record received messages to a telemetry log, without signatures and secret keys."""
-        self.logfile = open(logfile, mode=mode)
+        self.logfile = open_recording(logfile, mode)
 
     def setup_logfile_raw(self, logfile: str, mode: str = "wb") -> None:
         """Record received bytes exactly as they arrived, secrets included."""
-        self.logfile_raw = open(logfile, mode=mode)
+        self.logfile_raw = open_recording(logfile, mode)
 
     def recv_match(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from typing import Protocol
 
 
@@ -57,10 +58,17 @@ class Store:
 
 
 def write_file(path: str, content: bytes) -> None:
-    """Write or replace a file, which is never seen half written."""
+    """Write or replace a file, which is never seen half written. An OSError names it."""
     draft = path + ".part"
-    with open(draft, "wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(draft, path)
+    try:
+        with open(draft, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(draft, path)
+    except BaseException as error:
+        with suppress(OSError):
+            os.remove(draft)
+        if isinstance(error, OSError):
+            error.filename, error.filename2 = path, None  # the draft means nothing to anybody
+        raise

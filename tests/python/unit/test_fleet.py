@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from mavwire.fleet.cuts import find_cuts
 from mavwire.fleet.grouping import group_bytes, grouped
 from mavwire.fleet.places import expand, located, status
 from mavwire.fleet.stores import store_of
-from mavwire.fleet.tasks import Recipe
+from mavwire.fleet.tasks import Recipe, staging
 from mavwire.logs.conversion import convert as convert_here
 from mavwire.logs.conversion import prepare
 from mavwire.logs.manifest import Manifest
@@ -264,6 +265,17 @@ def test_places(tmp_path, small):
             pass
     with pytest.raises(IsADirectoryError), located(str(tmp_path), (0, 1)):
         pass
+
+
+def test_runs_leave_each_other_s_folders_alone(tmp_path):
+    left = tmp_path / ".staging-left"
+    (left / "task-1").mkdir(parents=True)
+    with staging(str(tmp_path)) as one, staging(str(tmp_path)) as other:
+        assert one is not None and other is not None and one != other
+        assert Path(one).is_dir() and Path(other).is_dir()
+        if os.name == "posix":
+            assert not left.exists(), "its run is gone"
+    assert not list(tmp_path.glob(".staging-*/*"))
 
 
 def test_groups():
