@@ -71,7 +71,7 @@ class Connecting:
 
     async def __aexit__(self, *exc_info: object) -> None:
         if self._link is not None:
-            await self._link.close()
+            await self._link.__aexit__(*exc_info)
 
     async def _open(self) -> Link:
         options = dict(self._options)

@@ -257,15 +257,19 @@ class Link(Parameters):
 
     async def close(self) -> None:
         """Send what is queued, if that is quick, and close. Whoever waits gets `LinkClosedError`."""
+        await self._closed(drains=True)
+
+    async def _closed(self, *, drains: bool) -> None:
         if self._closing is None:
-            self._closing = self._loop.create_task(self._close())
+            self._closing = self._loop.create_task(self._close(drains))
         await asyncio.shield(self._closing)
 
-    async def _close(self) -> None:
+    async def _close(self, drains: bool) -> None:
         if self._live is not None:
-            with suppress(TimeoutError):
-                async with asyncio.timeout(CLOSE_TIMEOUT):
-                    await self._live.outgoing.drain()
+            if drains:
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(CLOSE_TIMEOUT):
+                        await self._live.outgoing.drain()
             await self._live.stop()
         self._feed.end(LinkClosedError(f"{self!r} is closed"))
         if hasattr(self.sync, "close"):
@@ -274,8 +278,9 @@ class Link(Parameters):
     async def __aenter__(self) -> Link:
         return self
 
-    async def __aexit__(self, *exc_info: object) -> None:
-        await self.close()
+    async def __aexit__(self, kind: object = None, *_: object) -> None:
+        # Who was cancelled, as by Ctrl-C, does not wait for a peer that reads slowly.
+        await self._closed(drains=kind is not asyncio.CancelledError)
 
 
 class _Live:

@@ -123,10 +123,10 @@ class Vehicle:
     ) -> Any:  # fmt: skip
         """Ask for messages of `type` at a rate; 0 is none at all, None the vehicle's own rate.
 
-        Raises as `command` does; ValueError for a type that the dialect does not have and a NaN.
+        Raises as `command` does; ValueError for a type that the dialect does not have, or no rate.
         """
-        if hz is not None and math.isnan(hz):
-            raise ValueError("a rate is a number of messages a second, which nan is not")
+        if hz is not None and not 0 <= hz < math.inf:
+            raise ValueError(f"a rate is a number of messages a second, which {hz} is not")
         if hz is None:
             interval = 0.0
         else:
@@ -166,6 +166,8 @@ class Vehicle:
 
 def message_id(type: str) -> int:
     """The id of a message of the current dialect. ValueError if it has none of that name."""
+    if not isinstance(type, str):
+        raise TypeError(f"a message is named by its type, such as 'ATTITUDE', not by {type!r}")
     number: int | None = getattr(state.mavlink, f"MAVLINK_MSG_ID_{type}", None)
     if number is None:
         raise ValueError(f"the dialect {state.current_dialect} has no message {type}")

@@ -51,6 +51,8 @@ class OneClientLink(StreamLink):
     """A server for one client at a time; `listen` is its listening socket."""
 
     listen: Any
+    # Whether reading takes a moment where there is no descriptor for a client, or says so.
+    waits_for_descriptors = True
     # Clients that had to go.
     clients_replaced = 0
     # When the client was heard, and how many messages the link had received by then.
@@ -64,7 +66,7 @@ class OneClientLink(StreamLink):
         except (BlockingIOError, InterruptedError, ConnectionError):
             return None
         except OSError as error:
-            if error.errno in CLOSED:
+            if error.errno in CLOSED or not self.waits_for_descriptors:
                 raise
             sleep(ACCEPT_PAUSE)
             return None

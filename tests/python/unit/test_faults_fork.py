@@ -103,6 +103,45 @@ def child():
     link.recv_match()
 forks(child, times=5)
 """,
+    "a link that another thread sends on": """
+link, out = udp()
+out.mav.heartbeat_send(1, 2, 3, 4, 5)
+def send():
+    while True:
+        out.mav.heartbeat_send(1, 2, 3, 4, 5)
+for _ in range(2):
+    threading.Thread(target=send, daemon=True).start()
+def child():
+    out.mav.heartbeat_send(1, 2, 3, 4, 5)
+    threads = [threading.Thread(target=out.mav.heartbeat_send, args=(1, 2, 3, 4, 5)) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+forks(child, times=5)
+""",
+    "messages that are sent for the first time": """
+import time
+link, out = udp()
+out.mav.heartbeat_send(1, 2, 3, 4, 5)  # what Python imports to send at all
+begun = threading.Event()
+def send():
+    begun.set()
+    out.mav.system_time_send(1, 2)
+    out.mav.attitude_send(1, 2, 3, 4, 5, 6, 7)
+    out.mav.battery_status_send(0, 0, 0, 0, [0] * 10, 0, 0, 0, 0)
+threading.Thread(target=send, daemon=True).start()
+begun.wait()
+def child():
+    own, to_own = udp()
+    to_own.mav.system_time_send(1, 2)
+    to_own.mav.battery_status_send(0, 0, 0, 0, [0] * 10, 0, 0, 0, 0)
+    assert own.recv_match(type="SYSTEM_TIME", blocking=True, timeout=60)
+forks(child, times=5)
+known = set(sys.modules)
+out.mav.gps_raw_int_send(0, 3, 1, 2, 3, 4, 5, 6, 7, 8)
+assert set(sys.modules) == known
+""",
     "a parser that another thread feeds": """
 from mavwire.dialects.v20 import common
 mav = common.MAVLink(None)
