@@ -6,6 +6,10 @@
 
 use pyo3::prelude::*;
 
+// First, for its macro.
+#[macro_use]
+mod intern;
+
 mod align;
 #[cfg(unix)]
 mod bridge;

@@ -4,7 +4,7 @@ use mavwire_core::frame::{self, FrameBuffer, Header, IFLAG_SIGNED};
 use mavwire_schema::WireVersion;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use pyo3::{Borrowed, ffi, intern};
+use pyo3::{Borrowed, ffi};
 
 use crate::calling::{Calling, import};
 use crate::dialect::Dialect;

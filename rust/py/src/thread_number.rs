@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
 
-use pyo3::intern;
 use pyo3::prelude::*;
 
 static NEXT: AtomicU64 = AtomicU64::new(1);

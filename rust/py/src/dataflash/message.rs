@@ -7,7 +7,7 @@ use mavwire_core::log::dataflash::text::{Delimiter, values};
 use pyo3::exceptions::{PyAttributeError, PyIndexError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
-use pyo3::{PyTraverseError, PyVisit, intern};
+use pyo3::{PyTraverseError, PyVisit};
 
 use super::clock::Seconds;
 use super::shape::{self, Names};

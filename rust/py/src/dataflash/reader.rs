@@ -10,7 +10,7 @@ use mavwire_link::dataflash::Contents;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
-use pyo3::{PyTraverseError, PyVisit, intern};
+use pyo3::{PyTraverseError, PyVisit};
 
 use super::clock::MicrosClock;
 use super::message::DFMessage;

@@ -87,6 +87,6 @@ impl DataflashShape {
 
 /// The shape of a `DFFormat`, which its attribute `_shape` holds.
 pub(crate) fn of_format(format: &Bound<'_, PyAny>) -> PyResult<Arc<Names>> {
-    let shape = format.attribute(pyo3::intern!(format.py(), "_shape"))?;
+    let shape = format.attribute(intern!(format.py(), "_shape"))?;
     Ok(Arc::clone(&shape.cast::<DataflashShape>()?.get().names))
 }
