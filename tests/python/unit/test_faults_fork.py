@@ -157,6 +157,7 @@ forks(child, times=5)
 """,
     "a log that another thread reads": """
 log, other = connect(path), mavwire.open_log(path)
+sum(1 for _ in other)  # PyO3 lets threads run while it makes a name for the first time
 def read():
     while True:
         count(log)
