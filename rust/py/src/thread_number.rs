@@ -3,6 +3,9 @@
 use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
 
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::calling::{Calling, import};
 
 static NEXT: AtomicU64 = AtomicU64::new(1);
 /// The threads before this one ran in the process that this one was forked from, ...
@@ -33,12 +36,12 @@ fn forked() {
 /// Has `forked` called in every process that is forked from this one.
 pub(crate) fn follow_forks(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
-    let os = py.import(intern!(py, "os"))?;
-    let Some(register) = os.getattr_opt(intern!(py, "register_at_fork"))? else {
+    let os = import(py, intern!(py, "os"))?;
+    let Some(register) = os.attribute_opt(intern!(py, "register_at_fork"))? else {
         return Ok(()); // a system that does not fork
     };
-    let options = pyo3::types::PyDict::new(py);
+    let options = PyDict::new(py);
     options.set_item(intern!(py, "after_in_child"), wrap_pyfunction!(forked, module)?)?;
-    register.call((), Some(&options))?;
+    register.invoke((), Some(&options))?;
     Ok(())
 }
