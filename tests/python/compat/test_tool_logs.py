@@ -21,6 +21,8 @@ RUNS = (
     ("mavtogpx", "togpx", ""),
     ("mavsearch", "search", "--types HEARTBEAT,STATUSTEXT"),
     ("mavextract", "extract", "--mode rtl"),
+    ("mavgps_CEP", "gps_CEP", ""),
+    ("mavsplit_sysid", "split_sysid", ""),
     ("mavbitmask_change", "bitmask_change", "LOG SYS_STATUS.onboard_control_sensors_health"),
 )
 
