@@ -129,9 +129,14 @@ def begin(name: str, log: Path, out: Path) -> subprocess.Popen[str]:
     )  # fmt: skip
 
 
+def begun(out: Path) -> bool:
+    """Whether the work itself is being written."""
+    return any(not one.startswith("manifest.") and one.endswith(".part") for one in files(out))
+
+
 def finished(out: Path) -> list[str]:
     """Files under their own names."""
-    drafts = (".part", ".json", ".jsonl")
+    drafts = (".part", ".json", ".journal")
     return [one for one in files(out) if not one.endswith(drafts)]
 
 
@@ -142,7 +147,7 @@ def test_what_is_being_written_appears_whole_or_not_at_all(
 ) -> None:
     process = begin(name, flight, tmp_path)
     with process:
-        wait_until("a draft", lambda: any(tmp_path.rglob("*.part")) or process.poll() is not None)
+        wait_until("a draft", lambda: begun(tmp_path) or process.poll() is not None)
         process.send_signal(number)
         assert process.stderr is not None
         said = process.stderr.read()
