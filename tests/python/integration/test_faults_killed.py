@@ -129,9 +129,14 @@ def begin(name: str, log: Path, out: Path) -> subprocess.Popen[str]:
     )  # fmt: skip
 
 
+def begun(out: Path) -> bool:
+    """Whether the work itself is being written."""
+    return any(not one.startswith("manifest.") and one.endswith(".part") for one in files(out))
+
+
 def finished(out: Path) -> list[str]:
     """Files under their own names."""
-    drafts = (".part", ".json", ".jsonl")
+    drafts = (".part", ".json", ".journal")
     return [one for one in files(out) if not one.endswith(drafts)]
 
 
@@ -142,7 +147,7 @@ def test_what_is_being_written_appears_whole_or_not_at_all(
 ) -> None:
     process = begin(name, flight, tmp_path)
     with process:
-        wait_until("a draft", lambda: any(tmp_path.rglob("*.part")) or process.poll() is not None)
+        wait_until("a draft", lambda: begun(tmp_path) or process.poll() is not None)
         process.send_signal(number)
         assert process.stderr is not None
         said = process.stderr.read()
@@ -156,3 +161,24 @@ def test_what_is_being_written_appears_whole_or_not_at_all(
             assert process.wait(2 * LIMIT) == 0
         assert len(finished(tmp_path)) == 1
         assert not any(tmp_path.rglob("*.part"))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_what_runs_until_it_is_told_ends_quietly(number: signal.Signals, flight: Path) -> None:
+    """A bridge closes its recording on both; it says nothing but what it said at the start, and neither do others."""
+    interrupted = (0, 130) if number is signal.SIGINT else (-number,)
+    for words, codes in (
+        (["bridge"], (0,)),
+        (["sim", "--out"], interrupted),
+        (["replay", str(flight), "--out"], interrupted),
+    ):
+        with udp_peer() as peer:
+            out = f"udpout:127.0.0.1:{peer.getsockname()[1]}"
+            with mavwire(*words, out) as (process, lines):
+                if words[0] == "replay":
+                    assert peer.recv(65536)
+                else:
+                    assert lines.get(timeout=LIMIT).endswith("Ctrl-C ends it")
+                process.send_signal(number)
+                assert process.wait(LIMIT) in codes, words
+            assert lines.empty(), words
