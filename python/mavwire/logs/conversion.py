@@ -10,9 +10,12 @@ that was interrupted goes on where it stopped. A log that cannot be read is a ro
 
 from __future__ import annotations
 
+import hashlib
 import os
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
+
+from mavwire._native import empty_table
 
 from .journal import Journal
 from .manifest import FORMATS, ONE_FILE, Converted, Manifest, file_status
@@ -60,7 +63,7 @@ def convert(
     `out/LOG.mcap`, which holds all messages.
 
     Returns a row for each log, in the order given, and writes them to `out/manifest.json`. Logs
-    that the manifest has with the same size, time and options, and whose files are all there, are
+    that the manifest has with the same size, time, options and definitions, and whose files are all there, are
     not converted again. Logs of one name are numbered, and keep their numbers in later runs. With
     other options the manifest begins anew, and files of earlier runs stay until one of the same
     name replaces them: use a folder for each set of options. Memory does not depend on the size of
@@ -120,7 +123,19 @@ def prepare(
     query.batch_bytes = BATCH_BYTES
     how = {"format": format, "compression": compression, **asdict(query)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))
+    how["definitions"] = _fingerprint(module, native, query)
     return compression, native, query, how
+
+
+def _fingerprint(module: Any, native: Any, query: Query) -> str:
+    """What tells the definitions of the wanted messages from others under the same name."""
+    every = module.mavlink_map
+    told = hashlib.sha256()
+    for msgid in sorted(every if query.types is None else query.types):
+        table = empty_table(native, msgid, query)
+        columns = table.types(), table.metadata()
+        told.update(repr((msgid, every[msgid].msgname, every[msgid].crc_extra, columns)).encode())
+    return told.hexdigest()
 
 
 @dataclass

@@ -158,6 +158,28 @@ def test_convert_goes_on_where_it_stopped(flight, every, tmp_path):
     assert not list(out.rglob("*.part"))
 
 
+def test_a_log_is_converted_again_when_the_definitions_are_others(flight, tmp_path):
+    pq = pytest.importorskip("pyarrow.parquet")
+    definition = tmp_path / "mine.xml"
+    text = """<mavlink><messages><message id="30" name="ATTITUDE"><description>x</description>
+        <field type="uint32_t" name="time_boot_ms"/>%s</message></messages></mavlink>"""
+    fields = "".join(
+        f'<field type="float" name="{name}" units="rad"/>'
+        for name in ("roll", "pitch", "yaw", "rollspeed", "pitchspeed", "yawspeed")
+    )
+
+    def run(log: Path) -> tuple[bool, bytes]:
+        (row,) = convert([log], tmp_path / "out", types="ATTITUDE", dialect=str(definition))
+        assert row.error is None and row.rows
+        schema = pq.read_schema(tmp_path / "out" / "ATTITUDE" / "flight.parquet")
+        return row.skipped, schema.field("roll").metadata[b"unit"]
+
+    definition.write_text(text % fields)
+    assert [run(flight), run(flight)] == [(False, b"rad"), (True, b"rad")]
+    definition.write_text(text % fields.replace("rad", "deg"))
+    assert [run(flight), run(flight)] == [(False, b"deg"), (True, b"deg")]
+
+
 def test_what_is_no_log_is_a_row_with_an_error(flight, tmp_path):
     other = tmp_path / "text.tlog"
     other.write_text("this is no telemetry log\n" * 100)
