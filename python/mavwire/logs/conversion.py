@@ -15,12 +15,10 @@ import os
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import empty_table
-
 from .journal import Journal
 from .manifest import FORMATS, ONE_FILE, Converted, Manifest, file_status
-from .query import Query, check_fields
-from .reading import check_readable, native_dialect
+from .query import Query, check_tables
+from .reading import check_readable, native_dialect, no_rows, paths_of
 from .sources import head_of, open_converter
 from .store import Store
 from .telemetry import HEAD_SIZE, not_telemetry
@@ -74,12 +72,12 @@ def convert(
     compression, native, query, how = prepare(
         format, compression, types, systems, None, start, end, dialect
     )
-    out = os.fspath(out)
+    out = os.fsdecode(out)
     store = Store(out)
     manifest = Manifest(store, how)
     journal = Journal(store, manifest)
     job = Job(out, native, query, format, compression, progress)
-    names = manifest.names([os.path.abspath(os.fspath(path)) for path in paths])
+    names = manifest.names([os.path.abspath(path) for path in paths_of(paths)])
     rows = []
     try:
         for path, name in names.items():
@@ -117,7 +115,7 @@ def prepare(
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end)
     if query.foreign is None:  # else the fields are those of dataflash logs
-        check_fields(module, query, fields)
+        check_tables(module, native, query, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
     query.batch_rows = 1 if format in ONE_FILE else BATCH_ROWS
     query.batch_bytes = BATCH_BYTES
@@ -132,7 +130,7 @@ def _fingerprint(module: Any, native: Any, query: Query) -> str:
     every = module.mavlink_map
     told = hashlib.sha256()
     for msgid in sorted(every if query.types is None else query.types):
-        table = empty_table(native, msgid, query)
+        table = no_rows(native, msgid, query)
         columns = table.types(), table.metadata()
         told.update(repr((msgid, every[msgid].msgname, every[msgid].crc_extra, columns)).encode())
     return told.hexdigest()

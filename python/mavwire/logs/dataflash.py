@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables
 
-from .query import Query
-from .table import Table, tidy
+from .query import Query, check_described
+from .table import Table
 from .telemetry import LogFormatError
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class DataflashLog:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = os.fspath(path)
+        self.path = os.fsdecode(path)
         self.closed = False
         self._surveyed: tuple[int, DataflashTables] | None = None
         self._tables()
@@ -183,20 +183,12 @@ def read_tables(
     """Whole tables of a dataflash log. ValueError for a type that the log does not describe, or a
     field that no wanted type has.
     """
-    from .reading import joined
+    from .reading import in_order, joined, tables_of
 
     query.check_dataflash()
-    known = tables.types()
-    for name in query.names or ():
-        if name not in known:
-            raise ValueError(f"the log describes no record type {name!r}: {path!r}")
-    if fields is not None:
-        columns = {one for name in query.names or known for one in known[name]}
-        for field in [fields] if isinstance(fields, str) else fields:
-            if field not in columns:
-                raise ValueError(f"no wanted type has a field {field!r}")
-    found = joined(tables.columns(query), path)
+    check_described(tables.types(), query, fields)
+    found = joined(tables.columns(query), query)
     for name in query.names or ():
         if name not in found:
-            found[name] = tidy(name, tables.empty(name, query), path)
-    return {name: table.wide() if wide else table for name, table in sorted(found.items())}
+            found[name] = in_order(tables.empty(name, query), query.columns)
+    return tables_of(found, path, wide)

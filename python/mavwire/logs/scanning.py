@@ -7,18 +7,18 @@ polars says which columns it needs and which rows, and only those columns are ga
 from __future__ import annotations
 
 import json
-import os
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, RecordBatches, empty_table
 
-from .query import Query
-from .reading import BATCH_ROWS, _batches, native_dialect
+from .query import Query, check_tables
+from .reading import BATCH_ROWS, batches_of, check_readable, native_dialect, paths_of
 from .selection import record_seconds
-from .sources import is_dataflash
+from .sources import is_dataflash, open_columns
 from .table import Table
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterable, Iterator
     from datetime import datetime
     from types import ModuleType
@@ -44,8 +44,7 @@ def scan_polars(
     import polars as pl
     from polars.io.plugins import register_io_source
 
-    one = isinstance(paths, str | os.PathLike)
-    every = [os.fspath(paths)] if one else [os.fspath(path) for path in paths]  # type: ignore[union-attr, arg-type]
+    every = paths_of(paths)
     module, native = native_dialect(dialect)
     query = Query.of(module, message, systems, None, start, end, units, enums)
     empty = _empty(every, message, module, native, query)
@@ -66,7 +65,7 @@ def scan_polars(
         wanted.columns = [name for name in schema if name in needed]
         wanted.batch_rows = batch_size or BATCH_ROWS
         left = n_rows
-        for table in _batches(every, native, wanted):
+        for table in _tables(every, native, wanted):
             frame = _fitted(pl.DataFrame(table), {one: schema[one] for one in wanted.columns})
             if predicate is not None:
                 frame = frame.filter(predicate)
@@ -82,6 +81,12 @@ def scan_polars(
     return register_io_source(source, schema=schema, is_pure=True)
 
 
+def _tables(paths: list[str], native: Any, query: Query) -> Iterator[Table]:
+    for path in paths:
+        check_readable(path)
+        yield from batches_of(open_columns(path, native, query), path, query)
+
+
 def _empty(paths: list[str], message: str, module: Any, native: Any, query: Query) -> RecordBatches:
     """A table without rows of a type, as the dialect has it or the first of the dataflash logs that
     describes it. ValueError where none does.
@@ -92,6 +97,7 @@ def _empty(paths: list[str], message: str, module: Any, native: Any, query: Quer
             query.check_dataflash()
             return tables.empty(message, query)
     query.check_telemetry()
+    check_tables(module, native, query)
     return empty_table(native, getattr(module, f"MAVLINK_MSG_ID_{message}"), query)
 
 

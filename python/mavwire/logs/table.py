@@ -193,7 +193,7 @@ class Table:
         It appears when it is complete. `compression`: for Parquet "zstd" (the default), "snappy" or
         "none", for text "none", "gzip" or "zstd", for Arrow "none".
         """
-        path = os.fspath(path)
+        path = os.fsdecode(path)
         kind = format or SUFFIXES.get(os.path.splitext(path)[1].lower())
         if kind is None:
             raise ValueError(f"no format is known by the suffix of {path!r}: give format=")

@@ -53,7 +53,7 @@ def open_log(
     """
     from .sources import is_dataflash
 
-    if is_dataflash(os.fspath(path)):
+    if is_dataflash(os.fsdecode(path)):
         from .dataflash import DataflashLog
 
         return DataflashLog(path)
@@ -77,7 +77,7 @@ class TelemetryLog:
     ) -> None:
         if resync not in ("skip", "rescan"):
             raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
-        self.path = os.fspath(path)
+        self.path = os.fsdecode(path)
         self.resync = resync
         self.dialect = dialect_module(dialect)
         self.closed = False
@@ -210,9 +210,9 @@ class TelemetryLog:
         self.compressed = head.startswith((b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd"))
         if self.compressed and self._has_records():
             return
-        may_begin = len(head) < 9 or head[8] in b"\xfd\xfe"
-        if _other_format(head) is not None or (
-            not may_begin and size <= FOREIGN_PROBE and next(iter(self), None) is None
+        if is_foreign(head) and (
+            _other_format(head) is not None
+            or (size <= FOREIGN_PROBE and next(iter(self), None) is None)
         ):
             raise not_telemetry(self.path, head)
 
@@ -234,6 +234,12 @@ class TelemetryLog:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+def is_foreign(head: bytes) -> bool:
+    """Whether a file that holds no record is something else than a log that is cut off."""
+    begins = len(head) < 9 or head[8] in b"\xfd\xfe"
+    return not begins or _other_format(head) is not None
 
 
 def not_telemetry(path: str, head: bytes) -> LogFormatError:
