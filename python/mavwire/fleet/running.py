@@ -52,6 +52,8 @@ def convert(
     fields: str | Iterable[str] | None = None,
     start: float | datetime | None = None,
     end: float | datetime | None = None,
+    units: str | None = None,
+    enums: str | None = None,
     dialect: str = "all",
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
@@ -62,7 +64,7 @@ def convert(
     `paths` are paths, patterns such as `logs/**/*.tlog`, and URLs of fsspec, one or several; `out`
     is a folder that all workers see, or a URL. `client` is a `distributed.Client` or the address of
     a scheduler; None is a cluster of `workers` processes on this machine, one for each processor.
-    `fields` names the fields that become columns. `progress` is told how many logs are done, of how
+    `progress` is told how many logs are done, of how
     many. The other arguments, and what is returned, are those of `mavwire.logs.conversion.convert`.
 
     Small logs are done together and large ones in parts of at least `task_bytes`, which give exactly
@@ -71,13 +73,14 @@ def convert(
     interrupted goes on where it stopped when it is started again. ImportError where Dask is not
     installed, OSError where the scheduler is gone, ValueError for an argument that makes no sense.
     """
+    logs = expand(paths, storage_options)
     compression, _, query, how = prepare(
-        format, compression, types, systems, fields, start, end, dialect
-    )
+        format, compression, types, systems, fields, start, end, dialect,
+        units=units, enums=enums, first=next(iter(logs), None),
+    )  # fmt: skip
     if (workers is not None and workers < 1) or task_bytes < 1:
         raise ValueError("workers and task_bytes must be at least 1")
-    out = os.fspath(out).removeprefix("file://")
-    logs = expand(paths, storage_options)
+    out = os.fsdecode(out).removeprefix("file://")
     known = _statuses(logs, storage_options)
     store = store_of(out, storage_options)
     manifest = Manifest(store, how, lambda path: _known(known[path]))

@@ -11,16 +11,12 @@ import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from .formats import FORMATS, ONE_FILE
 from .store import Files
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-FORMATS = {
-    "parquet": ".parquet", "csv": ".csv", "jsonl": ".jsonl", "arrow": ".arrow", "mcap": ".mcap",
-}  # fmt: skip
-ONE_FILE = frozenset(("mcap",))
-"""Formats that have one file for each log, and not one for each message type of it."""
 MANIFEST = "manifest.json"
 JOURNAL = "manifest.journal"
 VERSION = 1
@@ -91,9 +87,11 @@ class Manifest:
         """Logs that a killed run had begun, and what their files may be called."""
 
     def done(self, path: str) -> Converted | None:
-        """The row of a log that need not be converted again."""
+        """The row of a log that need not be converted again, also where a compressed one is damaged:
+        another time it gives no more.
+        """
         row = self.rows.get(path)
-        if row is None or row.error is not None:
+        if row is None or row.error == BEGUN or (row.error is not None and not row.files):
             return None
         try:
             status = self._status(path)

@@ -73,7 +73,7 @@ class Query:
     @classmethod
     def of_dataflash(
         cls,
-        types: str | Iterable[str] | None = None,
+        types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
         start: float | datetime | None = None,
@@ -84,7 +84,8 @@ class Query:
         """For a log that is known to be a dataflash log; ValueError as by `of`."""
         query = cls.of(None, None, systems, fields, start, end, units, enums)
         if types is not None:
-            query.names = names_of(types)
+            wanted = [types] if isinstance(types, str | type) else types
+            query.names = [_name_of(one) for one in wanted]
         return query
 
     def check_telemetry(self) -> None:

@@ -8,7 +8,7 @@ import mavwire
 import pytest
 from dataflash_writer import Log, sample
 from mavwire import traffic
-from mavwire.logs import LogFormatError
+from mavwire.logs import LogFormatError, dataflash
 from unit.column_tools import HEADER, log_of_every_type
 
 
@@ -105,3 +105,48 @@ def test_a_list_of_logs_is_opened_log_by_log(tmp_path):
     assert len(next(found)) == 3
     with pytest.raises(FileNotFoundError):
         next(found)
+
+
+def test_what_is_in_a_log(flight, tmp_path):
+    log, onboard = mavwire.open_log(flight), mavwire.open_log(sample().write(tmp_path / "f.BIN"))
+    assert "ATTITUDE" in log and "IMU" in onboard
+    for name in ("PING", "NOPE", "IMU", "attitude", ""):
+        assert name not in log
+    assert "ATTITUDE" not in onboard and "NOPE" not in onboard
+    described = Log().define("ABC", "Q", "TimeUS").define("DEF", "Q", "TimeUS").add("ABC", 1)
+    other = mavwire.open_log(described.write(tmp_path / "other.BIN"))
+    assert "ABC" in other and "DEF" not in other and "DEF" in other.types
+
+
+def test_parts_of_a_table(flight):
+    table = mavwire.open_log(flight)["ATTITUDE"]
+    rolls, count = table["roll"].tolist(), len(table)
+    assert table.slice(-5, 3)["roll"].tolist() == rolls[-5:-2]
+    assert table.slice(-count - 9, 2)["roll"].tolist() == rolls[:2]
+    for rows in (slice(10, 20), slice(-3, None), slice(None, 4), slice(9, 2), slice(count, None)):
+        assert table[rows]["roll"].tolist() == rolls[rows]
+    with pytest.raises(ValueError, match="steps of 1"):
+        table[::2]
+    with pytest.raises(ValueError, match="rows must be"):
+        table.slice(0, -1)
+    assert "roll" in table and "rol" not in table
+
+
+def test_a_dataflash_log_is_surveyed_when_it_is_needed(tmp_path, monkeypatch):
+    path = sample().write(tmp_path / "flight.BIN")
+    surveys = []
+    open_tables = dataflash.DataflashTables.open
+
+    class Counting:
+        recognises = staticmethod(dataflash.DataflashTables.recognises)
+
+        @staticmethod
+        def open(log):
+            surveys.append(log)
+            return open_tables(log)
+
+    monkeypatch.setattr(dataflash, "DataflashTables", Counting)
+    log = mavwire.open_log(path)
+    assert surveys == []
+    assert len(log["IMU"]) == len(log.read("IMU")["IMU"]) == 3
+    assert surveys == [path]
