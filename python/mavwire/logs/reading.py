@@ -5,10 +5,12 @@ from __future__ import annotations
 import errno
 import os
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_table
 
+from .batches import Batches
 from .query import Query, check_described, check_tables
 from .sources import columns_from, head_of, is_dataflash
 from .table import Table, tidy
@@ -139,6 +141,21 @@ def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:
     return empty_table(native, msgid, replace(query, columns=columns))
 
 
+def empty_of(paths: list[str], module: Any, native: Any, query: Query) -> RecordBatches:
+    """A table without rows of the one type that is wanted, as the first of the dataflash logs that
+    describes it has it, or the dialect. ValueError where none does.
+    """
+    name = (query.names or [""])[0]
+    for path in filter(is_dataflash, paths):
+        tables = DataflashTables.open(path)
+        if tables is not None and name in tables.types():
+            query.check_dataflash()
+            return in_order(tables.empty(name, query), query.columns)
+    query.check_telemetry()
+    check_tables(module, native, query)
+    return in_order(no_rows(native, (query.types or [0])[0], query), query.columns)
+
+
 def scan(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     types: str | type | Iterable[str | type] | None = None,
@@ -151,9 +168,9 @@ def scan(
     enums: str | None = None,
     dialect: str | ModuleType = "all",
     batch_rows: int = BATCH_ROWS,
-) -> Iterator[Table]:
+) -> Batches:
     """Read logs of any size in batches: tables of about `batch_rows` rows of one type each, with
-    `name` and `path`.
+    `name` and `path`. With one type in `types` they are an Arrow stream too, see `Batches`.
 
     The rows of a type come in the order of the log. Memory stays bounded: what is read ahead does
     not depend on the size of a log. A text column is always followed by `<name>_raw`.
@@ -167,7 +184,10 @@ def scan(
         query.check_telemetry()
         check_tables(module, native, query, fields)
     query.batch_rows, query.batch_bytes = batch_rows, BATCH_BYTES
-    return _checked_batches(every, module, native, query, fields)
+    begin = partial(_checked_batches, every, module, native, query, fields)
+    one_type = query.names is not None and len(query.names) == 1
+    empty = partial(empty_of, every, module, native, query) if one_type else None
+    return Batches(begin, empty)
 
 
 def _checked_batches(

@@ -9,12 +9,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import DataflashTables, RecordBatches, empty_table
+from mavwire._native import DataflashTables
 
 from .pushdown import narrow
-from .query import Query, check_tables
-from .reading import BATCH_ROWS, batches_of, check_readable, native_dialect, paths_of
-from .sources import columns_from, is_dataflash
+from .query import Query
+from .reading import BATCH_ROWS, batches_of, check_readable, empty_of, native_dialect, paths_of
+from .sources import columns_from
 from .table import Table
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def scan_polars(
     every = paths_of(paths)
     module, native = native_dialect(dialect)
     query = Query.of(module, message, systems, None, start, end, units, enums)
-    empty = _empty(every, message, module, native, query)
+    empty = empty_of(every, module, native, query)
     schema = pl.DataFrame(Table(message, empty)).schema
 
     def source(
@@ -88,20 +88,6 @@ def _tables(paths: list[str], native: Any, wanted: Query, query: Query) -> Itera
         dataflash = DataflashTables.open(path)
         those = wanted if dataflash is None else replace(wanted, systems=query.systems)
         yield from batches_of(columns_from(dataflash, path, native, those), path, those)
-
-
-def _empty(paths: list[str], message: str, module: Any, native: Any, query: Query) -> RecordBatches:
-    """A table without rows of a type, as the dialect has it or the first of the dataflash logs that
-    describes it. ValueError where none does.
-    """
-    for path in filter(is_dataflash, paths):
-        tables = DataflashTables.open(path)
-        if tables is not None and message in tables.types():
-            query.check_dataflash()
-            return tables.empty(message, query)
-    query.check_telemetry()
-    check_tables(module, native, query)
-    return empty_table(native, getattr(module, f"MAVLINK_MSG_ID_{message}"), query)
 
 
 def _fitted(frame: Any, schema: dict[str, Any]) -> Any:

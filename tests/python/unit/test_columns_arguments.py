@@ -150,3 +150,43 @@ def test_a_dataflash_log_is_surveyed_when_it_is_needed(tmp_path, monkeypatch):
     assert surveys == []
     assert len(log["IMU"]) == len(log.read("IMU")["IMU"]) == 3
     assert surveys == [path]
+
+
+def test_a_scan_of_one_type_is_a_stream(flight, tmp_path):
+    pa = pytest.importorskip("pyarrow")
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"].to_arrow()
+    pieces = mavwire.scan([flight, flight], "ATTITUDE", batch_rows=10)
+    reader = pa.RecordBatchReader.from_stream(pieces)
+    first = reader.read_next_batch()
+    assert 0 < len(first) <= len(table) and first.schema == table.schema
+    assert len(first) + sum(map(len, reader)) == 2 * len(table)
+    assert len(pa.table(pieces)) == 2 * len(table), "a stream begins at the beginning"
+    narrow = mavwire.scan(flight, "ATTITUDE", fields=["yaw", "roll"])
+    assert pa.table(narrow).column_names == [*HEADER, "yaw", "roll"]
+    assert len(pa.table(mavwire.scan(flight, "PING"))) == 0
+    named = pa.table(mavwire.scan(flight, "HEARTBEAT", enums="names", batch_rows=1))
+    values = mavwire.read(flight, "HEARTBEAT", enums="names")["HEARTBEAT"]["type"]
+    assert named["type"].to_pylist() == values.tolist()
+    for types in (None, ["ATTITUDE", "HEARTBEAT"]):
+        with pytest.raises(TypeError, match="name one type"):
+            pa.table(mavwire.scan(flight, types))
+
+
+def test_a_stream_of_logs_that_describe_a_type_in_several_ways(tmp_path):
+    pa = pytest.importorskip("pyarrow")
+    one = Log().define("ABC", "QBZ", "TimeUS,Count,Text").add("ABC", 1, 2, b"x")
+    other = Log().define("ABC", "QI", "TimeUS,Count").add("ABC", 1, 200)
+    paths = [one.write(tmp_path / "one.BIN"), other.write(tmp_path / "other.BIN")]
+    found = pa.table(mavwire.scan(paths, "ABC"))
+    assert found["Count"].to_pylist() == [2, 200]
+    assert found["Text"].to_pylist() == ["x", None]
+
+
+def test_duckdb_reads_a_scan(flight):
+    duckdb = pytest.importorskip("duckdb")
+    pytest.importorskip("pyarrow")
+    pieces = mavwire.scan(flight, "ATTITUDE")
+    count = len(mavwire.open_log(flight)["ATTITUDE"])
+    with duckdb.connect() as database:
+        database.register("pieces", pieces)
+        assert database.sql("select count(*) from pieces").fetchall() == [(count,)]
