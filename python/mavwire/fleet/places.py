@@ -12,7 +12,7 @@ import tempfile
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.reading import check_readable
+from mavwire.logs.reading import check_readable, paths_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -48,8 +48,7 @@ def expand(
 
     A pattern that matches nothing stays as it is, and is then a log that is missing.
     """
-    every = [paths] if isinstance(paths, str | os.PathLike) else paths
-    found = [one for path in every for one in _matches(os.fspath(path), options)]
+    found = [one for path in paths_of(paths) for one in _matches(path, options)]
     return list(dict.fromkeys(found))
 
 

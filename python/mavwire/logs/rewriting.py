@@ -133,7 +133,7 @@ def _checked(
     paths: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str]
 ) -> tuple[list[str], str]:
     """The names as texts; raises what tells why they cannot be read or written."""
-    inputs, out = [os.fspath(path) for path in paths], os.fspath(out)
+    inputs, out = [os.fsdecode(path) for path in paths], os.fsdecode(out)
     if not inputs:
         raise ValueError("no logs to read")
     for path in inputs:

@@ -86,7 +86,16 @@ def record_seconds(micros: int) -> float:
     return micros * 1e-6
 
 
-def _seconds(time: float | datetime | None) -> float | None:
-    if not isinstance(time, datetime):
-        return time
-    return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
+def _seconds(time: Any) -> float | None:
+    """Seconds since 1970 of a time as users give it. ValueError for what is none."""
+    if time is None:
+        return None
+    if isinstance(time, datetime):
+        return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
+    if type(time).__name__ == "datetime64":  # of NumPy, as the tables have it
+        return record_seconds(int(time.astype("datetime64[us]").astype("int64")))
+    try:
+        return float(time + 0.0)  # a number; float() takes texts too
+    except TypeError:
+        pass
+    raise ValueError(f"a time is seconds since 1970, a datetime or a datetime64, not {time!r}")

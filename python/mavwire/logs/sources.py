@@ -34,7 +34,15 @@ def is_dataflash(source: Source) -> bool:
 
 def open_columns(source: Source, native: Any, query: Query) -> LogColumns:
     """A run over a log, giving tables; ValueError for what makes no sense with its kind."""
-    tables = DataflashTables.open(source)
+    return columns_from(DataflashTables.open(source), source, native, query)
+
+
+def columns_from(
+    tables: DataflashTables | None, source: Source, native: Any, query: Query
+) -> LogColumns:
+    """A run over a dataflash log, or where that is None over the telemetry log `source`; ValueError
+    for what makes no sense with its kind.
+    """
     if tables is None:
         query.check_telemetry()
         return LogColumns(source, native, query)

@@ -4,21 +4,31 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 
 class Files(Protocol):
     """What a manifest needs of the place it is kept at."""
 
+    appends: bool
+    """Whether adding to a file costs no more than what is added."""
+
+    def names(self) -> Iterator[str]: ...
     def place(self, name: str) -> str: ...
     def exists(self, name: str) -> bool: ...
     def read(self, name: str) -> bytes | None: ...
     def write(self, name: str, content: bytes) -> None: ...
+    def append(self, name: str, content: bytes) -> None: ...
     def remove(self, name: str) -> None: ...
 
 
 class Store:
     """A local folder. Names are paths below it, with `/`."""
+
+    appends = True
 
     def __init__(self, root: str) -> None:
         self.root = root
@@ -27,6 +37,14 @@ class Store:
     def place(self, name: str) -> str:
         """The path of a file."""
         return os.path.join(self.root, *name.split("/"))
+
+    def names(self) -> Iterator[str]:
+        """The files in it and in its folders."""
+        for one in os.scandir(self.root):
+            if one.is_dir(follow_symlinks=False):
+                yield from (f"{one.name}/{name}" for name in os.listdir(one.path))
+            else:
+                yield one.name
 
     def exists(self, name: str) -> bool:
         """Whether there is such a file."""

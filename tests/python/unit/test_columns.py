@@ -17,7 +17,7 @@ import pytest
 from mavwire import traffic
 from mavwire._native import LogColumns
 from mavwire.dialects.v20 import all as mavlink
-from mavwire.logs import reading, scanning
+from mavwire.logs import pushdown, reading
 from real_logs import each_log
 from unit.column_tools import compare_with_messages, log_of_every_type
 from unit.link_tools import T0, heartbeat, pack, record
@@ -180,7 +180,7 @@ def test_a_time_in_a_filter_is_rounded_like_that_of_a_record():
             ("Milliseconds", micros // 1_000),
         ):
             node = {"Literal": {"DateTime": [count, unit, None]}}
-            assert scanning._seconds(node) == micros * 1e-6
+            assert pushdown._seconds(node) == micros * 1e-6
 
 
 def test_a_type_that_comes_in_pieces_is_one_table(flight, monkeypatch):
@@ -200,6 +200,7 @@ class Halves:
 
     def __init__(self, *arguments):
         self.found = LogColumns(*arguments)
+        self.position = self.bad_bytes = 0
 
     def __iter__(self):
         for tables in self.found:

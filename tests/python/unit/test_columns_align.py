@@ -120,3 +120,24 @@ def test_info_finds_gaps_reboots_and_versions(tmp_path):
     assert info.times_back == 1
     assert info.senders[1, 1].reboots == 1
     assert (info.version1, info.version2) == (1, 5)
+
+
+def test_a_span_of_time_and_names_of_enums(tmp_path):
+    path = tmp_path / "flight.tlog"
+    traffic.generate(path, 2000)
+    log = mavwire.open_log(path)
+    whole = log.align(["HEARTBEAT", "ATTITUDE"], on="ATTITUDE")
+    first, last = whole["timestamp"][20], whole["timestamp"][40]
+    some = log.align(["ATTITUDE"], on="ATTITUDE", start=first, end=last)
+    assert some["ATTITUDE.roll"].tolist() == whole["ATTITUDE.roll"][20:40].tolist()
+    named = log.align(["HEARTBEAT"], on="HEARTBEAT", enums="names")
+    assert str(named["HEARTBEAT.autopilot"][0]).startswith("MAV_AUTOPILOT_")
+
+
+def test_an_aligned_table_has_no_instances_of_its_own(tmp_path):
+    path = tmp_path / "flight.tlog"
+    traffic.generate(path, 2000)
+    log = mavwire.open_log(path)
+    table = log.align(["BATTERY_STATUS"], rate="1s")
+    assert log["BATTERY_STATUS"].instance_field == "id"
+    assert table.instance_field is None and table.wide() is table

@@ -240,7 +240,9 @@ def test_scan_of_several_kinds(tmp_path):
     assert {"IMU", "ATTITUDE"} <= names
     assert [len(table) for table in mavwire.scan(path, "IMU", batch_rows=1)] == [3]
     with pytest.raises(ValueError, match="IMU"):
-        mavwire.scan([path, telemetry], "IMU")
+        list(mavwire.scan([path, telemetry], "IMU"))
+    with pytest.raises(ValueError, match="IMU"):
+        mavwire.scan([telemetry, path], "IMU")
     with pytest.raises(ValueError, match="NOPE"):
         mavwire.read(telemetry, "NOPE")
 
