@@ -11,9 +11,10 @@ from unit.faults import python
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 
-# `child` runs in each fork, and `parent` once they have ended; a child that hangs ends by its alarm.
+# `child` runs in each fork, and `parent` once they have ended; a child that hangs ends by its alarm. Python's own rule
+# holds: no other thread may be in the middle of an import when a process forks, so what threads do is done once before.
 HEAD = """
-import os, signal, sys, threading
+import faulthandler, os, signal, sys, threading
 os.environ["MAVLINK20"] = "1"
 import mavwire
 from mavwire import aio, mavutil
@@ -29,6 +30,7 @@ def forks(child, parent=lambda: None, times=1):
     for _ in range(times):
         pid = os.fork()
         if pid == 0:
+            faulthandler.dump_traceback_later(50)
             signal.alarm(60)
             code = 1
             try:
@@ -92,6 +94,8 @@ forks(each)
     "a link that another thread waits on": """
 link, out = udp()
 out.mav.heartbeat_send(1, 2, 3, 4, 5)
+while link.recv_match(blocking=True, timeout=0.01):  # all that is needed is imported
+    pass
 def receive():
     while True:
         link.recv_match(blocking=True)
@@ -157,7 +161,7 @@ forks(child, times=5)
 """,
     "a log that another thread reads": """
 log, other = connect(path), mavwire.open_log(path)
-sum(1 for _ in other)  # PyO3 lets threads run while it makes a name for the first time
+count(log), list(other)  # PyO3 lets threads run while it makes a name for the first time
 def read():
     while True:
         count(log)
