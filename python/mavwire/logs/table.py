@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, overload
 from mavwire._native import RecordBatches, write_table
 
 from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
+from .targets import file_to_write
 
 if TYPE_CHECKING:
     import builtins
@@ -81,11 +82,14 @@ class Table:
     def __getitem__(self, what: builtins.slice[Any, Any, Any]) -> Table: ...
 
     @overload
+    def __getitem__(self, what: list[str]) -> Table: ...
+
+    @overload
     def __getitem__(self, what: str) -> Any: ...
 
-    def __getitem__(self, what: str | builtins.slice[Any, Any, Any]) -> Any:
-        """A column as a NumPy array, KeyError if there is none of that name; or the rows of a slice
-        as a table.
+    def __getitem__(self, what: str | list[str] | builtins.slice[Any, Any, Any]) -> Any:
+        """A column as a NumPy array, KeyError if there is none of that name; the rows of a slice, or
+        the columns of a list, as a table.
 
         Numbers are views of the table's memory and read-only; lists have a second dimension; times
         are datetime64[us]; texts are an array of objects.
@@ -94,6 +98,8 @@ class Table:
 
         if isinstance(what, slice):
             return self._sliced(what)
+        if isinstance(what, list):
+            return self.select(what)
         view = self._batches.column(what)
         if not view.is_numeric:
             array = np.empty(len(view), dtype=object)
@@ -270,7 +276,7 @@ class Table:
         if kind is None or (packed is not None and kind not in TEXTS):
             raise ValueError(f"no format is known by the suffix of {path!r}: give format=")
         compression = compression or packed or COMPRESSIONS.get(kind, ("none",))[0]
-        write_table(self._batches, path, kind, compression)
+        write_table(self._batches, file_to_write(path), kind, compression)
 
 
 def tidy(name: str, batches: RecordBatches, path: str) -> Table:
