@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables
 
+from .extras import extra
 from .pushdown import narrow
 from .query import Query
 from .reading import BATCH_ROWS, batches_of, check_readable, empty_of, native_dialect, paths_of
@@ -40,8 +41,9 @@ def scan_polars(
     type. The arguments are those of `mavwire.scan`. Nothing is read before the frame is
     collected; a text column is always followed by `<name>_raw`.
     """
-    import polars as pl
-    from polars.io.plugins import register_io_source
+    with extra("data"):
+        import polars as pl
+        from polars.io.plugins import register_io_source
 
     if not isinstance(message, str):
         raise ValueError(f"a scan is of one message type, not of {message!r}")
@@ -93,7 +95,8 @@ def _tables(paths: list[str], native: Any, wanted: Query, query: Query) -> Itera
 
 def _fitted(frame: Any, schema: dict[str, Any]) -> Any:
     """A frame with the columns of the scan: another dataflash log may describe a type otherwise."""
-    import polars as pl
+    with extra("data"):
+        import polars as pl
 
     found = frame.schema
     if dict(found) == schema:

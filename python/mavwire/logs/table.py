@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from mavwire._native import RecordBatches, write_table
 
+from .extras import extra
 from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
 from .targets import file_to_write
 
@@ -94,7 +95,8 @@ class Table:
         Numbers are views of the table's memory and read-only; lists have a second dimension; times
         are datetime64[us]; texts are an array of objects.
         """
-        import numpy as np
+        with extra("data"):
+            import numpy as np
 
         if isinstance(what, slice):
             return self._sliced(what)
@@ -189,13 +191,15 @@ class Table:
 
     def to_arrow(self) -> Any:
         """A `pyarrow.Table` over the same memory."""
-        import pyarrow as pa
+        with extra("data"):
+            import pyarrow as pa
 
         return pa.table(self)
 
     def to_polars(self) -> Any:
         """A `polars.DataFrame` over the same memory where polars can."""
-        import polars as pl
+        with extra("data"):
+            import polars as pl
 
         return pl.DataFrame(self)
 
@@ -206,7 +210,8 @@ class Table:
         `copy=False` shows the table's own memory, which is read-only. Integers of which some rows
         have none are float64; `nullable=True` makes pandas' nullable integers of all of them.
         """
-        import pandas as pd
+        with extra("data"):
+            import pandas as pd
 
         kinds = self.dtypes
         columns: dict[str, Any] = {}
@@ -225,8 +230,9 @@ class Table:
 
     def _nullable(self, column: str) -> Any:
         """A column of integers as pandas' nullable ones, which keep all 64 bits."""
-        import numpy as np
-        import pandas as pd
+        with extra("data"):
+            import numpy as np
+            import pandas as pd
 
         view = self._batches.column(column)
         values, valid = np.array(view), view.valid()
@@ -235,7 +241,8 @@ class Table:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
         """A structured array with a field for each column."""
-        import numpy as np
+        with extra("data"):
+            import numpy as np
 
         columns = self.to_numpy()
         kinds = [(name, one.dtype, one.shape[1:]) for name, one in columns.items()]

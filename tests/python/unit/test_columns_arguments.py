@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import mavwire
@@ -206,3 +207,12 @@ def test_what_is_meant_is_guessed(flight):
     pytest.importorskip("polars")
     with pytest.raises(ValueError, match="one message type"):
         mavwire.scan_polars(flight, ["ATTITUDE", "VFR_HUD"])
+
+
+@pytest.mark.parametrize("library", ["numpy", "pandas", "polars", "pyarrow"])
+def test_what_is_missing_names_its_extra(flight, monkeypatch, library):
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    monkeypatch.setitem(sys.modules, library, None)
+    look = {"pyarrow": "to_arrow"}.get(library, f"to_{library}")
+    with pytest.raises(ImportError, match=rf"{library} is needed: pip install 'mavwire\[data\]'"):
+        getattr(table, look)()
