@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 COMMANDS = {
     "info": ("mavwire.cli.info", "what is in a log: types, rates, systems, losses"),
     "dump": ("mavwire.cli.dump", "print the messages of a log as text, JSON or CSV"),
-    "convert": ("mavwire.cli.convert", "logs to Parquet, CSV, JSON lines or Arrow files"),
+    "convert": ("mavwire.cli.convert", "logs to Parquet, CSV, JSON lines, Arrow or MCAP files"),
     "cut": ("mavwire.cli.cut", "some records of a telemetry log as a log of their own"),
     "repair": ("mavwire.cli.repair", "the good records of a damaged telemetry log"),
     "anonymize": ("mavwire.cli.anonymize", "a telemetry log without places and identifiers"),

@@ -14,6 +14,7 @@ from mavwire._native import LogColumns
 from mavwire.logs.query import Query
 from mavwire.logs.reading import native_dialect
 from mavwire.logs.selection import UNKNOWN
+from mavwire.logs.sources import is_compressed, is_dataflash
 from mavwire.logs.summary import summarise
 
 if TYPE_CHECKING:
@@ -25,15 +26,12 @@ CLEAN = 64 << 10
 """Bytes without damage in front of a cut: more than a frame may claim to reach."""
 PROBE = 64 << 10
 """Bytes by which a reader tells whether records have times."""
-WHOLE = (b"\x1f\x8b", b"\x28\xb5", b"\xa3\x95")
-"""How logs begin that cannot be cut: compressed ones and dataflash."""
 
 
 def find_cuts(path: str, part_bytes: int, dialect: str = "all") -> list[ByteRange]:
     """The parts of a local log, of at least `part_bytes` each; none where it has to stay whole."""
-    with open(path, "rb") as file:
-        if file.read(2) in WHOLE:
-            return []
+    if is_compressed(path) or is_dataflash(path):
+        return []
     places: list[int] = []
     info = summarise(path, native_dialect(dialect)[1], places.append)
     if any(name.startswith(UNKNOWN) for name in info.types):

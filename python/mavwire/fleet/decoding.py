@@ -83,7 +83,7 @@ def decode_as(
             with_empty(found, module, native, query)
         else:
             _add_empty(found, described, query)
-        if byte_range is None:
+        if byte_range is None and described is None:
             check_records(run, path, source)
     return {name: Table(name, found[name], path) for name in sorted(found)}
 

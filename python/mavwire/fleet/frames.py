@@ -6,6 +6,8 @@ import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.extras import extra
+
 from .cuts import find_cuts
 from .decoding import decode, decode_as
 from .grouping import TASK_BYTES, grouped, may_be_cut
@@ -41,8 +43,9 @@ def dask_frame(
     those of `mavwire.read`. Nothing but large logs is read before the frame is computed. A log that
     is missing raises OSError here.
     """
-    import dask
-    import dask.dataframe as dd
+    with extra("fleet"):
+        import dask
+        import dask.dataframe as dd
 
     wanted = None if columns is None else [columns] if isinstance(columns, str) else list(columns)
     how = {

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from .extras import extra
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from typing import Self
@@ -38,7 +40,8 @@ class Batches:
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
         if self._empty is None:
             raise TypeError("a scan of one type is an Arrow stream: name one type")
-        import pyarrow as pa
+        with extra("data"):
+            import pyarrow as pa
 
         schema = pa.schema(self._empty())
         batches = (one for table in self._begin() for one in _fitted(table, schema).to_batches())
@@ -48,7 +51,8 @@ class Batches:
 
 def _fitted(table: Table, schema: Any) -> Any:
     """A pyarrow table with the columns of the stream: dataflash logs may describe a type otherwise."""
-    import pyarrow as pa
+    with extra("data"):
+        import pyarrow as pa
 
     found = pa.table(table)
     if found.schema.equals(schema, check_metadata=True):

@@ -65,7 +65,13 @@ def convert(
     and where `out/manifest.json` is not one of these; a log that cannot be read is a row with an
     `error`.
     """
-    logs = [os.path.abspath(path) for path in paths_of(paths)]
+    logs = paths_of(paths)
+    for place in (os.fsdecode(out), *logs):
+        if "://" in place and not os.path.exists(place):
+            raise ValueError(
+                f"{place} is a URL: mavwire.fleet (--workers, --scheduler) takes those"
+            )
+    logs = [os.path.abspath(path) for path in logs]
     compression, native, query, how = prepare(
         format, compression, types, systems, fields, start, end, dialect,
         units=units, enums=enums, first=next(iter(logs), None),

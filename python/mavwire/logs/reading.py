@@ -212,15 +212,21 @@ def _checked_batches(
             described.setdefault(name, set()).update(columns)
         if not telemetry and number == len(paths) - 1:
             check_described(described, query, fields)
-        yield from batches_of(columns_from(tables, path, native, query), path, query)
+        yield from batches_of(tables, path, native, query)
 
 
-def batches_of(run: LogColumns, path: str, query: Query) -> Iterator[Table]:
-    """The batches of a run over a log. LogFormatError behind them if there was no record in it."""
+def batches_of(
+    tables: DataflashTables | None, path: str, native: Any, query: Query
+) -> Iterator[Table]:
+    """The batches of a dataflash log, or where that is None of a telemetry log: LogFormatError
+    behind them if there was no record in it.
+    """
+    run = columns_from(tables, path, native, query)
     for found in run:
         for name, batches in found:
             yield Table(name, in_order(batches, query.columns), path)
-    check_records(run, path)
+    if tables is None:
+        check_records(run, path)
 
 
 def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables
 
+from .extras import extra
 from .pushdown import narrow
 from .query import Query
 from .reading import BATCH_ROWS, batches_of, check_readable, empty_of, native_dialect, paths_of
-from .sources import columns_from
 from .table import Table
 
 if TYPE_CHECKING:
@@ -41,9 +41,12 @@ def scan_polars(
     type. The arguments are those of `mavwire.scan`. Nothing is read before the frame is
     collected; a text column is always followed by `<name>_raw`.
     """
-    import polars as pl
-    from polars.io.plugins import register_io_source
+    with extra("data"):
+        import polars as pl
+        from polars.io.plugins import register_io_source
 
+    if not isinstance(message, str):
+        raise ValueError(f"a scan is of one message type, not of {message!r}")
     every = paths_of(paths)
     module, native = native_dialect(dialect)
     query = Query.of(module, message, systems, None, start, end, units, enums)
@@ -87,12 +90,13 @@ def _tables(paths: list[str], native: Any, wanted: Query, query: Query) -> Itera
         check_readable(path)
         dataflash = DataflashTables.open(path)
         those = wanted if dataflash is None else replace(wanted, systems=query.systems)
-        yield from batches_of(columns_from(dataflash, path, native, those), path, those)
+        yield from batches_of(dataflash, path, native, those)
 
 
 def _fitted(frame: Any, schema: dict[str, Any]) -> Any:
     """A frame with the columns of the scan: another dataflash log may describe a type otherwise."""
-    import polars as pl
+    with extra("data"):
+        import polars as pl
 
     found = frame.schema
     if dict(found) == schema:

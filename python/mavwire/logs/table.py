@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any, overload
 
 from mavwire._native import RecordBatches, write_table
 
+from .extras import extra
 from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
+from .targets import file_to_write
 
 if TYPE_CHECKING:
     import builtins
@@ -81,19 +83,25 @@ class Table:
     def __getitem__(self, what: builtins.slice[Any, Any, Any]) -> Table: ...
 
     @overload
+    def __getitem__(self, what: list[str]) -> Table: ...
+
+    @overload
     def __getitem__(self, what: str) -> Any: ...
 
-    def __getitem__(self, what: str | builtins.slice[Any, Any, Any]) -> Any:
-        """A column as a NumPy array, KeyError if there is none of that name; or the rows of a slice
-        as a table.
+    def __getitem__(self, what: str | list[str] | builtins.slice[Any, Any, Any]) -> Any:
+        """A column as a NumPy array, KeyError if there is none of that name; the rows of a slice, or
+        the columns of a list, as a table.
 
         Numbers are views of the table's memory and read-only; lists have a second dimension; times
         are datetime64[us]; texts are an array of objects.
         """
-        import numpy as np
+        with extra("data"):
+            import numpy as np
 
         if isinstance(what, slice):
             return self._sliced(what)
+        if isinstance(what, list):
+            return self.select(what)
         view = self._batches.column(what)
         if not view.is_numeric:
             array = np.empty(len(view), dtype=object)
@@ -183,13 +191,15 @@ class Table:
 
     def to_arrow(self) -> Any:
         """A `pyarrow.Table` over the same memory."""
-        import pyarrow as pa
+        with extra("data"):
+            import pyarrow as pa
 
         return pa.table(self)
 
     def to_polars(self) -> Any:
         """A `polars.DataFrame` over the same memory where polars can."""
-        import polars as pl
+        with extra("data"):
+            import polars as pl
 
         return pl.DataFrame(self)
 
@@ -200,7 +210,8 @@ class Table:
         `copy=False` shows the table's own memory, which is read-only. Integers of which some rows
         have none are float64; `nullable=True` makes pandas' nullable integers of all of them.
         """
-        import pandas as pd
+        with extra("data"):
+            import pandas as pd
 
         kinds = self.dtypes
         columns: dict[str, Any] = {}
@@ -219,8 +230,9 @@ class Table:
 
     def _nullable(self, column: str) -> Any:
         """A column of integers as pandas' nullable ones, which keep all 64 bits."""
-        import numpy as np
-        import pandas as pd
+        with extra("data"):
+            import numpy as np
+            import pandas as pd
 
         view = self._batches.column(column)
         values, valid = np.array(view), view.valid()
@@ -229,7 +241,8 @@ class Table:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
         """A structured array with a field for each column."""
-        import numpy as np
+        with extra("data"):
+            import numpy as np
 
         columns = self.to_numpy()
         kinds = [(name, one.dtype, one.shape[1:]) for name, one in columns.items()]
@@ -270,7 +283,7 @@ class Table:
         if kind is None or (packed is not None and kind not in TEXTS):
             raise ValueError(f"no format is known by the suffix of {path!r}: give format=")
         compression = compression or packed or COMPRESSIONS.get(kind, ("none",))[0]
-        write_table(self._batches, path, kind, compression)
+        write_table(self._batches, file_to_write(path), kind, compression)
 
 
 def tidy(name: str, batches: RecordBatches, path: str) -> Table:

@@ -15,7 +15,7 @@ from types import ModuleType
 from mavwire._native import LogScan
 
 from .base import Log
-from .selection import Selection
+from .selection import Selection, no_message
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class TelemetryLog(Log):
         pass.
         """
         if not isinstance(name, str) or not hasattr(self.dialect, f"MAVLINK_MSG_ID_{name}"):
-            raise KeyError(f"the dialect {self.dialect.DIALECT} has no message {name!r}")
+            raise KeyError(no_message(self.dialect, name))
         return self.read(name)[name]
 
     def __contains__(self, what: object) -> bool:

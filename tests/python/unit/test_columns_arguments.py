@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import mavwire
+import numpy as np
 import pytest
 from dataflash_writer import Log, sample
 from mavwire import traffic
@@ -70,7 +72,8 @@ def test_times_as_numpy_has_them(flight):
     middle = table["timestamp"][len(table) // 2]
     rest = mavwire.read(flight, "ATTITUDE", start=middle)["ATTITUDE"]
     assert rest["timestamp"].tolist() == table["timestamp"][table["timestamp"] >= middle].tolist()
-    for wrong in ("2024-01-31", b"1", [1.0], object()):
+    never = np.datetime64("NaT")
+    for wrong in ("2024-01-31", b"1", [1.0], object(), float("nan"), never):
         with pytest.raises(ValueError, match="a time is seconds since 1970, a datetime"):
             mavwire.read(flight, "ATTITUDE", start=wrong)
 
@@ -190,3 +193,26 @@ def test_duckdb_reads_a_scan(flight):
     with duckdb.connect() as database:
         database.register("pieces", pieces)
         assert database.sql("select count(*) from pieces").fetchall() == [(count,)]
+
+
+@pytest.mark.parametrize("systems", ["1", ["1"], [None], 256, -1])
+def test_systems_are_numbers(flight, systems):
+    with pytest.raises(ValueError, match="a system id is"):
+        mavwire.read(flight, systems=systems)
+
+
+def test_what_is_meant_is_guessed(flight):
+    with pytest.raises(KeyError, match="did you mean 'ATTITUDE'"):
+        mavwire.open_log(flight)["ATITUDE"]
+    pytest.importorskip("polars")
+    with pytest.raises(ValueError, match="one message type"):
+        mavwire.scan_polars(flight, ["ATTITUDE", "VFR_HUD"])
+
+
+@pytest.mark.parametrize("library", ["numpy", "pandas", "polars", "pyarrow"])
+def test_what_is_missing_names_its_extra(flight, monkeypatch, library):
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    monkeypatch.setitem(sys.modules, library, None)
+    look = {"pyarrow": "to_arrow"}.get(library, f"to_{library}")
+    with pytest.raises(ImportError, match=rf"{library} is needed: pip install 'mavwire\[data\]'"):
+        getattr(table, look)()

@@ -138,16 +138,16 @@ def test_what_a_filter_says_limits_what_is_decoded(
     flight, monkeypatch, condition, start, end, systems
 ):
     pl = pytest.importorskip("polars")
-    from mavwire.logs import scanning
+    from mavwire.logs import reading
 
     asked = []
-    run = scanning.columns_from
+    run = reading.columns_from
 
     def noted(tables, source, native, query):
         asked.append(query)
         return run(tables, source, native, query)
 
-    monkeypatch.setattr(scanning, "columns_from", noted)
+    monkeypatch.setattr(reading, "columns_from", noted)
     frame = mavwire.read(flight, "ATTITUDE")["ATTITUDE"].to_polars()
     a, b = frame["timestamp"][len(frame) // 3], frame["timestamp"][len(frame) // 2]
     chosen = eval(condition, {"pl": pl, "ts": pl.col("timestamp"), "a": a, "b": b})

@@ -173,6 +173,16 @@ def test_a_log_that_cannot_be_cut_exactly_stays_whole(tmp_path, large, what):
     assert find_cuts(str(path), BLOCK // 2) == []
 
 
+def test_a_dataflash_log_of_any_kind_is_not_searched_for_cuts(tmp_path, monkeypatch):
+    log = tmp_path / "flight.log"
+    text = "FMT, 200, 19, ABC, QB, TimeUS,Count\n" + "ABC, 1000, 1\n" * 2000
+    log.write_text("FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n" + text)
+    onboard = tmp_path / "flight.BIN"
+    onboard.write_bytes(b"begins late" + Path(sample().write(tmp_path / "whole.BIN")).read_bytes())
+    monkeypatch.delattr("mavwire.fleet.cuts.summarise")
+    assert find_cuts(str(log), 1000) == find_cuts(str(onboard), 100) == []
+
+
 def test_names_of_parts_do_not_meet_names_of_logs(tmp_path, large, small, inside):
     twin = tmp_path / "large+0000.tlog"
     twin.write_bytes(small[0].read_bytes())
