@@ -377,7 +377,7 @@ class DFReader(_native.DataflashReader):
     @property
     def percent(self) -> float:
         """How much of the log was read."""
-        return 100.0 * self.offset / self.data_len if self.offset else 0
+        return self.offset / self.data_len * 100.0 if self.offset else 0
 
     @property
     def remaining(self) -> int:
