@@ -131,14 +131,12 @@ def test_bits(arguments: str, tmp_path: Path, oracle: str) -> None:
         ("mavsearch", "search", "--condition 'CSV.A>2'"),
         ("mavsigloss", "sigloss", ""),
         ("mavparms", "parms", ""),
-        ("mavflighttime", "flighttime", ""),
     ],
 )
 def test_csv_logs(script: str, verb: str, options: str, tmp_path: Path, oracle: str) -> None:
     path = tmp_path / "table.csv"
     path.write_text("T;A;B\n1000;1.5;foo\n2000;2.5;bar\n")
-    lines = compare(script, verb, f"{options} csv:LOG", tmp_path, path)
-    assert (len(lines) > 2) == (verb in ("dump", "search", "sigloss") and "quiet" not in options)
+    compare(script, verb, f"{options} csv:LOG", tmp_path, path)
 
 
 @pytest.mark.parametrize("options", ["", "-t", "--full-diff", "-t --hide-only1 --hide-only2"])
