@@ -15,7 +15,7 @@ from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection, unknown_types
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import open_output
-from mavwire.cli._reading import Reading, definitions, reading, standard_input
+from mavwire.cli._reading import Reading, definitions, kind_of, reading, standard_input
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -120,8 +120,8 @@ def _open(args: Namespace, writer: Writer) -> AbstractContextManager[Reading]:
 
 
 def _check_possible(args: Namespace, log: Any) -> None:
-    """Say what a dataflash log does not have, instead of showing nothing."""
-    if hasattr(log, "mav"):
+    """Say what dataflash and CSV logs do not have, instead of showing nothing."""
+    if kind_of(log) == "telemetry":
         return
     shown = not args.quiet
     text = shown and args.format == "standard" and not (args.show_types or args.verbose)
@@ -133,9 +133,11 @@ def _check_possible(args: Namespace, log: Any) -> None:
         "--show-seq": args.show_seq and text,
         "--show-loss": args.show_loss and shown,
         "--follow": args.follow,
+        "--output": bool(args.output) and kind_of(log) == "CSV",
     }
     for option in (name for name, wanted in asked.items() if wanted):
-        raise CommandError(f"{option}: {args.log} is a dataflash log; this is for telemetry only")
+        kind = kind_of(log)
+        raise CommandError(f"{option}: {args.log} is a {kind} log; this is for telemetry only")
 
 
 def _recorder(args: Namespace, stack: ExitStack) -> Callable[[bytes], Any] | None:

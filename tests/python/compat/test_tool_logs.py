@@ -33,3 +33,21 @@ def test_real_log(
     path: Path, script: str, verb: str, options: str, tmp_path: Path, oracle: str
 ) -> None:
     compare(script, verb, options, tmp_path, path)
+
+
+# What gpslock, togpx and flightmodes do otherwise is in docs/tools.md.
+DATAFLASH_RUNS = (
+    ("mavparms", "parms", ""),
+    ("mavflighttime", "flighttime", ""),
+    ("mavmission", "mission", ""),
+    ("mavsearch", "search", "--types MSG,MODE"),
+    ("mavsigloss", "sigloss", "--deltat 0.3 --types ATT,GPS"),
+)
+
+
+@pytest.mark.parametrize(("script", "verb", "options"), DATAFLASH_RUNS)
+@each_log("*.BIN", "*.log")
+def test_real_dataflash_log(
+    path: Path, script: str, verb: str, options: str, tmp_path: Path, oracle: str
+) -> None:
+    compare(script, verb, options, tmp_path, path)

@@ -110,7 +110,6 @@ def test_a_damaged_log(verb: str, logs: dict[str, Path], tmp_path: Path, oracle:
         ("mission", ""),
         ("togpx", ""),
         ("search", "--types HEARTBEAT --stop"),
-        ("extract", "--mode loiter"),
         ("gpslock", ""),
         ("gps_CEP", ""),
         ("split_sysid", ""),
@@ -137,6 +136,24 @@ def test_several_logs(
 )
 def test_bits(arguments: str, tmp_path: Path, oracle: str) -> None:
     compare("mavlink_bitmask_decoder", "bitmask_decoder", arguments, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("script", "verb", "options"),
+    [
+        ("mavlogdump", "dump", ""),
+        ("mavlogdump", "dump", "--show-types"),
+        ("mavlogdump", "dump", "--quiet"),
+        ("mavlogdump", "dump", "--nottypes X --condition 'CSV.A>2'"),
+        ("mavsearch", "search", "--condition 'CSV.A>2'"),
+        ("mavsigloss", "sigloss", ""),
+        ("mavparms", "parms", ""),
+    ],
+)
+def test_csv_logs(script: str, verb: str, options: str, tmp_path: Path, oracle: str) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text("T;A;B\n1000;1.5;foo\n2000;2.5;bar\n")
+    compare(script, verb, f"{options} csv:LOG", tmp_path, path)
 
 
 @pytest.mark.parametrize("options", ["", "-t", "--full-diff", "-t --hide-only1 --hide-only2"])
