@@ -33,7 +33,7 @@ class Selection:
         if types is not None:
             made._choose_types(dialect, [types] if isinstance(types, str | type) else types)
         if systems is not None:
-            wanted = [systems] if isinstance(systems, int) else list(systems)
+            wanted = [systems] if isinstance(systems, int) else systems
             made.systems = [_system(one) for one in wanted]
         made.start = _seconds(start)
         made.end = _seconds(end)

@@ -54,20 +54,20 @@ fn interruptibly<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> PyResult<T> {
-    let (answer, answered) = sync_channel(1);
+    let (answer, mut answered) = sync_channel(1);
     let work = move || drop(answer.send(work()));
     std::thread::Builder::new().name("mavwire-open".into()).spawn(work)?;
-    py.detach(move || {
-        loop {
-            match answered.recv_timeout(WAIT_SLICE) {
-                Ok(done) => return Ok(done),
-                Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals())?,
-                Err(RecvTimeoutError::Disconnected) => {
-                    return Err(PyRuntimeError::new_err("the thread that opens a link has ended"));
-                }
+    loop {
+        let outcome;
+        (outcome, answered) = py.detach(move || (answered.recv_timeout(WAIT_SLICE), answered));
+        match outcome {
+            Ok(done) => return Ok(done),
+            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("the thread that opens a link has ended"));
             }
         }
-    })
+    }
 }
 
 /// A bridge on a thread of its own.

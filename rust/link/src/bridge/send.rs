@@ -236,7 +236,9 @@ mod tests {
         assert_eq!(groups(&[36; 64], false), [1; 64]);
         assert_eq!(groups(&[36, 36, 20, 20, 20, 36, 37, 1, 1], true), [3, 2, 1, 2, 1]);
         let mut batch = Batch::new();
-        [0..36, 72..108].into_iter().for_each(|place| batch.push(&bytes[place], true));
+        for place in [0..36, 72..108] {
+            batch.push(&bytes[place], true);
+        }
         assert_eq!(batch.used, 2, "they do not lie side by side");
     }
 
@@ -244,7 +246,7 @@ mod tests {
     fn what_cannot_leave_together_leaves_one_by_one() {
         let here = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         here.connect(here.local_addr().unwrap()).unwrap();
-        let refused = here.send(&[0; 70_000]).unwrap_err();
+        let refused = here.send(&vec![0; 70_000]).unwrap_err();
         assert_eq!(cannot_group(&refused), cfg!(target_os = "linux"));
         assert!(!cannot_group(&io::ErrorKind::WouldBlock.into()));
     }
