@@ -35,7 +35,7 @@ class Selection:
             made._choose_types(dialect, [types] if isinstance(types, str | type) else types)
         if systems is not None:
             one = isinstance(systems, str) or hasattr(systems, "__index__")
-            wanted = [systems] if one else list(systems)
+            wanted = [systems] if one else systems
             made.systems = [_system(one) for one in wanted]
         made.start = _seconds(start)
         made.end = _seconds(end)

@@ -16,6 +16,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::calling::Calling;
 use crate::dialect::Dialect;
+use crate::lists::optional_list;
 use crate::source::Source;
 use crate::table::{RecordBatches, columns_error};
 
@@ -23,13 +24,17 @@ use crate::table::{RecordBatches, columns_error};
 #[derive(FromPyObject)]
 pub(crate) struct Query {
     /// Message ids; `None` for all.
+    #[pyo3(from_py_with = optional_list)]
     types: Option<Vec<u32>>,
     /// The same for dataflash logs: names of record types.
+    #[pyo3(from_py_with = optional_list)]
     pub(crate) names: Option<Vec<String>>,
+    #[pyo3(from_py_with = optional_list)]
     systems: Option<Vec<u8>>,
     pub(crate) start: Option<f64>,
     pub(crate) end: Option<f64>,
     /// Names of columns; `None` for all.
+    #[pyo3(from_py_with = optional_list)]
     columns: Option<Vec<String>>,
     si: bool,
     enum_names: bool,

@@ -44,6 +44,7 @@ mod index_build;
 mod info;
 mod instances;
 mod link;
+mod lists;
 mod live;
 mod live_batch;
 mod live_source;

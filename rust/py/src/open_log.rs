@@ -16,6 +16,7 @@ use pyo3::prelude::*;
 use crate::create;
 use crate::dialect::Dialect;
 use crate::frame_bytes::FrameBytes;
+use crate::lists::optional_list;
 use crate::lock::Lock;
 use crate::log_reader::LogReader;
 use crate::message::Message;
@@ -302,9 +303,12 @@ impl LogScan {
 #[derive(FromPyObject)]
 struct Wanted {
     /// Known message ids.
+    #[pyo3(from_py_with = optional_list)]
     types: Option<Vec<u32>>,
     /// Ids unknown to the dialect.
+    #[pyo3(from_py_with = optional_list)]
     unknown: Option<Vec<u32>>,
+    #[pyo3(from_py_with = optional_list)]
     systems: Option<Vec<u8>>,
     start: Option<f64>,
     end: Option<f64>,

@@ -15,6 +15,7 @@ use pyo3::types::PyDict;
 
 use crate::columns::Query;
 use crate::dialect::Dialect;
+use crate::lists::list;
 use crate::table::columns_error;
 
 enum Run {
@@ -93,7 +94,7 @@ impl LogRewrite {
     #[staticmethod]
     fn merge(
         py: Python<'_>,
-        paths: Vec<PathBuf>,
+        #[pyo3(from_py_with = list)] paths: Vec<PathBuf>,
         dialect: &Dialect,
         out: PathBuf,
     ) -> PyResult<Self> {

@@ -17,6 +17,7 @@ use pyo3::types::{PyCapsule, PyDict, PyList, PyTuple};
 
 use crate::calling::Calling;
 use crate::column_view::ColumnView;
+use crate::lists::list;
 
 /// What went wrong as Python raises it.
 pub(crate) fn columns_error(error: Error) -> PyErr {
@@ -87,7 +88,7 @@ impl RecordBatches {
 
     /// Tables of one type, one behind the other. `ValueError` where their columns differ.
     #[staticmethod]
-    fn joined(tables: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
+    fn joined(#[pyo3(from_py_with = list)] tables: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
         let first = tables.first().ok_or_else(|| PyValueError::new_err("no tables"))?;
         let schema = Arc::clone(&first.schema);
         if tables.iter().any(|table| table.schema != schema) {
@@ -151,7 +152,7 @@ impl RecordBatches {
     }
 
     /// The same table without columns that hold nothing but nulls, of those named.
-    fn without_empty(&self, names: Vec<String>) -> PyResult<Self> {
+    fn without_empty(&self, #[pyo3(from_py_with = list)] names: Vec<String>) -> PyResult<Self> {
         let empty = |index: usize| {
             names.contains(self.schema.field(index).name())
                 && self.batches.iter().all(|b| b.column(index).null_count() == b.num_rows())
@@ -161,7 +162,7 @@ impl RecordBatches {
     }
 
     /// Some of the columns, in the order given.
-    fn select(&self, names: Vec<String>) -> PyResult<Self> {
+    fn select(&self, #[pyo3(from_py_with = list)] names: Vec<String>) -> PyResult<Self> {
         let kept: Vec<usize> =
             names.iter().map(|name| self.index_of(name)).collect::<PyResult<_>>()?;
         self.project(&kept)

@@ -18,6 +18,7 @@ use super::shape::{self, Names};
 use super::source::{BUDGET, Source};
 use super::state::{Kind, Search, State, Taken};
 use crate::calling::{Calling, truth};
+use crate::lists::list;
 use crate::lock::Lock;
 use crate::turn;
 
@@ -241,7 +242,7 @@ impl DataflashReader {
     fn _set_kinds(
         &self,
         py: Python<'_>,
-        kinds: Vec<(Bound<'_, PyAny>, Option<usize>)>,
+        #[pyo3(from_py_with = list)] kinds: Vec<(Bound<'_, PyAny>, Option<usize>)>,
     ) -> PyResult<()> {
         let mut made = Vec::new();
         for (format, instance) in kinds {

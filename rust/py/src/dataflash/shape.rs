@@ -10,6 +10,7 @@ use pyo3::types::{PyDict, PyString};
 use super::message::DFMessage;
 
 use crate::calling::Calling;
+use crate::lists::list;
 
 /// A layout and its names.
 pub(crate) struct Names {
@@ -74,7 +75,7 @@ impl DataflashShape {
         type_id: u8,
         name: String,
         format: String,
-        columns: Vec<String>,
+        #[pyo3(from_py_with = list)] columns: Vec<String>,
     ) -> PyResult<Self> {
         let layout =
             Layout::new(type_id, 0, name, format, columns).map_err(|error| match error {
