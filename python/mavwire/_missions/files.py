@@ -146,7 +146,7 @@ def item_line(item: Any) -> str:
 def is_fence_file(lines: Sequence[Line]) -> bool:
     """Whether the first line that says something is a latitude and a longitude."""
     first = next(_meant(lines), Line("", "")).text
-    return _FENCE_START.match(first) is not None or all(map(_is_number, (first.split() + [""])[:2]))
+    return _FENCE_START.match(first) is not None or all(map(_is_number, [*first.split(), ""][:2]))
 
 
 def _is_number(word: str) -> bool:

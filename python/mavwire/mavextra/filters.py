@@ -143,11 +143,14 @@ def _slope(var: float, key: Any, tusec: float | None, change: Callable[..., floa
     return slope
 
 
+def slope(var: float, key: Any, tusec: float | None = None) -> float:
+    """The slope of a value, per second; NaN passes through."""
+    return _slope(var, key, tusec, lambda value, last: value - last)
+
+
 def delta(var: float, key: Any, tusec: float | None = None) -> float | None:
     """The slope of a value, per second; None for NaN, which is skipped."""
-    if isnan(var):
-        return None
-    return _slope(var, key, tusec, lambda value, last: value - last)
+    return None if isnan(var) else slope(var, key, tusec)
 
 
 def delta_angle(var: float, key: Any, tusec: float | None = None) -> float:

@@ -242,7 +242,7 @@ LONG = "/" + "a" * 239
 
 @pytest.mark.parametrize("path", [LONG, LONG * 2, "/" + "\u00e4" * 120])
 def test_a_path_that_no_request_carries(path: str, tmp_path: Path) -> None:
-    link, ftp = client()
+    _, ftp = client()
     local = tmp_path / "local"
     local.write_bytes(b"x")
     commands = [
