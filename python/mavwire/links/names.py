@@ -20,7 +20,7 @@ def look_up(host: str, number: int, family: int, kind: int) -> list[Any]:
     def find() -> list[Any]:
         return list(socket.getaddrinfo(host or "localhost", number, family, kind))
 
-    if not host or _is_numeric(host):
+    if not host or is_numeric(host):
         return find()
     from _thread import allocate_lock, start_new_thread
 
@@ -44,7 +44,7 @@ def look_up(host: str, number: int, family: int, kind: int) -> list[Any]:
     return answers
 
 
-def _is_numeric(host: str) -> bool:
+def is_numeric(host: str) -> bool:
     """Whether `host` is an address and no name."""
     import socket
 

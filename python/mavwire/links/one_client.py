@@ -34,7 +34,7 @@ def listen_on(address: tuple[str, int]) -> Any:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         bind(listener, address)
         listener.listen(1)
-    except (OSError, OverflowError):
+    except BaseException:
         listener.close()
         raise
     listener.setblocking(False)
