@@ -35,6 +35,8 @@ class Journal:
     def begin(self, path: str, name: str) -> None:
         """A log is about to be converted."""
         earlier = self._manifest.rows.get(path, Converted(path, name))
+        if earlier.error == BEGUN:
+            self._store.remove_drafts(name)
         self._add(replace(earlier, rows=0, error=BEGUN))
 
     def finish(self, row: Converted) -> None:

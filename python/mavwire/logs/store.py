@@ -3,7 +3,18 @@
 from __future__ import annotations
 
 import os
-from typing import Protocol
+import re
+import secrets
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Protocol
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 
 class Files(Protocol):
@@ -55,12 +66,47 @@ class Store:
         except FileNotFoundError:
             pass
 
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other runs from writing to the folder. ValueError where one does so already."""
+        if fcntl is None:
+            yield
+            return
+        folder = os.open(self.root, os.O_RDONLY)
+        try:
+            try:
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise ValueError(
+                    f"another conversion is writing to {self.root}: wait for it, or choose another folder"
+                ) from None
+            except OSError:
+                pass  # a file system without locks
+            yield
+        finally:
+            os.close(folder)
+
+    def remove_drafts(self, name: str) -> None:
+        """Remove what a run that was killed left of the files of a log."""
+        draft = re.compile(re.escape(name) + r"(\.[a-z]+){1,2}\.\d+-\d+\.part")
+        folders = [entry.path for entry in os.scandir(self.root) if entry.is_dir()]
+        for folder in [self.root, *folders]:
+            for entry in list(os.scandir(folder)):
+                if draft.fullmatch(entry.name):
+                    os.remove(entry.path)
+
 
 def write_file(path: str, content: bytes) -> None:
     """Write or replace a file, which is never seen half written."""
-    draft = path + ".part"
-    with open(draft, "wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(draft, path)
+    draft = f"{path}.{os.getpid()}-{secrets.token_hex(4)}.part"  # nobody else has it
+    with open(draft, "xb") as file:
+        try:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+            file.close()
+            os.replace(draft, path)
+        except BaseException:
+            file.close()
+            os.remove(draft)
+            raise
