@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 from .cuts import find_cuts
 from .decoding import decode
 from .grouping import TASK_BYTES, grouped, may_be_cut
-from .places import ByteRange, expand, status
+from .places import Part, expand, status
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from datetime import datetime
 
-Source = tuple[str, ByteRange | None]
+Source = tuple[str, Part | None]
 
 
 def dask_frame(

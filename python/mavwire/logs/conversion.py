@@ -65,29 +65,30 @@ def convert(
     other options the manifest begins anew, and files of earlier runs stay until one of the same
     name replaces them: use a folder for each set of options. Memory does not depend on the size of
     a log. `progress` is told the path and percents. ValueError for an argument that makes no sense,
-    and where `out/manifest.json` is not one of these; a log that cannot be read is a row with an
-    `error`.
+    where `out/manifest.json` is not one of these, and while another run writes to `out`; a log that
+    cannot be read is a row with an `error`.
     """
     compression, native, query, how = prepare(
         format, compression, types, systems, None, start, end, dialect
     )
     out = os.fspath(out)
     store = Store(out)
-    manifest = Manifest(store, how)
-    journal = Journal(store, manifest)
-    job = Job(out, native, query, format, compression, progress)
-    names = manifest.names([os.path.abspath(os.fspath(path)) for path in paths])
-    rows = []
-    try:
-        for path, name in names.items():
-            row = manifest.done(path)
-            if row is None:
-                journal.begin(path, name)
-                row = job.run(path, name)
-                journal.finish(row)
-            rows.append(row)
-    finally:
-        journal.close()
+    with store.locked():
+        manifest = Manifest(store, how)
+        journal = Journal(store, manifest)
+        job = Job(out, native, query, format, compression, progress)
+        names = manifest.names([os.path.abspath(os.fspath(path)) for path in paths])
+        rows = []
+        try:
+            for path, name in names.items():
+                row = manifest.done(path)
+                if row is None:
+                    journal.begin(path, name)
+                    row = job.run(path, name)
+                    journal.finish(row)
+                rows.append(row)
+        finally:
+            journal.close()
     return rows
 
 
@@ -116,7 +117,7 @@ def prepare(
     if query.foreign is None:  # else the fields are those of dataflash logs
         check_fields(module, query, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
-    query.batch_rows = 1 if format in ONE_FILE else BATCH_ROWS
+    query.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS
     query.batch_bytes = BATCH_BYTES
     how = {"format": format, "compression": compression, **asdict(query)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))

@@ -114,7 +114,7 @@ def scan(
     dialect: str | ModuleType = "all",
     batch_rows: int = BATCH_ROWS,
 ) -> Iterator[Table]:
-    """Read logs of any size in batches: tables of about `batch_rows` rows of one type each, with
+    """Read logs of any size in batches: tables of at most `batch_rows` rows of one type each, with
     `name` and `path`.
 
     The rows of a type come in the order of the log. Memory stays bounded: what is read ahead does

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
+from math import isnan
 
 from mavwire._wording import did_you_mean
 
@@ -88,5 +89,7 @@ def record_seconds(micros: int) -> float:
 
 def _seconds(time: float | datetime | None) -> float | None:
     if not isinstance(time, datetime):
+        if time is not None and isnan(time):
+            raise ValueError(f"a time is seconds since 1970 or a datetime, not {time!r}")
         return time
     return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
