@@ -170,8 +170,12 @@ def test_anonymize_every_type(tmp_path):
     }
     assert {"GPS_RAW_INT.lat", "HIGH_LATENCY2.longitude", "AUTOPILOT_VERSION.uid"} <= changed
     assert {"ADSB_VEHICLE.ICAO_address", "ADSB_VEHICLE.callsign"} <= changed
+    assert {"UTM_GLOBAL_POSITION.uas_id", "AIRLINK_AUTH.login"} <= changed
+    assert {"VIDEO_STREAM_INFORMATION.uri", "GIMBAL_DEVICE_INFORMATION.custom_name"} <= changed
     words = ("lat", "lon", "lng", "uid", "ICAO", "callsign", "serial", "password", "ssid", "MMSI",
-             "passkey", "pin", "puk", "apn", "id", ".x", ".y", ".text", "param", "registration")  # fmt: skip
+             "passkey", "pin", "puk", "apn", "id", ".x", ".y", ".text", "param", "registration",
+             "Lat", "Lon", "login", "uri", "file_url", "custom_name", "AIS_VESSEL.name",
+             "VIDEO_STREAM_INFORMATION.name", "NAMED_VALUE_STRING.value")  # fmt: skip
     assert not [one for one in changed if not any(word in one for word in words)], changed
 
 
