@@ -12,7 +12,7 @@ from mavwire.logs.reading import check_records, in_order, joined, native_dialect
 from mavwire.logs.sources import columns_from
 from mavwire.logs.table import Table
 
-from .places import ByteRange, located
+from .places import ByteRange, Part, located
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 def decode(
     path: str | os.PathLike[str],
-    byte_range: ByteRange | None = None,
+    byte_range: ByteRange | Part | None = None,
     types: str | Iterable[str] | None = None,
     columns: str | Iterable[str] | None = None,
     *,
@@ -35,7 +35,8 @@ def decode(
     dialect: str = "all",
     storage_options: Mapping[str, Any] | None = None,
 ) -> dict[str, Table]:
-    """`{type: table}` of a log, or of the bytes `first, end` of it, which are read like a log.
+    """`{type: table}` of a log, or of the bytes `first, end` of it, which are read like a log. With
+    `first, end, stamped` they are part of a telemetry log, whose records have time stamps or not.
 
     `path` may be a URL that fsspec opens. `columns` are the names of those that are wanted, in their
     order, all if None; the other arguments are those of `mavwire.read`. Types that are asked for and

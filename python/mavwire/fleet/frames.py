@@ -11,7 +11,7 @@ from mavwire.logs.extras import extra
 from .cuts import find_cuts
 from .decoding import decode, decode_as
 from .grouping import TASK_BYTES, grouped, may_be_cut
-from .places import ByteRange, expand, status
+from .places import Part, expand, status
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from mavwire.logs.table import Table
 
-Source = tuple[str, ByteRange | None]
+Source = tuple[str, Part | None]
 
 
 def dask_frame(

@@ -17,7 +17,7 @@ from mavwire.logs.manifest import Converted, Manifest
 from .clients import connected
 from .cuts import find_cuts
 from .grouping import TASK_BYTES, group_bytes, grouped, may_be_cut
-from .places import ByteRange, expand, status
+from .places import Part, expand, status
 from .stores import Folder, Remote, store_of
 from .tasks import Piece, Recipe, convert_pieces, staging
 
@@ -221,7 +221,7 @@ class _Run:
         self._add(Converted(pieces[0].path, pieces[0].name, error=text))
         return []
 
-    def _cut(self, piece: Piece, ranges: list[ByteRange]) -> list[Piece]:
+    def _cut(self, piece: Piece, ranges: list[Part]) -> list[Piece]:
         if not ranges:
             return [piece]
         self._missing[piece.path] = len(ranges)

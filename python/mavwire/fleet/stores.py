@@ -80,6 +80,9 @@ class Remote:
         self.fs.makedirs(os.path.dirname(self._path(name)), exist_ok=True)
         self.fs.put_file(draft, self._path(name))
 
+    def remove_drafts(self, name: str) -> None:
+        """Nothing: files appear in a store when they are complete."""
+
     def remove(self, name: str) -> None:
         """Remove a file, if it is there."""
         self._appended.pop(name, None)

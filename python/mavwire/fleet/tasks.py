@@ -18,7 +18,7 @@ from mavwire.logs.conversion import Job
 from mavwire.logs.manifest import Converted
 from mavwire.logs.reading import native_dialect
 
-from .places import ByteRange, is_url, located
+from .places import ByteRange, Part, is_url, located
 from .stores import Folder, store_of
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Piece:
     path: str
     name: str
     """What its files are called, without suffix."""
-    byte_range: ByteRange | None = None
+    byte_range: ByteRange | Part | None = None
 
 
 @dataclass(frozen=True)

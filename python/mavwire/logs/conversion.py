@@ -62,8 +62,8 @@ def convert(
     other options the manifest begins anew, and files of earlier runs stay until one of the same
     name replaces them: use a folder for each set of options. Memory does not depend on the size of
     a log. `progress` is told the path and percents. ValueError for an argument that makes no sense,
-    and where `out/manifest.json` is not one of these; a log that cannot be read is a row with an
-    `error`.
+    where `out/manifest.json` is not one of these, and while another run writes to `out`; a log that
+    cannot be read is a row with an `error`.
     """
     logs = paths_of(paths)
     for place in (os.fsdecode(out), *logs):
@@ -78,21 +78,22 @@ def convert(
     )  # fmt: skip
     out = os.fsdecode(out)
     store = Store(out)
-    manifest = Manifest(store, how)
-    journal = Journal(store, manifest)
-    job = Job(out, native, query, format, compression, progress)
-    names = manifest.names(logs)
-    rows = []
-    try:
-        for path, name in names.items():
-            row = manifest.done(path)
-            if row is None:
-                journal.begin(path, name)
-                row = job.run(path, name)
-                journal.finish(row)
-            rows.append(row)
-    finally:
-        journal.close()
+    with store.locked():
+        manifest = Manifest(store, how)
+        journal = Journal(store, manifest)
+        job = Job(out, native, query, format, compression, progress)
+        names = manifest.names(logs)
+        rows = []
+        try:
+            for path, name in names.items():
+                row = manifest.done(path)
+                if row is None:
+                    journal.begin(path, name)
+                    row = job.run(path, name)
+                    journal.finish(row)
+                rows.append(row)
+        finally:
+            journal.close()
     return rows
 
 
@@ -128,7 +129,7 @@ def prepare(
     if query.foreign is None and (first is None or not is_dataflash(first)):
         check_tables(module, native, query, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
-    query.batch_rows = 1 if format in ONE_FILE else BATCH_ROWS
+    query.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS
     query.batch_bytes = BATCH_BYTES
     how = {"format": format, "compression": compression, **asdict(query)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))

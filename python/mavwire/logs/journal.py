@@ -38,6 +38,9 @@ class Journal:
 
     def begin(self, path: str, name: str, parts: Iterable[str] = ()) -> None:
         """A log is about to be converted, in parts if it is cut."""
+        earlier = self._manifest.rows.get(path)
+        if earlier is not None and earlier.error == BEGUN:
+            self._store.remove_drafts(name)
         self._add(self._manifest.begun(path, name, parts))
 
     def begin_all(self, names: dict[str, str]) -> None:

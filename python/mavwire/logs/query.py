@@ -32,6 +32,8 @@ class Query:
     columns: list[str] | None = None
     si: bool = False
     enum_names: bool = False
+    untimed: bool = False
+    """Records without times are wanted whatever `start` and `end` are; else that is an error."""
     batch_rows: int | None = None
     batch_bytes: int | None = None
     foreign: str | None = None

@@ -169,7 +169,7 @@ def scan(
     dialect: str | ModuleType = "all",
     batch_rows: int = BATCH_ROWS,
 ) -> Batches:
-    """Read logs of any size in batches: tables of about `batch_rows` rows of one type each, with
+    """Read logs of any size in batches: tables of at most `batch_rows` rows of one type each, with
     `name` and `path`. With one type in `types` they are an Arrow stream too, see `Batches`.
 
     The rows of a type come in the order of the log. Memory stays bounded: what is read ahead does

@@ -65,6 +65,8 @@ def scan_polars(
         if predicate is not None:
             needed.update(predicate.meta.root_names())
             narrow(wanted, predicate)
+            # Of rows without times the filter keeps what it keeps.
+            wanted.untimed = query.start is None and query.end is None
         wanted.columns = [name for name in schema if name in needed]
         wanted.batch_rows = batch_size or BATCH_ROWS
         left = n_rows

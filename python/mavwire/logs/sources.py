@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
     from .query import Query
 
-Source = str | tuple[str, int, int] | bytes
+Source = str | tuple[str, int, int] | tuple[str, int, int, bool] | bytes
 """What the native readers take: a path; the path of a log and the first byte, and the first that is
-not meant any more; the bytes of a log.
+not meant any more; the same of a telemetry log, and whether its records have time stamps; the bytes
+of a log.
 """
 COMPRESSED = (b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd")
 """How gzip and zstd begin."""
@@ -66,7 +67,7 @@ def head_of(source: Source, size: int) -> bytes:
     """The first bytes of a log."""
     if isinstance(source, bytes):
         return source[:size]
-    path, start, end = (source, 0, size) if isinstance(source, str) else source
+    path, start, end = (source, 0, size) if isinstance(source, str) else source[:3]
     with open(path, "rb") as file:
         file.seek(start)
         return file.read(min(size, end - start))

@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import os
-from contextlib import suppress
+import re
+import secrets
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Protocol
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,6 +30,7 @@ class Files(Protocol):
     def write(self, name: str, content: bytes) -> None: ...
     def append(self, name: str, content: bytes) -> None: ...
     def remove(self, name: str) -> None: ...
+    def remove_drafts(self, name: str) -> None: ...
 
 
 class Store:
@@ -74,12 +82,41 @@ class Store:
         except FileNotFoundError:
             pass
 
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other runs from writing to the folder. ValueError where one does so already."""
+        if fcntl is None:
+            yield
+            return
+        folder = os.open(self.root, os.O_RDONLY)
+        try:
+            try:
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise ValueError(
+                    f"another conversion is writing to {self.root}: wait for it, or choose another folder"
+                ) from None
+            except OSError:
+                pass  # a file system without locks
+            yield
+        finally:
+            os.close(folder)
+
+    def remove_drafts(self, name: str) -> None:
+        """Remove what a run that was killed left of the files of a log."""
+        draft = re.compile(re.escape(name) + r"(\.[a-z]+){1,2}\.\d+-\d+\.part")
+        folders = [entry.path for entry in os.scandir(self.root) if entry.is_dir()]
+        for folder in [self.root, *folders]:
+            for entry in list(os.scandir(folder)):
+                if draft.fullmatch(entry.name):
+                    os.remove(entry.path)
+
 
 def write_file(path: str, content: bytes) -> None:
     """Write or replace a file, which is never seen half written. An OSError names it."""
-    draft = path + ".part"
+    draft = f"{path}.{os.getpid()}-{secrets.token_hex(4)}.part"  # nobody else has it
     try:
-        with open(draft, "wb") as file:
+        with open(draft, "xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())

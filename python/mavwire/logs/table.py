@@ -140,6 +140,13 @@ class Table:
         if step != 1:
             raise ValueError("rows of a table are sliced in steps of 1: use to_numpy()")
         return self.slice(start, max(0, stop - start))
+    def sender(self, sysid: int, compid: int | None = None) -> Table:
+        """The rows of one system, or of one of its components."""
+        rows = self._batches
+        for column, wanted in (("sysid", sysid), ("compid", compid)):
+            if wanted is not None:
+                rows = dict(rows.split(column)).get(str(wanted), rows.slice(0, 0))
+        return Table(self.name, rows, self.path)
 
     # -- instances
 
@@ -169,19 +176,14 @@ class Table:
         those of `mavwire.logs.align` and reach further. A table without instances comes as it is.
         ValueError where several systems sent the rows: choose one.
         """
-        from .align import align
+        from .align import aligned, by_instance
 
         if self.instance_field is None:
             return self
         if "sysid" in self.columns and len(self._batches.split("sysid")) > 1:
             raise ValueError(f"{self.name} comes from several systems: choose one by systems=")
-        kept = [column for column in self.columns if column != self.instance_field]
-        tables = {name: table.select(kept) for name, table in self.instances().items()}
-        clock = {self.name: self}
-        return align(
-            {**tables, **clock}, list(tables), on=self.name, method=method, tolerance=tolerance,
-            name=self.name,
-        )  # fmt: skip
+        tables = by_instance(self)
+        return aligned(tables, self, self.name, method=method, tolerance=tolerance)
 
     # -- other libraries
 

@@ -208,7 +208,7 @@ class TelemetryLog(Log):
 
         from .query import Query
 
-        batches = LogColumns(self.path, self.dialect.MAVLink(None)._dialect, Query(batch_rows=1))
+        batches = LogColumns(self.path, self.dialect.MAVLink(None)._dialect, Query(batch_rows=0))
         return any(next(batches, ()))
 
 

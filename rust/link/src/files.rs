@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Opens a file for reading it once.
 ///
@@ -40,10 +41,8 @@ impl Draft {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(".part");
-        let part = path.with_file_name(name);
-        let file = BufWriter::with_capacity(64 << 10, File::create(&part)?);
+        let (file, part) = create_beside(path)?;
+        let file = BufWriter::with_capacity(64 << 10, file);
         Ok(Self { file: Some(file), path: path.to_owned(), part })
     }
 
@@ -61,6 +60,23 @@ impl Draft {
             let _ = std::fs::remove_file(&self.part);
         }
         renamed
+    }
+}
+
+/// Makes a file that nobody else has, in the folder of `path`: `NAME.PROCESS-NUMBER.part`.
+fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+    let name = path.file_name().unwrap_or_default();
+    loop {
+        let mut part = name.to_owned();
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        part.push(format!(".{}-{number}.part", std::process::id()));
+        let part = path.with_file_name(part);
+        match File::create_new(&part) {
+            // Left by a process that had this number before, or made by one of another machine.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            made => return Ok((made?, part)),
+        }
     }
 }
 
@@ -85,6 +101,22 @@ impl Drop for Draft {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_writers_of_one_file_do_not_meet() {
+        let folder = std::env::temp_dir().join(format!("mavwire-twice-{}", std::process::id()));
+        let path = folder.join("table.csv");
+        let mut drafts = [(); 2].map(|()| Draft::create(&path).expect("creating"));
+        for (text, draft) in ["one one one", "two"].into_iter().zip(&mut drafts) {
+            draft.write_all(text.as_bytes()).expect("writing");
+        }
+        for (draft, expected) in drafts.into_iter().zip(["one one one", "two"]) {
+            draft.commit().expect("committing");
+            assert_eq!(std::fs::read_to_string(&path).expect("reading"), expected);
+        }
+        assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 1);
+        std::fs::remove_dir_all(folder).expect("removing");
+    }
 
     #[test]
     fn a_part_is_what_is_there_of_it() {

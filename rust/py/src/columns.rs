@@ -8,7 +8,7 @@ use mavwire_columns::layout::{Layout, Options};
 use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
-use mavwire_columns::summary::{Count, Summary};
+use mavwire_columns::summary::{Count, Sender, Summary};
 use mavwire_link::files;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -38,7 +38,9 @@ pub(crate) struct Query {
     columns: Option<Vec<String>>,
     si: bool,
     enum_names: bool,
-    /// Rows of a batch; `None` for one batch of each type.
+    /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
+    untimed: bool,
+    /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.
     batch_rows: Option<usize>,
     /// Bytes that all batches under way may have.
     batch_bytes: Option<usize>,
@@ -84,8 +86,18 @@ impl Query {
         let (source, size) = (log.open()?, log.size());
         let registry = Arc::clone(&dialect.registry);
         let (wanted, options) = (self.wanted(dialect), self.options());
-        let reader = Reader::new(source, registry, wanted, options, self.limits())?;
-        Ok(Box::new(reader.with_size(size)))
+        let reader = Reader::new(source, log.framing(), registry, wanted, options, self.limits())?;
+        self.checked(Box::new(reader.with_size(size)))
+    }
+
+    /// The reader, unless it cannot tell which records are of the time that is wanted.
+    pub(crate) fn checked(&self, reader: Box<dyn Decode>) -> Result<Box<dyn Decode>, Error> {
+        let any_time = self.start.is_none() && self.end.is_none();
+        if any_time || self.untimed || reader.has_times() {
+            Ok(reader)
+        } else {
+            Err(Error::Untimed)
+        }
     }
 }
 
@@ -217,7 +229,8 @@ pub(crate) fn summary_dict<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let senders = PyDict::new(py);
     for (ids, sender) in &sum.senders {
-        senders.set_item(ids, (count_row(&sender.count), sender.lost, sender.reboots))?;
+        let Sender { lost, repeated, reboots, .. } = *sender;
+        senders.set_item(ids, (count_row(&sender.count), lost, repeated, reboots))?;
     }
     let bad = PyList::new(py, sum.bad.iter().map(|range| (range.start, range.end - range.start)))?;
     let dict = PyDict::new(py);

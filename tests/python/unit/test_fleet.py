@@ -136,8 +136,9 @@ def test_what_a_manifest_of_others_names_is_not_removed(tmp_path, small, inside)
 def test_a_large_log_in_parts_gives_exactly_its_rows(tmp_path, small, large, inside):
     cuts = find_cuts(str(large), BLOCK // 2)
     assert len(cuts) == 3, "not in the first block, where damage is not far enough away"
-    assert [start for start, _ in cuts[1:]] == [end for _, end in cuts[:-1]]
+    assert [start for start, *_ in cuts[1:]] == [end for _, end, _ in cuts[:-1]]
     assert (cuts[0][0], cuts[-1][1]) == (0, large.stat().st_size)
+    assert {stamped for *_, stamped in cuts} == {True}
     whole = mavwire.read(large)
     parts = [decode(large, one) for one in cuts]
     for name, table in whole.items():
