@@ -163,7 +163,7 @@ def _parser(name: str, command: Any) -> ArgumentParser:
 
 
 def _overview() -> str:
-    width = max(map(len, COMMANDS))
+    width = max(len(name) for name in COMMANDS)  # `map` is a subcommand here once it is loaded
     lines = [f"  {name:<{width}}  {text}" for name, (_, text) in COMMANDS.items()]
     return "\n".join(
         [
