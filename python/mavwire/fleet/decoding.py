@@ -52,7 +52,7 @@ def decode(
 
 def decode_as(
     path: str | os.PathLike[str],
-    byte_range: ByteRange | None,
+    byte_range: ByteRange | Part | None,
     types: str | Iterable[str] | None,
     columns: str | Iterable[str] | None,
     *,

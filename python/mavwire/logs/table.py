@@ -140,6 +140,7 @@ class Table:
         if step != 1:
             raise ValueError("rows of a table are sliced in steps of 1: use to_numpy()")
         return self.slice(start, max(0, stop - start))
+
     def sender(self, sysid: int, compid: int | None = None) -> Table:
         """The rows of one system, or of one of its components."""
         rows = self._batches

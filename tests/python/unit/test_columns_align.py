@@ -145,6 +145,8 @@ def test_an_aligned_table_has_no_instances_of_its_own(tmp_path):
     table = log.align(["BATTERY_STATUS"], rate="1s")
     assert log["BATTERY_STATUS"].instance_field == "id"
     assert table.instance_field is None and table.wide() is table
+
+
 def gps(lat: int) -> Any:
     return mavlink.MAVLink_gps_raw_int_message(0, 3, lat, 0, 0, 0, 0, 0, 0, 9)
 
