@@ -167,7 +167,8 @@ class Manifest:
         return set() if row is None else {row.name, *row.parts, *map(self._stem, row.files)}
 
     def _stem(self, name: str) -> str:
-        return os.path.basename(name).rpartition(FORMATS[self.how["format"]])[0]
+        stem, _, rest = os.path.basename(name).rpartition(FORMATS[self.how["format"]])
+        return "" if rest.endswith(".part") else stem  # a draft is nobody's yet
 
 
 def file_status(path: str) -> tuple[int, int]:

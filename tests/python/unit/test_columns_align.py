@@ -130,11 +130,11 @@ def test_a_span_of_time_and_names_of_enums(tmp_path):
     path = tmp_path / "flight.tlog"
     traffic.generate(path, 2000)
     log = mavwire.open_log(path)
-    whole = log.align(["HEARTBEAT", "ATTITUDE"], on="ATTITUDE")
+    whole = log.align(["HEARTBEAT", "ATTITUDE"], on="ATTITUDE", systems=1)
     first, last = whole["timestamp"][20], whole["timestamp"][40]
     some = log.align(["ATTITUDE"], on="ATTITUDE", start=first, end=last)
     assert some["ATTITUDE.roll"].tolist() == whole["ATTITUDE.roll"][20:40].tolist()
-    named = log.align(["HEARTBEAT"], on="HEARTBEAT", enums="names")
+    named = log.align(["HEARTBEAT"], on="HEARTBEAT", enums="names", systems=1)
     assert str(named["HEARTBEAT.autopilot"][0]).startswith("MAV_AUTOPILOT_")
 
 
