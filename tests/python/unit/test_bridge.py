@@ -220,7 +220,7 @@ def test_frames_that_wait_may_share_a_datagram() -> None:
         frames = [heartbeat(seq=seq) for seq in range(5)]
         bridge.send(b"".join(frames))
         pairs = [frames[0] + frames[1], frames[2] + frames[3], frames[4]]
-        assert [receive(station) for _ in pairs] == pairs
+        assert [station.recv(65536) for _ in pairs] == pairs
         wait_until("the count", lambda: report(bridge, "station")["sent"] == 5)
 
 
@@ -231,7 +231,7 @@ def test_frames_of_one_datagram_fit_where_the_longest_frame_does() -> None:
         bridge.send(sent)
         came = b""
         while len(came) < len(sent):
-            datagram = receive(station)
+            datagram = station.recv(65536)
             assert len(datagram) <= 280 and len(datagram) % len(heartbeat()) == 0
             came += datagram
         assert came == sent
