@@ -46,6 +46,12 @@ def test_other_units_and_names_are_other_options(flight, tmp_path):
         assert [convert([flight], tmp_path, **how)[0].skipped for _ in range(2)] == [False, True]
 
 
+def test_an_arrow_file_has_no_room_for_names_that_come_later(flight, tmp_path):
+    with pytest.raises(ValueError, match="leave enums out"):
+        convert([flight], tmp_path / "out", format="arrow", enums="names")
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("how", [{"units": "si"}, {"enums": "names"}])
 def test_mcap_has_values_as_they_are_sent(flight, tmp_path, how):
     with pytest.raises(ValueError, match="leave units and enums out"):
