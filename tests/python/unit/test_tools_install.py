@@ -138,7 +138,9 @@ def test_every_script_of_pymavlink_is_a_verb_or_listed(oracle: str) -> None:
     from pkgutil import iter_modules
 
     page = (Path(__file__).parents[3] / "docs" / "tools.md").read_text(encoding="utf-8")
-    listed = re.findall(r"[\w*]+\.py\b", page.partition("\nNot there: ")[2].partition("\n## ")[0])
+    listed = re.findall(
+        r"[\w*]+\.py\b", page.partition("\nNot there are ")[2].partition("\n## ")[0]
+    )
     there = {f"{one.name}.py" for one in iter_modules(import_module(f"{oracle}.tools").__path__)}
     left = {name for name in there - tools.scripts().keys() if "test" not in name}
     assert len(there) > 30
