@@ -8,6 +8,7 @@ port on Windows, any link under a proactor loop) is looked at by a timer instead
 from __future__ import annotations
 
 import asyncio
+import errno
 from collections.abc import Callable
 from typing import Any
 
@@ -18,8 +19,9 @@ from .watching import POLL_INTERVAL, Descriptor, descriptor_of, watch
 
 # Messages that one turn takes at most: about 0.1 ms.
 PORTION = 64
-# How long a link is left alone whose reading the system refuses, in seconds.
+# How long a server is left alone that has no descriptor for a client, in seconds.
 ERROR_PAUSE = 1.0
+NO_DESCRIPTORS = (errno.EMFILE, errno.ENFILE)
 
 
 class Pump:
@@ -80,8 +82,8 @@ class Pump:
             self._turned(error)
         if not self._is_running:
             return
-        if isinstance(error, OSError):
-            # Such as no descriptor for a client, who stands at the door and would wake us over and over.
+        if isinstance(error, OSError) and error.errno in NO_DESCRIPTORS:
+            # The client who stands at the door would wake us over and over. Errors of hooks pause nothing.
             self._unwatch()
             self._handle = self._loop.call_later(ERROR_PAUSE, self._turn)
             return

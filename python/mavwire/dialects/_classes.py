@@ -297,7 +297,7 @@ def _mavlink_class(native: _native.Dialect, marker: int, signing_class: type) ->
     return MAVLink
 
 
-def _add_methods(mavlink: type, native: _native.Dialect, module: str, texts: Texts) -> None:
+def _add_methods(mavlink: type, native: _native.Dialect, module: str) -> None:
     def maker(message: str, make: Callable[..., Any]) -> Callable[[], Callable[..., Any]]:
         def made() -> Callable[..., Any]:
             cls = native.message_class(message)
@@ -368,6 +368,6 @@ def make_classes(
     for name, cls in classes.items():
         cls.__module__ = module
         cls.__qualname__ = name
-    _add_methods(mavlink, native, module, texts)
+    _add_methods(mavlink, native, module)
     classes["_make"] = _message_class_maker(native, base, module, name_property(), texts)
     return classes
