@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import random
-import struct
 import time
 from typing import Any
 
-from mavwire.mavftp_op import FTP_OP, OP_Ack, OP_Nack
+from mavwire.mavftp_op import _HEADER, FTP_OP, OP_Ack, OP_Nack
 
 from . import log
 from .result import LAST_REMOTE_ERROR, FtpError, MAVFTPReturn
@@ -15,7 +14,6 @@ from .settings import MAVFTPSettings
 
 HDR_LEN = 12
 MAX_PAYLOAD = 239
-_HEADER = struct.Struct("<HBBBBBBI")
 # Opcode of a request -> how results name it.
 OPERATIONS = dict(
     enumerate(

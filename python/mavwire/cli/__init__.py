@@ -11,12 +11,13 @@ import os
 import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_os_error
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import Any
 
 COMMANDS = {
     "info": ("mavwire.cli.info", "what is in a log: types, rates, systems, losses"),
@@ -152,11 +153,31 @@ def _discard_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
 
 
+class _Formatter(RawDescriptionHelpFormatter):
+    """argparse makes one for each option, and looks for the width with `shutil`, which loads every
+    compression that Python knows.
+    """
+
+    def __init__(self, prog: str, **options: Any) -> None:
+        super().__init__(prog, **{"width": _columns() - 2, **options})
+
+
+def _columns() -> int:
+    """Characters in a line of the terminal, as `shutil.get_terminal_size` tells."""
+    told = os.environ.get("COLUMNS", "")
+    if told.isdecimal() and int(told) > 0:
+        return int(told)
+    try:
+        return os.get_terminal_size(sys.__stdout__.fileno()).columns or 80  # type: ignore[union-attr]
+    except (AttributeError, ValueError, OSError):  # closed, or no terminal
+        return 80
+
+
 def _parser(name: str, command: Any) -> ArgumentParser:
     parser = ArgumentParser(
         prog=f"mavwire {name}",
         description=command.__doc__,
-        formatter_class=RawDescriptionHelpFormatter,
+        formatter_class=_Formatter,
     )
     command.add_arguments(parser)
     return parser

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 from mavwire.cli._dump_format import Csv, local_time
 
@@ -20,26 +20,6 @@ SLOW_OPTIONS = (
     "follow", "no_timestamps", "planner", "verbose", "show_types", "show_loss", "reduce",
 )  # fmt: skip
 NO_SOURCE = -1
-
-
-@dataclass
-class Options:
-    """What the native loop reads; see `rust/py/src/dump.rs`."""
-
-    format: str
-    write: Callable[[bytes], Any]
-    record: Callable[[bytes], Any] | None
-    wanted: Callable[[str], bool]
-    types: list[str] | None
-    progress: Callable[[float], Any]
-    source_system: int | None
-    source_component: int | None
-    link: int | None
-    show_source: bool
-    show_seq: bool
-    separator: str = ","
-    columns: list[str] = field(default_factory=list)
-    local_time: Callable[[float], str] = local_time
 
 
 def options_fit(args: Namespace) -> bool:
@@ -98,7 +78,9 @@ def dump(
     """Dump a log that fits, from where it stands to its end."""
     from mavwire._native import dump_log
 
-    options = Options(
+    is_table = isinstance(shape, Csv)
+    # What the native loop reads; see `rust/py/src/dump.rs`.
+    options = SimpleNamespace(
         format="none" if args.quiet else args.format,
         write=write,
         record=record,
@@ -110,9 +92,10 @@ def dump(
         link=_byte(args.link),
         show_source=args.show_source,
         show_seq=args.show_seq,
+        separator=shape.separator if is_table else ",",
+        columns=shape.types if is_table else [],
+        local_time=local_time,
     )
-    if isinstance(shape, Csv):
-        options.separator, options.columns = shape.separator, shape.types
     dump_log(log, options)
 
 

@@ -46,6 +46,9 @@ class Selection:
         self._counts: dict[str, int] = {}
         self._shown_at: dict[str, float] = {}
         self.visited = self._visited_types()
+        self._hides_bad_data = self.visited is not None
+        if args.follow:  # other types that fit may come
+            self.visited = None
 
     def _visited_types(self) -> list[str] | None:
         """The types to seek to in an indexed log; None to read every record."""
@@ -67,7 +70,7 @@ class Selection:
     def _fits(self, kind: str) -> bool:
         """BAD_DATA passes the list of wanted types, which only names what an index can find."""
         if kind == "BAD_DATA":
-            if self._args.no_bad_data:
+            if self._args.no_bad_data or self._hides_bad_data:
                 return False
         elif self._types is not None and not _any_fits(self._types, kind):
             return False

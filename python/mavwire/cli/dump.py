@@ -18,6 +18,7 @@ from mavwire.cli._errors import CommandError
 from mavwire.cli._output import open_output
 from mavwire.cli._reading import Reading, definitions, kind_of, reading, standard_input
 from mavwire.tools._arguments import add_user_functions
+from mavwire.tools._telemetry import record_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from typing import Any
 
 DEFAULT_DIALECT = "ardupilotmega"
-# The last time that a telemetry log's record can have, in microseconds.
-MAX_STAMP = 2**64 - 1
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -252,8 +251,7 @@ class Sink:
             return
         frame = msg.get_msgbuf()
         if frame and self._stamped:
-            micros = min(int(msg._timestamp * 1.0e6), MAX_STAMP)  # a float may round beyond
-            self._record(micros.to_bytes(8, "big") + frame)
+            self._record(record_of(msg._timestamp, frame))
         elif frame:
             self._record(frame)
 

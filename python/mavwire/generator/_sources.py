@@ -12,15 +12,15 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Collection
-from xml.sax.saxutils import escape, quoteattr
 
 from mavwire.generator._enum_value import enum_value
 from mavwire.generator._schema import SHAPES
 from mavwire.generator._xml_reader import Element, base_name
 from mavwire.generator.mavparse import MAVXML
 
-_ATTRIBUTE_ESCAPES = {"\n": "&#10;", "\r": "&#13;", "\t": "&#9;"}
-_TEXT_ESCAPES = {"\r": "&#13;"}
+# Not of `xml.sax.saxutils`, which loads the whole of `urllib`.
+_TEXT_ESCAPES = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"}
+_ATTRIBUTE_ESCAPES = {**_TEXT_ESCAPES, '"': "&quot;", "\n": "&#10;", "\t": "&#9;"}
 
 
 def canonical_sources(xml: list[MAVXML]) -> tuple[dict[str, str], str]:
@@ -67,7 +67,7 @@ def _file_text(file: MAVXML, names: dict[str, str]) -> str:
     lines = ["<mavlink>"]
     for path in included_paths(file):
         name = names.get(path) or base_name(path)
-        lines.append(f"  <include>{escape(name)}</include>")
+        lines.append(f"  <include>{_escaped(name)}</include>")
     for child in file.root.children:
         if child.tag in SHAPES and child.tag != "include":
             _write(child, lines, depth=1)
@@ -81,10 +81,10 @@ def _write(element: Element, lines: list[str], depth: int) -> None:
     start = f"{indent}<{element.tag}{attributes}"
     text = element.text if SHAPES[element.tag].content else ""
     if not known:
-        end = f">{escape(text, _TEXT_ESCAPES)}</{element.tag}>" if text else "/>"
+        end = f">{_escaped(text)}</{element.tag}>" if text else "/>"
         lines.append(start + end)
         return
-    lines.append(f"{start}>{escape(text.strip(), _TEXT_ESCAPES)}")
+    lines.append(f"{start}>{_escaped(text.strip())}")
     for child in known:
         _write(child, lines, depth + 1)
     lines.append(f"{indent}</{element.tag}>")
@@ -93,4 +93,8 @@ def _write(element: Element, lines: list[str], depth: int) -> None:
 def _quoted(element: Element, name: str, value: str) -> str:
     if element.tag == "entry" and name == "value":
         value = str(enum_value(value))
-    return quoteattr(value, _ATTRIBUTE_ESCAPES)
+    return f'"{_escaped(value, _ATTRIBUTE_ESCAPES)}"'
+
+
+def _escaped(text: str, escapes: dict[str, str] = _TEXT_ESCAPES) -> str:
+    return text.translate(str.maketrans(escapes))

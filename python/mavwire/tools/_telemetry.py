@@ -29,6 +29,11 @@ def is_damaged(msg: Any) -> bool:
 
 
 def record(msg: Any) -> bytes:
-    """A message as a record of a telemetry log; times are cut to microseconds as pymavlink does."""
-    micros = min(int(msg._timestamp * 1.0e6), MAX_STAMP)  # a float may round beyond
-    return micros.to_bytes(8, "big") + bytes(msg.get_msgbuf())
+    """A message as a record of a telemetry log."""
+    return record_of(msg._timestamp, msg.get_msgbuf())
+
+
+def record_of(stamp: float, frame: bytes) -> bytes:
+    """A frame as a record of a telemetry log; times are cut to microseconds as pymavlink does."""
+    micros = min(int(stamp * 1.0e6), MAX_STAMP)  # a float may round beyond
+    return micros.to_bytes(8, "big") + frame

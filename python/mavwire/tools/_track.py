@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, radians, sin, sqrt
+from math import cos, radians
 
-from mavwire._sphere import RADIUS
+from mavwire._sphere import great_circle_between
 
 
 class Track:
@@ -32,9 +32,7 @@ class Track:
         if self.start is None:
             self.start = (lat, lon)
         else:
-            # The great circle of mavwire._sphere, with one cosine a position.
-            a = sin((lat2 - lat1) / 2) ** 2 + sin((lon2 - lon1) / 2) ** 2 * cos1 * cos2
-            self.metres += RADIUS * 2.0 * atan2(sqrt(a), sqrt(max(0.0, 1.0 - a)))
+            self.metres += great_circle_between(lat2 - lat1, lon2 - lon1, cos1, cos2)
         self.end = (lat, lon)
 
 

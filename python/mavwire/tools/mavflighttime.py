@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import NamedTuple
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
@@ -46,14 +45,19 @@ def main(args: Namespace) -> int:
     return 0
 
 
-class Fix(NamedTuple):
+class Fix:
     """What a GPS message says, in degrees and metres a second. `stamp` changes with every fix."""
 
-    fix_type: int
-    groundspeed: float
-    lat: float
-    lon: float
-    stamp: int
+    __slots__ = ("fix_type", "groundspeed", "lat", "lon", "stamp")
+
+    def __init__(
+        self, fix_type: int, groundspeed: float, lat: float, lon: float, stamp: int
+    ) -> None:
+        self.fix_type = fix_type
+        self.groundspeed = groundspeed
+        self.lat = lat
+        self.lon = lon
+        self.stamp = stamp
 
 
 def fix_of(msg: Any) -> Fix:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_dialect, add_logs, add_no_timestamps
@@ -57,15 +56,17 @@ def _read(path: str, args: Namespace) -> Summary | None:
         return summarise(log, args.condition)
 
 
-@dataclass
 class Summary:
     """What is known of a log; times are in seconds."""
 
-    began: float
-    ended: float
-    sections: int
-    autonomous: float
-    track: Track
+    def __init__(
+        self, began: float, ended: float, sections: int, autonomous: float, track: Track
+    ) -> None:
+        self.began = began
+        self.ended = ended
+        self.sections = sections
+        self.autonomous = autonomous
+        self.track = track
 
     @property
     def seconds(self) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
@@ -60,17 +59,28 @@ def main(args: Namespace) -> int:
     return 0
 
 
-@dataclass
 class Point:
-    """A position: degrees, metres, metres a second."""
+    """A position: degrees, metres, metres a second. `fix_type` is None in a message that does not
+    tell: that of the last one that did stands for it.
+    """
 
-    lat: float
-    lon: float
-    altitude: float
-    course: float = 0.0
-    speed: float = 0.0
-    fix_type: int | None = None
-    """None in a message that does not tell: that of the last one that did stands for it."""
+    __slots__ = ("altitude", "course", "fix_type", "lat", "lon", "speed")
+
+    def __init__(
+        self,
+        lat: float,
+        lon: float,
+        altitude: float,
+        course: float = 0.0,
+        speed: float = 0.0,
+        fix_type: int | None = None,
+    ) -> None:
+        self.lat = lat
+        self.lon = lon
+        self.altitude = altitude
+        self.course = course
+        self.speed = speed
+        self.fix_type = fix_type
 
     def gpx(self, stamp: float) -> str:
         """One point of a track. The time is local, though it says otherwise: mavtogpx.py's."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 import os
 import subprocess
@@ -124,6 +125,41 @@ def test_start_imports_only_the_chosen_command() -> None:
         capture_output=True, text=True, env=environment, timeout=60, check=True,
     )  # fmt: skip
     assert result.stdout.splitlines()[-1] == "['mavwire', 'mavwire.cli', 'mavwire.cli._errors']"
+
+
+def test_commands_start_without_what_they_seldom_need() -> None:
+    """Each of these modules costs more time than the rest of a short run."""
+    code = (
+        "import sys, importlib\n"
+        "from mavwire import cli\n"
+        "for name in ('parms', 'summarize', 'togpx', 'flighttime', 'loss', 'dump', 'gen'):\n"
+        "    cli._parser(name, importlib.import_module(cli.COMMANDS[name][0]))\n"
+        "    print(name, {'shutil', 'lzma', 'urllib.parse', 'ssl', 'socket'} & set(sys.modules))\n"
+        "    if name == 'dump':\n"
+        "        print({'dataclasses', 'typing', 'inspect'} & set(sys.modules))\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": PACKAGE_FOLDER}
+    result = subprocess.run(
+        [sys.executable, "-S", "-c", code],
+        capture_output=True, text=True, env=environment, timeout=60, check=True,
+    )  # fmt: skip
+    lines = result.stdout.splitlines()
+    assert len(lines) == 8
+    assert [line for line in lines if not line.endswith("set()")] == []
+
+
+@pytest.mark.parametrize("columns", ["60", "200", "0", "x"])
+def test_help_is_as_wide_as_argparse_would_have_it(
+    columns: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    texts = []
+    for formatter in (cli._Formatter, argparse.RawDescriptionHelpFormatter):
+        monkeypatch.setattr(cli, "_Formatter", formatter)
+        with pytest.raises(SystemExit):
+            cli.main(["loss", "--help"])
+        texts.append(capsys.readouterr().out)
+    assert texts[0] == texts[1]
 
 
 def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:

@@ -280,6 +280,27 @@ def test_follow_prints_what_is_appended(tmp_path: Path) -> None:
     assert (process.returncode, error) == (cli.EXIT_INTERRUPTED, b"")
 
 
+def test_follow_shows_types_that_come_later(tmp_path: Path) -> None:
+    path = tmp_path / "growing.tlog"
+    mav = mavlink.MAVLink(None)
+    messages = [mavlink.MAVLink_attitude_message(seq, 0, 0, 0, 0, 0, 0) for seq in range(2)]
+    messages += [mavlink.MAVLink_ahrs2_message(0, 0, 0, seq, 0, 0) for seq in range(2)]
+    records = [struct.pack(">Q", 1_700_000_000_000_000) + bytes(one.pack(mav)) for one in messages]
+    path.write_bytes(records[0])
+    command = [sys.executable, "-m", "mavwire", "dump", "--follow", "--types", "A*", str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout
+        lines = [process.stdout.readline()]
+        with path.open("ab") as file:
+            file.write(b"".join(records[1:]))
+        lines += [process.stdout.readline() for _ in range(3)]
+        process.send_signal(signal.SIGINT)
+        _, error = process.communicate(timeout=60)
+    names = [line.split(b" {")[0].rsplit(b" ", 1)[1] for line in lines]
+    assert names == [b"ATTITUDE", b"ATTITUDE", b"AHRS2", b"AHRS2"]
+    assert (process.returncode, error) == (cli.EXIT_INTERRUPTED, b"")
+
+
 def test_follow_starts_again_where_the_log_was_cut(tmp_path: Path) -> None:
     path = tmp_path / "growing.tlog"
     records = [
@@ -287,7 +308,7 @@ def test_follow_starts_again_where_the_log_was_cut(tmp_path: Path) -> None:
         for micros, frame, _ in traffic.records(traffic.Options(messages=20))
     ]
     command = [sys.executable, "-m", "mavwire", "dump", "--follow", str(path)]
-    for types in ([], ["--types", "*"]):  # which goes by the index
+    for types in ([], ["--types", "*"]):  # which makes an index
         path.write_bytes(b"".join(records))
         with subprocess.Popen(
             [*command, *types], stdout=subprocess.PIPE, stderr=subprocess.PIPE
