@@ -65,8 +65,8 @@ class DataflashLog(Log):
         self,
         types: str | Iterable[str] | None = None,
         systems: int | Iterable[int] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
     ) -> Iterator[Any]:
         """The messages of some types with `start <= time < end`, as DFReader gives them.
 
@@ -121,8 +121,8 @@ class DataflashLog(Log):
         types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
         *,
         units: str | None = None,
         enums: str | None = None,

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     import builtins
     from collections.abc import Iterable, Iterator
 
+    from .align import Span
+
 INTEGERS = frozenset(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))
 
 
@@ -170,7 +172,7 @@ class Table:
         named = ((f"{self.name}[{text}]", part) for text, part in parts)
         return {name: Table(name, part, self.path) for name, part in named}
 
-    def wide(self, *, method: str = "ffill", tolerance: str | float = 0) -> Table:
+    def wide(self, *, method: str = "ffill", tolerance: Span = 0) -> Table:
         """One row for each time, with the fields of each instance as `IMU[0].AccX`.
 
         Where an instance has no row at that time there are nulls; `tolerance` and `method` are

@@ -97,8 +97,8 @@ class TelemetryLog(Log):
         self,
         types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
     ) -> Iterator[Any]:
         """The messages of some types and systems with `start <= time < end`.
 
@@ -151,8 +151,8 @@ class TelemetryLog(Log):
         types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
         *,
         units: str | None = None,
         enums: str | None = None,

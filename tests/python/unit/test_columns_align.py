@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import timedelta
 from typing import Any
 
 import mavwire
@@ -225,3 +226,14 @@ def test_a_swapped_pair_is_no_loss(tmp_path):
     path.write_bytes(b"".join(record(heartbeat(n), T0 + at) for at, n in enumerate(numbers)))
     info = mavwire.open_log(path).info()
     assert (info.lost, info.repeated) == (1, 0)
+
+
+def test_spans_of_time_in_other_words(log):
+    expected = log.align(["ATTITUDE"], rate="50ms", tolerance=0.02)
+    for span in (timedelta, lambda milliseconds: np.timedelta64(milliseconds, "ms")):
+        rate, tolerance = span(milliseconds=50), span(milliseconds=20)
+        found = log.align(["ATTITUDE"], rate=rate, tolerance=tolerance)
+        assert found.to_arrow().equals(expected.to_arrow())
+    for wrong in (timedelta(seconds=-1), np.timedelta64("NaT"), "soon"):
+        with pytest.raises(ValueError, match="a span of time"):
+            log.align(["ATTITUDE"], rate=wrong)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import sys
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import mavwire
 import numpy as np
 import pytest
 from dataflash_writer import Log, sample
-from mavwire import traffic
+from mavwire import cli, traffic
 from mavwire.logs import LogFormatError, dataflash
 from unit.column_tools import HEADER, log_of_every_type
 
@@ -73,9 +74,43 @@ def test_times_as_numpy_has_them(flight):
     rest = mavwire.read(flight, "ATTITUDE", start=middle)["ATTITUDE"]
     assert rest["timestamp"].tolist() == table["timestamp"][table["timestamp"] >= middle].tolist()
     never = np.datetime64("NaT")
-    for wrong in ("2024-01-31", b"1", [1.0], object(), float("nan"), never):
+    for wrong in ("yesterday", "1.5", b"1", [1.0], object(), float("nan"), never):
         with pytest.raises(ValueError, match="a time is seconds since 1970, a datetime"):
             mavwire.read(flight, "ATTITUDE", start=wrong)
+
+
+def test_times_as_texts_are_utc_where_they_name_no_zone(flight):
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    start, end = table["timestamp"][3], table["timestamp"][7]
+    for texts in ((f"{start}", f"{end}"), (f"{start}Z", f"{end}+00:00")):
+        found = mavwire.read(flight, "ATTITUDE", start=texts[0], end=texts[1])["ATTITUDE"]
+        assert found["timestamp"].tolist() == table["timestamp"][3:7].tolist()
+
+
+def test_seconds_are_microseconds_as_records_have_them(flight):
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    micros = table["timestamp"].astype("int64")
+    # Some of these floats are above the time that they stand for, and some below.
+    for row in range(1, len(table)):
+        time = float(micros[row]) / 1e6
+        assert len(mavwire.read(flight, "ATTITUDE", end=time)["ATTITUDE"]) == row
+        assert len(mavwire.read(flight, "ATTITUDE", start=time)["ATTITUDE"]) == len(table) - row
+
+
+@pytest.mark.parametrize(
+    "end", [5, 4.5, "1970-01-01T00:00:05", dt.datetime.fromtimestamp(1, dt.UTC)]
+)
+def test_a_span_that_holds_nothing_is_an_error(flight, tmp_path, end, capsys):
+    for look in (
+        mavwire.read,
+        mavwire.scan,
+        lambda *a, **how: mavwire.open_log(flight).messages(**how),
+    ):
+        with pytest.raises(ValueError, match="start is a time before end"):
+            look(flight, start=5, end=end)
+    words = ["cut", str(flight), "-o", str(tmp_path / "x"), "--start", "5", "--end", "1970-01-01"]
+    assert cli.main(words) == 1
+    assert "error: start is a time before end" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
