@@ -72,6 +72,8 @@ def decode_as(
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, None, start, end, units, enums)
     query.columns = None if columns is None else names_of(columns)
+    if lenient:
+        query.allow(query.names or ())
     with located(path, byte_range, storage_options) as source:
         described = DataflashTables.open(source)
         run = columns_from(described, source, native, query)

@@ -19,7 +19,7 @@ from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest, file_status
 from .query import Query, check_tables
-from .reading import check_readable, native_dialect, no_rows, paths_of
+from .reading import allow_described, check_readable, native_dialect, no_rows, paths_of
 from .sources import head_of, is_dataflash, open_converter
 from .store import Store
 from .targets import writing
@@ -79,6 +79,7 @@ def convert(
         format, compression, types, systems, fields, start, end, dialect,
         units=units, enums=enums, first=next(iter(logs), None),
     )  # fmt: skip
+    allow_described(logs, query)
     out = os.fsdecode(out)
     store = Store(out)
     with store.locked():

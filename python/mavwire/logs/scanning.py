@@ -51,6 +51,7 @@ def scan_polars(
     module, native = native_dialect(dialect)
     query = Query.of(module, message, systems, None, start, end, units, enums)
     empty = empty_of(every, module, native, query)
+    query.allow([message])
     schema = pl.DataFrame(Table(message, empty)).schema
 
     def source(

@@ -275,8 +275,8 @@ class Table:
         """Write a file: Parquet, CSV, JSON lines or Arrow, by the suffix of `path` or `format`.
 
         It appears when it is complete, in a folder that is there. `compression`: for Parquet "zstd"
-        (the default), "snappy" or "none", for text "none", "gzip" or "zstd" (by the suffix, as of `gps.csv.gz`, or "none"), for
-        Arrow "none".
+        (the default), "snappy" or "none", for text "none", "gzip" or "zstd" (by the suffix, as of
+        `gps.csv.gz`, or "none"), for Arrow "none".
         """
         path = os.fsdecode(path)
         stem, suffix = os.path.splitext(path)

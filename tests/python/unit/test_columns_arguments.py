@@ -137,6 +137,33 @@ def test_what_one_of_the_logs_describes_is_found(tmp_path):
         mavwire.read(other, "IMU")
 
 
+def test_types_of_both_kinds_of_logs_at_once(flight, tmp_path):
+    onboard = sample().write(tmp_path / "onboard.BIN")
+    for number, logs in enumerate(([flight, onboard], [onboard, flight])):
+        found = mavwire.scan(logs, ["ATTITUDE", "IMU"], fields=["roll", "Raw"])
+        assert {(one.name, str(one.path)) for one in found} == {
+            ("ATTITUDE", str(flight)),
+            ("IMU", str(onboard)),
+        }  # fmt: skip
+        assert sum(map(len, mavwire.scan(logs, "IMU"))) == 3
+        with pytest.raises(ValueError, match="has no message 'IMX'"):
+            list(mavwire.scan(logs, ["ATTITUDE", "IMX"]))
+        with pytest.raises(ValueError, match="field 'Typo'"):
+            list(mavwire.scan(logs, ["ATTITUDE", "IMU"], fields=["roll", "Raw", "Typo"]))
+        out = tmp_path / f"out{number}"
+        words = ["convert", *map(str, logs), "-o", str(out), "--types", "ATTITUDE,IMU", "--quiet"]
+        assert cli.main(words) == 0
+        assert sorted(one.name for one in out.glob("*/*")) == ["flight.parquet", "onboard.parquet"]
+    with pytest.raises(ValueError, match="has no message 'IMU'"):
+        mavwire.scan([flight, flight], "IMU")
+    pytest.importorskip("polars")
+    assert len(mavwire.scan_polars([flight, onboard], "IMU").collect()) == 3
+    pytest.importorskip("dask.dataframe")
+    from mavwire.fleet import dask_frame
+
+    assert len(dask_frame([flight, onboard], "IMU")) == 3
+
+
 def test_a_list_of_logs_is_opened_log_by_log(tmp_path):
     path = sample().write(tmp_path / "flight.BIN")
     found = mavwire.scan([path, tmp_path / "not there yet"], "IMU")
