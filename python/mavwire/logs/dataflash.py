@@ -40,6 +40,10 @@ class DataflashLog(Log):
     def __repr__(self) -> str:
         return f"<DataflashLog {self.path!r}{' (closed)' if self.closed else ''}>"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Opened anew by its path, in whatever process."""
+        return DataflashLog, (self.path,), {"closed": self.closed}
+
     def _tables(self) -> DataflashTables:
         """The native reader, renewed when the file has grown."""
         self._check_open()

@@ -14,6 +14,7 @@ from .batches import Batches
 from .query import Query, check_described, check_tables, names_of
 from .sources import columns_from, head_of, is_dataflash
 from .table import Table, tidy
+from .targets import A_FOLDER
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -38,7 +39,7 @@ def native_dialect(dialect: str | ModuleType) -> tuple[Any, Any]:
 def check_readable(path: str) -> None:
     """Raise FileNotFoundError, IsADirectoryError or PermissionError, with the name."""
     if os.path.isdir(path):
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
+        raise IsADirectoryError(errno.EISDIR, A_FOLDER, path)
     with open(path, "rb"):
         pass
 

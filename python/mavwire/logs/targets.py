@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+A_FOLDER = "is a folder: name the logs in it, such as FOLDER/*.tlog"
 _NATIVE = re.compile(r"(?:.*: )?(.*) \(os error (\d+)\)")
 """How native code says what the system says."""
 

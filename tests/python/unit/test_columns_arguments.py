@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+import pickle
 import sys
 from pathlib import Path
 
@@ -77,6 +78,15 @@ def test_times_as_numpy_has_them(flight):
     for wrong in ("yesterday", "1.5", b"1", [1.0], object(), float("nan"), never):
         with pytest.raises(ValueError, match="a time is seconds since 1970, a datetime"):
             mavwire.read(flight, "ATTITUDE", start=wrong)
+
+
+def test_folders_are_named_with_what_to_do(flight, tmp_path, capsys):
+    for look in (mavwire.open_log, mavwire.read, lambda path: list(mavwire.scan(path))):
+        with pytest.raises(IsADirectoryError, match="name the logs in it") as caught:
+            look(tmp_path)
+        assert caught.value.filename == str(tmp_path)
+    assert cli.main(["cut", str(tmp_path), "-o", str(tmp_path / "x.tlog")]) == 1
+    assert "is a folder: name the logs in it" in capsys.readouterr().err
 
 
 def test_times_as_texts_are_utc_where_they_name_no_zone(flight):
@@ -261,6 +271,53 @@ def test_duckdb_reads_a_scan(flight):
 def test_systems_are_numbers(flight, systems):
     with pytest.raises(ValueError, match="a system id is"):
         mavwire.read(flight, systems=systems)
+
+
+def test_logs_are_pickled_by_path_and_arguments(flight, tmp_path):
+    from mavwire.dialects import load
+    from mavwire.dialects.v20 import common
+
+    for dialect in ("ardupilotmega", common):
+        log = mavwire.open_log(flight, dialect=dialect, resync="skip")
+        other = pickle.loads(pickle.dumps(log))
+        assert (other.path, other.resync, other.dialect) == (log.path, "skip", log.dialect)
+        assert len(other) == len(log)
+    log.close()
+    with pytest.raises(ValueError, match="closed"):
+        pickle.loads(pickle.dumps(log)).read()
+    onboard = mavwire.open_log(sample().write(tmp_path / "onboard.BIN"))
+    assert onboard.types == pickle.loads(pickle.dumps(onboard)).types
+    loaded = load(
+        '<mavlink><messages><message id="9" name="A"><field type="char" name="b">x</field></message></messages></mavlink>',
+        name="made",
+    )
+    with pytest.raises(TypeError, match="of this process alone"):
+        pickle.dumps(mavwire.open_log(flight, dialect=loaded))
+
+
+def test_a_scan_is_pickled_by_its_arguments(flight):
+    pl = pytest.importorskip("polars")
+    scan = mavwire.scan_polars(flight, "ATTITUDE", systems=1, units="si")
+    frame = scan.filter(pl.col("seq") > 100).select("timestamp", "pitch")
+    other = pickle.loads(pickle.dumps(frame))
+    assert len(other.collect()) > 0
+    assert other.collect().equals(frame.collect())
+
+
+def test_the_types_of_a_log(flight, tmp_path):
+    tables = mavwire.read(flight)
+    path = tmp_path / "log.tlog"
+    path.write_bytes(flight.read_bytes())
+    log = mavwire.open_log(path)
+    columns = {
+        name: [one for one in table.columns if not one.endswith("_raw")]
+        for name, table in tables.items()
+    }
+    assert {
+        n: [c for c in some if not c.endswith("_raw")] for n, some in log.types.items()
+    } == columns
+    path.write_bytes(b"")
+    assert log.types == {}
 
 
 def test_what_is_meant_is_guessed(flight):
