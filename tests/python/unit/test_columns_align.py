@@ -127,6 +127,18 @@ def test_info_finds_gaps_reboots_and_versions(tmp_path):
     assert (info.version1, info.version2) == (1, 5)
 
 
+def test_a_clock_that_some_messages_leave_empty_is_no_reboot(tmp_path):
+    path = tmp_path / "odd.tlog"
+    empty = mavlink.MAVLink_attitude_message(0, 0, 0, 0, 0, 0, 0)
+    frames = [
+        pack(one, 0)
+        for ms in (10_000, 20_000, 30_000, 500)
+        for one in (mavlink.MAVLink_system_time_message(0, ms), empty)
+    ]
+    path.write_bytes(b"".join(map(record, frames)))
+    assert mavwire.open_log(path).info().senders[1, 1].reboots == 1
+
+
 def test_a_span_of_time_and_names_of_enums(tmp_path):
     path = tmp_path / "flight.tlog"
     traffic.generate(path, 2000)
