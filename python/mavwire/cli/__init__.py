@@ -8,9 +8,11 @@ text, and ``main`` gets the list of arguments as they were written.
 from __future__ import annotations
 
 import os
+import re
 import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from importlib import import_module
+from io import TextIOWrapper
 
 from mavwire.cli._errors import CommandError, describe_os_error
 
@@ -87,6 +89,8 @@ COMMANDS = {
 }
 """Name -> the module and one line of help."""
 
+NUMBERS = re.compile(r"-\.?\d[\d.eE+-]*(,[\d.eE+-]+)+")
+"""Some of them between commas, a negative one first."""
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
 
@@ -104,7 +108,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return EXIT_INTERRUPTED
     if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
         return int(command.main(arguments))
-    _replace_closed_streams()
+    _prepare_streams()
     prefix = f"mavwire {name}" if command else "mavwire"
     try:
         code = _run(name, command, arguments)
@@ -126,7 +130,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(name: str, command: Any, arguments: list[str]) -> int:
     if command is not None:
-        return int(command.main(_parser(name, command).parse_args(arguments)))
+        return int(command.main(_parser(name, command).parse_args(_joined(arguments))))
     if name in ("-h", "--help", ""):
         print(_overview())
         return 0 if name else EXIT_USAGE
@@ -137,11 +141,28 @@ def _run(name: str, command: Any, arguments: list[str]) -> int:
     return EXIT_USAGE
 
 
-def _replace_closed_streams() -> None:
-    """Python has None for a stream that was closed before it started (`>&-`)."""
+def _joined(arguments: list[str]) -> list[str]:
+    """`--shift -1,2` as `--shift=-1,2`: argparse takes a negative number for a value, but several of
+    them for an option.
+    """
+    words: list[str] = []
+    for one in arguments:
+        if words and re.fullmatch("--[^=]+", words[-1]) and NUMBERS.fullmatch(one):
+            words[-1] += f"={one}"
+        else:
+            words.append(one)
+    return words
+
+
+def _prepare_streams() -> None:
+    """Python has None for a stream that was closed before it started (`>&-`), and refuses to print
+    names of files that are not UTF-8.
+    """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
+    if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="surrogateescape")
 
 
 def _discard_output() -> None:

@@ -11,7 +11,6 @@ from mavwire.cli._progress import Progress
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
     from collections.abc import Callable
-    from datetime import datetime
 
     from mavwire.logs.rewriting import Rewritten
 
@@ -68,18 +67,19 @@ def systems_of(text: str | None) -> list[int] | None:
         raise CommandError(f"--systems takes numbers between commas, not {text!r}") from error
 
 
-def time_of(text: str | None) -> float | datetime | None:
-    """Seconds since 1970, or a date and time; UTC where it names no zone."""
+def time_of(text: str | None) -> float | None:
+    """Seconds since 1970 of a text that says so many, or a date and time; UTC where it names no
+    zone.
+    """
     if text is None:
         return None
     try:
         return float(text)
     except ValueError:
         pass
-    from datetime import UTC, datetime
+    from mavwire.logs.selection import seconds_of
 
     try:
-        time = datetime.fromisoformat(text)
+        return seconds_of(text)
     except ValueError as error:
-        raise CommandError(f"no time: {text!r}") from error
-    return time if time.tzinfo is not None else time.replace(tzinfo=UTC)
+        raise CommandError(str(error)) from error

@@ -14,7 +14,7 @@ import sys
 import time
 from collections import Counter
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -40,7 +40,7 @@ class System:
 
     messages: int = 0
     lost: int = 0
-    last_seq: int = -1
+    repeated: int = 0
 
 
 @dataclass
@@ -61,6 +61,8 @@ class Summary:
     """Whether times are seconds since the autopilot's start, not since 1970."""
     info: LogInfo | None = None
     """What only telemetry logs have."""
+    damage: str | None = None
+    """What is wrong with a compressed file; everything before that is counted."""
 
     @property
     def span(self) -> float:
@@ -72,22 +74,14 @@ class Summary:
         """Gaps in the sequence numbers of all senders."""
         return sum(system.lost for system in self.systems.values())
 
+    @property
+    def repeated(self) -> int:
+        """Messages that were there before, of all senders."""
+        return sum(system.repeated for system in self.systems.values())
+
     def rate(self, count: int) -> float:
         """A number of messages per second of the log."""
         return count / self.span if self.span > 0 else 0.0
-
-    def add(self, msg: Any, kind: str) -> None:
-        """Count a good telemetry message."""
-        key = (msg.get_srcSystem(), msg.get_srcComponent())
-        system = self.systems.get(key)
-        if system is None:
-            system = self.systems[key] = System()
-        seq = msg.get_seq()
-        if system.last_seq >= 0:
-            system.lost += (seq - system.last_seq - 1) & 255
-        system.last_seq = seq
-        system.messages += 1
-        self.types[kind] += 1
 
     def as_dict(self) -> dict[str, Any]:
         """For `--json`: plain values, systems keyed `sysid/compid`."""
@@ -97,14 +91,16 @@ class Summary:
             "messages": self.messages,
             "types": dict(self.types.most_common()),
             "systems": {
-                f"{sysid}/{compid}": {"messages": one.messages, "lost": one.lost}
+                f"{sysid}/{compid}": asdict(one)
                 for (sysid, compid), one in sorted(self.systems.items())
             },
             "first": self.first,
             "last": self.last,
             "lost": self.lost,
+            "repeated": self.repeated,
             "bad_messages": self.bad_messages,
             "bad_bytes": self.bad_bytes,
+            "damage": self.damage,
             "read_seconds": self.seconds,
             **_details(self.info),
         }
@@ -123,34 +119,24 @@ def _details(info: LogInfo | None) -> dict[str, Any]:
         "times_back": info.times_back,
         "reboots": {f"{ids[0]}/{ids[1]}": one.reboots for ids, one in info.senders.items()},
         "bad": info.bad,
-        "damage": info.damage,
     }
 
 
 def summarise(log: Any, path: str, progress: Progress | None = None) -> Summary:
-    """Read an open log, as `mavlink_connection` gives it, to its end."""
+    """Read an open CSV or dataflash log, as `mavlink_connection` gives it, to its end."""
     summary = Summary(path, size=os.path.getsize(path))
-    telemetry = hasattr(log, "mav")
     began = time.perf_counter()
     for number, msg in enumerate(iter(log.recv_msg, None), 1):
-        kind = msg.get_type()
-        if kind == "BAD_DATA":
-            summary.bad_messages += 1
-            summary.bad_bytes += len(msg.data)
-            continue
         summary.messages += 1
+        summary.types[msg.get_type()] += 1
         summary.last = msg._timestamp
         if summary.first is None:
             summary.first = summary.last
-        if telemetry and not kind.startswith("UNKNOWN_"):
-            summary.add(msg, kind)
-        else:
-            summary.types[kind] += 1
         if progress is not None and number % PROGRESS_EVERY == 0:
             progress.update(getattr(log, "percent", 0.0))
     summary.bad_bytes += getattr(log, "junk_bytes", 0)
     # Without a GPS fix the clock of a dataflash log has no time base.
-    summary.since_start = not telemetry and not getattr(log.clock, "timebase", 0)
+    summary.since_start = not getattr(getattr(log, "clock", None), "timebase", 0)
     summary.seconds = time.perf_counter() - began
     return summary
 
@@ -161,9 +147,10 @@ def summary_of(info: LogInfo, size: int, seconds: float, telemetry: bool = True)
 
     details = info if telemetry else None
     summary = Summary(info.path, size, info.messages, seconds=seconds, info=details)
+    summary.damage = info.damage
     summary.types = Counter({name: one.messages for name, one in info.types.items()})
     summary.systems = {
-        ids: System(one.count.messages, one.lost) for ids, one in info.senders.items()
+        ids: System(one.count.messages, one.lost, one.repeated) for ids, one in info.senders.items()
     }
     if info.messages and info.stamped:
         summary.first, summary.last = info.count.first, info.count.last
@@ -191,9 +178,12 @@ def _detail_lines(info: LogInfo) -> list[str]:
         lines.append(f"  reboots  {', '.join(reboots)}")
     if info.times_back:
         lines.append(f"  clock    went back {info.times_back:,} times")
-    if info.damage:
-        lines.append(f"  file     damaged: {info.damage}")
     return lines
+
+
+def _lost(summary: Summary) -> str:
+    again = f", {summary.repeated:,} came again" if summary.repeated else ""
+    return f"  lost     {summary.lost:,} messages by sequence number{again}"
 
 
 def _time(summary: Summary) -> str:
@@ -225,22 +215,25 @@ def table(summary: Summary) -> str:
         f"{summary.path}: {summary.size:,} bytes, {summary.messages:,} messages of"
         f" {len(summary.types)} types",
         f"  time     {_time(summary)}",
-        f"  lost     {summary.lost:,} messages by sequence number",
+        *([] if summary.info is None else [_lost(summary)]),
         f"  bad      {_bad(summary)}",
         *([] if summary.info is None else _detail_lines(summary.info)),
+        *([f"  file     cut off or damaged: {summary.damage}"] if summary.damage else []),
         f"  read in  {summary.seconds:.3f} s, {speed:,.0f} messages/s",
         "",
     ]
     if summary.systems:
-        lines.append(f"  {'SYSTEM':<10}{'COUNT':>12}{'LOST':>10}")
+        lines.append(f"  {'SYSTEM':<10}{'COUNT':>12}{'LOST':>10}{'REPEATED':>10}")
         lines += [
-            f"  {f'{sysid}/{compid}':<10}{one.messages:>12,}{one.lost:>10,}"
+            f"  {f'{sysid}/{compid}':<10}{one.messages:>12,}{one.lost:>10,}{one.repeated:>10,}"
             for (sysid, compid), one in sorted(summary.systems.items())
         ]
         lines.append("")
-    lines.append(f"  {'TYPE':<32}{'COUNT':>12}{'PER SECOND':>14}")
+    timed = summary.first is not None
+    lines.append(f"  {'TYPE':<32}{'COUNT':>12}" + (f"{'PER SECOND':>14}" if timed else ""))
     for kind, count in sorted(summary.types.items(), key=lambda item: (-item[1], item[0])):
-        lines.append(f"  {kind:<32}{count:>12,}{summary.rate(count):>14,.2f}")
+        rate = f"{summary.rate(count):>14,.2f}" if timed else ""
+        lines.append(f"  {kind:<32}{count:>12,}{rate}")
     return "\n".join(lines)
 
 
@@ -267,16 +260,18 @@ def main(args: argparse.Namespace) -> int:
 def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
     """Print what is in the log `name`, or say on standard error that it is none; whether it is."""
     try:
-        summary = _read(path, args.dialect)
+        summary = read(path, args.dialect)
     except (OSError, ValueError, ImportError) as error:
-        print(f"mavwire info: {name}: {_reason(error)}", file=sys.stderr)
+        print(f"mavwire info: {name}: {_reason(error, path)}", file=sys.stderr)
+        return False
+    if not summary.messages and warn_if_foreign("info", path, nothing_read=True):
         return False
     summary.path = name
     if args.json:
         print(json.dumps(summary.as_dict()))
     else:
         print(("\n" if apart else "") + table(summary))
-    return not warn_if_foreign("info", path, nothing_read=not summary.messages)
+    return True
 
 
 def _check_dialect(dialect: str | None) -> None:
@@ -293,7 +288,8 @@ def _check_dialect(dialect: str | None) -> None:
         raise CommandError(f"--dialect {dialect}: {error}") from error
 
 
-def _read(path: str, dialect: str | None) -> Summary:
+def read(path: str, dialect: str | None = None) -> Summary:
+    """What is in a log. OSError for a file that cannot be read, ValueError for what is no log."""
     from mavwire.links.recognise import check_usable
 
     check_usable(path, creating=False)
@@ -316,15 +312,12 @@ def _read(path: str, dialect: str | None) -> Summary:
 def _count(path: str, dialect: str | None) -> Summary | None:
     """What is in a telemetry or dataflash log; None for another file, which mavutil may know."""
     from mavwire.links.recognise import log_kind
-    from mavwire.logs import LogFormatError, TelemetryLog, open_log
+    from mavwire.logs import TelemetryLog, open_log
     from mavwire.logs.sources import is_dataflash
 
     if log_kind(path, readonly=True) != "tlog" and not is_dataflash(path):
         return None
-    try:
-        log = open_log(path, dialect=dialect or "all")
-    except LogFormatError:
-        return None
+    log = open_log(path, dialect=dialect or "all")
     size = os.path.getsize(path)
     progress = Progress(path)
     began = time.perf_counter()
@@ -336,6 +329,8 @@ def _count(path: str, dialect: str | None) -> Summary | None:
     return summary_of(info, size, seconds, isinstance(log, TelemetryLog))
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: Exception, path: str) -> str:
     """The text of an error without the file name, which the line has already."""
-    return (isinstance(error, OSError) and error.strerror) or str(error)
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return str(error).removesuffix(f": {path!r}")

@@ -28,8 +28,8 @@ def decode(
     columns: str | Iterable[str] | None = None,
     *,
     systems: int | Iterable[int] | None = None,
-    start: float | datetime | None = None,
-    end: float | datetime | None = None,
+    start: float | str | datetime | None = None,
+    end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
     dialect: str = "all",
@@ -57,8 +57,8 @@ def decode_as(
     columns: str | Iterable[str] | None,
     *,
     systems: int | Iterable[int] | None = None,
-    start: float | datetime | None = None,
-    end: float | datetime | None = None,
+    start: float | str | datetime | None = None,
+    end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
     dialect: str = "all",
@@ -72,6 +72,8 @@ def decode_as(
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, None, start, end, units, enums)
     query.columns = None if columns is None else names_of(columns)
+    if lenient:
+        query.allow(query.names or ())
     with located(path, byte_range, storage_options) as source:
         described = DataflashTables.open(source)
         run = columns_from(described, source, native, query)

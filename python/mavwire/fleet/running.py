@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire.logs.conversion import prepare
 from mavwire.logs.journal import Journal
 from mavwire.logs.manifest import Converted, Manifest
+from mavwire.logs.reading import allow_described
 
 from .clients import connected
 from .cuts import find_cuts
@@ -50,8 +51,8 @@ def convert(
     types: str | Iterable[str] | None = None,
     systems: int | Iterable[int] | None = None,
     fields: str | Iterable[str] | None = None,
-    start: float | datetime | None = None,
-    end: float | datetime | None = None,
+    start: float | str | datetime | None = None,
+    end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
     dialect: str = "all",
@@ -80,6 +81,7 @@ def convert(
     )  # fmt: skip
     if (workers is not None and workers < 1) or task_bytes < 1:
         raise ValueError("workers and task_bytes must be at least 1")
+    allow_described(logs, query)
     out = os.fsdecode(out).removeprefix("file://")
     known = _statuses(logs, storage_options)
     store = store_of(out, storage_options)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import timedelta
 from typing import TYPE_CHECKING
 
 from mavwire._native import align_tables
@@ -11,6 +12,8 @@ from .table import Table
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+Span = str | float | timedelta
+"""A length of time: "50ms", seconds, or a timedelta."""
 UNITS = {"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
 METHODS = ("ffill", "nearest", "linear")
 
@@ -20,15 +23,15 @@ def align(
     types: Sequence[str] | None = None,
     *,
     on: str | None = None,
-    rate: str | float | None = None,
+    rate: Span | None = None,
     method: str = "ffill",
-    tolerance: str | float | None = None,
+    tolerance: Span | None = None,
     name: str | None = None,
 ) -> Table:
     """A table with `timestamp` and the fields of each type as `TYPE.field`.
 
-    The clock is the times of the type `on`, or ticks that are `rate` apart ("50ms", "1s", or
-    seconds) from the first row of all to the last. A tick gets the last row at or before it
+    The clock is the times of the type `on`, or ticks that are `rate` apart ("50ms", "1s",
+    seconds, or a timedelta) from the first row of all to the last. A tick gets the last row at or before it
     (`method="ffill"`), the one closest to it ("nearest"), or for numbers the straight line between
     its neighbours ("linear", as float64). Rows further away than `tolerance` do not count; where
     none is left there are nulls. Several instances of a type are aligned each by itself, as
@@ -55,9 +58,9 @@ def aligned(
     clock: Table | None,
     name: str,
     *,
-    rate: str | float | None = None,
+    rate: Span | None = None,
     method: str = "ffill",
-    tolerance: str | float | None = None,
+    tolerance: Span | None = None,
 ) -> Table:
     """`align` where tables of one sender and instance each are at hand, and the clock."""
     if (clock is None) == (rate is None):
@@ -92,8 +95,12 @@ def _check_sender(table: Table) -> None:
         )
 
 
-def _micros(span: str | float, what: str) -> int:
-    """A span of time as written, in microseconds."""
+def _micros(span: Span, what: str) -> int:
+    """A span of time as users give it, in microseconds."""
+    if type(span).__name__ == "timedelta64":  # of NumPy, as times of tables differ
+        span = span.astype("timedelta64[us]").item()  # type: ignore[union-attr]
+    if isinstance(span, timedelta):
+        span = f"{span // timedelta(microseconds=1)}us"
     text = str(span).strip()
     number, unit = text, "s"
     if isinstance(span, str):
@@ -102,7 +109,11 @@ def _micros(span: str | float, what: str) -> int:
     try:
         micros = float(number) * UNITS[unit] * 1e6
     except (KeyError, ValueError):
-        raise ValueError(f"{what} is a span of time such as '50ms' or 0.05, not {span!r}") from None
+        raise ValueError(
+            f"{what} is a span of time such as '50ms', 0.05 or a timedelta, not {span!r}"
+        ) from None
     if not 0 <= micros < 2**62:
-        raise ValueError(f"{what} is a span of time such as '50ms' or 0.05, not {span!r}")
+        raise ValueError(
+            f"{what} is a span of time such as '50ms', 0.05 or a timedelta, not {span!r}"
+        )
     return round(micros)

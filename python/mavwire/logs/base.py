@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from datetime import datetime
     from typing import Self
 
+    from .align import Span
     from .table import Table
 
 
@@ -22,8 +23,8 @@ class Log:
         types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
         *,
         units: str | None = None,
         enums: str | None = None,
@@ -37,13 +38,13 @@ class Log:
         types: Iterable[str],
         *,
         on: str | None = None,
-        rate: str | float | None = None,
+        rate: Span | None = None,
         method: str = "ffill",
-        tolerance: str | float | None = None,
+        tolerance: Span | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
         units: str | None = None,
         enums: str | None = None,
     ) -> Table:

@@ -19,15 +19,18 @@ from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest, file_status
 from .query import Query, check_tables
-from .reading import check_readable, native_dialect, no_rows, paths_of
+from .reading import allow_described, check_readable, native_dialect, no_rows, paths_of
 from .sources import head_of, is_dataflash, open_converter
 from .store import Store
+from .targets import writing
 from .telemetry import HEAD_SIZE, not_telemetry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from datetime import datetime
     from types import ModuleType
+
+    from mavwire._native import Converter
 
     from .sources import Source
 
@@ -45,8 +48,8 @@ def convert(
     types: str | type | Iterable[str | type] | None = None,
     systems: int | Iterable[int] | None = None,
     fields: str | Iterable[str] | None = None,
-    start: float | datetime | None = None,
-    end: float | datetime | None = None,
+    start: float | str | datetime | None = None,
+    end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
     dialect: str | ModuleType = "all",
@@ -76,6 +79,7 @@ def convert(
         format, compression, types, systems, fields, start, end, dialect,
         units=units, enums=enums, first=next(iter(logs), None),
     )  # fmt: skip
+    allow_described(logs, query)
     out = os.fsdecode(out)
     store = Store(out)
     with store.locked():
@@ -103,8 +107,8 @@ def prepare(
     types: str | type | Iterable[str | type] | None,
     systems: int | Iterable[int] | None,
     fields: str | Iterable[str] | None,
-    start: float | datetime | None,
-    end: float | datetime | None,
+    start: float | str | datetime | None,
+    end: float | str | datetime | None,
     dialect: str | ModuleType,
     *,
     units: str | None = None,
@@ -186,6 +190,10 @@ class Job:
         converter = open_converter(
             source, self.native, self.query, self.out, file, self.format, self.compression
         )
+        with writing(self.out):
+            self._run(converter, source, row)
+
+    def _run(self, converter: Converter, source: Source, row: Converted) -> None:
         try:
             while converter.step():
                 position = converter.progress()[0]

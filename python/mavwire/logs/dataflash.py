@@ -40,6 +40,10 @@ class DataflashLog(Log):
     def __repr__(self) -> str:
         return f"<DataflashLog {self.path!r}{' (closed)' if self.closed else ''}>"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Opened anew by its path, in whatever process."""
+        return DataflashLog, (self.path,), {"closed": self.closed}
+
     def _tables(self) -> DataflashTables:
         """The native reader, renewed when the file has grown."""
         self._check_open()
@@ -65,8 +69,8 @@ class DataflashLog(Log):
         self,
         types: str | Iterable[str] | None = None,
         systems: int | Iterable[int] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
     ) -> Iterator[Any]:
         """The messages of some types with `start <= time < end`, as DFReader gives them.
 
@@ -121,8 +125,8 @@ class DataflashLog(Log):
         types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
         *,
         units: str | None = None,
         enums: str | None = None,

@@ -23,6 +23,11 @@ VERSION = 1
 BEGUN = "the conversion was interrupted"
 """The error of a log that is being converted."""
 
+_UNDECODED = re.compile("[\udc80-\udcff]")
+"""Bytes of a name that are not UTF-8. The manifest has the name of a log with them (PEP 383), those of
+files have `%FF`: readers of all kinds shall open them.
+"""
+
 
 @dataclass
 class Converted:
@@ -249,9 +254,13 @@ def _is_ours(name: str, format: str) -> bool:
     return bool(in_place) and FORMATS[format] in file and "\\" not in file
 
 
+def _escaped(byte: re.Match[str]) -> str:
+    return f"%{ord(byte[0]) - 0xDC00:02X}"
+
+
 def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[str, str]:
     """A name for the files of each log, that of the `earlier` run or one that is not `taken`: the
-    log's own, numbered where two are called the same.
+    log's own, numbered where two are called the same, in UTF-8.
     """
     names: dict[str, str] = {}
     numbers: dict[str, int] = {}
@@ -264,7 +273,7 @@ def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[s
         stem = os.path.basename(path)
         for suffix in (".gz", ".zst", ".tlog", ".BIN", ".bin", ".log"):
             stem = stem.removesuffix(suffix)
-        stem = stem or "log"
+        stem = _UNDECODED.sub(_escaped, stem) or "log"
         # Numbers below the last one are taken.
         name, number = stem, numbers.get(stem, 1)
         while name in taken:

@@ -36,8 +36,10 @@ class Query:
     """Records without times are wanted whatever `start` and `end` are; else that is an error."""
     batch_rows: int | None = None
     batch_bytes: int | None = None
-    foreign: str | None = None
-    """What is wrong with `types` where a telemetry log is read."""
+    foreign: dict[str, str] | None = None
+    """Types that only dataflash logs can have, and what is wrong with them where a telemetry log is
+    read.
+    """
 
     @classmethod
     def of(
@@ -46,8 +48,8 @@ class Query:
         types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
         units: str | None = None,
         enums: str | None = None,
     ) -> Query:
@@ -78,8 +80,8 @@ class Query:
         types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
         units: str | None = None,
         enums: str | None = None,
     ) -> Query:
@@ -92,8 +94,13 @@ class Query:
 
     def check_telemetry(self) -> None:
         """Raise ValueError for types that no telemetry log has."""
-        if self.foreign is not None:
-            raise ValueError(self.foreign)
+        for reason in (self.foreign or {}).values():
+            raise ValueError(reason)
+
+    def allow(self, described: Iterable[str]) -> None:
+        """Some types are those of dataflash logs that are read too: no error beside them."""
+        left = {name: why for name, why in (self.foreign or {}).items() if name not in described}
+        self.foreign = left or None
 
     def check_dataflash(self) -> None:
         """Raise ValueError for what makes no sense with a dataflash log."""
@@ -105,20 +112,23 @@ def _name_of(one: str | type) -> str:
     return one if isinstance(one, str) else str(getattr(one, "msgname", one.__name__))
 
 
-def _telemetry_types(dialect: Any, types: list[Any] | None) -> tuple[list[Any] | None, str | None]:
+def _telemetry_types(
+    dialect: Any, types: list[Any] | None
+) -> tuple[list[Any] | None, dict[str, str] | None]:
     """The types without those that only a dataflash log can have, and what to say of these where a
     telemetry log is read.
     """
     if types is None:
         return None, None
-    known, foreign = [], None
+    known: list[Any] = []
+    foreign: dict[str, str] = {}
     for one in types:
         short = isinstance(one, str) and len(one) <= DATAFLASH_NAME_LEN
         if short and not hasattr(dialect, f"MAVLINK_MSG_ID_{one}"):
-            foreign = foreign or f"the dialect {dialect.DIALECT} has no message {one!r}"
+            foreign[one] = f"the dialect {dialect.DIALECT} has no message {one!r}"
         else:
             known.append(one)
-    return known, foreign
+    return known, foreign or None
 
 
 def columns_of(fields: str | Iterable[str]) -> list[str]:

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_table
 
 from .batches import Batches
-from .query import Query, check_described, check_tables
+from .query import Query, check_described, check_tables, names_of
 from .sources import columns_from, head_of, is_dataflash
 from .table import Table, tidy
+from .targets import A_FOLDER
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -38,7 +39,7 @@ def native_dialect(dialect: str | ModuleType) -> tuple[Any, Any]:
 def check_readable(path: str) -> None:
     """Raise FileNotFoundError, IsADirectoryError or PermissionError, with the name."""
     if os.path.isdir(path):
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
+        raise IsADirectoryError(errno.EISDIR, A_FOLDER, path)
     with open(path, "rb"):
         pass
 
@@ -48,8 +49,8 @@ def read(
     types: str | type | Iterable[str | type] | None = None,
     systems: int | Iterable[int] | None = None,
     fields: str | Iterable[str] | None = None,
-    start: float | datetime | None = None,
-    end: float | datetime | None = None,
+    start: float | str | datetime | None = None,
+    end: float | str | datetime | None = None,
     *,
     units: str | None = None,
     enums: str | None = None,
@@ -161,8 +162,8 @@ def scan(
     types: str | type | Iterable[str | type] | None = None,
     systems: int | Iterable[int] | None = None,
     fields: str | Iterable[str] | None = None,
-    start: float | datetime | None = None,
-    end: float | datetime | None = None,
+    start: float | str | datetime | None = None,
+    end: float | str | datetime | None = None,
     *,
     units: str | None = None,
     enums: str | None = None,
@@ -181,8 +182,7 @@ def scan(
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
     if every and not is_dataflash(every[0]):  # what makes no sense is said before the first step
-        query.check_telemetry()
-        check_tables(module, native, query, fields)
+        check_beside(every, module, native, query, fields)
     query.batch_rows, query.batch_bytes = batch_rows, BATCH_BYTES
     begin = partial(_checked_batches, every, module, native, query, fields)
     one_type = query.names is not None and len(query.names) == 1
@@ -207,12 +207,54 @@ def _checked_batches(
         tables = DataflashTables.open(path)
         if tables is None and not telemetry:
             telemetry = True
-            check_tables(module, native, query, fields)
+            check_beside(paths, module, native, query, fields)
         for name, columns in ({} if tables is None else tables.types()).items():
             described.setdefault(name, set()).update(columns)
         if not telemetry and number == len(paths) - 1:
             check_described(described, query, fields)
         yield from batches_of(tables, path, native, query)
+
+
+def check_beside(
+    paths: list[str],
+    module: Any,
+    native: Any,
+    query: Query,
+    fields: str | Iterable[str] | None = None,
+) -> None:
+    """Raise ValueError for types and fields that neither telemetry logs can have nor a dataflash log
+    among those that are read.
+    """
+    wanted = None if fields is None else names_of(fields)
+    try:
+        query.check_telemetry()
+        check_tables(module, native, query, wanted)
+    except ValueError:
+        allow_described(paths, query)
+        if not (described := list(described_by(paths))):
+            raise
+        columns = {one for types in described for some in types.values() for one in some}
+        query.check_telemetry()
+        rest = [name for name in wanted or () if name not in columns]
+        check_tables(module, native, query, rest or None)
+
+
+def allow_described(paths: list[str], query: Query) -> None:
+    """Types that a dataflash log among others describes are no error where those are read."""
+    if query.foreign is None or all(map(is_dataflash, paths)):
+        return
+    for types in described_by(paths):
+        query.allow(types)
+        if query.foreign is None:
+            return
+
+
+def described_by(paths: list[str]) -> Iterator[dict[str, list[str]]]:
+    """The types that the dataflash logs among some logs describe, and their columns."""
+    for path in filter(is_dataflash, paths):
+        tables = DataflashTables.open(path)
+        if tables is not None:
+            yield tables.types()
 
 
 def batches_of(

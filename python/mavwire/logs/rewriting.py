@@ -17,7 +17,7 @@ from mavwire._native import LogRewrite
 from .query import Query
 from .reading import check_readable, native_dialect
 from .sources import is_dataflash
-from .targets import file_to_write
+from .targets import file_to_write, writing
 from .telemetry import LogFormatError
 
 if TYPE_CHECKING:
@@ -55,8 +55,8 @@ def cut(
     out: str | os.PathLike[str],
     types: str | type | Iterable[str | type] | None = None,
     systems: int | Iterable[int] | None = None,
-    start: float | datetime | None = None,
-    end: float | datetime | None = None,
+    start: float | str | datetime | None = None,
+    end: float | str | datetime | None = None,
     *,
     dialect: str | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
@@ -71,7 +71,8 @@ def cut(
     query = Query.of(module, types, systems, None, start, end)
     query.check_telemetry()
     inputs, target = _checked([path], out)
-    return _run(LogRewrite.select(inputs[0], native, query, target), inputs, progress)
+    with writing(os.fsdecode(out)):
+        return _run(LogRewrite.select(inputs[0], native, query, target), inputs, progress)
 
 
 def repair(
@@ -109,8 +110,9 @@ def anonymize(
         raise ValueError(f"a shift is degrees to the north and east, not {shift!r}")
     _, native = native_dialect(dialect)
     inputs, target = _checked([path], out)
-    rewrite = LogRewrite.select(inputs[0], native, Query(), target, shift)
-    return _run(rewrite, inputs, progress)
+    with writing(os.fsdecode(out)):
+        rewrite = LogRewrite.select(inputs[0], native, Query(), target, shift)
+        return _run(rewrite, inputs, progress)
 
 
 def merge(
@@ -127,7 +129,8 @@ def merge(
     """
     _, native = native_dialect(dialect)
     inputs, target = _checked(paths, out)
-    return _run(LogRewrite.merge(inputs, native, target), inputs, progress)
+    with writing(os.fsdecode(out)):
+        return _run(LogRewrite.merge(inputs, native, target), inputs, progress)
 
 
 def _checked(

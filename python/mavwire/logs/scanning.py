@@ -16,6 +16,7 @@ from .pushdown import narrow
 from .query import Query
 from .reading import BATCH_ROWS, batches_of, check_readable, empty_of, native_dialect, paths_of
 from .table import Table
+from .telemetry import portable, restored
 
 if TYPE_CHECKING:
     import os
@@ -29,8 +30,8 @@ def scan_polars(
     message: str,
     *,
     systems: int | Iterable[int] | None = None,
-    start: float | datetime | None = None,
-    end: float | datetime | None = None,
+    start: float | str | datetime | None = None,
+    end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
     dialect: str | ModuleType = "all",
@@ -42,36 +43,60 @@ def scan_polars(
     collected; a text column is always followed by `<name>_raw`.
     """
     with extra("data"):
-        import polars as pl
         from polars.io.plugins import register_io_source
 
     if not isinstance(message, str):
         raise ValueError(f"a scan is of one message type, not of {message!r}")
-    every = paths_of(paths)
-    module, native = native_dialect(dialect)
-    query = Query.of(module, message, systems, None, start, end, units, enums)
-    empty = empty_of(every, module, native, query)
-    schema = pl.DataFrame(Table(message, empty)).schema
+    source = _Source(paths_of(paths), message, dialect, (systems, start, end, units, enums))
+    return register_io_source(source, schema=source.schema, is_pure=True)
 
-    def source(
+
+class _Source:
+    """What polars calls for the rows of a scan. It is pickled by the arguments of the scan."""
+
+    def __init__(
+        self, paths: list[str], message: str, dialect: str | ModuleType, how: tuple[Any, ...]
+    ) -> None:
+        with extra("data"):
+            import polars as pl
+
+        systems, *rest = how
+        module, self._native = native_dialect(dialect)
+        self._query = Query.of(module, message, systems, None, *rest)
+        empty = empty_of(paths, module, self._native, self._query)
+        self._query.allow([message])
+        self._paths = paths
+        self._arguments = message, dialect, how
+        self.schema = pl.DataFrame(Table(message, empty)).schema
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        message, dialect, how = self._arguments
+        return _restored, (self._paths, message, portable(dialect), how)
+
+    def __call__(
+        self,
         with_columns: list[str] | None,
         predicate: Any,
         n_rows: int | None,
         batch_size: int | None,
     ) -> Iterator[Any]:
-        wanted = Query(**vars(query))
+        with extra("data"):
+            import polars as pl
+
+        wanted = Query(**vars(self._query))
         # polars filters what it gets here, so the filter's columns are needed too.
-        needed = set(with_columns or schema)
+        needed = set(with_columns or self.schema)
         if predicate is not None:
             needed.update(predicate.meta.root_names())
             narrow(wanted, predicate)
             # Of rows without times the filter keeps what it keeps.
-            wanted.untimed = query.start is None and query.end is None
-        wanted.columns = [name for name in schema if name in needed]
+            wanted.untimed = self._query.start is None and self._query.end is None
+        wanted.columns = [name for name in self.schema if name in needed]
         wanted.batch_rows = batch_size or BATCH_ROWS
+        schema = {one: self.schema[one] for one in wanted.columns}
         left = n_rows
-        for table in _tables(every, native, wanted, query):
-            frame = _fitted(pl.DataFrame(table), {one: schema[one] for one in wanted.columns})
+        for table in _tables(self._paths, self._native, wanted, self._query):
+            frame = _fitted(pl.DataFrame(table), schema)
             if predicate is not None:
                 frame = frame.filter(predicate)
             if with_columns is not None:
@@ -83,7 +108,11 @@ def scan_polars(
             if left is not None and left <= 0:
                 return
 
-    return register_io_source(source, schema=schema, is_pure=True)
+
+def _restored(
+    paths: list[str], message: str, dialect: tuple[str, bool], how: tuple[Any, ...]
+) -> _Source:
+    return _Source(paths, message, restored(*dialect), how)
 
 
 def _tables(paths: list[str], native: Any, wanted: Query, query: Query) -> Iterator[Table]:

@@ -15,6 +15,11 @@ if TYPE_CHECKING:
 MAX_SYSTEM = 255
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 UNKNOWN = "UNKNOWN"
+A_TIME = (
+    "a time is seconds since 1970, a datetime, a datetime64 or a text such as 2024-01-31T12:00:00"
+)
+MOST_SECONDS = 1e15
+"""Seconds of which a float has no microseconds any more, nor records a time."""
 
 
 class Selection:
@@ -37,8 +42,10 @@ class Selection:
             one = isinstance(systems, str) or hasattr(systems, "__index__")
             wanted = [systems] if one else systems
             made.systems = [_system(one) for one in wanted]
-        made.start = _seconds(start)
-        made.end = _seconds(end)
+        made.start = seconds_of(start)
+        made.end = seconds_of(end)
+        if made.start is not None and made.end is not None and made.start >= made.end:
+            raise ValueError(f"start is a time before end, not {start!r} with {end!r}")
         return made
 
     def _choose_types(self, dialect: Any, types: Iterable[Any]) -> None:
@@ -95,10 +102,14 @@ def record_seconds(micros: int) -> float:
     return micros * 1e-6
 
 
-def _seconds(time: Any) -> float | None:
-    """Seconds since 1970 of a time as users give it. ValueError for what is none."""
+def seconds_of(time: Any) -> float | None:
+    """Seconds since 1970 of a time as users give it: a number, a datetime, one of NumPy, or a text
+    of ISO 8601, which is UTC where it names no zone. ValueError for what is none.
+    """
     if time is None:
         return None
+    if isinstance(time, str):
+        time = _parsed(time)
     if isinstance(time, datetime):
         return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
     if (
@@ -109,6 +120,15 @@ def _seconds(time: Any) -> float | None:
         seconds = float(time + 0.0)  # float() alone takes texts too
     except TypeError:
         seconds = float("nan")
-    if not isnan(seconds):
-        return seconds
-    raise ValueError(f"a time is seconds since 1970, a datetime or a datetime64, not {time!r}")
+    if isnan(seconds):
+        raise ValueError(f"{A_TIME}, not {time!r}")
+    # To the microsecond, as records have it: a float of today is a quarter of one off.
+    return record_seconds(round(seconds * 1e6)) if abs(seconds) < MOST_SECONDS else seconds
+
+
+def _parsed(text: str) -> datetime:
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError:
+        raise ValueError(f"{A_TIME}, not {text!r}") from None
+    return time if time.tzinfo is not None else time.replace(tzinfo=UTC)

@@ -13,11 +13,13 @@ from mavwire._native import RecordBatches, write_table
 
 from .extras import extra
 from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
-from .targets import file_to_write
+from .targets import file_to_write, writing
 
 if TYPE_CHECKING:
     import builtins
     from collections.abc import Iterable, Iterator
+
+    from .align import Span
 
 INTEGERS = frozenset(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))
 
@@ -170,7 +172,7 @@ class Table:
         named = ((f"{self.name}[{text}]", part) for text, part in parts)
         return {name: Table(name, part, self.path) for name, part in named}
 
-    def wide(self, *, method: str = "ffill", tolerance: str | float = 0) -> Table:
+    def wide(self, *, method: str = "ffill", tolerance: Span = 0) -> Table:
         """One row for each time, with the fields of each instance as `IMU[0].AccX`.
 
         Where an instance has no row at that time there are nulls; `tolerance` and `method` are
@@ -272,9 +274,9 @@ class Table:
     ) -> None:
         """Write a file: Parquet, CSV, JSON lines or Arrow, by the suffix of `path` or `format`.
 
-        It appears when it is complete. `compression`: for Parquet "zstd" (the default), "snappy" or
-        "none", for text "none", "gzip" or "zstd" (by the suffix, as of `gps.csv.gz`, or "none"), for
-        Arrow "none".
+        It appears when it is complete, in a folder that is there. `compression`: for Parquet "zstd"
+        (the default), "snappy" or "none", for text "none", "gzip" or "zstd" (by the suffix, as of
+        `gps.csv.gz`, or "none"), for Arrow "none".
         """
         path = os.fsdecode(path)
         stem, suffix = os.path.splitext(path)
@@ -286,7 +288,9 @@ class Table:
         if kind is None or (packed is not None and kind not in TEXTS):
             raise ValueError(f"no format is known by the suffix of {path!r}: give format=")
         compression = compression or packed or COMPRESSIONS.get(kind, ("none",))[0]
-        write_table(self._batches, file_to_write(path), kind, compression)
+        target = file_to_write(path)
+        with writing(path):
+            write_table(self._batches, target, kind, compression)
 
 
 def tidy(name: str, batches: RecordBatches, path: str) -> Table:

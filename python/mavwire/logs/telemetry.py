@@ -16,6 +16,7 @@ from mavwire._native import LogScan
 
 from .base import Log
 from .selection import Selection, no_message
+from .targets import A_FOLDER
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -80,13 +81,20 @@ class TelemetryLog(Log):
             raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
         self.path = os.fsdecode(path)
         self.resync = resync
+        self._dialect = dialect
         self.dialect = dialect_module(dialect)
         self.compressed = False
         self._counted: tuple[int, int] | None = None
+        self._typed: tuple[int, dict[str, list[str]]] | None = None
         self._check()
 
     def __repr__(self) -> str:
         return f"<TelemetryLog {self.path!r}{' (closed)' if self.closed else ''}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Opened anew by path and arguments, in whatever process."""
+        arguments = self.path, portable(self._dialect), self.resync
+        return _reopened, arguments, {"closed": self.closed}
 
     # -- messages
 
@@ -97,8 +105,8 @@ class TelemetryLog(Log):
         self,
         types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
     ) -> Iterator[Any]:
         """The messages of some types and systems with `start <= time < end`.
 
@@ -146,13 +154,33 @@ class TelemetryLog(Log):
         self._check_open()
         return next(scan(self.path, what, dialect=self.dialect, batch_rows=1), None) is not None
 
+    @property
+    def types(self) -> dict[str, list[str]]:
+        """The message types that are in the log, and the columns of their tables. They are counted
+        when first asked for, and when the log has grown: one pass.
+        """
+        from .query import Query
+        from .reading import no_rows
+
+        size = os.path.getsize(self.path)
+        if self._typed is None or self._typed[0] != size:
+            native = self.dialect.MAVLink(None)._dialect
+            ids = {cls.msgname: msgid for msgid, cls in self.dialect.mavlink_map.items()}
+            found = {
+                name: no_rows(native, ids[name], Query()).names
+                for name in self.info().types
+                if name in ids
+            }
+            self._typed = (size, found)
+        return dict(self._typed[1])
+
     def read(
         self,
         types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
-        start: float | datetime | None = None,
-        end: float | datetime | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
         *,
         units: str | None = None,
         enums: str | None = None,
@@ -187,7 +215,7 @@ class TelemetryLog(Log):
         from .sources import COMPRESSED
 
         if os.path.isdir(self.path):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), self.path)
+            raise IsADirectoryError(errno.EISDIR, A_FOLDER, self.path)
         with open(self.path, "rb") as file:
             head = file.read(HEAD_SIZE)
             size = os.fstat(file.fileno()).st_size
@@ -238,6 +266,28 @@ def _other_format(head: bytes) -> str | None:
         if head.startswith(magic):
             return name
     return None
+
+
+def _reopened(path: str, dialect: tuple[str, bool], resync: str) -> TelemetryLog:
+    return TelemetryLog(path, dialect=restored(*dialect), resync=resync)
+
+
+def portable(dialect: str | ModuleType) -> tuple[str, bool]:
+    """A dialect as another process finds it: a name, and whether it is that of a module to import.
+    TypeError, as of what cannot be pickled, for a module that was made at run time.
+    """
+    if isinstance(dialect, str):
+        return dialect, False
+    if dialect.__name__.startswith("mavwire.dialects.loaded."):
+        raise TypeError(f"{dialect.__name__} is of this process alone: give dialect= a path of XML")
+    return dialect.__name__, True
+
+
+def restored(name: str, is_module: bool) -> str | ModuleType:
+    """The dialect that `portable` gave."""
+    from importlib import import_module
+
+    return import_module(name) if is_module else name
 
 
 def dialect_module(dialect: str | ModuleType) -> Any:

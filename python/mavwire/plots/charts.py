@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from mavwire.logs.extras import extra
 from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
 
@@ -85,6 +86,8 @@ def plot(
     that cannot be read or written, ImportError where matplotlib is missing, ValueError for what
     cannot be plotted.
     """
+    with extra("plot"):
+        import numpy  # noqa: F401
     paths = [os.fspath(one) for one in ([logs] if isinstance(logs, str | os.PathLike) else logs)]
     texts = [expressions] if isinstance(expressions, str) else list(expressions)
     out = os.fspath(out)

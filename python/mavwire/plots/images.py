@@ -60,7 +60,7 @@ def _draw(figure: Any, chart: Chart) -> None:
         handles.append(drawn)
         labels.append(printable(line.label) + (" (right)" if line.right else ""))
     _label_axes(chart, left)
-    left.set_title(printable(chart.title))
+    left.set_title(printable(chart.title), pad=18 if chart.modes else None)
     left.grid(alpha=0.3)
     left.margins(x=0.01)
     _shade(chart, left)
@@ -90,7 +90,7 @@ def _label_axes(chart: Chart, axes: Any) -> None:
 
 
 def _shade(chart: Chart, axes: Any) -> None:
-    """Flight modes in the background, named at the top where there is room."""
+    """Flight modes in the background, named above, where no legend is, if there is room."""
     import numpy as np
 
     colours = colours_of(span.mode for span in chart.modes)
@@ -105,8 +105,8 @@ def _shade(chart: Chart, axes: Any) -> None:
         axes.axvspan(start, end, color=colours[span.mode], alpha=0.13, linewidth=0)
         if (end - start) / (high - low) > 0.006 * len(span.mode):
             axes.text(
-                start, 0.995, f" {printable(span.mode)}", transform=axes.get_xaxis_transform(),
-                va="top", ha="left", fontsize=8, color=colours[span.mode],
+                start, 1.005, f" {printable(span.mode)}", transform=axes.get_xaxis_transform(),
+                va="bottom", ha="left", fontsize=8, color=colours[span.mode],
             )  # fmt: skip
     axes.set_xlim(low, high)
     if colours:

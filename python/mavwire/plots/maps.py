@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
+from mavwire.logs.extras import extra
 from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
 
@@ -26,6 +27,8 @@ def draw_map(
     that is heard. Returns the track. Raises OSError for files that cannot be read or written,
     ValueError for a log without positions.
     """
+    with extra("plot"):
+        import numpy  # noqa: F401
     out = os.fspath(out)
     writers = {".html": map_page, ".htm": map_page, ".kml": kml, ".gpx": gpx}
     writer = writers.get(os.path.splitext(out)[1].lower())

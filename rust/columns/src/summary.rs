@@ -185,7 +185,8 @@ impl Summary {
             Heard::Late => sender.lost -= 1,
             Heard::Again => sender.repeated += 1,
         }
-        if let Some(boot) = boot {
+        // Some senders leave the field of some messages empty: 0 ms is no time that a message is sent at.
+        if let Some(boot) = boot.filter(|boot| *boot != 0) {
             let before = sender.boot_ms.replace(boot);
             let back = before.is_some_and(|before| before.saturating_sub(boot) > REBOOT_MS);
             sender.reboots += u64::from(back);

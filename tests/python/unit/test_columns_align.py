@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import timedelta
 from typing import Any
 
 import mavwire
@@ -126,6 +127,18 @@ def test_info_finds_gaps_reboots_and_versions(tmp_path):
     assert (info.version1, info.version2) == (1, 5)
 
 
+def test_a_clock_that_some_messages_leave_empty_is_no_reboot(tmp_path):
+    path = tmp_path / "odd.tlog"
+    empty = mavlink.MAVLink_attitude_message(0, 0, 0, 0, 0, 0, 0)
+    frames = [
+        pack(one, 0)
+        for ms in (10_000, 20_000, 30_000, 500)
+        for one in (mavlink.MAVLink_system_time_message(0, ms), empty)
+    ]
+    path.write_bytes(b"".join(map(record, frames)))
+    assert mavwire.open_log(path).info().senders[1, 1].reboots == 1
+
+
 def test_a_span_of_time_and_names_of_enums(tmp_path):
     path = tmp_path / "flight.tlog"
     traffic.generate(path, 2000)
@@ -225,3 +238,14 @@ def test_a_swapped_pair_is_no_loss(tmp_path):
     path.write_bytes(b"".join(record(heartbeat(n), T0 + at) for at, n in enumerate(numbers)))
     info = mavwire.open_log(path).info()
     assert (info.lost, info.repeated) == (1, 0)
+
+
+def test_spans_of_time_in_other_words(log):
+    expected = log.align(["ATTITUDE"], rate="50ms", tolerance=0.02)
+    for span in (timedelta, lambda milliseconds: np.timedelta64(milliseconds, "ms")):
+        rate, tolerance = span(milliseconds=50), span(milliseconds=20)
+        found = log.align(["ATTITUDE"], rate=rate, tolerance=tolerance)
+        assert found.to_arrow().equals(expected.to_arrow())
+    for wrong in (timedelta(seconds=-1), np.timedelta64("NaT"), "soon"):
+        with pytest.raises(ValueError, match="a span of time"):
+            log.align(["ATTITUDE"], rate=wrong)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import datetime as dt
+import pickle
 import sys
 from pathlib import Path
 
@@ -9,7 +11,7 @@ import mavwire
 import numpy as np
 import pytest
 from dataflash_writer import Log, sample
-from mavwire import traffic
+from mavwire import cli, traffic
 from mavwire.logs import LogFormatError, dataflash
 from unit.column_tools import HEADER, log_of_every_type
 
@@ -73,9 +75,52 @@ def test_times_as_numpy_has_them(flight):
     rest = mavwire.read(flight, "ATTITUDE", start=middle)["ATTITUDE"]
     assert rest["timestamp"].tolist() == table["timestamp"][table["timestamp"] >= middle].tolist()
     never = np.datetime64("NaT")
-    for wrong in ("2024-01-31", b"1", [1.0], object(), float("nan"), never):
+    for wrong in ("yesterday", "1.5", b"1", [1.0], object(), float("nan"), never):
         with pytest.raises(ValueError, match="a time is seconds since 1970, a datetime"):
             mavwire.read(flight, "ATTITUDE", start=wrong)
+
+
+def test_folders_are_named_with_what_to_do(flight, tmp_path, capsys):
+    for look in (mavwire.open_log, mavwire.read, lambda path: list(mavwire.scan(path))):
+        with pytest.raises(IsADirectoryError, match="name the logs in it") as caught:
+            look(tmp_path)
+        assert caught.value.filename == str(tmp_path)
+    assert cli.main(["cut", str(tmp_path), "-o", str(tmp_path / "x.tlog")]) == 1
+    assert "is a folder: name the logs in it" in capsys.readouterr().err
+
+
+def test_times_as_texts_are_utc_where_they_name_no_zone(flight):
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    start, end = table["timestamp"][3], table["timestamp"][7]
+    for texts in ((f"{start}", f"{end}"), (f"{start}Z", f"{end}+00:00")):
+        found = mavwire.read(flight, "ATTITUDE", start=texts[0], end=texts[1])["ATTITUDE"]
+        assert found["timestamp"].tolist() == table["timestamp"][3:7].tolist()
+
+
+def test_seconds_are_microseconds_as_records_have_them(flight):
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    micros = table["timestamp"].astype("int64")
+    # Some of these floats are above the time that they stand for, and some below.
+    for row in range(1, len(table)):
+        time = float(micros[row]) / 1e6
+        assert len(mavwire.read(flight, "ATTITUDE", end=time)["ATTITUDE"]) == row
+        assert len(mavwire.read(flight, "ATTITUDE", start=time)["ATTITUDE"]) == len(table) - row
+
+
+@pytest.mark.parametrize(
+    "end", [5, 4.5, "1970-01-01T00:00:05", dt.datetime.fromtimestamp(1, dt.UTC)]
+)
+def test_a_span_that_holds_nothing_is_an_error(flight, tmp_path, end, capsys):
+    for look in (
+        mavwire.read,
+        mavwire.scan,
+        lambda *a, **how: mavwire.open_log(flight).messages(**how),
+    ):
+        with pytest.raises(ValueError, match="start is a time before end"):
+            look(flight, start=5, end=end)
+    words = ["cut", str(flight), "-o", str(tmp_path / "x"), "--start", "5", "--end", "1970-01-01"]
+    assert cli.main(words) == 1
+    assert "error: start is a time before end" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -100,6 +145,33 @@ def test_what_one_of_the_logs_describes_is_found(tmp_path):
     assert [len(one) for one in mavwire.scan([path, other], "IMU", fields="Raw")] == [3]
     with pytest.raises(ValueError, match="'IMU'"):
         mavwire.read(other, "IMU")
+
+
+def test_types_of_both_kinds_of_logs_at_once(flight, tmp_path):
+    onboard = sample().write(tmp_path / "onboard.BIN")
+    for number, logs in enumerate(([flight, onboard], [onboard, flight])):
+        found = mavwire.scan(logs, ["ATTITUDE", "IMU"], fields=["roll", "Raw"])
+        assert {(one.name, str(one.path)) for one in found} == {
+            ("ATTITUDE", str(flight)),
+            ("IMU", str(onboard)),
+        }  # fmt: skip
+        assert sum(map(len, mavwire.scan(logs, "IMU"))) == 3
+        with pytest.raises(ValueError, match="has no message 'IMX'"):
+            list(mavwire.scan(logs, ["ATTITUDE", "IMX"]))
+        with pytest.raises(ValueError, match="field 'Typo'"):
+            list(mavwire.scan(logs, ["ATTITUDE", "IMU"], fields=["roll", "Raw", "Typo"]))
+        out = tmp_path / f"out{number}"
+        words = ["convert", *map(str, logs), "-o", str(out), "--types", "ATTITUDE,IMU", "--quiet"]
+        assert cli.main(words) == 0
+        assert sorted(one.name for one in out.glob("*/*")) == ["flight.parquet", "onboard.parquet"]
+    with pytest.raises(ValueError, match="has no message 'IMU'"):
+        mavwire.scan([flight, flight], "IMU")
+    pytest.importorskip("polars")
+    assert len(mavwire.scan_polars([flight, onboard], "IMU").collect()) == 3
+    pytest.importorskip("dask.dataframe")
+    from mavwire.fleet import dask_frame
+
+    assert len(dask_frame([flight, onboard], "IMU")) == 3
 
 
 def test_a_list_of_logs_is_opened_log_by_log(tmp_path):
@@ -199,6 +271,53 @@ def test_duckdb_reads_a_scan(flight):
 def test_systems_are_numbers(flight, systems):
     with pytest.raises(ValueError, match="a system id is"):
         mavwire.read(flight, systems=systems)
+
+
+def test_logs_are_pickled_by_path_and_arguments(flight, tmp_path):
+    from mavwire.dialects import load
+    from mavwire.dialects.v20 import common
+
+    for dialect in ("ardupilotmega", common):
+        log = mavwire.open_log(flight, dialect=dialect, resync="skip")
+        other = pickle.loads(pickle.dumps(log))
+        assert (other.path, other.resync, other.dialect) == (log.path, "skip", log.dialect)
+        assert len(other) == len(log)
+    log.close()
+    with pytest.raises(ValueError, match="closed"):
+        pickle.loads(pickle.dumps(log)).read()
+    onboard = mavwire.open_log(sample().write(tmp_path / "onboard.BIN"))
+    assert onboard.types == pickle.loads(pickle.dumps(onboard)).types
+    loaded = load(
+        '<mavlink><messages><message id="9" name="A"><field type="char" name="b">x</field></message></messages></mavlink>',
+        name="made",
+    )
+    with pytest.raises(TypeError, match="of this process alone"):
+        pickle.dumps(mavwire.open_log(flight, dialect=loaded))
+
+
+def test_a_scan_is_pickled_by_its_arguments(flight):
+    pl = pytest.importorskip("polars")
+    scan = mavwire.scan_polars(flight, "ATTITUDE", systems=1, units="si")
+    frame = scan.filter(pl.col("seq") > 100).select("timestamp", "pitch")
+    other = pickle.loads(pickle.dumps(frame))
+    assert len(other.collect()) > 0
+    assert other.collect().equals(frame.collect())
+
+
+def test_the_types_of_a_log(flight, tmp_path):
+    tables = mavwire.read(flight)
+    path = tmp_path / "log.tlog"
+    path.write_bytes(flight.read_bytes())
+    log = mavwire.open_log(path)
+    columns = {
+        name: [one for one in table.columns if not one.endswith("_raw")]
+        for name, table in tables.items()
+    }
+    assert {
+        n: [c for c in some if not c.endswith("_raw")] for n, some in log.types.items()
+    } == columns
+    path.write_bytes(b"")
+    assert log.types == {}
 
 
 def test_what_is_meant_is_guessed(flight):

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +79,27 @@ def test_wrong_fields_are_named_and_those_of_a_dataflash_log_are_not_the_dialect
     (row,) = convert([onboard], tmp_path / "out", format="jsonl", fields="AccX")
     assert row.error is None
     assert set(lines(tmp_path / "out" / "IMU" / "flight.jsonl")[0]) == {"timestamp", "AccX"}
+
+
+def test_a_name_that_is_not_utf8(flight, tmp_path):
+    log = os.fsdecode(os.fsencode(tmp_path) + b"/bad\xff.tlog")
+    try:
+        shutil.copy(flight, log)
+    except OSError:
+        pytest.skip("names are UTF-8 here")
+    out = tmp_path / "out"
+    words = ["convert", log, "-o", str(out), "--types", "HEARTBEAT"]
+    command = [sys.executable, "-m", "mavwire"]
+    strict = {**os.environ, "PYTHONIOENCODING": "utf-8:strict"}
+    for done in ("converted,", "converted before,"):
+        ran = subprocess.run([*command, *words], env=strict, capture_output=True, check=False)
+        assert (ran.returncode, ran.stderr) == (0, b"")
+        assert ran.stdout.startswith(os.fsencode(log) + b": " + done.encode())
+    assert (out / "HEARTBEAT" / "bad%FF.parquet").is_file()
+    (row,) = json.loads((out / "manifest.json").read_text())["logs"]
+    assert (row["path"], row["name"]) == (log, "bad%FF")
+    info = subprocess.run([*command, "info", log], env=strict, capture_output=True, check=False)
+    assert info.stdout.startswith(os.fsencode(log)) and not info.stderr
 
 
 def test_a_compressed_log_that_is_cut_off_is_converted_once(flight, tmp_path, capsys):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import gzip
 import importlib
 import json
 import os
+import random
 import re
 from pathlib import Path
 from types import ModuleType
@@ -14,6 +16,7 @@ import pytest
 from dataflash_writer import Log, sample
 from mavwire import cli, traffic
 from mavwire.cli import info
+from unit.link_tools import T0, heartbeat, record
 
 
 @pytest.fixture(scope="module")
@@ -26,10 +29,10 @@ def dialect(subject: str) -> ModuleType:
     return importlib.import_module(f"{subject}.dialects.v20.ardupilotmega")
 
 
-def test_summary_of_clean_traffic(mavutil: ModuleType, dialect: ModuleType, tmp_path: Path) -> None:
+def test_summary_of_clean_traffic(dialect: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "flight.tlog"
     written = traffic.generate(path, 5_000, systems=2, dialect=dialect)
-    summary = info.summarise(mavutil.mavlink_connection(str(path)), str(path))
+    summary = info.read(str(path))
     assert summary.messages == sum(summary.types.values()) == 5_000
     assert summary.systems.keys() == {(1, 1), (2, 1), (255, 190)}
     assert sum(one.messages for one in summary.systems.values()) == 5_000
@@ -38,23 +41,19 @@ def test_summary_of_clean_traffic(mavutil: ModuleType, dialect: ModuleType, tmp_
     assert summary.rate(summary.types["ATTITUDE"]) == pytest.approx(20, rel=0.05)
 
 
-def test_summary_counts_losses_and_damage(
-    mavutil: ModuleType, dialect: ModuleType, tmp_path: Path
-) -> None:
+def test_summary_counts_losses_and_damage(dialect: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "flight.tlog"
     written = traffic.generate(path, 5_000, loss=0.05, corruption=0.01, dialect=dialect)
-    summary = info.summarise(mavutil.mavlink_connection(str(path)), str(path))
+    summary = info.read(str(path))
     assert summary.lost > 150
     assert summary.bad_messages == written.corrupted > 0
     assert summary.bad_bytes > 10 * summary.bad_messages
 
 
-def test_table_and_json_say_the_same(
-    mavutil: ModuleType, dialect: ModuleType, tmp_path: Path
-) -> None:
+def test_table_and_json_say_the_same(dialect: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "flight.tlog"
     traffic.generate(path, 1_000, dialect=dialect)
-    summary = info.summarise(mavutil.mavlink_connection(str(path)), str(path))
+    summary = info.read(str(path))
     text = info.table(summary)
     plain = json.loads(json.dumps(summary.as_dict()))
     assert plain["messages"] == 1_000
@@ -66,10 +65,10 @@ def test_table_and_json_say_the_same(
         assert f"  {system} " in text
 
 
-def test_empty_log(mavutil: ModuleType, tmp_path: Path) -> None:
+def test_empty_log(tmp_path: Path) -> None:
     path = tmp_path / "empty.tlog"
     path.write_bytes(b"")
-    summary = info.summarise(mavutil.mavlink_connection(str(path)), str(path))
+    summary = info.read(str(path))
     assert summary.messages == 0
     assert "0 messages of 0 types" in info.table(summary)
     assert "time     none, there is no message" in info.table(summary)
@@ -144,3 +143,67 @@ def test_dataflash_times_without_a_fix_are_since_start(
     assert "  time     0.000 to 4.000 s since start, 4.0 s\n" in capsys.readouterr().out
     assert cli.main(["info", str(with_fix)]) == 0
     assert "  time     2022-03-06 00:01:" in capsys.readouterr().out
+
+
+def test_messages_that_two_links_heard_are_not_lost(tmp_path: Path) -> None:
+    path = tmp_path / "twice.tlog"
+    beats = [record(heartbeat(n), T0 + n) for n in (0, 1, 2, 5, 6)]
+    path.write_bytes(b"".join(beats[n // 2] for n in range(10)))
+    summary = info.read(str(path))
+    assert (summary.lost, summary.repeated) == (2, 5)
+    assert summary.as_dict()["systems"] == {"1/1": {"messages": 10, "lost": 2, "repeated": 5}}
+    text = info.table(summary)
+    assert "  lost     2 messages by sequence number, 5 came again\n" in text
+    assert re.search("^  1/1 +10 +2 +5$", text, re.MULTILINE)
+
+
+def test_what_a_log_does_not_have_is_not_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Numbers in line, of a dataflash log; rates, of a raw stream; anything, of what is no log."""
+    onboard, raw, notes = tmp_path / "a.BIN", tmp_path / "b.tlog.raw", tmp_path / "c.txt"
+    sample().write(onboard)
+    raw.write_bytes(b"".join(heartbeat(n) for n in range(5)))
+    notes.write_text("hello\n")
+    assert cli.main(["info", str(onboard)]) == 0
+    said = capsys.readouterr().out
+    assert "sequence number" not in said and "PER SECOND" in said
+    assert cli.main(["info", str(raw)]) == 0
+    said = capsys.readouterr().out
+    assert "none, a log without times" in said and "PER SECOND" not in said
+    assert re.search("^  HEARTBEAT +5$", said, re.MULTILINE)
+    assert cli.main(["info", str(notes)]) == 1
+    said, error = capsys.readouterr()
+    assert (said, error.count("\n")) == ("", 1)
+    assert f"no telemetry log, there is no record in it: {str(notes)!r}" in error
+
+
+@pytest.mark.parametrize("pack", ["gz", "zst"])
+def test_a_compressed_log_that_is_cut_off_is_said_to_be(
+    tmp_path: Path, pack: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flight, onboard = tmp_path / "flight.tlog", tmp_path / "onboard.BIN"
+    traffic.generate(flight, 5_000)
+    log = Log().define("IMU", "Qf", "TimeUS,AccX")
+    for n in range(20_000):  # zstd has blocks of 128 kB
+        log.add("IMU", n * 7919, random.random())
+    log.write(onboard)
+    for path in (flight, onboard):
+        packed = compressed(path.read_bytes(), pack)
+        whole, part = (
+            tmp_path / f"whole{path.suffix}.{pack}",
+            tmp_path / f"part{path.suffix}.{pack}",
+        )
+        whole.write_bytes(packed)
+        part.write_bytes(packed[: len(packed) * 2 // 3])
+        assert cli.main(["info", str(whole)]) == 0
+        assert "cut off" not in capsys.readouterr().out
+        assert cli.main(["info", str(part)]) == 0
+        assert "  file     cut off or damaged: " in capsys.readouterr().out
+        assert info.read(str(part)).as_dict()["damage"]
+
+
+def compressed(content: bytes, pack: str) -> bytes:
+    if pack == "gz":
+        return gzip.compress(content)
+    return bytes(pytest.importorskip("pyarrow").Codec("zstd").compress(content, asbytes=True))

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import gzip
+import json
 import os
+import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -122,6 +126,26 @@ def test_a_page(log, tmp_path):
     ]
     assert data["home"] == {"name": "home", "lat": 9.9, "lon": 20.0, "alt": 5.0}
     assert [place["name"] for place in data["waypoints"]] == ["1", "2"]
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs node")
+def test_the_names_of_start_and_end_do_not_meet(log, tmp_path):
+    plots.draw_map(log, tmp_path / "a.html")
+    function = re.search(
+        r"^function leftwards.*?^}", (tmp_path / "a.html").read_text(), re.M | re.S
+    )
+    assert function
+    ways = [(0, 0), (30, 0), (-30, 5), (59, -15), (-59, 15), (60, 0), (-60, 0), (0, 16)]
+    script = (
+        f"{function[0]} console.log(JSON.stringify({json.dumps(ways)}.map(w => leftwards(...w))))"
+    )
+    ran = subprocess.run(["node", "-e", script], capture_output=True, check=True)
+    width = 32  # of the longer name
+    for (right, down), left in zip(ways, json.loads(ran.stdout), strict=True):
+        start = (-8 - width, -8) if left["start"] else (8, 8 + width)
+        end = (right - 8 - width, right - 8) if left["end"] else (right + 8, right + 8 + width)
+        apart = start[1] < end[0] or end[1] < start[0]
+        assert apart or abs(down) >= 16, (right, down, left)
 
 
 def test_a_way_over_the_date_line_goes_on(tmp_path):

@@ -394,6 +394,42 @@ def test_an_image_shows_lines_axes_and_modes(tmp_path):
     figure.savefig(io.BytesIO())
 
 
+@pytest.mark.parametrize("right", [False, True])
+def test_a_legend_hides_no_mode(right):
+    pytest.importorskip("matplotlib")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from mavwire.plots import images
+    from mavwire.plots.charts import Chart, Line
+
+    times = np.arange(100.0)
+    modes = [Span(f"MODE{n}", 20.0 * n, 20.0 * n + 20) for n in range(5)]
+    # What is drawn leaves room at the top alone.
+    lines = [
+        Line("a name", right, times, (times % 7) * 1e-3),
+        Line("other", False, times, -times % 5),
+    ]
+    lines.append(Line("top", False, np.array([50.0]), np.array([40.0])))
+    figure = Figure(figsize=images.SIZE, layout="constrained")
+    FigureCanvasAgg(figure)
+    images._draw(figure, Chart("title", lines, modes, absolute=False))
+    figure.draw_without_rendering()
+    left = figure.axes[0]
+    legend = figure.axes[-1].get_legend().get_window_extent()
+    names = [text.get_window_extent() for text in left.texts]
+    assert len(names) == 5
+    for name in names:
+        assert not legend.overlaps(name) and not left.title.get_window_extent().overlaps(name)
+
+
+@pytest.mark.parametrize("what", ["plot", "map"])
+def test_pictures_without_numpy_say_what_to_install(tmp_path, flight, monkeypatch, capsys, what):
+    monkeypatch.setitem(sys.modules, "numpy", None)
+    expressions = ["ATTITUDE.roll"] if what == "plot" else []
+    assert cli.main([what, str(flight), *expressions, "-o", str(tmp_path / "x.html")]) == 1
+    assert "numpy is needed: pip install 'mavwire[plot]'" in capsys.readouterr().err
+
+
 def test_images_without_matplotlib_say_what_to_install(tmp_path, flight, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     argv = ["plot", str(flight), "ATTITUDE.roll", "-o", str(tmp_path / "x.png")]

@@ -14,7 +14,7 @@ from typing import Any
 import mavwire
 import numpy as np
 import pytest
-from mavwire import traffic
+from mavwire import cli, traffic
 from mavwire.cli import main
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.logs.rewriting import anonymize, cut, merge, repair
@@ -243,6 +243,14 @@ try:
 except OSError as error:
     print(error.filename, error)
 """
+
+
+@pytest.mark.parametrize("shift", [["--shift", "-1,2"], ["--shift=-1,2"], ["--shift", "-1e0,+2.0"]])
+def test_a_shift_may_begin_with_a_minus(flight, tmp_path, shift):
+    out, expected = tmp_path / "out.tlog", tmp_path / "expected.tlog"
+    assert cli.main(["anonymize", str(flight), "-o", str(out), "--quiet", *shift]) == 0
+    anonymize(flight, expected, shift=(-1, 2))
+    assert out.read_bytes() == expected.read_bytes()
 
 
 def test_more_logs_than_may_be_open(tmp_path):

@@ -6,6 +6,7 @@ import os
 import stat
 from collections.abc import Callable
 from pathlib import Path
+from unittest.mock import Mock
 
 import mavwire
 import pytest
@@ -64,7 +65,31 @@ def test_a_link_stays_a_link(flight, tmp_path):
 def test_folders_and_places_that_are_not_there(tmp_path):
     with pytest.raises(ValueError, match="is a folder"):
         file_to_write(tmp_path)
-    assert file_to_write(str(tmp_path / "no" / "x")) == str(tmp_path / "no" / "x")
+    assert file_to_write(str(tmp_path / "x")) == str(tmp_path / "x")
+
+
+def test_a_folder_that_is_not_there_is_not_made(flight, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name, write in writers(flight):
+        with pytest.raises(FileNotFoundError, match="no such folder") as caught:
+            write(f"typo/{name}")
+        assert caught.value.filename == "typo"
+        write(name)
+    assert not (tmp_path / "typo").exists()
+    assert cli.main(["repair", str(flight), "-o", "typo/x.tlog"]) == 1
+    assert capsys.readouterr().err == "mavwire repair: error: typo: there is no such folder\n"
+
+
+@pytest.mark.parametrize("name", ["x.csv", "x.jsonl", "x.parquet", "x.arrow"])
+def test_an_error_of_a_table_names_its_file(flight, tmp_path, monkeypatch, name):
+    for text, number in (("No space left on device", 28), ("File too large", 27)):
+        for kind in (OSError, ValueError):
+            fail = Mock(side_effect=kind(f"Csv error: {text} (os error {number})"))
+            monkeypatch.setattr("mavwire.logs.table.write_table", fail)
+            with pytest.raises(OSError, match=text) as caught:
+                mavwire.open_log(flight)["ATTITUDE"].write(tmp_path / name)
+            assert caught.value.filename == str(tmp_path / name)
+            assert caught.value.strerror == text
 
 
 @pytest.mark.parametrize("name", ["x.tlog.gz", "x.ZST"])

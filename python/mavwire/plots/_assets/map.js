@@ -72,17 +72,23 @@ function drawTrack() {
     context.stroke();
   }
   const last = track.lat.length - 1;
-  dot(track.lon[0], track.lat[0], "#2a2", "start");
-  const close = Math.hypot(toX(track.lon[0]) - toX(track.lon[last]), toY(track.lat[0]) - toY(track.lat[last])) < 40;
-  dot(track.lon[last], track.lat[last], "#c22", "end", close);
+  const away = leftwards(toX(track.lon[last]) - toX(track.lon[0]), toY(track.lat[last]) - toY(track.lat[0]));
+  dot(track.lon[0], track.lat[0], "#2a2", "start", away.start);
+  dot(track.lon[last], track.lat[last], "#c22", "end", away.end);
 }
 
-function dot(lon, lat, colour, name, leftwards) {
+// Where the end is so far from the start in pixels, which of their names stand to the left: close by, they go apart.
+function leftwards(right, down) {
+  const close = Math.abs(right) < 60 && Math.abs(down) < 16;
+  return { start: close && right >= 0, end: close && right < 0 };
+}
+
+function dot(lon, lat, colour, name, toLeft) {
   const x = toX(lon), y = toY(lat);
   context.fillStyle = colour; context.strokeStyle = "#fff"; context.lineWidth = 1.5;
   context.beginPath(); context.arc(x, y, 5, 0, 7); context.fill(); context.stroke();
-  context.font = "12px system-ui, sans-serif"; context.textAlign = leftwards ? "right" : "left"; context.textBaseline = "middle";
-  const at = leftwards ? x - 8 : x + 8;
+  context.font = "12px system-ui, sans-serif"; context.textAlign = toLeft ? "right" : "left"; context.textBaseline = "middle";
+  const at = toLeft ? x - 8 : x + 8;
   context.lineWidth = 3; context.strokeText(name, at, y);
   context.fillStyle = "#222"; context.fillText(name, at, y);
 }
