@@ -3,7 +3,9 @@
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 /// Opens a file for reading it once.
 ///
@@ -52,16 +54,46 @@ impl Draft {
     /// # Errors
     /// What the operating system says; the file is removed then.
     pub fn commit(mut self) -> io::Result<()> {
-        let Some(file) = self.file.take() else { return Ok(()) };
-        let file = file.into_inner().map_err(io::IntoInnerError::into_error);
-        let renamed = file
-            .and_then(|file| file.sync_data())
-            .and_then(|()| std::fs::rename(&self.part, &self.path));
+        self.sync()?;
+        self.publish()
+    }
+
+    /// Waits until everything is on the disk.
+    fn sync(&mut self) -> io::Result<()> {
+        let Some(file) = &mut self.file else { return Ok(()) };
+        file.flush()?;
+        file.get_ref().sync_data()
+    }
+
+    fn publish(mut self) -> io::Result<()> {
+        drop(self.file.take());
+        let renamed = std::fs::rename(&self.part, &self.path);
         if renamed.is_err() {
             let _ = std::fs::remove_file(&self.part);
         }
         renamed
     }
+}
+
+/// Threads that wait for the disk at a time: it writes many files in little more than the time of one.
+const WAITING: usize = 16;
+
+/// Gives all files their names, once all of them are on the disk.
+///
+/// # Errors
+/// What the operating system says of one of them; those that have no name yet are removed then.
+pub fn commit_all(mut drafts: Vec<Draft>) -> io::Result<()> {
+    let share = drafts.len().div_ceil(WAITING).max(1);
+    thread::scope(|scope| {
+        let sync = |some: &mut [Draft]| some.iter_mut().try_for_each(Draft::sync);
+        let shares = drafts.chunks_mut(share);
+        let threads: Vec<_> = shares
+            .map(|some| thread::Builder::new().spawn_scoped(scope, move || sync(some)))
+            .collect::<Result<_, _>>()?;
+        let done = threads.into_iter().map(|one| one.join().unwrap_or_else(|e| resume_unwind(e)));
+        done.collect::<io::Result<()>>()
+    })?;
+    drafts.into_iter().try_for_each(Draft::publish)
 }
 
 impl Write for Draft {
@@ -99,6 +131,28 @@ mod tests {
         let parts = [0..10, 3..5, 8..20, 30..40, backwards].map(part);
         assert_eq!(parts, ["0123456789", "34", "89", "", ""]);
         std::fs::remove_file(path).expect("removing");
+    }
+
+    #[test]
+    fn many_drafts_become_files() {
+        let folder = std::env::temp_dir().join(format!("mavwire-drafts-{}", std::process::id()));
+        let draft = |n: u8| {
+            let mut draft = Draft::create(&folder.join(format!("{n}"))).expect("creating");
+            draft.write_all(&[n]).expect("writing");
+            draft
+        };
+        commit_all((0..40).map(draft).collect()).expect("committing");
+        commit_all(Vec::new()).expect("committing nothing");
+        for n in 0..40 {
+            assert_eq!(std::fs::read(folder.join(format!("{n}"))).expect("reading"), [n]);
+        }
+        assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 40);
+        // A folder in the way of one: nothing is left of that and of what comes behind it.
+        std::fs::create_dir(folder.join("41")).expect("creating");
+        commit_all((40..43).map(draft).collect()).expect_err("a folder has the name");
+        assert!(folder.join("40").exists() && !folder.join("42").exists());
+        assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 42);
+        std::fs::remove_dir_all(folder).expect("removing");
     }
 
     #[test]
