@@ -9,8 +9,9 @@ use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions, decode_line
 use mavwire_core::log::dataflash::{
     Clock, ClockFinder, Definitions, FMT_LAYOUT_LEN, FieldKind, HEAD_LEN, Layout, Units,
 };
+use rayon::prelude::*;
 
-use super::hop::{STRETCH, hop};
+use super::hop::{Place, STRETCH, hop};
 use super::lines::Lines;
 use crate::error::Error;
 use crate::input::{Blocks, decompressed};
@@ -190,7 +191,10 @@ impl Run {
         let place = self.offset + from as u64;
         let bytes = &block[from..];
         let hops = hop(bytes, place, definitions, at_end, STRETCH);
-        for place in hops.stretches.into_iter().flatten() {
+        let telling = &*teller.telling;
+        let is_telling = |place: &&Place| telling[usize::from(place.layout)];
+        let few = hops.stretches.par_iter().flat_map_iter(|some| some.iter().filter(is_telling));
+        for place in few.collect::<Vec<_>>() {
             let body = &place.of(bytes)[HEAD_LEN..];
             teller.add(
                 place.layout,
