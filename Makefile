@@ -113,6 +113,11 @@ bench-bridge: ## Forward through a bridge at rising rates, to many links, from m
 	@$(MAKE) --no-print-directory build PROFILE=release
 	@$(BIN)/python benches/bridge.py $(BENCH_FLAGS)
 
+.PHONY: soak
+soak: ## Fly through bridge, link, log and decoder for SECONDS, and look for losses and growth (BENCH_FLAGS="--hostile --rate 40000")
+	@$(MAKE) --no-print-directory build PROFILE=release
+	@$(BIN)/python benches/soak.py --seconds $(SECONDS) $(BENCH_FLAGS)
+
 .PHONY: bench-tools
 bench-tools: $(VENV)/.requirements-test ## Run the tools and pymavlink's scripts over the same log
 	@$(MAKE) --no-print-directory build PROFILE=release
@@ -165,6 +170,19 @@ wheel: $(VENV)/.requirements-build $(VENV)/.requirements-package ## Make source 
 	$(BIN)/maturin sdist --out dist
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) wheel --no-deps --no-build-isolation --wheel-dir dist dist/*.tar.gz
 	$(BIN)/python tools/check_wheel.py dist/*.whl
+
+.PHONY: audit
+audit: | $(BIN)/python ## Check licences and sources of all crates, and look up advisories where their data is to be had
+	@$(PIP) install -r requirements/audit.txt || echo 'pip-audit does not install here and is left out'
+	@$(BIN)/python tools/audit.py
+
+.PHONY: sbom
+sbom: | $(BIN)/python ## Write the bill of materials into dist, as CycloneDX
+	@$(BIN)/python tools/sbom.py
+
+.PHONY: reproducible
+reproducible: $(VENV)/.requirements-build ## Build the committed sources twice, in two places, and compare the wheels
+	@$(BIN)/python tools/reproducible.py
 
 .PHONY: stubs
 stubs: build ## Write the type stubs of the dialect modules

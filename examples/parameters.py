@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import Any
 
@@ -31,14 +32,17 @@ def fetch_all(link: Any) -> dict[str, float]:
 
 
 def change(link: Any, name: str, value: float) -> float:
-    """Set a parameter; the value that the vehicle answers with."""
-    while True:
+    """Set a parameter; the value that the vehicle has then, which may tell the old one meanwhile."""
+    known = link.params[name]
+    for _ in range(4):
         link.param_set_send(name, value)
-        msg = link.recv_match(
+        while msg := link.recv_match(
             f"PARAM_VALUE.param_id=='{name}'", "PARAM_VALUE", blocking=True, timeout=2
-        )
-        if msg is not None:
-            return float(msg.param_value)
+        ):
+            known = float(msg.param_value)
+            if math.isclose(known, value, rel_tol=1e-6):
+                return known
+    return known
 
 
 with mavutil.mavlink_connection(device) as link:

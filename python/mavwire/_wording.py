@@ -5,6 +5,7 @@ from __future__ import annotations
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from typing import Any
 
 # What terminals act upon: C0 but for tabs, DEL and C1.
 _CONTROLS = {
@@ -28,6 +29,15 @@ def no_such_dialect(dialect: str) -> str:
     hint = did_you_mean(dialect, built_in)
     text = f"no dialect {dialect!r}; name a built-in one, one in $MDEF/v1.0, or a path to XML"
     return text + (hint or f"; built in are {', '.join(built_in)}")
+
+
+def shown_to(stream: Any, text: str) -> str:
+    """A text from a log as a stream may take it: a terminal without control characters, so that a log
+    cannot steer it; a pipe or a file as it is.
+    """
+    if not stream.isatty():
+        return text
+    return "\n".join(map(printable, text.split("\n")))
 
 
 def printable(text: str) -> str:

@@ -85,6 +85,8 @@ class FTP(Operations):
         result = self.ftp.cmd_list([_remote(path)])
         if result.error_code == FtpError.RemoteReplyTimeout:
             raise FuseOSError(errno.EIO)
+        if result.error_code == FtpError.InvalidArguments:
+            raise FuseOSError(errno.ENAMETOOLONG)
         if result.error_code != FtpError.Success:
             raise FuseOSError(errno.ENOENT)
         entries = {entry.name: entry for entry in self.ftp.list_result}

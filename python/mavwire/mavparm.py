@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from mavwire import mavutil
+from mavwire._replacing import replace_text
 from mavwire._wording import printable
 
 TRY_SECONDS = 1.0
@@ -80,16 +81,15 @@ class MAVParmDict(dict[str, Any]):
 
     def save(self, filename: str, wildcard: str = "*", verbose: bool = False) -> None:
         """Write the parameters whose names match `wildcard`, sorted; `verbose` says how many."""
-        count = 0
-        with open(filename, "w", encoding="utf-8") as file:
-            for name in sorted(self):
-                if name and _matches(name, wildcard):
-                    value = self[name]
-                    text = f"{value:f}" if isinstance(value, float) else str(value)
-                    file.write(f"{name:<16.16} {text}\n")
-                    count += 1
+        lines = []
+        for name in sorted(self):
+            if name and _matches(name, wildcard):
+                value = self[name]
+                text = f"{value:f}" if isinstance(value, float) else str(value)
+                lines.append(f"{name:<16.16} {text}\n")
+        replace_text(filename, "".join(lines))
         if verbose:
-            print(f"Saved {count} parameters to {filename}")
+            print(f"Saved {len(lines)} parameters to {filename}")
 
     def load(
         self,
@@ -243,7 +243,7 @@ def _entries(
 ) -> Iterator[tuple[str, float]]:
     """Names and values of a parameter file; a line that has not two words is printed."""
     for number, line in enumerate(lines, start=1):
-        text = line.replace(",", " ").strip("\r\n")
+        text = line.strip().replace(",", " ")
         words = text.split("#", 1)[0].split()
         if not words:
             continue

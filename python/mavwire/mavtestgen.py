@@ -11,7 +11,9 @@ import argparse
 from collections.abc import Sequence
 from typing import Any
 
+from ._replacing import replace_text
 from .generator import mavparse
+from .generator._validate import module_problems
 
 _RANGES = {
     f"{sign}int{bits}_t": (0 if sign else -(1 << bits - 1), 1 << bits)
@@ -30,16 +32,19 @@ def generate(definitions: Sequence[str], output: str, wire_protocol: str = "2.0"
     """Write the module `output` for the messages of XML files; how many there are.
 
     Messages of files that these include are not among them. Raises MAVParseError for a file that is
-    none.
+    none, or whose names are no identifiers: they become code. A module that was there is replaced by
+    a complete one alone.
     """
+    files = [mavparse.MAVXML(name, wire_protocol) for name in definitions]
+    problems = [problem for file in files for problem in module_problems(file)]
+    if problems:
+        raise mavparse.MAVParseError("\n".join(problems))
     lines = [
         f"    mav.{message.name_lower}_send({_arguments(message)})\n"
-        for name in definitions
-        for message in mavparse.MAVXML(name, wire_protocol).message
+        for file in files
+        for message in file.message
     ]
-    with open(output, "w", encoding="utf-8") as file:
-        file.write(_HEAD)
-        file.writelines(lines or ["    pass\n"])
+    replace_text(output, _HEAD + "".join(lines or ["    pass\n"]))
     return len(lines)
 
 

@@ -253,7 +253,7 @@ def set_dialect(
 
 
 def mavlink_connection(
-    device: str,
+    device: str | os.PathLike[str] | bytes,
     baud: int = 115200,
     source_system: int = 255,
     source_component: int = 0,

@@ -18,7 +18,7 @@ ORACLE = "pymavlink"
 # Tests with real sockets, processes, signals and clocks: on a machine that stalls for seconds one
 # may fail though nothing is wrong. It is tried twice more, and the summary shows that it was.
 LIVE = re.compile(
-    "integration/|unit/test_(aio|alias|bridge|cli|conversion|fleet|hardening|links|live|run|sim|threads|tool_playback)"
+    "integration/|unit/test_(aio|alias|bench|bridge|cli|conversion|faults|fleet|hardening|links|live|run|sim|threads|tool_playback)"
 )
 
 

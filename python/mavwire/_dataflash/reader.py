@@ -85,7 +85,7 @@ class DFReader(_native.DataflashReader):
         if not os.path.getsize(filename):
             self.filehandle.close()
             raise ValueError("cannot mmap an empty file")
-        layouts = self._open(filename, text)
+        layouts = self._open(os.fsdecode(filename), text)
         self._layouts = [
             DFFormat(type_id, name, length, format, ",".join(columns))
             for type_id, length, name, format, columns in layouts
@@ -377,7 +377,7 @@ class DFReader(_native.DataflashReader):
     @property
     def percent(self) -> float:
         """How much of the log was read."""
-        return 100.0 * self.offset / self.data_len if self.offset else 0
+        return self.offset / self.data_len * 100.0 if self.offset else 0
 
     @property
     def remaining(self) -> int:

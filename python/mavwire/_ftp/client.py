@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import struct
 import time
-from collections.abc import Callable
-from typing import IO, Any
+from collections.abc import Callable, Iterator
+from typing import IO, Any, ParamSpec
 
 from mavwire.mavftp_op import (
     FTP_OP,
@@ -40,6 +41,32 @@ Args = list[str]
 Callback = Callable[[Any], Any] | None
 _COMMANDS = "list set get getparams put rm rmdir rename mkdir status cancel crc".split()
 _PARAMETER_FILE = "@PARAM/param.pck"
+
+
+P = ParamSpec("P")
+
+
+class PathError(ValueError):
+    """No request can carry this path."""
+
+
+def _refusing(
+    operation: str,
+) -> Callable[[Callable[P, MAVFTPReturn]], Callable[P, MAVFTPReturn]]:
+    """A command that answers InvalidArguments to paths that are too long."""
+
+    def wrap(command: Callable[P, MAVFTPReturn]) -> Callable[P, MAVFTPReturn]:
+        @functools.wraps(command)
+        def run(*args: P.args, **kwargs: P.kwargs) -> MAVFTPReturn:
+            try:
+                return command(*args, **kwargs)
+            except PathError as error:
+                log.error("FTP: %s: %s", operation, error)
+                return MAVFTPReturn(operation, FtpError.InvalidArguments)
+
+        return run
+
+    return wrap
 
 
 class MAVFTP:
@@ -98,6 +125,7 @@ class MAVFTP:
         )
         return result
 
+    @_refusing("ListDirectory")
     def cmd_list(self, args: Args) -> MAVFTPReturn:
         """List a directory, "/" by default, into `list_result`: directories first."""
         self.list_result = []
@@ -142,6 +170,7 @@ class MAVFTP:
         log.info("Set %s = %s", name, value)
         return MAVFTPReturn("Set", FtpError.Success)
 
+    @_refusing("RemoveFile")
     def cmd_rm(self, args: Args) -> MAVFTPReturn:
         """Remove a file."""
         if len(args) != 1:
@@ -149,6 +178,7 @@ class MAVFTP:
         log.info("Removing file %s", args[0])
         return self._do(OP_RemoveFile, _encode(args[0]))
 
+    @_refusing("RemoveDirectory")
     def cmd_rmdir(self, args: Args) -> MAVFTPReturn:
         """Remove a directory."""
         if len(args) != 1:
@@ -156,6 +186,7 @@ class MAVFTP:
         log.info("Removing directory %s", args[0])
         return self._do(OP_RemoveDirectory, _encode(args[0]))
 
+    @_refusing("CreateDirectory")
     def cmd_mkdir(self, args: Args) -> MAVFTPReturn:
         """Create a directory."""
         if len(args) != 1:
@@ -163,14 +194,16 @@ class MAVFTP:
         log.info("Creating directory %s", args[0])
         return self._do(OP_CreateDirectory, _encode(args[0]))
 
+    @_refusing("Rename")
     def cmd_rename(self, args: Args) -> MAVFTPReturn:
         """Rename a file or a directory: its old and its new path."""
         if len(args) < 2:
             return _usage("Rename", "rename [OLDNAME NEWNAME]")
         old, new = args[:2]
         log.info("Renaming %s to %s", old, new)
-        return self._do(OP_Rename, _encode(old) + b"\0" + _encode(new))
+        return self._do(OP_Rename, _encode(f"{old}\0{new}"))
 
+    @_refusing("CalcFileCRC32")
     def cmd_crc(self, args: Args) -> MAVFTPReturn:
         """Have the vehicle compute the CRC-32 of a file; it is logged and kept in `crc_result`."""
         self.crc_result = None
@@ -211,8 +244,6 @@ class MAVFTP:
         self, opcode: int, data: bytes = b"", offset: int = 0, limit: float | None = None
     ) -> FTP_OP | None:
         """Send a request, again and again, until it is answered; None when it is not."""
-        if len(data) > MAX_PAYLOAD:
-            raise ValueError(f"{OPERATIONS[opcode]}: the path has more than {MAX_PAYLOAD} bytes")
         pending = Pending(self._channel, self._channel.request(opcode, data, offset=offset))
         limit = self.ftp_settings.idle_detection_time if limit is None else limit
         deadline = time.monotonic() + limit
@@ -235,6 +266,7 @@ class MAVFTP:
 
     # -- transfers
 
+    @_refusing("OpenFileRO")
     def cmd_get(
         self, args: Args, callback: Callback = None, progress_callback: Callback = None
     ) -> MAVFTPReturn:
@@ -246,6 +278,7 @@ class MAVFTP:
         if not 1 <= len(args) <= 2:
             return _usage("OpenFileRO", "get [FILENAME <LOCALNAME>]")
         path = args[0]
+        remote = _encode(path)
         try:
             local = args[1] if len(args) > 1 else local_name(path)
             memory = callback is not None or local == "-"
@@ -262,9 +295,11 @@ class MAVFTP:
         self._destination = destination
         self.remote_file_size = 0
         limit = MAX_IN_MEMORY if memory else None
-        self._transfer = Download(self._channel, _encode(path), destination.file, limit=limit)
+        with self._given_up_on_error():
+            self._transfer = Download(self._channel, remote, destination.file, limit=limit)
         return MAVFTPReturn("OpenFileRO", FtpError.Success)
 
+    @_refusing("CreateFile")
     def cmd_put(
         self,
         args: Args,
@@ -285,7 +320,10 @@ class MAVFTP:
         local = args[0]
         try:
             remote = args[1] if len(args) > 1 else local_name(local)
+            encoded = _encode(remote)
             source = open(local, "rb") if fh is None else fh
+        except PathError:
+            raise
         except (OSError, ValueError) as error:
             log.error("FTP: Failed to open %s: %s", local, error)
             return MAVFTPReturn("CreateFile", FtpError.FailToOpenLocalFile)
@@ -293,7 +331,8 @@ class MAVFTP:
             log.info("Putting %s to %s", local, remote)
         self._begin(remote, callback, progress_callback)
         self._source = source if fh is None else None
-        self._transfer = Upload(self._channel, _encode(remote), source)
+        with self._given_up_on_error():
+            self._transfer = Upload(self._channel, encoded, source)
         return MAVFTPReturn("CreateFile", FtpError.Success)
 
     def cmd_getparams(
@@ -327,11 +366,14 @@ class MAVFTP:
     def read(self, path: str, size: int, offset: int = 0) -> bytes | None:
         """`size` bytes of a remote file from `offset`, fewer at its end; None after a failure."""
         log.info("Getting %s starting at %u reading %u bytes", path, offset, size)
+        try:
+            remote = _encode(path)
+        except PathError as error:
+            log.error("FTP: %s", error)
+            return None
         self._begin(path, None, None)
         memory = self._destination = Memory()
-        transfer = self._transfer = Download(
-            self._channel, _encode(path), memory.file, offset, size
-        )
+        transfer = self._transfer = Download(self._channel, remote, memory.file, offset, size)
         result = self.process_ftp_reply("read")
         if result.error_code != FtpError.Success:
             result.display_message()
@@ -349,10 +391,17 @@ class MAVFTP:
         """Drive a transfer to its end and return how that was.
 
         `timeout` is how long nothing may arrive, 0 for ever; a transfer that goes on never times out.
+        An interruption, or an error of the link, gives the transfer up.
         """
         transfer = self._transfer
         if transfer is None:
             return MAVFTPReturn(operation_name, FtpError.Fail)
+        with self._given_up_on_error():
+            return self._drive(transfer, operation_name, timeout)
+
+    def _drive(
+        self, transfer: Download | Upload, operation_name: str, timeout: float
+    ) -> MAVFTPReturn:
         last = time.monotonic()
         while True:
             was_open, moved = transfer.opened, transfer.moved
@@ -447,6 +496,18 @@ class MAVFTP:
             text = "Put %u bytes to %s file in %.2fs %.1fkByte/s"
             log.info(text, transfer.size, self._path, seconds, speed)
 
+    @contextlib.contextmanager
+    def _given_up_on_error(self) -> Iterator[None]:
+        """Leave neither half a local file nor an open session, whatever ends a transfer."""
+        try:
+            yield
+        except BaseException:
+            self._discard()
+            with contextlib.suppress(Exception):  # the link may be what failed
+                self._channel.request(OP_TerminateSession)
+            self._next_session()
+            raise
+
     def _discard(self) -> None:
         """Forget the transfer and what there is of its local file."""
         if self._destination is not None:
@@ -470,7 +531,11 @@ class MAVFTP:
 
 
 def _encode(path: str) -> bytes:
-    return path.encode("utf-8", "surrogateescape")
+    """A remote path as a request carries it; PathError for one that is too long."""
+    data = path.encode("utf-8", "surrogateescape")
+    if len(data) > MAX_PAYLOAD:
+        raise PathError(f"a path of {len(data)} bytes; a request carries {MAX_PAYLOAD}")
+    return data
 
 
 def _usage(name: str, text: str) -> MAVFTPReturn:

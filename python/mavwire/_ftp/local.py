@@ -5,8 +5,9 @@ from __future__ import annotations
 import io
 import os
 import sys
-import tempfile
 from typing import IO
+
+from mavwire._replacing import Replacement
 
 
 def local_name(remote: str) -> str:
@@ -25,23 +26,16 @@ class LocalFile:
 
     def __init__(self, path: str, remote: str) -> None:
         self.path = os.path.join(path, local_name(remote)) if os.path.isdir(path) else path
-        folder = os.path.dirname(os.path.abspath(self.path))
-        self.file: IO[bytes] = tempfile.NamedTemporaryFile(
-            dir=folder, prefix=".mavftp_", delete=False
-        )
+        self._place = Replacement(self.path)
+        self.file: IO[bytes] = self._place.file
 
     def finish(self) -> None:
         """Move it to its place."""
-        self.file.close()
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(self.file.name, 0o666 & ~mask)
-        os.replace(self.file.name, self.path)
+        self._place.finish()
 
     def discard(self) -> None:
         """Remove what there is of it."""
-        self.file.close()
-        os.unlink(self.file.name)
+        self._place.discard()
 
 
 class Memory:

@@ -6,6 +6,8 @@ import struct
 import time
 from typing import Any
 
+from mavwire._replacing import replace_text
+
 from . import log
 
 MAGIC = 0x671B
@@ -150,10 +152,9 @@ def save_params(
         _line(name, value, sort_type) + (_type_comment(ptype) if add_datatype_comments else "")
         for name, (value, ptype) in pdict.items()
     ]
-    with open(filename, "w", encoding="utf-8") as file:
-        if add_timestamp_comment:
-            file.write(time.strftime("# Parameters saved at %Y-%m-%d %H:%M:%S\n"))
-        file.writelines(line + "\n" for line in lines)
+    if add_timestamp_comment:
+        lines.insert(0, time.strftime("# Parameters saved at %Y-%m-%d %H:%M:%S"))
+    replace_text(filename, "".join(line + "\n" for line in lines))
     log.info("Outputted %u parameters to %s", len(pdict), filename)
 
 

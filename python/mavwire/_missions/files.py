@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from math import isfinite
 from typing import Any, NamedTuple, TypeVar
 
 from .errors import MAVFenceError, MAVRallyError, MAVWPError, PlanError
@@ -144,7 +145,16 @@ def item_line(item: Any) -> str:
 
 def is_fence_file(lines: Sequence[Line]) -> bool:
     """Whether the first line that says something is a latitude and a longitude."""
-    return _FENCE_START.match(next(_meant(lines), Line("", "")).text) is not None
+    first = next(_meant(lines), Line("", "")).text
+    return _FENCE_START.match(first) is not None or all(map(_is_number, [*first.split(), ""][:2]))
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 def is_rally_file(lines: Sequence[Line]) -> bool:
@@ -156,7 +166,10 @@ def fence_points(lines: Sequence[Line]) -> Iterator[tuple[float, float]]:
     """Latitude and longitude of each line, in degrees."""
 
     def read(words: list[str]) -> tuple[float, float]:
-        return float(words[0]), float(words[1])
+        lat, lng = float(words[0]), float(words[1])
+        if not (isfinite(lat) and isfinite(lng)):
+            raise ValueError(f"no place: {words[0]} {words[1]}")
+        return lat, lng
 
     for line in _meant(lines):
         if len(line.text.split()) != 2:
@@ -175,11 +188,13 @@ class RallyLine(NamedTuple):
     flags: int
 
 
-def rally_points(lines: Sequence[Line]) -> Iterator[RallyLine]:
+def rally_points(lines: Sequence[Line], whole_metres: bool = False) -> Iterator[RallyLine]:
     """Rally points of a file; other lines of seven words are passed over, as pymavlink does."""
 
     def read(words: list[str]) -> RallyLine:
         lat, lng, alt, break_alt, land_dir, flags = map(float, words[1:7])
+        if whole_metres:
+            alt, break_alt = int(alt), int(break_alt)
         place = int(lat * 1e7), int(lng * 1e7)
         return RallyLine(*place, alt, break_alt, int(land_dir * 100), int(flags))
 

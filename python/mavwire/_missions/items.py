@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import copy
 import time
+from bisect import bisect_right, insort
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from mavwire import mavutil
+from mavwire._replacing import replace_text
 
 from . import files
 from .errors import MAVWPError
@@ -31,6 +33,8 @@ _COLOURS = {
     DO_LAND_START: (255, 127, 0),
     DO_RETURN_PATH_START: (127, 255, 0),
 }
+
+_NO_PROTOBUF = "Mission files in protobuf format (QGC WPL PB 110) are not supported"
 
 Point = tuple[Any, ...]
 Indexes = set[int]
@@ -140,6 +144,8 @@ class MissionItemProtocol:
         """
         lines = files.read_lines(filename)
         header = lines[0].text if lines else ""
+        if header == "QGC WPL PB 110":
+            raise MAVWPError(_NO_PROTOBUF, filename)
         read = self._reader(header)
         if read is None:
             raise MAVWPError(f"Unsupported waypoint format '{header}'", filename)
@@ -153,8 +159,6 @@ class MissionItemProtocol:
         """What reads a file with this first line."""
         if header == "QGC WPL 110":
             return files.items_v110
-        if header == "QGC WPL PB 110":
-            raise MAVWPError("Mission files in protobuf format (QGC WPL PB 110) are not supported")
         return None
 
     def _from_line(self, line: files.ItemLine) -> Any:
@@ -166,15 +170,16 @@ class MissionItemProtocol:
         return message(self.target_system, self.target_component, *values, *kind)
 
     def save(self, filename: str) -> None:
-        """Write the items as a QGC WPL 110 file."""
-        with open(filename, "w", encoding="utf-8") as file:
-            file.write("QGC WPL 110\n")
-            for w in self.wpoints:
-                file.write(files.comment_lines(getattr(w, "comment", "")) + files.item_line(w))
+        """Write the items as a QGC WPL 110 file; after an error the file is as it was."""
+        lines = [
+            files.comment_lines(getattr(w, "comment", "")) + files.item_line(w)
+            for w in self.wpoints
+        ]
+        replace_text(filename, "QGC WPL 110\n" + "".join(lines))
 
     def save_as_pb(self, filename: str) -> None:
         """Raise MAVWPError: the protobuf format has no public definition."""
-        raise MAVWPError("Mission files in protobuf format (QGC WPL PB 110) are not supported")
+        raise MAVWPError(_NO_PROTOBUF, filename)
 
     # -- where a vehicle flies
 
@@ -196,9 +201,9 @@ class MissionItemProtocol:
         """
         done = Indexes() if done is None else done
         start = next((i for i in range(len(self.wpoints)) if i not in done), len(self.wpoints))
-        return self._path(start, done)
+        return self._path(start, done, _Starts(self.wpoints, done))
 
-    def _path(self, idx: int, done: Indexes) -> list[int]:
+    def _path(self, idx: int, done: Indexes, starts: _Starts) -> list[int]:
         path: list[int] = []
         while 0 <= idx < len(self.wpoints):
             w = self.wpoints[idx]
@@ -207,9 +212,11 @@ class MissionItemProtocol:
                     path.append(idx)
                 break
             if w.command in _STARTS and path:  # drawn on its own
-                idx += 1
+                idx = starts.skip(idx)
                 continue
             done.add(idx)
+            if w.command in _STARTS:
+                starts.add(idx)
             if w.command == DO_JUMP:
                 idx = self._jump_target(w)
                 if idx >= 0 and self.is_location_wp(self.wpoints[idx]):
@@ -232,9 +239,10 @@ class MissionItemProtocol:
 
     def _paths(self) -> Iterator[list[int]]:
         done: Indexes = Indexes()
+        starts = _Starts(self.wpoints, done)
         for start in range(len(self.wpoints)):
             if start not in done:
-                yield self._path(start, done)
+                yield self._path(start, done, starts)
 
     def polygon(self, done: Indexes | None = None) -> list[Point]:
         """Like `view_indexes`, but the positions: x, y and for some commands a colour."""
@@ -249,6 +257,28 @@ class MissionItemProtocol:
     def polygon_list(self) -> list[list[Point]]:
         """All paths through the items, as lists of positions."""
         return [[self._point(index) for index in path] for path in self.view_list()]
+
+
+class _Starts:
+    """Where runs of starts end, so that no path walks over each of them."""
+
+    def __init__(self, items: list[ReceivedMessage], done: Indexes) -> None:
+        self._behind = list(range(1, len(items) + 1))
+        for idx in range(len(items) - 2, -1, -1):
+            if items[idx + 1].command in _STARTS:
+                self._behind[idx] = self._behind[idx + 1]
+        self._done = sorted(
+            idx for idx in done if 0 <= idx < len(items) and items[idx].command in _STARTS
+        )
+
+    def add(self, idx: int) -> None:
+        """A start was passed: paths end there."""
+        insort(self._done, idx)
+
+    def skip(self, idx: int) -> int:
+        """The next item behind a start that is no start or was passed."""
+        place = bisect_right(self._done, idx)
+        return min([self._behind[idx], *self._done[place : place + 1]])
 
 
 class MAVWPLoader(MissionItemProtocol):

@@ -8,6 +8,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from mavwire import mavutil
+from mavwire._replacing import replace_text
 
 from . import files
 
@@ -97,20 +98,20 @@ class MAVRallyLoader:
 
     def load(self, filename: str) -> int:
         """Read a file of RALLY lines in the place of the points; how many there are."""
-        lines = files.read_lines(filename)
+        points: list[Any] = list(files.rally_points(files.read_lines(filename), whole_metres=True))
         self.clear()
-        for p in list(files.rally_points(lines)):
-            heights = int(p.alt), int(p.break_alt)
-            self.create_and_append_rally_point(p.lat, p.lng, *heights, p.land_dir, p.flags)
+        for p in points:
+            self.create_and_append_rally_point(*p)
         return len(self.rally_points)
 
     def save(self, filename: str) -> None:
         """Write the points as RALLY lines."""
-        with open(filename, "w", encoding="utf-8") as file:
-            for p in self.rally_points:
-                place = f"{p.lat * 1e-7:f}\t{p.lng * 1e-7:f}"
-                rest = f"{p.alt:f}\t{p.break_alt:f}\t{p.land_dir / 100:f}\t{p.flags}"
-                file.write(f"RALLY {place}\t{rest}\n")
+        lines = []
+        for p in self.rally_points:
+            place = f"{p.lat * 1e-7:f}\t{p.lng * 1e-7:f}"
+            rest = f"{p.alt:f}\t{p.break_alt:f}\t{p.land_dir / 100:f}\t{p.flags}"
+            lines.append(f"RALLY {place}\t{rest}\n")
+        replace_text(filename, "".join(lines))
 
 
 class MAVFenceLoader:
@@ -155,19 +156,17 @@ class MAVFenceLoader:
 
     def load(self, filename: str) -> int:
         """Read a file with a latitude and a longitude a line; how many points there are."""
-        lines = files.read_lines(filename)
+        points = list(files.fence_points(files.read_lines(filename)))
         self.clear()
         target = self.target_system, self.target_component
         message = mavutil.mavlink.MAVLink_fence_point_message
-        points = list(files.fence_points(lines))
         self.points = [message(*target, 0, 0, lat, lng) for lat, lng in points]
         self.reindex()
         return len(self.points)
 
     def save(self, filename: str) -> None:
         """Write a latitude and a longitude a line."""
-        with open(filename, "w", encoding="utf-8") as file:
-            file.writelines(f"{p.lat:f}\t{p.lng:f}\n" for p in self.points)
+        replace_text(filename, "".join(f"{p.lat:f}\t{p.lng:f}\n" for p in self.points))
 
     def _exists(self, i: int) -> bool:
         if 0 <= i < len(self.points):

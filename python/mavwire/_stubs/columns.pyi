@@ -22,8 +22,15 @@ __all__ = [
     "write_table",
 ]
 
-_Log: TypeAlias = str | PathLike[str] | tuple[str | PathLike[str], int, int] | bytes
-"""A file, the bytes of one from the first to one that is not meant any more, or the bytes of a log."""
+_Log: TypeAlias = (
+    str
+    | PathLike[str]
+    | tuple[str | PathLike[str], int, int]
+    | tuple[str | PathLike[str], int, int, bool]
+    | bytes
+)
+"""A file; the bytes of one from the first to one that is not meant any more; the same of a telemetry
+log, and whether its records have time stamps; the bytes of a log."""
 
 class _Query(Protocol):
     """What to read into tables; None stands for all. See `mavwire.logs.query.Query`."""
@@ -36,6 +43,7 @@ class _Query(Protocol):
     columns: list[str] | None
     si: bool
     enum_names: bool
+    untimed: bool
     batch_rows: int | None
     batch_bytes: int | None
 
@@ -113,6 +121,9 @@ class RecordBatches:
 
     def split(self, name: str) -> list[tuple[str, RecordBatches]]:
         """The rows of each value of a column, by its text; ValueError for too many values."""
+
+    def senders(self) -> set[tuple[int, int]]:
+        """System and component ids of the rows, each pair once; none where the table lacks them."""
 
     def slice(self, start: int, rows: int) -> RecordBatches:
         """Some of the rows."""

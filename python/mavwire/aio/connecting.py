@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, Any, TypedDict
 
@@ -41,13 +42,15 @@ class Options(TypedDict, total=False):
     resync: str | None
 
 
-def connect(device: str, *, backlog: int = BACKLOG, **options: Unpack[Options]) -> Connecting:
+def connect(
+    device: str | os.PathLike[str] | bytes, *, backlog: int = BACKLOG, **options: Unpack[Options]
+) -> Connecting:
     """Open a link or a log: `async with connect(...) as link`, or `link = await connect(...)`.
 
     `device` and `options` are those of `mavutil.mavlink_connection`. `backlog` is how many messages
     are kept for readers that are busy.
     """
-    return Connecting(device, backlog, dict(options))
+    return Connecting(os.fsdecode(device), backlog, dict(options))
 
 
 class Connecting:
@@ -68,7 +71,7 @@ class Connecting:
 
     async def __aexit__(self, *exc_info: object) -> None:
         if self._link is not None:
-            await self._link.close()
+            await self._link.__aexit__(*exc_info)
 
     async def _open(self) -> Link:
         options = dict(self._options)

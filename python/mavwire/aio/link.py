@@ -7,7 +7,7 @@ import logging
 import math
 import time
 import weakref
-from collections.abc import Coroutine, Iterable
+from collections.abc import Callable, Coroutine, Iterable
 from contextlib import suppress
 from typing import Any
 
@@ -16,6 +16,7 @@ from mavwire.links.signing import check_key, signing_timestamp
 from mavwire.links.tlog import mavlogfile
 
 from .background import in_background
+from .deadline import deadline_after
 from .errors import EndOfLogError, LinkClosedError
 from .feed import Feed, Position
 from .filters import message_filter
@@ -93,7 +94,7 @@ class Link(Parameters):
         return self._next(reader, timeout)
 
     async def _next(self, reader: Any, timeout: float | None) -> Any:
-        deadline = None if timeout is None else self._loop.time() + timeout
+        deadline = deadline_after(self._loop, timeout)
         try:
             return await reader.next(deadline)
         except EndOfLogError:
@@ -155,7 +156,7 @@ class Link(Parameters):
     ) -> Any:  # fmt: skip
         """The newest message of `type` as soon as it is another than `than`, which is the one that is
         there now if none is given. TimeoutError after `timeout` seconds."""
-        deadline = None if timeout is None else self._loop.time() + timeout
+        deadline = deadline_after(self._loop, timeout)
         reader = self._newest_reader(type, sysid, compid)
         than = self.latest(type, sysid, compid) if than is None else than
         msg = await newer(reader, lambda: self.latest(type, sysid, compid), than, deadline)
@@ -181,9 +182,14 @@ class Link(Parameters):
             await self._live.outgoing.drain()
 
     async def setup_signing(
-        self, secret_key: bytes, *, timestamp_store: Any = None,
-        initial_timestamp: int | None = None, **options: Any,
-    ) -> None:  # fmt: skip
+        self,
+        secret_key: bytes,
+        sign_outgoing: bool = True,
+        allow_unsigned_callback: Callable[[Any, int], bool] | None = None,
+        initial_timestamp: int | None = None,
+        link_id: int | None = None,
+        timestamp_store: Any = None,
+    ) -> None:
         """What `sync.setup_signing` does, with the same arguments, but a `timestamp_store` does not
         hold up the loop: it is read and written by threads. ValueError for a key of another length
         than 32 bytes, OSError for a store that fails."""
@@ -194,8 +200,8 @@ class Link(Parameters):
                 begin = signing_timestamp(time.time())
             timestamp_store = await in_background(lambda: AheadStore(timestamp_store, begin))
         self.sync.setup_signing(
-            secret_key, timestamp_store=timestamp_store, initial_timestamp=initial_timestamp,
-            **options,
+            secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id,
+            timestamp_store,
         )  # fmt: skip
 
     # -- state
@@ -251,15 +257,19 @@ class Link(Parameters):
 
     async def close(self) -> None:
         """Send what is queued, if that is quick, and close. Whoever waits gets `LinkClosedError`."""
+        await self._closed(drains=True)
+
+    async def _closed(self, *, drains: bool) -> None:
         if self._closing is None:
-            self._closing = self._loop.create_task(self._close())
+            self._closing = self._loop.create_task(self._close(drains))
         await asyncio.shield(self._closing)
 
-    async def _close(self) -> None:
+    async def _close(self, drains: bool) -> None:
         if self._live is not None:
-            with suppress(TimeoutError):
-                async with asyncio.timeout(CLOSE_TIMEOUT):
-                    await self._live.outgoing.drain()
+            if drains:
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(CLOSE_TIMEOUT):
+                        await self._live.outgoing.drain()
             await self._live.stop()
         self._feed.end(LinkClosedError(f"{self!r} is closed"))
         if hasattr(self.sync, "close"):
@@ -268,8 +278,9 @@ class Link(Parameters):
     async def __aenter__(self) -> Link:
         return self
 
-    async def __aexit__(self, *exc_info: object) -> None:
-        await self.close()
+    async def __aexit__(self, kind: object = None, *_: object) -> None:
+        # Who was cancelled, as by Ctrl-C, does not wait for a peer that reads slowly.
+        await self._closed(drains=kind is not asyncio.CancelledError)
 
 
 class _Live:

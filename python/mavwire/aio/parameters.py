@@ -12,6 +12,7 @@ from typing import Any
 from mavwire.links.modes import MAV_AUTOPILOT_PX4
 from mavwire.links.param_bytes import INTEGERS, value_bytes, with_value_bytes
 
+from .deadline import deadline_after, is_over
 from .errors import ParameterError
 from .vehicle import RETRIES, TIMEOUT, Vehicle
 
@@ -82,12 +83,12 @@ class Parameters(Vehicle):
         kept = None
         for _ in range(1 + retries):
             self._send_value(name, data, kind, target)
-            deadline = self._loop.time() + timeout
+            deadline = deadline_after(self._loop, timeout)
             while (msg := await reader.next(deadline)) is not None:
                 kept = decoded(msg, bytewise)
                 if _is_same(kept, value, bytewise):
                     return kept
-                if self._loop.time() >= deadline:
+                if is_over(self._loop, deadline):
                     break
         if kept is not None:
             raise ParameterError(name, value, kept)
@@ -111,7 +112,7 @@ class Parameters(Vehicle):
         count: int | None = None
         silences = 0
         self.sync.mav.param_request_list_send(*target)
-        deadline = self._loop.time() + timeout
+        deadline = deadline_after(self._loop, timeout)
         while count is None or len(found) < count:
             msg = await reader.next(deadline)
             if msg is not None:
@@ -120,16 +121,16 @@ class Parameters(Vehicle):
                 # brings nothing new: it does not put off asking again.
                 if msg.param_index < count and msg.param_index not in found:
                     silences = 0
-                    deadline = self._loop.time() + timeout
+                    deadline = deadline_after(self._loop, timeout)
                 if msg.param_index < count:
                     found[msg.param_index] = msg
-                if self._loop.time() < deadline:
+                if not is_over(self._loop, deadline):
                     continue
             silences += 1
             if silences > retries:
                 raise TimeoutError(f"{len(found)} of {count or 'unknown'} parameters received")
             self._ask_again(target, count, found)
-            deadline = self._loop.time() + timeout
+            deadline = deadline_after(self._loop, timeout)
         return {str(msg.param_id): decoded(msg, bytewise) for _, msg in sorted(found.items())}
 
     def _ask_again(self, target: tuple[int, int], count: int | None, found: dict[int, Any]) -> None:
@@ -145,7 +146,7 @@ class Parameters(Vehicle):
         reader = self._feed.reader(_is_value(name, target))
         for _ in range(1 + retries):
             self.sync.mav.param_request_read_send(*target, name.encode(), -1)
-            msg = await reader.next(self._loop.time() + timeout)
+            msg = await reader.next(deadline_after(self._loop, timeout))
             if msg is not None:
                 return msg
         raise TimeoutError(

@@ -18,6 +18,8 @@ from .watching import POLL_INTERVAL, Descriptor, descriptor_of, watch
 
 # Messages that one turn takes at most: about 0.1 ms.
 PORTION = 64
+# How long a link is left alone whose reading the system refuses, in seconds.
+ERROR_PAUSE = 1.0
 
 
 class Pump:
@@ -77,6 +79,11 @@ class Pump:
         if self._is_running:
             self._turned(error)
         if not self._is_running:
+            return
+        if isinstance(error, OSError):
+            # Such as no descriptor for a client, who stands at the door and would wake us over and over.
+            self._unwatch()
+            self._handle = self._loop.call_later(ERROR_PAUSE, self._turn)
             return
         self._watch()
         if more or error is not None:

@@ -10,7 +10,7 @@ import threading
 from contextlib import suppress
 from typing import Any
 
-from mavwire.links.signing import UNITS_PER_SECOND
+from mavwire.links.signing import UNITS_PER_SECOND, stored_timestamp
 from mavwire.links.timestamp_store import RESERVE, TimestampStore
 
 # How far ahead of what a link wants stored is stored, and how little of it may be left.
@@ -28,7 +28,7 @@ class AheadStore:
 
     def __init__(self, store: Any, timestamp: int) -> None:
         self._store = store if hasattr(store, "load") else TimestampStore(store)
-        self._loaded: int = self._store.load()
+        self._loaded = stored_timestamp(self._store)
         self._stored = 0
         self._thread: threading.Thread | None = None
         self._save(max(timestamp, self._loaded) + RESERVE)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from typing import Any
 
 from mavwire.links import state
 
+from .deadline import deadline_after
 from .errors import CommandError, NoVehicleError
 from .filters import Wants, message_filter
 
@@ -48,7 +50,7 @@ class Vehicle:
                 and self.sync.probably_vehicle_heartbeat(msg)
             )
 
-        deadline = None if timeout is None else self._loop.time() + timeout
+        deadline = deadline_after(self._loop, timeout)
         msg = await self._feed.reader(wants).next(deadline)
         if msg is None:
             raise TimeoutError(f"no heartbeat of a vehicle within {timeout} s")
@@ -79,7 +81,7 @@ class Vehicle:
             for attempt in range(1 + retries):
                 confirmation = min(attempt, MAX_CONFIRMATION)
                 self.sync.mav.command_long_send(*target, command, confirmation, *padded)
-                ack = await reader.next(self._loop.time() + timeout)
+                ack = await reader.next(deadline_after(self._loop, timeout))
                 while ack is not None and ack.result == MAV_RESULT_IN_PROGRESS:
                     ack = await reader.next(self._loop.time() + PROGRESS_TIMEOUT)
                 if ack is not None:
@@ -110,7 +112,7 @@ class Vehicle:
                 )  # fmt: skip
             except TimeoutError:
                 patience = 0.0  # only the acknowledgement may have been lost
-            msg = await reader.next(self._loop.time() + patience)
+            msg = await reader.next(deadline_after(self._loop, patience))
             if msg is not None:
                 return msg
         raise TimeoutError(f"no {type} of system {target[0]} after {1 + retries} attempts")
@@ -121,8 +123,10 @@ class Vehicle:
     ) -> Any:  # fmt: skip
         """Ask for messages of `type` at a rate; 0 is none at all, None the vehicle's own rate.
 
-        Raises as `command` does; ValueError for a type that the dialect does not have.
+        Raises as `command` does; ValueError for a type that the dialect does not have, or no rate.
         """
+        if hz is not None and not 0 <= hz < math.inf:
+            raise ValueError(f"a rate is a number of messages a second, which {hz} is not")
         if hz is None:
             interval = 0.0
         else:
@@ -162,6 +166,8 @@ class Vehicle:
 
 def message_id(type: str) -> int:
     """The id of a message of the current dialect. ValueError if it has none of that name."""
+    if not isinstance(type, str):
+        raise TypeError(f"a message is named by its type, such as 'ATTITUDE', not by {type!r}")
     number: int | None = getattr(state.mavlink, f"MAVLINK_MSG_ID_{type}", None)
     if number is None:
         raise ValueError(f"the dialect {state.current_dialect} has no message {type}")

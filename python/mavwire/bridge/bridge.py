@@ -6,7 +6,7 @@ import dataclasses
 import os
 from typing import NamedTuple
 
-from .checks import whole
+from .checks import listed, whole
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches
@@ -104,7 +104,7 @@ class Bridge:
         core = core_class(self._native_dialect(), self._settings, self._recording)
         try:
             for link in self._links:
-                core.add(link)
+                _add(core, link)
         except BaseException:
             core.stop()
             raise
@@ -138,7 +138,7 @@ class Bridge:
         """
         link = self._link(endpoint, options)
         if self._core is not None:
-            self._core.add(link)
+            _add(self._core, link)
         self._links.append(link)
         return link.name
 
@@ -192,8 +192,14 @@ class Bridge:
 
         Frames that `send` sent are among them; duplicates and what a filter stopped are not.
         """
-        messages = None if types is None else [self._message_id(one) for one in types]
-        wanted = None if systems is None else [whole("systems", one, 255) for one in systems]
+        messages = (
+            None if types is None else [self._message_id(one) for one in listed("types", types)]
+        )
+        wanted = (
+            None
+            if systems is None
+            else [whole("systems", one, 255) for one in listed("systems", systems)]
+        )
         tap = self._running().tap(messages, wanted)
         return FrameBatches(tap, max_batch, max_latency)
 
@@ -228,12 +234,22 @@ class Bridge:
             return whole("a message id", name, 2**24 - 1)
         if not isinstance(name, str):
             raise ConfigError(f"{name!r} is neither name nor id of a message")
-        if name.isdecimal():
+        if name.isdecimal() and len(name) < 20:
             return whole("a message id", int(name), 2**24 - 1)
         msgid = getattr(self.dialect, f"MAVLINK_MSG_ID_{name}", None)
         if msgid is None:
             raise ConfigError(f"the dialect has no message {name!r}")
         return int(msgid)
+
+
+def _add(core: BridgeCore, link: Link) -> None:
+    try:
+        core.add(link)
+    except OSError as error:
+        # A name alone does not say what cannot be opened.
+        if error.filename == link.name != str(link.endpoint):
+            error.filename = f"{link.name} ({link.endpoint})"
+        raise
 
 
 def _core_class() -> type[BridgeCore]:

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 
 from .errors import ConfigError
+
+# More than any list of messages, systems or components has.
+MAX_LISTED = 65_536
 
 
 def number(name: str, value: object) -> float:
@@ -51,3 +55,13 @@ def text(name: str, value: object) -> str:
     if not isinstance(value, str) or not value:
         raise ConfigError(f"{name} must be a text, not {value!r}")
     return value
+
+
+def listed(name: str, values: object) -> Iterator[object]:
+    """The items of a list, one after the other: who gives an endless one is told so."""
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        raise ConfigError(f"{name} must be a list, not {values!r}")
+    for count, value in enumerate(values):
+        if count == MAX_LISTED:
+            raise ConfigError(f"{name} has more than {MAX_LISTED:,} items")
+        yield value

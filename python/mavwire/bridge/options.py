@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from mavwire._wording import did_you_mean
@@ -15,17 +14,19 @@ from .border import (
     automation_from,
     border_from,
 )
-from .checks import flag, rate, seconds, text, whole
+from .checks import flag, listed, rate, seconds, text, whole
 from .errors import ConfigError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
     from typing import Any
 
 KINDS = ("udpout", "udpin", "udpbcast", "tcp", "tcpin", "serial")
 DEFAULT_BAUD = 115200
+# The longest frame there is, which every receiver has room for.
+MAX_FRAME_LEN = 280
 _DIRECTIONS = ("in", "out")
 _LISTS = ("messages", "systems", "components")
 
@@ -113,7 +114,7 @@ class Link:
     message_rates: list[tuple[int, float]] = field(default_factory=list)
     urgent: list[int] = field(default_factory=list)
     queue: int = 256 * 1024
-    datagram: int = 0
+    datagram: int = MAX_FRAME_LEN
     peer_timeout: float = 60.0
     retry: float | None = 8.0
 
@@ -137,7 +138,7 @@ def link_from(
             raise ConfigError(f"unknown option {option!r}{did_you_mean(option, known)}")
 
     def message_ids(name: str, values: object) -> list[int]:
-        return [_named(name, message_id, value) for value in _listed(name, values)]
+        return [_named(name, message_id, value) for value in listed(name, values)]
 
     urgent = options.get("urgent")
     return Link(
@@ -155,7 +156,7 @@ def link_from(
         message_rates=_rates(options.get("rates"), message_id),
         urgent=[] if urgent is None else message_ids("urgent", urgent),
         queue=whole("queue_bytes", options.get("queue_bytes", Link.queue), 1 << 30, least=1024),
-        datagram=whole("datagram_bytes", options.get("datagram_bytes", 0), 65_507),
+        datagram=whole("datagram_bytes", options.get("datagram_bytes", Link.datagram), 65_507),
         peer_timeout=seconds("peer_timeout", options.get("peer_timeout", 60.0), least=1e-3),
         retry=_retry(options.get("retry", Link.retry)),
     )
@@ -178,7 +179,7 @@ def _filter(
             return None
         if what == "messages":
             return message_ids(name, values)
-        return [whole(name, value, 255) for value in _listed(name, values)]
+        return [whole(name, value, 255) for value in listed(name, values)]
 
     return Filter(
         ids("allow", "messages"), ids("block", "messages") or [],
@@ -196,12 +197,6 @@ def _rates(
         raise ConfigError(f"rates must map messages to numbers, not {rates!r}")
     pairs = ((_named("rates", message_id, name), name, each) for name, each in rates.items())
     return [(msgid, rate(f"rates: {name}", each) or 0.0) for msgid, name, each in pairs]
-
-
-def _listed(name: str, values: object) -> Iterable[object]:
-    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-        raise ConfigError(f"{name} must be a list, not {values!r}")
-    return values
 
 
 def _named(option: str, message_id: Callable[[object], int], value: object) -> int:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 COMMANDS = {
     "info": ("mavwire.cli.info", "what is in a log: types, rates, systems, losses"),
     "dump": ("mavwire.cli.dump", "print the messages of a log as text, JSON or CSV"),
-    "convert": ("mavwire.cli.convert", "logs to Parquet, CSV, JSON lines or Arrow files"),
+    "convert": ("mavwire.cli.convert", "logs to Parquet, CSV, JSON lines, Arrow or MCAP files"),
     "cut": ("mavwire.cli.cut", "some records of a telemetry log as a log of their own"),
     "repair": ("mavwire.cli.repair", "the good records of a damaged telemetry log"),
     "anonymize": ("mavwire.cli.anonymize", "a telemetry log without places and identifiers"),
@@ -53,11 +53,25 @@ COMMANDS = {
     "kml": ("mavwire.tools.mavkml", "the way of a vehicle in a PX4 log as KML"),
     "playback": ("mavwire.tools.mavplayback", "a log as if the vehicle flew again"),
     "fft": ("mavwire.tools.mavfft", "spectra of the inertial sensors in dataflash logs"),
+    "fft_int": ("mavwire.tools.mavfft_int", "spectra of stretches selected with the mouse"),
     "fft_isb": ("mavwire.tools.mavfft_isb", "spectra of batches of fast samples"),
     "fft_pid": ("mavwire.tools.mavfft_pid", "spectra of the terms of PID controllers"),
     "magfit": ("mavwire.tools.magfit", "compass offsets from what a compass measured"),
+    "magfit_WMM": (
+        "mavwire.tools.magfit_WMM",
+        "compass calibration by the field of the Earth at the place",
+    ),
     "gpslock": ("mavwire.tools.mavgpslock", "when GPS got and lost its fix"),
     "sigloss": ("mavwire.tools.mavsigloss", "when nothing was received for some time"),
+    "gps_CEP": ("mavwire.tools.mavgps_CEP", "how far the positions of still receivers scatter"),
+    "ftpdecode": ("mavwire.tools.mavftpdecode", "the files that were sent by FTP"),
+    "split_sysid": ("mavwire.tools.mavsplit_sysid", "a log as one log for each system"),
+    "isb_extract": ("mavwire.tools.isb_extract", "batches of fast samples as CSV"),
+    "extract_batch_imu": (
+        "mavwire.tools.extract_batch_imu",
+        "batches of fast samples as a dataflash log",
+    ),
+    "extract_parms": ("mavwire.tools.extract_parms", "parameters that are not at their defaults"),
     "tools": ("mavwire.cli.tools", "give these the names of pymavlink's scripts"),
     "sim": ("mavwire.cli.sim", "fly simulated vehicles for a ground station or a test"),
     "bridge": ("mavwire.cli.bridge", "route MAVLink between serial ports, UDP and TCP; record it"),
@@ -83,7 +97,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     if name == "help":
         name = arguments.pop(0) if arguments else "--help"
         arguments = ["--help"] if name in COMMANDS else []
-    command: Any = import_module(COMMANDS[name][0]) if name in COMMANDS else None
+    try:
+        command: Any = import_module(COMMANDS[name][0]) if name in COMMANDS else None
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
     if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
         return int(command.main(arguments))
     _replace_closed_streams()
@@ -146,7 +163,7 @@ def _parser(name: str, command: Any) -> ArgumentParser:
 
 
 def _overview() -> str:
-    width = max(map(len, COMMANDS))
+    width = max(len(name) for name in COMMANDS)  # `map` is a subcommand here once it is loaded
     lines = [f"  {name:<{width}}  {text}" for name, (_, text) in COMMANDS.items()]
     return "\n".join(
         [

@@ -7,6 +7,7 @@ import json
 import time
 
 from mavwire.cli._errors import CommandError
+from mavwire.cli._reading import kind_of
 from mavwire.links.recording import shown
 
 TYPE_CHECKING = False
@@ -90,11 +91,11 @@ class Csv:
                 "CSV needs the message types that make its columns: --types ATTITUDE,VFR_HUD"
             )
         self.types: list[str] = args.types.split(",")
-        if hasattr(log, "mav"):
+        if kind_of(log) == "telemetry":
             self._columns = [(name, _telemetry_fields(name)) for name in self.types]
             self._titles = [f"{name}.{field}" for name, fields in self._columns for field in fields]
         else:
-            self._columns = [_dataflash_columns(self.types, log)]
+            self._columns = [_columns_of(self.types, log)]
             self._titles = self._columns[0][1]
 
     def header(self) -> str:
@@ -125,12 +126,16 @@ def _telemetry_fields(name: str) -> list[str]:
     return fields
 
 
-def _dataflash_columns(types: list[str], log: Any) -> tuple[str, list[str]]:
+def _columns_of(types: list[str], log: Any) -> tuple[str, list[str]]:
+    """The only type of a table over a log without a dialect, and its fields."""
+    kind = kind_of(log)
     if len(types) != 1:
-        raise CommandError("CSV of a dataflash log takes exactly one message type: --types IMU")
+        raise CommandError(f"CSV of a {kind} log takes exactly one message type: --types IMU")
     name = types[0]
-    if name not in log.name_to_id:
+    if name not in ([log.message_type] if kind == "CSV" else log.name_to_id):
         raise CommandError(f"no message type {name!r} in this log; CSV needs an exact name")
+    if kind == "CSV":
+        return name, list(log.fmt.headings)
     described = next(one for one in log.formats.values() if one.name == name)
     return name, list(described.columns)
 
@@ -141,4 +146,4 @@ def formatter(args: Namespace, log: Any) -> Standard | Verbose | Json | Csv:
         return Json(args)
     if args.format == "csv":
         return Csv(args, log)
-    return Verbose() if args.verbose else Standard(args)
+    return Verbose() if args.verbose and kind_of(log) != "CSV" else Standard(args)

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from fnmatch import fnmatchcase
 
+from mavwire.cli._reading import kind_of
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -49,7 +51,8 @@ class Selection:
         """The types to seek to in an indexed log; None to read every record."""
         if self._types is None:
             return None
-        names = getattr(self._log.link, "name_to_id", ())
+        link = self._log.link
+        names = () if kind_of(link) == "CSV" else getattr(link, "name_to_id", ())
         return [name for name in names if self._fits(name)] or None
 
     def wants(self, kind: str) -> bool:
@@ -114,12 +117,14 @@ def unknown_types(args: Namespace, log: Any) -> list[str]:
     from mavwire import mavutil
     from mavwire._wording import did_you_mean
 
-    if hasattr(log, "mav"):
+    kind = kind_of(log)
+    if kind == "telemetry":
         prefix = "MAVLINK_MSG_ID_"
         known = [one.removeprefix(prefix) for one in vars(mavutil.mavlink) if prefix in one]
         place = f"dialect {mavutil.current_dialect}"
     else:
-        known, place = list(log.name_to_id), "this log"
+        known = [log.message_type] if kind == "CSV" else list(log.name_to_id)
+        place = "this log"
     exact = [one for one in _patterns(args.types) or () if one and not WILDCARDS & set(one)]
     return [
         f"no message type {name!r} in {place}{did_you_mean(name.upper(), known)}"

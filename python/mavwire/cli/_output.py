@@ -40,12 +40,17 @@ def open_output(
     path: str, logs: Iterable[str], stack: ExitStack, option: str = "--output"
 ) -> OutputFile:
     """A file to write, closed with `stack`; CommandError if it is one of the logs that are read."""
-    for log in logs:
-        if same_file(log, path):
-            raise CommandError(f"{option} {path} is the log itself".lstrip())
+    refuse_log(path, logs, option)
     file = OutputFile(path, option)
     stack.callback(file.close)
     return file
+
+
+def refuse_log(path: str, logs: Iterable[str], option: str = "--output") -> None:
+    """CommandError if a file to write is one of the logs that are read."""
+    for log in logs:
+        if same_file(log, path):
+            raise CommandError(f"{option} {path} is the log itself".lstrip())
 
 
 def same_file(one: str, other: str) -> bool:

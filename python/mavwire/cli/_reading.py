@@ -118,6 +118,13 @@ def open_link(path: str, **options: Any) -> Any:
     return mavutil.mavlink_connection(path, **options)
 
 
+def kind_of(link: Any) -> str:
+    """What a link or log is: "telemetry", "dataflash" or "CSV"."""
+    if hasattr(link, "mav"):
+        return "telemetry"
+    return "CSV" if hasattr(link, "message_type") else "dataflash"
+
+
 def _condition_error(condition: str, error: Exception) -> CommandError:
     """What went wrong with a condition, which is shown."""
     if not condition.strip():
@@ -268,6 +275,10 @@ def reading(
             if not hasattr(msg, "fmt"):  # no message of a dataflash log: it is ours
                 raise
             raise CommandError(f"{path}: {msg.get_type()} has no column {error.name}") from error
+        except (LookupError, ValueError, OverflowError) as error:
+            if kind_of(link) != "CSV":
+                raise
+            raise CommandError(f"{path}: a row without a time or a cell: {error}") from error
         finally:
             link.close()
     finally:

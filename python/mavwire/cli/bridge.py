@@ -18,6 +18,7 @@ examples:
 from __future__ import annotations
 
 import json
+import math
 import signal
 import sys
 import time
@@ -226,14 +227,21 @@ def _announcement(bridge: Bridge, beside: list[HttpServer | Sink]) -> str:
 
 
 def _watch(bridge: Bridge, args: Namespace) -> None:
-    end = None if args.duration is None else time.monotonic() + args.duration
-    show = _shower(bridge, args)
+    from mavwire.cli._bridge_warnings import DropWarnings
+
+    now = time.monotonic()
+    end = math.inf if args.duration is None else now + args.duration
     interval = args.json or PAUSE
+    due = now + interval
+    show, warn = _shower(bridge, args), DropWarnings(bridge)
     try:
-        while end is None or time.monotonic() < end:
-            left = interval if end is None else min(interval, end - time.monotonic())
-            time.sleep(max(left, 0.0))
-            show()
+        while (now := time.monotonic()) < end:
+            time.sleep(max(min(PAUSE, due - now, end - now), 0.0))
+            if not args.status:  # which shows it
+                warn()
+            if time.monotonic() >= min(due, end):
+                due = time.monotonic() + interval
+                show()
     finally:
         getattr(show, "close", lambda: None)()
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the subcommand."""
-    from mavwire.logs.conversion import COMPRESSIONS
+    from mavwire.logs.formats import COMPRESSIONS
 
     parser.add_argument(
         "logs", metavar="LOG", nargs="+", help="telemetry or dataflash log, also .gz and .zst"
@@ -39,6 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--types", help="message types, separated by commas (default: all)")
     parser.add_argument("--systems", help="system ids, separated by commas (default: all)")
+    parser.add_argument("--fields", help="fields to keep, separated by commas (default: all)")
+    parser.add_argument("--units", choices=["si"], help="si: metres, volts, ... (default: as sent)")
+    parser.add_argument("--enums", choices=["names"], help="names of values (default: numbers)")
     parser.add_argument("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00")
     parser.add_argument("--end", help="first time that is not wanted any more")
     parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
@@ -55,6 +58,9 @@ def main(args: argparse.Namespace) -> int:
         "compression": args.compression,
         "types": split(args.types),
         "systems": systems_of(args.systems),
+        "fields": split(args.fields),
+        "units": args.units,
+        "enums": args.enums,
         "start": time_of(args.start),
         "end": time_of(args.end),
         "dialect": args.dialect,
@@ -69,7 +75,7 @@ def main(args: argparse.Namespace) -> int:
     failed = 0
     for row in rows:
         if row.error is not None:
-            failed += 1
+            failed += not row.skipped  # what is damaged is damaged for ever
             print(f"mavwire convert: {row.path}: {row.error}", file=sys.stderr)
         if not args.quiet and (row.error is None or row.files):
             done = "converted before" if row.skipped else "converted"

@@ -11,11 +11,13 @@ import os
 import sys
 from contextlib import ExitStack, contextmanager, redirect_stdout
 
+from mavwire._wording import shown_to
 from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection, unknown_types
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import open_output
-from mavwire.cli._reading import Reading, definitions, reading, standard_input
+from mavwire.cli._reading import Reading, definitions, kind_of, reading, standard_input
+from mavwire.tools._arguments import add_user_functions
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -55,6 +57,7 @@ def _add_filters(group: Any) -> None:
     add("--types", help="only these types, comma separated, with wildcards")
     add("--nottypes", help="not these types, comma separated, with wildcards")
     add("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'")
+    add_user_functions(group)
     add("--meta", action="store_true", help="dataflash: definitions and the like in any condition")
     add("--source-system", type=int, help="only from this system id")
     add("--source-component", type=int, help="only from this component id")
@@ -120,8 +123,8 @@ def _open(args: Namespace, writer: Writer) -> AbstractContextManager[Reading]:
 
 
 def _check_possible(args: Namespace, log: Any) -> None:
-    """Say what a dataflash log does not have, instead of showing nothing."""
-    if hasattr(log, "mav"):
+    """Say what dataflash and CSV logs do not have, instead of showing nothing."""
+    if kind_of(log) == "telemetry":
         return
     shown = not args.quiet
     text = shown and args.format == "standard" and not (args.show_types or args.verbose)
@@ -133,9 +136,11 @@ def _check_possible(args: Namespace, log: Any) -> None:
         "--show-seq": args.show_seq and text,
         "--show-loss": args.show_loss and shown,
         "--follow": args.follow,
+        "--output": bool(args.output) and kind_of(log) == "CSV",
     }
     for option in (name for name, wanted in asked.items() if wanted):
-        raise CommandError(f"{option}: {args.log} is a dataflash log; this is for telemetry only")
+        kind = kind_of(log)
+        raise CommandError(f"{option}: {args.log} is a {kind} log; this is for telemetry only")
 
 
 def _recorder(args: Namespace, stack: ExitStack) -> Callable[[bytes], Any] | None:
@@ -163,7 +168,9 @@ class Writer:
         self._encoding = "" if encoding.replace("-", "") == "utf8" else encoding
 
     def write(self, lines: bytes) -> None:
-        """Write all of it, as far as the reader takes it."""
+        """Write all of it, as far as the reader takes it; a log does not steer a terminal."""
+        if self.to_terminal:
+            lines = shown_to(self._file, lines.decode()).encode()
         if self._binary is None:
             self._file.write(lines.decode())
             return

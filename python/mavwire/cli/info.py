@@ -198,7 +198,7 @@ def _detail_lines(info: LogInfo) -> list[str]:
 
 def _time(summary: Summary) -> str:
     if summary.first is None or summary.last is None:
-        return "none, there is no message"
+        return "none, there is no message" if not summary.messages else "none, a log without times"
     if summary.since_start:
         return f"{summary.first:,.3f} to {summary.last:,.3f} s since start, {summary.span:,.1f} s"
     return f"{_clock(summary.first)} to {_clock(summary.last)} UTC, {summary.span:,.1f} s"

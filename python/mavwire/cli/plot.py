@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import same_file
+from mavwire.tools._arguments import add_condition
 
 if TYPE_CHECKING:
     import argparse
@@ -32,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--out", required=True, metavar="FILE", help="image or page")
     parser.add_argument("--labels", help="names for the legend, separated by commas")
     parser.add_argument("--title", help="default: the names of the logs")
-    parser.add_argument("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'")
+    add_condition(parser)
     parser.add_argument("--xaxis", metavar="EXPR", help="plot over this in the place of time")
     parser.add_argument("--system", type=int, metavar="ID", help="default: the first autopilot")
     parser.add_argument(

@@ -11,6 +11,8 @@ import shlex
 import sys
 import sysconfig
 
+from mavwire._replacing import replace_text
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -79,15 +81,7 @@ def _install(folder: str) -> int:
 
 def _write(path: str, verb: str) -> None:
     """Whoever runs the script meanwhile gets the old one or the new one."""
-    unfinished = f"{path}.{os.getpid()}.tmp"
-    try:
-        with open(unfinished, "x", encoding="utf-8") as file:
-            file.write(_script(verb))
-        os.chmod(unfinished, 0o755)
-        os.replace(unfinished, path)
-    finally:
-        if os.path.lexists(unfinished):
-            os.remove(unfinished)
+    replace_text(path, _script(verb), permissions=0o755)
 
 
 def _script(verb: str) -> str:

@@ -303,7 +303,7 @@ def _add_methods(mavlink: type, native: _native.Dialect, module: str, texts: Tex
             cls = native.message_class(message)
             info = cls._info
             method: Callable[..., Any]
-            method = make(info, cls, module, lambda: _docs.method_doc(native, info, texts))
+            method = make(info, cls, module, lambda: _docs.method_doc(native, info))
             return method
 
         return made

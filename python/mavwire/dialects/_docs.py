@@ -23,6 +23,8 @@ def _texts(
 
 
 def _wrapped(text: str, indent: str) -> str:
+    if len(text) <= WIDTH and text.isprintable():
+        return indent + text
     import textwrap
 
     return "\n".join(textwrap.wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent))
@@ -34,10 +36,16 @@ def class_doc(dialect: Dialect, info: MessageInfo, texts: _descriptions.Texts) -
     return f"\n{_wrapped(message or info.name, '    ')}\n    "
 
 
-def method_doc(dialect: Dialect, info: MessageInfo, texts: _descriptions.Texts) -> str:
-    """Docstring of ``x_encode`` and ``x_send``: the description and one line per field."""
-    message, fields = _texts(dialect, info, texts)
+def method_doc(dialect: Dialect, info: MessageInfo) -> str:
+    """Docstring of ``x_encode`` and ``x_send``: the definition's own description and one line per field.
+
+    A function has its docstring from the beginning, and sending must neither read files nor import
+    modules for one. So there is no looking for descriptions elsewhere.
+    """
+    message, fields = dialect.descriptions(info.name)
     lines = [f"\n{_wrapped(message or info.name, ' ' * 8)}\n"]
+    if not message:
+        lines.append(f"        mavwire definitions show {info.name} tells what it is for.\n")
     units = info.fieldunits_by_name
     enums = info.fieldenums_by_name
     for name, field_type, *_ in info.parameters:

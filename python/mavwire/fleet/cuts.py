@@ -3,37 +3,32 @@
 What a reader finds at a place depends on the bytes before it: whether it stands in the middle of
 damage, which time it believed last, which unknown ids it has met. So the log is read once, without
 making tables, and is cut only at places the reader came by where none of that matters: between good
-records, far from damage, in a log that holds no unknown ids. Where there are none, it stays whole.
+records, far from damage, in a log that holds no unknown ids. Where there are none, it stays whole. What kind of log it
+is goes with each part: nobody has to guess that again by what a part begins with.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavwire._native import LogColumns
-from mavwire.logs.query import Query
 from mavwire.logs.reading import native_dialect
 from mavwire.logs.selection import UNKNOWN
+from mavwire.logs.sources import is_compressed, is_dataflash
 from mavwire.logs.summary import summarise
 
 if TYPE_CHECKING:
     from mavwire.logs.summary import LogInfo
 
-    from .places import ByteRange
+    from .places import Part
 
 CLEAN = 64 << 10
 """Bytes without damage in front of a cut: more than a frame may claim to reach."""
-PROBE = 64 << 10
-"""Bytes by which a reader tells whether records have times."""
-WHOLE = (b"\x1f\x8b", b"\x28\xb5", b"\xa3\x95")
-"""How logs begin that cannot be cut: compressed ones and dataflash."""
 
 
-def find_cuts(path: str, part_bytes: int, dialect: str = "all") -> list[ByteRange]:
+def find_cuts(path: str, part_bytes: int, dialect: str = "all") -> list[Part]:
     """The parts of a local log, of at least `part_bytes` each; none where it has to stay whole."""
-    with open(path, "rb") as file:
-        if file.read(2) in WHOLE:
-            return []
+    if is_compressed(path) or is_dataflash(path):
+        return []
     places: list[int] = []
     info = summarise(path, native_dialect(dialect)[1], places.append)
     if any(name.startswith(UNKNOWN) for name in info.types):
@@ -41,9 +36,10 @@ def find_cuts(path: str, part_bytes: int, dialect: str = "all") -> list[ByteRang
     cuts = [0]
     for place in places:
         far = place - cuts[-1] >= part_bytes and info.bytes - place >= part_bytes
-        if far and _is_clean(place, info) and _begins_alike(path, place, info, dialect):
+        if far and _is_clean(place, info):
             cuts.append(place)
-    ranges = list(zip(cuts, [*cuts[1:], info.bytes], strict=True))
+    kind = [info.stamped] * len(cuts)
+    ranges = list(zip(cuts, [*cuts[1:], info.bytes], kind, strict=True))
     return ranges if len(ranges) > 1 else []
 
 
@@ -52,12 +48,3 @@ def _is_clean(place: int, info: LogInfo) -> bool:
     if info.bad_count > len(info.bad) and place >= info.bad[-1][0]:
         return False  # not all damage is listed
     return not any(start <= place and start + length > place - CLEAN for start, length in info.bad)
-
-
-def _begins_alike(path: str, place: int, info: LogInfo, dialect: str) -> bool:
-    """Whether a reader that begins there takes the log for what it is."""
-    head = path, place, min(place + PROBE, info.bytes)
-    reader = LogColumns(head, native_dialect(dialect)[1], Query(types=[]))
-    for _ in reader:
-        pass
-    return reader.stamped == info.stamped and reader.damage is None

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import RecordBatches, empty_table
-from mavwire.logs.query import Query
-from mavwire.logs.reading import native_dialect, no_rows
-from mavwire.logs.sources import open_columns
+from mavwire._native import DataflashTables, empty_table
+from mavwire.logs.query import Query, check_described, check_tables, names_of
+from mavwire.logs.reading import check_records, in_order, joined, native_dialect, with_empty
+from mavwire.logs.sources import columns_from
 from mavwire.logs.table import Table
 
-from .places import ByteRange, located
+from .places import ByteRange, Part, located
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from datetime import datetime
 
+    from mavwire._native import RecordBatches
+
 
 def decode(
     path: str | os.PathLike[str],
-    byte_range: ByteRange | None = None,
+    byte_range: ByteRange | Part | None = None,
     types: str | Iterable[str] | None = None,
     columns: str | Iterable[str] | None = None,
     *,
@@ -32,39 +35,73 @@ def decode(
     dialect: str = "all",
     storage_options: Mapping[str, Any] | None = None,
 ) -> dict[str, Table]:
-    """`{type: table}` of a log, or of the bytes `first, end` of it, which are read like a log.
+    """`{type: table}` of a log, or of the bytes `first, end` of it, which are read like a log. With
+    `first, end, stamped` they are part of a telemetry log, whose records have time stamps or not.
 
-    `path` may be a URL that fsspec opens. `columns` are the names of those that are wanted, all if
-    None; the other arguments are those of `mavwire.read`. Types that are asked for and are not
-    there give empty tables; a text column is always followed by `<name>_raw`. Raises OSError for a
-    log that cannot be read, ValueError for arguments that make no sense.
+    `path` may be a URL that fsspec opens. `columns` are the names of those that are wanted, in their
+    order, all if None; the other arguments are those of `mavwire.read`. Types that are asked for and
+    are not there give empty tables; a text column is always followed by `<name>_raw`. Raises OSError
+    for a log that cannot be read, LogFormatError for what is none, ValueError for arguments that make
+    no sense, and for types and columns that a dataflash log does not describe.
     """
-    path = os.fspath(path).removeprefix("file://")
+    return decode_as(
+        path, byte_range, types, columns, systems=systems, start=start, end=end, units=units,
+        enums=enums, dialect=dialect, storage_options=storage_options,
+    )  # fmt: skip
+
+
+def decode_as(
+    path: str | os.PathLike[str],
+    byte_range: ByteRange | Part | None,
+    types: str | Iterable[str] | None,
+    columns: str | Iterable[str] | None,
+    *,
+    systems: int | Iterable[int] | None = None,
+    start: float | datetime | None = None,
+    end: float | datetime | None = None,
+    units: str | None = None,
+    enums: str | None = None,
+    dialect: str = "all",
+    storage_options: Mapping[str, Any] | None = None,
+    lenient: bool = False,
+) -> dict[str, Table]:
+    """`decode`; where it is `lenient`, types and columns that a dataflash log does not describe are
+    left out: other logs of a fleet may have them.
+    """
+    path = os.fsdecode(path).removeprefix("file://")
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, None, start, end, units, enums)
-    if columns is not None:
-        wanted = [columns] if isinstance(columns, str) else list(columns)
-        if query.foreign is None:  # else the columns are those of dataflash logs
-            _check(wanted, module, query)
-        query.columns = wanted
-    pieces: dict[str, list[RecordBatches]] = {}
+    query.columns = None if columns is None else names_of(columns)
     with located(path, byte_range, storage_options) as source:
-        for found in open_columns(source, native, query):
-            for name, batches in found:
-                pieces.setdefault(name, []).append(batches)
-    tables = {name: RecordBatches.joined(some) for name, some in pieces.items()}
-    for msgid in query.types or ():
-        name = module.mavlink_map[msgid].msgname
-        if name not in tables:
-            tables[name] = no_rows(native, msgid, query)
-    return {name: Table(name, tables[name], path) for name in sorted(tables)}
+        described = DataflashTables.open(source)
+        run = columns_from(described, source, native, query)
+        if described is None:
+            _check(module, native, query)
+        elif not lenient:
+            check_described(described.types(), query, query.columns)
+        found = joined(run, query)
+        if described is None:
+            with_empty(found, module, native, query)
+        else:
+            _add_empty(found, described, query)
+        if byte_range is None and described is None:
+            check_records(run, path, source)
+    return {name: Table(name, found[name], path) for name in sorted(found)}
 
 
-def _check(columns: list[str], module: Any, query: Query) -> None:
-    """ValueError names a column that no wanted message has."""
-    native = module.MAVLink(None)._dialect
+def _add_empty(found: dict[str, RecordBatches], described: DataflashTables, query: Query) -> None:
+    known = described.types()
+    for name in query.names or ():
+        if name not in found and name in known:
+            found[name] = in_order(described.empty(name, query), query.columns)
+
+
+def _check(module: Any, native: Any, query: Query) -> None:
+    """ValueError names a type that is in no table, or a column that no wanted message has."""
+    check_tables(module, native, query)
+    every = replace(query, columns=None)
     wanted = module.mavlink_map if query.types is None else query.types
-    known = {name for msgid in wanted for name in empty_table(native, msgid, query).names}
-    for name in columns:
+    known = {name for msgid in wanted for name in empty_table(native, msgid, every).names}
+    for name in query.columns or ():
         if name not in known:
             raise ValueError(f"no wanted message has a column {name!r}")

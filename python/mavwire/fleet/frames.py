@@ -6,16 +6,20 @@ import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.extras import extra
+
 from .cuts import find_cuts
-from .decoding import decode
+from .decoding import decode, decode_as
 from .grouping import TASK_BYTES, grouped, may_be_cut
-from .places import ByteRange, expand, status
+from .places import Part, expand, status
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from datetime import datetime
 
-Source = tuple[str, ByteRange | None]
+    from mavwire.logs.table import Table
+
+Source = tuple[str, Part | None]
 
 
 def dask_frame(
@@ -39,8 +43,9 @@ def dask_frame(
     those of `mavwire.read`. Nothing but large logs is read before the frame is computed. A log that
     is missing raises OSError here.
     """
-    import dask
-    import dask.dataframe as dd
+    with extra("fleet"):
+        import dask
+        import dask.dataframe as dd
 
     wanted = None if columns is None else [columns] if isinstance(columns, str) else list(columns)
     how = {
@@ -69,12 +74,13 @@ def _empty(sources: list[Source], how: dict[str, Any]) -> Any:
     first log that has it.
     """
     try:
-        return decode(os.devnull, **how)[how["types"]].to_pandas()
+        return _frame(decode(os.devnull, **how)[how["types"]])
     except ValueError:
         for path, byte_range in sources:
-            table = decode(path, byte_range, **how).get(how["types"])
-            if table is not None:
-                return table.to_pandas().iloc[:0]
+            table = decode_as(path, byte_range, **how, lenient=True).get(how["types"])
+            # One that lacks a column does not tell its type: another log may.
+            if table is not None and set(how["columns"] or ()) <= set(table.columns):
+                return _frame(table).iloc[:0]
         raise
 
 
@@ -82,6 +88,18 @@ def _load(sources: list[Source], how: dict[str, Any], empty: Any) -> Any:
     """Some logs, one behind the other, as a pandas data frame."""
     import pandas as pd
 
-    tables = [decode(path, byte_range, **how).get(how["types"]) for path, byte_range in sources]
-    frames = [empty if table is None else table.to_pandas() for table in tables]
+    found = [decode_as(path, byte_range, **how, lenient=True) for path, byte_range in sources]
+    tables = [tables.get(how["types"]) for tables in found]
+    # Another description of a type may have other columns.
+    frames = [
+        empty if table is None else _frame(table).reindex(columns=empty.columns) for table in tables
+    ]
     return frames[0] if len(frames) == 1 else pd.concat(frames or [empty], ignore_index=True)
+
+
+def _frame(table: Table) -> Any:
+    """A table as a pandas data frame. Each log would have categories of its own: texts instead."""
+    frame = table.to_pandas()
+    for column in frame.select_dtypes("category"):
+        frame[column] = frame[column].astype(object)
+    return frame

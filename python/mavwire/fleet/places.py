@@ -12,7 +12,7 @@ import tempfile
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.reading import check_readable
+from mavwire.logs.reading import check_readable, paths_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -25,6 +25,8 @@ CHUNK = 8 << 20
 
 ByteRange = tuple[int, int]
 """The first byte, and the first one that does not belong to it."""
+Part = tuple[int, int, bool]
+"""The same of a telemetry log, and whether its records have time stamps."""
 
 
 def is_url(path: str) -> bool:
@@ -48,8 +50,7 @@ def expand(
 
     A pattern that matches nothing stays as it is, and is then a log that is missing.
     """
-    every = [paths] if isinstance(paths, str | os.PathLike) else paths
-    found = [one for path in every for one in _matches(os.fspath(path), options)]
+    found = [one for path in paths_of(paths) for one in _matches(path, options)]
     return list(dict.fromkeys(found))
 
 
@@ -81,7 +82,7 @@ def status(path: str, options: Mapping[str, Any] | None = None) -> tuple[int, in
 
 @contextmanager
 def located(
-    path: str, byte_range: ByteRange | None = None, options: Mapping[str, Any] | None = None
+    path: str, byte_range: ByteRange | Part | None = None, options: Mapping[str, Any] | None = None
 ) -> Iterator[Source]:
     """What the native reader takes for a log or a range of it.
 
@@ -91,14 +92,14 @@ def located(
     if not is_url(path):
         check_readable(path)
         if byte_range is not None:
-            _check_range(path, byte_range, os.path.getsize(path))
+            _check_range(path, *byte_range[:2], os.path.getsize(path))
         yield path if byte_range is None else (path, *byte_range)
         return
     fs, inner = file_system(path, options)
     size = fs.size(inner)
-    start, end = byte_range or (0, size)
+    start, end = byte_range[:2] if byte_range else (0, size)
     if byte_range is not None and size is not None:
-        _check_range(path, byte_range, size)
+        _check_range(path, *byte_range[:2], size)
     if end is not None and end - start <= IN_MEMORY:
         yield bytes(fs.cat_file(inner, start=start, end=end))
         return
@@ -109,8 +110,7 @@ def located(
         yield copy
 
 
-def _check_range(path: str, byte_range: ByteRange, size: int) -> None:
-    start, end = byte_range
+def _check_range(path: str, start: int, end: int, size: int) -> None:
     if not 0 <= start <= end:
         raise ValueError(f"{path}: no range of bytes: {start} to {end}")
     if end > size:

@@ -7,17 +7,17 @@ manifest has is not done again.
 from __future__ import annotations
 
 import os
-import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 from mavwire.logs.conversion import prepare
+from mavwire.logs.journal import Journal
 from mavwire.logs.manifest import Converted, Manifest
 
 from .clients import connected
 from .cuts import find_cuts
 from .grouping import TASK_BYTES, group_bytes, grouped, may_be_cut
-from .places import ByteRange, expand, status
+from .places import Part, expand, status
 from .stores import Folder, Remote, store_of
 from .tasks import Piece, Recipe, convert_pieces, staging
 
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
     from datetime import datetime
 
-STORE_EVERY = 5.0
-"""Seconds between two writings of the manifest."""
 LOOKERS = 16
 """Threads that ask for the sizes of logs."""
 
@@ -54,6 +52,8 @@ def convert(
     fields: str | Iterable[str] | None = None,
     start: float | datetime | None = None,
     end: float | datetime | None = None,
+    units: str | None = None,
+    enums: str | None = None,
     dialect: str = "all",
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
@@ -64,7 +64,7 @@ def convert(
     `paths` are paths, patterns such as `logs/**/*.tlog`, and URLs of fsspec, one or several; `out`
     is a folder that all workers see, or a URL. `client` is a `distributed.Client` or the address of
     a scheduler; None is a cluster of `workers` processes on this machine, one for each processor.
-    `fields` names the fields that become columns. `progress` is told how many logs are done, of how
+    `progress` is told how many logs are done, of how
     many. The other arguments, and what is returned, are those of `mavwire.logs.conversion.convert`.
 
     Small logs are done together and large ones in parts of at least `task_bytes`, which give exactly
@@ -73,13 +73,14 @@ def convert(
     interrupted goes on where it stopped when it is started again. ImportError where Dask is not
     installed, OSError where the scheduler is gone, ValueError for an argument that makes no sense.
     """
+    logs = expand(paths, storage_options)
     compression, _, query, how = prepare(
-        format, compression, types, systems, fields, start, end, dialect
-    )
+        format, compression, types, systems, fields, start, end, dialect,
+        units=units, enums=enums, first=next(iter(logs), None),
+    )  # fmt: skip
     if (workers is not None and workers < 1) or task_bytes < 1:
         raise ValueError("workers and task_bytes must be at least 1")
-    out = os.fspath(out).removeprefix("file://")
-    logs = expand(paths, storage_options)
+    out = os.fsdecode(out).removeprefix("file://")
     known = _statuses(logs, storage_options)
     store = store_of(out, storage_options)
     manifest = Manifest(store, how, lambda path: _known(known[path]))
@@ -88,10 +89,13 @@ def convert(
         options = dict(storage_options or {})
         recipe = Recipe(out, folder, query, dialect, format, compression, options)
         run = _Run(store, manifest, recipe, task_bytes, progress)
-        todo = run.begin(names, known)
-        if todo:
-            with connected(client, workers) as cluster:
-                run.work(cluster, todo)
+        try:
+            todo = run.begin(names, known)
+            if todo:
+                with connected(client, workers) as cluster:
+                    run.work(cluster, todo)
+        finally:
+            run.journal.close()
     return [run.rows[path] for path in names]
 
 
@@ -125,8 +129,8 @@ class _Run:
         task_bytes: int,
         progress: Callable[[int, int], object] | None,
     ) -> None:
-        self.store = store
         self.manifest = manifest
+        self.journal = Journal(store, manifest)
         self.recipe = recipe
         self.task_bytes = task_bytes
         self.progress = progress
@@ -138,7 +142,6 @@ class _Run:
         self._missing: dict[str, int] = {}
         self._jobs: dict[str, list[Piece]] = {}
         """The pieces that a future is about, by its key; one that looks for cuts has one."""
-        self._stored = time.monotonic()
 
     def begin(
         self, names: dict[str, str], known: dict[str, tuple[int, int] | Exception]
@@ -147,30 +150,29 @@ class _Run:
         self._logs = len(names)
         self._taken = self.manifest.taken() | set(names.values())
         todo = []
+        failed = []
         for path, name in names.items():
             found = known[path]
             if isinstance(found, Exception):
-                error = f"{type(found).__name__}: {found}"
-                self._finish(Converted(path, name, error=error))
+                failed.append(Converted(path, name, error=f"{type(found).__name__}: {found}"))
             elif (row := self.manifest.done(path)) is not None:
                 self.rows[path] = row
                 self._done += 1
             else:
                 self.rows[path] = Converted(path, name, *found)
                 todo.append(Piece(path, name))
-        self._store_now()
+        self.journal.begin_all({piece.path: piece.name for piece in todo})
+        for row in failed:
+            self._finish(row)
         return todo
 
     def work(self, client: Any, todo: list[Piece]) -> None:
-        """Have all of it done. What was done is in the manifest, whatever happens."""
+        """Have all of it done. What was done is in the journal, whatever happens."""
         from distributed import as_completed
 
-        try:
-            pending = as_completed(self._begin_tasks(client, todo), loop=client.loop)
-            for future in pending:
-                pending.update(self._completed(client, future))
-        finally:
-            self._store_now()
+        pending = as_completed(self._begin_tasks(client, todo), loop=client.loop)
+        for future in pending:
+            pending.update(self._completed(client, future))
 
     def _begin_tasks(self, client: Any, todo: list[Piece]) -> list[Any]:
         sizes = {piece: self.rows[piece.path].size for piece in todo}
@@ -219,11 +221,15 @@ class _Run:
         self._add(Converted(pieces[0].path, pieces[0].name, error=text))
         return []
 
-    def _cut(self, piece: Piece, ranges: list[ByteRange]) -> list[Piece]:
+    def _cut(self, piece: Piece, ranges: list[Part]) -> list[Piece]:
         if not ranges:
             return [piece]
         self._missing[piece.path] = len(ranges)
-        return [Piece(piece.path, self._part_name(piece.name, n), r) for n, r in enumerate(ranges)]
+        # What an earlier run called parts of this log is written anew.
+        self._taken -= self.manifest.stems(piece.path) - {piece.name}
+        names = [self._part_name(piece.name, number) for number in range(len(ranges))]
+        self.journal.begin(piece.path, piece.name, names)
+        return [Piece(piece.path, *part) for part in zip(names, ranges, strict=True)]
 
     def _part_name(self, name: str, number: int) -> str:
         mark = "+"
@@ -256,13 +262,7 @@ class _Run:
     def _finish(self, row: Converted) -> None:
         """Note the outcome of a log."""
         self.rows[row.path] = row
-        self.manifest.add(row)
+        self.journal.finish(row)
         self._done += 1
         if self.progress is not None:
             self.progress(self._done, self._logs)
-        if time.monotonic() - self._stored >= STORE_EVERY:
-            self._store_now()
-
-    def _store_now(self) -> None:
-        self.manifest.store()
-        self._stored = time.monotonic()

@@ -8,8 +8,9 @@ which are the same in each attempt.
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +18,16 @@ from mavwire.logs.conversion import Job
 from mavwire.logs.manifest import Converted
 from mavwire.logs.reading import native_dialect
 
-from .places import ByteRange, is_url, located
+from .places import ByteRange, Part, is_url, located
 from .stores import Folder, store_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavwire.logs.query import Query
+
+STAGING = ".staging-"
+"""How names of folders for incomplete files begin."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class Piece:
     path: str
     name: str
     """What its files are called, without suffix."""
-    byte_range: ByteRange | None = None
+    byte_range: ByteRange | Part | None = None
 
 
 @dataclass(frozen=True)
@@ -88,11 +92,39 @@ def _workspace(recipe: Recipe) -> Iterator[str]:
 
 @contextmanager
 def staging(out: str) -> Iterator[str | None]:
-    """The folder for incomplete files of one run, gone with what is left in it afterwards."""
+    """The folder for incomplete files of one run, gone with what is left in it afterwards.
+
+    Those of runs that were killed go too: the lock that a run has on its folder ends with its process.
+    """
     if is_url(out):
         yield None
         return
-    with tempfile.TemporaryDirectory(
-        prefix=".staging-", dir=Folder(out).root, ignore_cleanup_errors=True
-    ) as folder:
+    root = Folder(out).root
+    for name in os.listdir(root):
+        if name.startswith(STAGING):
+            with suppress(OSError), _locked(os.path.join(root, name)) as folder:
+                shutil.rmtree(folder)
+    with (
+        tempfile.TemporaryDirectory(prefix=STAGING, dir=root, ignore_cleanup_errors=True) as folder,
+        ExitStack() as stack,
+    ):
+        with suppress(
+            OSError
+        ):  # file systems without locks: such a folder is never taken for left over
+            stack.enter_context(_locked(folder))
         yield folder
+
+
+@contextmanager
+def _locked(folder: str) -> Iterator[str]:
+    """A folder that no other process has locked; OSError if one has, or if the system has no such locks."""
+    try:
+        import fcntl
+    except ImportError:
+        raise OSError("no locks on folders here") from None
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield folder
+    finally:
+        os.close(descriptor)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import errno
 import os
 
+from mavwire._replacing import replace_text
 from mavwire.generator._errors import MAVParseError
 from mavwire.generator._model import MAVField, MAVType
 from mavwire.generator._sources import canonical_sources
@@ -104,20 +105,11 @@ def _check_loads(name: str, wire_protocol: str, sources: dict[str, str], main: s
 
 
 def _replace_file(filename: str, text: str) -> None:
-    filename = os.path.realpath(filename)
-    temporary = f"{filename}.{os.getpid()}.tmp"
     try:
-        with open(temporary, "x", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(temporary, filename)
+        replace_text(filename, text)
     except FileNotFoundError as error:
-        raise FileNotFoundError(error.errno, "No such folder", os.path.dirname(filename)) from None
-    except BaseException as error:
-        if os.path.exists(temporary):
-            os.unlink(temporary)
-        if isinstance(error, OSError):  # a full disk comes without a name
-            error.filename = filename
-        raise
+        folder = os.path.dirname(os.path.realpath(filename))
+        raise FileNotFoundError(error.errno, "No such folder", folder) from None
 
 
 def mavfmt(field: MAVField) -> str:

@@ -94,10 +94,9 @@ class mavchildexec(StreamLink):
         return data
 
     def write(self, buf: bytes) -> None:
-        """Send one frame whole to the child's input, or drop it whole when the child does not read;
-        BrokenPipeError when it has ended."""
+        """Send one frame whole to the child's input; drop it when the child does not read, or has ended."""
         try:
             self._send_frame(self._input, buf)
         except OSError:
             self._forget_unsent()
-            raise
+            self._writer.dropped_frames += 1

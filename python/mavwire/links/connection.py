@@ -189,7 +189,7 @@ def _serial(device: str, o: Options) -> Any:
     )  # fmt: skip
 
 
-def connect(device: str, options: Options) -> Any:
+def connect(device: str | os.PathLike[str] | bytes, options: Options) -> Any:
     """The link that `device`, a string or a path, names. Errors name it and say what it lacks."""
     device = os.fsdecode(device)
     try:

@@ -13,7 +13,7 @@ from mavwire._native import Link, instance_dict
 from . import state
 from .commands import Commands
 from .conditions import evaluate_condition
-from .recording import record
+from .recording import open_recording, record
 from .signing import Signing
 from .target import Target
 from .tracking import Tracking
@@ -31,6 +31,8 @@ MARKERS = (0xFE, 0xFD)
 MARKER_V2 = 0xFD
 # How long a blocking receive without timeout waits between two calls of the idle hooks.
 IDLE_INTERVAL = 0.05
+# How long a wait goes without looking whether the link was closed, in seconds.
+WAIT_SLICE = 0.25
 # A crash of the whole process loses at most this many seconds of a recorded log.
 FLUSH_INTERVAL = 1.0
 
@@ -257,11 +259,11 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
 
     def setup_logfile(self, logfile: str, mode: str = "wb") -> None:
         """Record received messages to a telemetry log, without signatures and secret keys."""
-        self.logfile = open(logfile, mode=mode)
+        self.logfile = open_recording(logfile, mode)
 
     def setup_logfile_raw(self, logfile: str, mode: str = "wb") -> None:
         """Record received bytes exactly as they arrived, secrets included."""
-        self.logfile_raw = open(logfile, mode=mode)
+        self.logfile_raw = open_recording(logfile, mode)
 
     def recv_match(
         self,
@@ -314,11 +316,19 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
             self.select(max(min(timeout / 2, deadline - time.monotonic()), 0.0))
 
     def select(self, timeout: float) -> bool:
-        """Wait until data may be there; without a descriptor, sleep half a second at most."""
-        if self.fd is None:
+        """Whether data may be there within `timeout` seconds; False where the link is closed meanwhile.
+        Without a descriptor, sleep half a second at most."""
+        fd = self.fd
+        if fd is None:
             time.sleep(min(timeout, 0.5))
             return True
-        return wait_readable(self.fd, timeout)
+        deadline = time.monotonic() + timeout
+        while not wait_readable(fd, min(timeout, WAIT_SLICE)):
+            timeout = deadline - time.monotonic()
+            # Closing a descriptor wakes nobody who waits for it.
+            if timeout <= 0 or self.fd != fd:
+                return False
+        return True
 
     def set_rtscts(self, enable: Any) -> None:
         """Hardware flow control; only serial ports have it."""

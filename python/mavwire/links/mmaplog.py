@@ -7,6 +7,8 @@ next. As in pymavlink the first record of each type is read for real on the way,
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from .tlog import mavlogfile
 from .vehicle_state import add_message
 
@@ -49,7 +51,9 @@ class mavmmaplog(mavlogfile):
 
     def close(self) -> None:
         """Close the file and its map."""
-        self.data_map  # noqa: B018 - made now, so that it can be seen closed afterwards
+        # Made now, so that it can be seen closed afterwards. A log that became empty has no map.
+        with suppress(OSError, ValueError):
+            self.data_map  # noqa: B018
         super().close()
         if self._data_map is not None:
             self._data_map.close()

@@ -9,6 +9,9 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+# How long a wait goes on without a look at signals, in seconds.
+WAIT_SLICE = 0.1
+
 
 def look_up(host: str, number: int, family: int, kind: int) -> list[Any]:
     """What `socket.getaddrinfo` answers or raises; no host is this machine.
@@ -20,7 +23,7 @@ def look_up(host: str, number: int, family: int, kind: int) -> list[Any]:
     def find() -> list[Any]:
         return list(socket.getaddrinfo(host or "localhost", number, family, kind))
 
-    if not host or _is_numeric(host):
+    if not host or is_numeric(host):
         return find()
     from _thread import allocate_lock, start_new_thread
 
@@ -38,13 +41,15 @@ def look_up(host: str, number: int, family: int, kind: int) -> list[Any]:
             answered.release()
 
     start_new_thread(answer, ())
-    answered.acquire()
+    # A signal that comes just before the wait begins is seen when it ends.
+    while not answered.acquire(timeout=WAIT_SLICE):
+        pass
     if failures:
         raise failures[0]
     return answers
 
 
-def _is_numeric(host: str) -> bool:
+def is_numeric(host: str) -> bool:
     """Whether `host` is an address and no name."""
     import socket
 

@@ -6,7 +6,8 @@ long as its connection stands. One that only listens may stay as long as nobody 
 
 from __future__ import annotations
 
-from time import monotonic
+import errno
+from time import monotonic, sleep
 
 from .stream import StreamLink
 from .waiting import (
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
 
 # A client that has sent no message for this long makes room when another one waits.
 CLIENT_SILENCE = 60.0
+# What accepting fails with when the link is closed. Anything else passes: there are no descriptors left, or no memory.
+CLOSED = frozenset((errno.EBADF, errno.EINVAL, errno.ENOTSOCK))
+# Until then the client waits, and the listening socket would wake us over and over; seconds.
+ACCEPT_PAUSE = 0.01
 
 
 def listen_on(address: tuple[str, int]) -> Any:
@@ -34,7 +39,7 @@ def listen_on(address: tuple[str, int]) -> Any:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         bind(listener, address)
         listener.listen(1)
-    except (OSError, OverflowError):
+    except BaseException:
         listener.close()
         raise
     listener.setblocking(False)
@@ -46,6 +51,8 @@ class OneClientLink(StreamLink):
     """A server for one client at a time; `listen` is its listening socket."""
 
     listen: Any
+    # Whether reading takes a moment where there is no descriptor for a client, or says so.
+    waits_for_descriptors = True
     # Clients that had to go.
     clients_replaced = 0
     # When the client was heard, and how many messages the link had received by then.
@@ -58,8 +65,17 @@ class OneClientLink(StreamLink):
             port, _ = self.listen.accept()
         except (BlockingIOError, InterruptedError, ConnectionError):
             return None
-        port.setblocking(False)
-        prepare_tcp(port)
+        except OSError as error:
+            if error.errno in CLOSED or not self.waits_for_descriptors:
+                raise
+            sleep(ACCEPT_PAUSE)
+            return None
+        try:
+            port.setblocking(False)
+            prepare_tcp(port)
+        except OSError:  # gone again
+            port.close()
+            return None
         set_close_on_exec(port.fileno())
         self._heard_at, self._heard_count = monotonic(), self.mav_count
         return port

@@ -47,6 +47,15 @@ def _check_number(name: str, value: int, largest: int) -> None:
         raise OverflowError(f"{name} is 0 to {largest}, not {value}")
 
 
+def stored_timestamp(store: Any) -> int:
+    """What `store` loads, nothing being 0. TypeError or OverflowError for what is no timestamp."""
+    stored = store.load() or 0
+    if not isinstance(stored, int):
+        raise TypeError(f"a timestamp store loads an int, not {stored!r}")
+    _check_number("a stored timestamp", stored, MAX_TIMESTAMP)
+    return stored
+
+
 def allow_radio_status(mav: Any, msgid: int) -> bool:
     """An `allow_unsigned_callback` that lets the telemetry radio's own reports pass, and nothing else."""
     return msgid in RADIO_MESSAGES
@@ -72,7 +81,7 @@ def _opened(store: Any, timestamp: int) -> tuple[Callable[[int], int] | None, in
 
     if not hasattr(store, "load"):
         store = TimestampStore(store)
-    timestamp = max(timestamp, store.load())
+    timestamp = max(timestamp, stored_timestamp(store))
     return keeper(store, timestamp), timestamp
 
 

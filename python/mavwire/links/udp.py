@@ -70,7 +70,7 @@ class mavudp(ChunkedLink):
             try:
                 # Without SO_REUSEADDR: a second listener would take the datagrams of the first.
                 bind(self.port, (host, number))
-            except (OSError, OverflowError):
+            except BaseException:
                 self.port.close()
                 raise
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .names import is_numeric, look_up
 from .recognise import is_serial_name
 
 TYPE_CHECKING = False
@@ -146,10 +147,13 @@ def socket_address(address: tuple[str, int]) -> tuple[str, int] | tuple[str, int
 
 def bind(port: Any, address: tuple[str, int]) -> None:
     """Bind a socket; an OSError names the address."""
+    host, number = address
     try:
+        if host and not is_numeric(host):
+            address = look_up(host, number, port.family, port.type)[0][4]
         port.bind(socket_address(address))
     except OSError as error:
-        raise type(error)(error.errno, f"{error.strerror}: {address[0]}:{address[1]}") from None
+        raise type(error)(error.errno, f"{error.strerror}: {host}:{number}") from None
 
 
 def address_family(host: str) -> int:

@@ -31,24 +31,65 @@ def align(
     seconds) from the first row of all to the last. A tick gets the last row at or before it
     (`method="ffill"`), the one closest to it ("nearest"), or for numbers the straight line between
     its neighbours ("linear", as float64). Rows further away than `tolerance` do not count; where
-    none is left there are nulls. The table is called `name`. ValueError for arguments that make no sense.
+    none is left there are nulls. Several instances of a type are aligned each by itself, as
+    `TYPE[0].field`. The table is called `name`. ValueError for arguments that make no sense, for a
+    type that several senders sent, and for rows without times.
     """
     names = list(tables if types is None else types)
-    if (on is None) == (rate is None):
-        raise ValueError("give either on= (a message type) or rate= (a span of time)")
-    if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
     missing = [one for one in (*names, *([on] if on else [])) if one not in tables]
     if missing:
         raise ValueError(f"there is no table of {missing[0]!r}")
+    for one in {*names, *([on] if on else [])}:
+        _check_sender(tables[one])
+    parts: dict[str, Table] = {}
+    for one in names:
+        several = by_instance(tables[one])
+        parts |= several if len(several) > 1 else {one: tables[one]}
+    clock = None if on is None else tables[on]
+    name = name or "+".join(names)
+    return aligned(parts, clock, name, rate=rate, method=method, tolerance=tolerance)
+
+
+def aligned(
+    tables: Mapping[str, Table],
+    clock: Table | None,
+    name: str,
+    *,
+    rate: str | float | None = None,
+    method: str = "ffill",
+    tolerance: str | float | None = None,
+) -> Table:
+    """`align` where tables of one sender and instance each are at hand, and the clock."""
+    if (clock is None) == (rate is None):
+        raise ValueError("give either on= (a message type) or rate= (a span of time)")
+    if method not in METHODS:
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
     step = None if rate is None else _micros(rate, "rate")
     if step == 0:
         raise ValueError(f"rate must be a microsecond or more, not {rate!r}")
     reach = None if tolerance is None else _micros(tolerance, "tolerance")
-    chosen = [(one, tables[one]._batches) for one in names]
-    clock = None if on is None else tables[on]._batches
-    path = tables[names[0]].path if names else None
-    return Table(name or "+".join(names), align_tables(chosen, clock, step, method, reach), path)
+    chosen = [(one, table._batches) for one, table in tables.items()]
+    ticks = None if clock is None else clock._batches
+    path = next((table.path for table in tables.values()), None)
+    return Table(name, align_tables(chosen, ticks, step, method, reach), path)
+
+
+def by_instance(table: Table) -> dict[str, Table]:
+    """A table for each instance, as `IMU[0]`, without the column that tells them apart."""
+    kept = [column for column in table.columns if column != table.instance_field]
+    return {name: part.select(kept) for name, part in table.instances().items()}
+
+
+def _check_sender(table: Table) -> None:
+    """Rows of several senders side by side make values that nobody sent."""
+    senders = sorted(table._batches.senders())
+    if len(senders) > 1:
+        which = ", ".join(f"{sysid}/{compid}" for sysid, compid in senders[:5])
+        more = ", ..." if len(senders) > 5 else ""
+        raise ValueError(
+            f"{table.name} comes from several senders ({which}{more}): choose one by systems=, or "
+            f"align tables of one, {table.name} as table.sender{senders[0]}"
+        )
 
 
 def _micros(span: str | float, what: str) -> int:

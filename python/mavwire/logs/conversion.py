@@ -10,15 +10,17 @@ that was interrupted goes on where it stopped. A log that cannot be read is a ro
 
 from __future__ import annotations
 
+import hashlib
 import os
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
-from .manifest import FORMATS, ONE_FILE, Converted, Manifest, file_status
-from .query import Query, check_fields
-from .reading import check_readable, native_dialect
-from .sources import head_of, open_converter
+from .manifest import Converted, Manifest, file_status
+from .query import Query, check_tables
+from .reading import check_readable, native_dialect, no_rows, paths_of
+from .sources import head_of, is_dataflash, open_converter
 from .store import Store
 from .telemetry import HEAD_SIZE, not_telemetry
 
@@ -29,15 +31,6 @@ if TYPE_CHECKING:
 
     from .sources import Source
 
-COMPRESSIONS = {
-    "parquet": ("zstd", "snappy", "none"),
-    "csv": ("none", "gzip", "zstd"),
-    "jsonl": ("none", "gzip", "zstd"),
-    "arrow": ("none",),
-    "mcap": ("zstd", "lz4", "none"),
-}
-"""What each format may be compressed with, the default first."""
-TEXT_SUFFIXES = {"zstd": ".zst", "gzip": ".gz"}
 BATCH_ROWS = 65_536
 BATCH_BYTES = 48 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
@@ -51,43 +44,56 @@ def convert(
     compression: str | None = None,
     types: str | type | Iterable[str | type] | None = None,
     systems: int | Iterable[int] | None = None,
+    fields: str | Iterable[str] | None = None,
     start: float | datetime | None = None,
     end: float | datetime | None = None,
+    units: str | None = None,
+    enums: str | None = None,
     dialect: str | ModuleType = "all",
     progress: Callable[[str, float], object] | None = None,
 ) -> list[Converted]:
     """Convert logs of any kind to `out/MESSAGE/LOG.parquet` (or .csv, .jsonl, .arrow), or to
     `out/LOG.mcap`, which holds all messages.
 
+    `fields`, `units` and `enums` are those of `mavwire.read`; MCAP has values as they are sent.
     Returns a row for each log, in the order given, and writes them to `out/manifest.json`. Logs
-    that the manifest has with the same size, time and options, and whose files are all there, are
+    that the manifest has with the same size, time, options and definitions, and whose files are all there, are
     not converted again. Logs of one name are numbered, and keep their numbers in later runs. With
     other options the manifest begins anew, and files of earlier runs stay until one of the same
     name replaces them: use a folder for each set of options. Memory does not depend on the size of
     a log. `progress` is told the path and percents. ValueError for an argument that makes no sense,
-    and where `out/manifest.json` is not one of these; a log that cannot be read is a row with an
-    `error`.
+    where `out/manifest.json` is not one of these, and while another run writes to `out`; a log that
+    cannot be read is a row with an `error`.
     """
+    logs = paths_of(paths)
+    for place in (os.fsdecode(out), *logs):
+        if "://" in place and not os.path.exists(place):
+            raise ValueError(
+                f"{place} is a URL: mavwire.fleet (--workers, --scheduler) takes those"
+            )
+    logs = [os.path.abspath(path) for path in logs]
     compression, native, query, how = prepare(
-        format, compression, types, systems, None, start, end, dialect
-    )
-    out = os.fspath(out)
+        format, compression, types, systems, fields, start, end, dialect,
+        units=units, enums=enums, first=next(iter(logs), None),
+    )  # fmt: skip
+    out = os.fsdecode(out)
     store = Store(out)
-    manifest = Manifest(store, how)
-    journal = Journal(store, manifest)
-    job = Job(out, native, query, format, compression, progress)
-    names = manifest.names([os.path.abspath(os.fspath(path)) for path in paths])
-    rows = []
-    try:
-        for path, name in names.items():
-            row = manifest.done(path)
-            if row is None:
-                journal.begin(path, name)
-                row = job.run(path, name)
-                journal.finish(row)
-            rows.append(row)
-    finally:
-        journal.close()
+    with store.locked():
+        manifest = Manifest(store, how)
+        journal = Journal(store, manifest)
+        job = Job(out, native, query, format, compression, progress)
+        names = manifest.names(logs)
+        rows = []
+        try:
+            for path, name in names.items():
+                row = manifest.done(path)
+                if row is None:
+                    journal.begin(path, name)
+                    row = job.run(path, name)
+                    journal.finish(row)
+                rows.append(row)
+        finally:
+            journal.close()
     return rows
 
 
@@ -100,9 +106,14 @@ def prepare(
     start: float | datetime | None,
     end: float | datetime | None,
     dialect: str | ModuleType,
+    *,
+    units: str | None = None,
+    enums: str | None = None,
+    first: str | None = None,
 ) -> tuple[str, Any, Query, dict[str, Any]]:
     """The compression, the native dialect, what to read, and the options that a manifest keeps.
 
+    `first` is the first log: the fields of a dataflash log are known by the log alone.
     ValueError for an argument that makes no sense.
     """
     if format not in FORMATS:
@@ -112,15 +123,34 @@ def prepare(
         choices = ", ".join(COMPRESSIONS[format])
         raise ValueError(f"{format} is compressed with one of {choices}, not {compression!r}")
     module, native = native_dialect(dialect)
-    query = Query.of(module, types, systems, fields, start, end)
-    if query.foreign is None:  # else the fields are those of dataflash logs
-        check_fields(module, query, fields)
+    if format in ONE_FILE and (units is not None or enums is not None):
+        raise ValueError(f"{format} has values as they are sent: leave units and enums out")
+    if format == "arrow" and enums is not None:
+        # Names that come later, of a value that has none or of several bits, find no room.
+        raise ValueError("an arrow file has one dictionary for a column: leave enums out")
+    query = Query.of(module, types, systems, fields, start, end, units, enums)
+    if query.foreign is None and (first is None or not is_dataflash(first)):
+        check_tables(module, native, query, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
-    query.batch_rows = 1 if format in ONE_FILE else BATCH_ROWS
+    query.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS
     query.batch_bytes = BATCH_BYTES
     how = {"format": format, "compression": compression, **asdict(query)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))
+    how["definitions"] = _fingerprint(module, native, query)
     return compression, native, query, how
+
+
+def _fingerprint(module: Any, native: Any, query: Query) -> str:
+    """What tells the definitions of the wanted messages from others under the same name."""
+    every = module.mavlink_map
+    told = hashlib.sha256()
+    for msgid in sorted(every if query.types is None else query.types):
+        table = no_rows(native, msgid, query)
+        columns = table.types(), table.metadata()
+        told.update(repr((msgid, every[msgid].msgname, every[msgid].crc_extra, columns)).encode())
+    if query.enum_names:
+        told.update(repr(native.enums()).encode())
+    return told.hexdigest()
 
 
 @dataclass
@@ -151,7 +181,7 @@ class Job:
 
     def _convert(self, source: Source, row: Converted) -> None:
         file = row.name + FORMATS[self.format]
-        if self.format in ("csv", "jsonl"):
+        if self.format in TEXTS:
             file += TEXT_SUFFIXES.get(self.compression, "")
         converter = open_converter(
             source, self.native, self.query, self.out, file, self.format, self.compression

@@ -10,38 +10,39 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables
 
-from .query import Query
-from .table import Table, tidy
+from .base import Log
+from .query import Query, check_described
+from .sources import is_compressed
+from .table import Table
 from .telemetry import LogFormatError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from datetime import datetime
-    from typing import Self
 
     from .summary import LogInfo
 
 
-class DataflashLog:
+class DataflashLog(Log):
     """A dataflash log. Iterating gives its messages (`DFMessage`) in the order of the file.
 
-    Each pass opens the file anew. Raises FileNotFoundError and its kin, LogFormatError for a file
+    Each pass opens the file anew. What the log says about itself is read when it is first needed, and
+    again when the log has grown. Raises FileNotFoundError and its kin, LogFormatError for a file
     that holds something else.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = os.fspath(path)
-        self.closed = False
+        self.path = os.fsdecode(path)
         self._surveyed: tuple[int, DataflashTables] | None = None
-        self._tables()
+        if not DataflashTables.recognises(self.path):
+            raise LogFormatError(f"no dataflash log: {self.path!r}")
 
     def __repr__(self) -> str:
         return f"<DataflashLog {self.path!r}{' (closed)' if self.closed else ''}>"
 
     def _tables(self) -> DataflashTables:
         """The native reader, renewed when the file has grown."""
-        if self.closed:
-            raise ValueError(f"the log is closed: {self.path!r}")
+        self._check_open()
         size = os.path.getsize(self.path)
         if self._surveyed is None or self._surveyed[0] != size:
             tables = DataflashTables.open(self.path)
@@ -81,9 +82,7 @@ class DataflashLog:
     def _messages(self, query: Query) -> Iterator[Any]:
         from mavwire.DFReader import DFReader_binary, DFReader_text
 
-        with open(self.path, "rb") as file:
-            head = file.read(4)
-        if head.startswith((b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd")):
+        if is_compressed(self.path):
             raise ValueError(f"messages of a compressed log are read as tables only: {self.path!r}")
         start = float("-inf") if query.start is None else query.start
         end = float("inf") if query.end is None else query.end
@@ -100,9 +99,6 @@ class DataflashLog:
         """How many records the log has."""
         return self.info().messages
 
-    def __bool__(self) -> bool:
-        return True
-
     # -- tables
 
     def __getitem__(self, name: str) -> Table:
@@ -111,9 +107,18 @@ class DataflashLog:
             raise KeyError(f"the log describes no record type {name!r}")
         return self.read(name)[name]
 
+    def __contains__(self, what: object) -> bool:
+        """Whether the log has records of the type of that name. It is read up to the first one."""
+        if not isinstance(what, str):
+            return any(one == what for one in self)
+        if what not in self.types:
+            return False
+        run = self._tables().columns(Query(names=[what], batch_rows=1))
+        return any(found for found in run)
+
     def read(
         self,
-        types: str | Iterable[str] | None = None,
+        types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
         start: float | datetime | None = None,
@@ -131,26 +136,6 @@ class DataflashLog:
         query = Query.of_dataflash(types, systems, fields, start, end, units, enums)
         return read_tables(self._tables(), self.path, query, fields, wide)
 
-    def align(
-        self,
-        types: Iterable[str],
-        *,
-        on: str | None = None,
-        rate: str | float | None = None,
-        method: str = "ffill",
-        tolerance: str | float | None = None,
-        systems: int | Iterable[int] | None = None,
-        fields: str | Iterable[str] | None = None,
-        units: str | None = None,
-    ) -> Table:
-        """One wide table of several types on a common clock; see `mavwire.logs.align`."""
-        from .align import align
-
-        names = list(types)
-        wanted = {*names, on} if on is not None else set(names)
-        tables = self.read(sorted(wanted), systems, fields, units=units)
-        return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
-
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
         """What is in the log: types, rates, gaps, damage; nothing of senders, of which it has one.
 
@@ -159,18 +144,6 @@ class DataflashLog:
         from .summary import GAP_SECONDS, info_of
 
         return info_of(self.path, self._tables().summary(int(GAP_SECONDS * 1e6), pulse))
-
-    # -- closing
-
-    def close(self) -> None:
-        """No more passes can begin; those under way go on to their end."""
-        self.closed = True
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()
 
 
 def read_tables(
@@ -183,20 +156,12 @@ def read_tables(
     """Whole tables of a dataflash log. ValueError for a type that the log does not describe, or a
     field that no wanted type has.
     """
-    from .reading import joined
+    from .reading import in_order, joined, tables_of
 
     query.check_dataflash()
-    known = tables.types()
-    for name in query.names or ():
-        if name not in known:
-            raise ValueError(f"the log describes no record type {name!r}: {path!r}")
-    if fields is not None:
-        columns = {one for name in query.names or known for one in known[name]}
-        for field in [fields] if isinstance(fields, str) else fields:
-            if field not in columns:
-                raise ValueError(f"no wanted type has a field {field!r}")
-    found = joined(tables.columns(query), path)
+    check_described(tables.types(), query, fields)
+    found = joined(tables.columns(query), query)
     for name in query.names or ():
         if name not in found:
-            found[name] = tidy(name, tables.empty(name, query), path)
-    return {name: table.wide() if wide else table for name, table in sorted(found.items())}
+            found[name] = in_order(tables.empty(name, query), query.columns)
+    return tables_of(found, path, wide)

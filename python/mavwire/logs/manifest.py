@@ -11,19 +11,17 @@ import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from .formats import FORMATS, ONE_FILE
 from .store import Files
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-FORMATS = {
-    "parquet": ".parquet", "csv": ".csv", "jsonl": ".jsonl", "arrow": ".arrow", "mcap": ".mcap",
-}  # fmt: skip
-ONE_FILE = frozenset(("mcap",))
-"""Formats that have one file for each log, and not one for each message type of it."""
 MANIFEST = "manifest.json"
 JOURNAL = "manifest.journal"
 VERSION = 1
+BEGUN = "the conversion was interrupted"
+"""The error of a log that is being converted."""
 
 
 @dataclass
@@ -46,6 +44,8 @@ class Converted:
     """Why there are no files, or what is wrong with a compressed log."""
     skipped: bool = False
     """It had been converted before, by an earlier run."""
+    parts: list[str] = field(default_factory=list)
+    """What files of its parts are called, while it is converted in parts."""
 
 
 class Manifest:
@@ -67,6 +67,8 @@ class Manifest:
         self.how = json.loads(json.dumps(how))
         self.rows: dict[str, Converted] = {}
         self.has_journal = False
+        self._left: dict[str, list[str]] | None = None
+        """Files of the logs in `_interrupted` when one of them was first asked for, by stem."""
         for name, read in ((MANIFEST, _manifest), (JOURNAL, _journal)):
             content = store.read(name)
             if content is None:
@@ -80,11 +82,16 @@ class Manifest:
             self.has_journal = name == JOURNAL
             if stored["options"] == self.how:
                 self.rows |= {row["path"]: Converted(**row) for row in stored["logs"]}
+        interrupted = (row for row in self.rows.values() if row.error == BEGUN)
+        self._interrupted = {row.path: {row.name, *row.parts} for row in interrupted}
+        """Logs that a killed run had begun, and what their files may be called."""
 
     def done(self, path: str) -> Converted | None:
-        """The row of a log that need not be converted again."""
+        """The row of a log that need not be converted again, also where a compressed one is damaged:
+        another time it gives no more.
+        """
         row = self.rows.get(path)
-        if row is None or row.error is not None:
+        if row is None or row.error == BEGUN or (row.error is not None and not row.files):
             return None
         try:
             status = self._status(path)
@@ -96,11 +103,39 @@ class Manifest:
         return replace(row, skipped=True)
 
     def add(self, row: Converted) -> None:
-        """Note a log. Files that it had and has no more would be rows of nothing: they are removed."""
+        """Note a log. Files that it had and has no more would be rows of nothing: they are removed,
+        and so are those that a killed run made of it and this one did not.
+        """
         earlier = self.rows.get(row.path)
-        if earlier is not None and row.error is None:
-            self.remove_files(name for name in earlier.files if name not in row.files)
+        known = {} if earlier is None else earlier.files
+        if row.error != BEGUN:
+            kept = row.files if row.error is None else row.files | known
+            self._remove_left(self._interrupted.pop(row.path, set()), kept)
+        if row.error is None:
+            self.remove_files(name for name in known if name not in row.files)
         self.rows[row.path] = row
+
+    def begun(self, path: str, name: str, parts: Iterable[str] = ()) -> Converted:
+        """The row of a log that is being converted, in parts if it is cut. It keeps its name, and
+        the names of parts, until it is done.
+        """
+        earlier = self.rows.get(path, Converted(path, name))
+        return replace(
+            earlier, rows=0, error=BEGUN, parts=list(dict.fromkeys([*earlier.parts, *parts]))
+        )
+
+    def _remove_left(self, stems: set[str], kept: dict[str, int]) -> None:
+        """Remove what a killed run left of a log."""
+        if not stems:
+            return
+        if self._left is None:
+            wanted = stems.union(*self._interrupted.values())
+            self._left = {}
+            for name in self._store.names():
+                if (stem := self._stem(name)) in wanted:
+                    self._left.setdefault(stem, []).append(name)
+        left = (name for stem in stems for name in self._left.pop(stem, ()))
+        self.remove_files(name for name in left if name not in kept)
 
     def remove_files(self, names: Iterable[str]) -> None:
         """Remove files of ours. The manifest may have been written by anyone."""
@@ -124,13 +159,16 @@ class Manifest:
 
     def taken(self) -> set[str]:
         """What files of logs are called, without folder and suffix."""
-        suffix = FORMATS[self.how["format"]]
-        files = {
-            os.path.basename(name).rpartition(suffix)[0]
-            for row in self.rows.values()
-            for name in row.files
-        }
-        return files | {row.name for row in self.rows.values()}
+        return {stem for path in self.rows for stem in self.stems(path)}
+
+    def stems(self, path: str) -> set[str]:
+        """What files of a log are called, without folder and suffix."""
+        row = self.rows.get(path)
+        return set() if row is None else {row.name, *row.parts, *map(self._stem, row.files)}
+
+    def _stem(self, name: str) -> str:
+        stem, _, rest = os.path.basename(name).rpartition(FORMATS[self.how["format"]])
+        return "" if rest.endswith(".part") else stem  # a draft is nobody's yet
 
 
 def file_status(path: str) -> tuple[int, int]:
@@ -149,12 +187,13 @@ _ROW = {
     "files": dict,
     "error": str | None,
 }
-"""What the manifest holds of `Converted`."""
+"""What the manifest holds of `Converted`, and of a log that is being converted its parts."""
 
 
 def stored_row(row: Converted) -> dict[str, Any]:
     """A row as the manifest and the journal hold it."""
-    return {key: getattr(row, key) for key in _ROW}
+    parts = {"parts": row.parts} if row.error == BEGUN and row.parts else {}
+    return {key: getattr(row, key) for key in _ROW} | parts
 
 
 def _manifest(content: bytes) -> dict[str, Any] | None:
@@ -190,12 +229,17 @@ def _is_head(stored: Any) -> bool:
 
 
 def _is_row(row: Any) -> bool:
-    if not isinstance(row, dict) or row.keys() != _ROW.keys():
+    if not isinstance(row, dict) or row.keys() - {"parts"} != _ROW.keys():
         return False
     if not all(isinstance(row[key], kind) for key, kind in _ROW.items()):
         return False
-    # Files are written by this name, nowhere but in the folder of their type.
-    return row["name"] not in ("", ".", "..") and os.path.basename(row["name"]) == row["name"]
+    parts = row.get("parts", [])
+    return isinstance(parts, list) and all(map(_is_stem, [row["name"], *parts]))
+
+
+def _is_stem(name: Any) -> bool:
+    """Whether files can be called so, which are nowhere but in the folder of their type."""
+    return isinstance(name, str) and name not in ("", ".", "..") and os.path.basename(name) == name
 
 
 def _is_ours(name: str, format: str) -> bool:
@@ -210,6 +254,7 @@ def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[s
     log's own, numbered where two are called the same.
     """
     names: dict[str, str] = {}
+    numbers: dict[str, int] = {}
     for path in paths:
         if path in names:
             continue
@@ -219,10 +264,13 @@ def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[s
         stem = os.path.basename(path)
         for suffix in (".gz", ".zst", ".tlog", ".BIN", ".bin", ".log"):
             stem = stem.removesuffix(suffix)
-        name, number = stem or "log", 1
+        stem = stem or "log"
+        # Numbers below the last one are taken.
+        name, number = stem, numbers.get(stem, 1)
         while name in taken:
             number += 1
             name = f"{stem}-{number}"
+        numbers[stem] = number
         taken.add(name)
         names[path] = name
     return names

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from .selection import Selection
+from mavwire._native import empty_table
+
+from .selection import UNKNOWN, Selection
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
     from datetime import datetime
 
 DATAFLASH_NAME_LEN = 4
@@ -30,6 +32,8 @@ class Query:
     columns: list[str] | None = None
     si: bool = False
     enum_names: bool = False
+    untimed: bool = False
+    """Records without times are wanted whatever `start` and `end` are; else that is an error."""
     batch_rows: int | None = None
     batch_bytes: int | None = None
     foreign: str | None = None
@@ -71,7 +75,7 @@ class Query:
     @classmethod
     def of_dataflash(
         cls,
-        types: str | Iterable[str] | None = None,
+        types: str | type | Iterable[str | type] | None = None,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
         start: float | datetime | None = None,
@@ -82,7 +86,8 @@ class Query:
         """For a log that is known to be a dataflash log; ValueError as by `of`."""
         query = cls.of(None, None, systems, fields, start, end, units, enums)
         if types is not None:
-            query.names = [types] if isinstance(types, str) else list(types)
+            wanted = [types] if isinstance(types, str | type) else types
+            query.names = [_name_of(one) for one in wanted]
         return query
 
     def check_telemetry(self) -> None:
@@ -118,22 +123,50 @@ def _telemetry_types(dialect: Any, types: list[Any] | None) -> tuple[list[Any] |
 
 def columns_of(fields: str | Iterable[str]) -> list[str]:
     """The columns of some fields: those in front, and what a field's own column may be called."""
-    names = [fields] if isinstance(fields, str) else list(fields)
     columns = list(HEADER)
-    for name in names:
+    for name in names_of(fields):
         columns += [f"{name}_" if name in HEADER else name, f"{name}_raw"]
-    return columns
+    return list(dict.fromkeys(columns))
 
 
-def check_fields(dialect: Any, query: Query, fields: str | Iterable[str] | None) -> None:
-    """Raise ValueError for a field that none of the wanted messages has."""
+def names_of(names: str | Iterable[str]) -> list[str]:
+    """One name or several."""
+    return [names] if isinstance(names, str) else list(names)
+
+
+def check_tables(
+    dialect: Any, native: Any, query: Query, fields: str | Iterable[str] | None = None
+) -> None:
+    """Raise ValueError for types that are in no table, and for a field that none of the wanted
+    messages has.
+    """
+    for name in query.names or ():
+        if name == UNKNOWN or name.startswith(f"{UNKNOWN}_"):
+            raise ValueError("messages with ids that the dialect does not have are in no table")
     if fields is None:
         return
-    names = [fields] if isinstance(fields, str) else list(fields)
     classes = dialect.mavlink_map
+    every = replace(query, columns=None)
     known = set(HEADER)
     for msgid in classes if query.types is None else query.types:
-        known.update(classes[msgid].fieldnames)
-    for name in names:
-        if name.rstrip("_") not in known and name not in known:
+        known.update(classes[msgid].fieldnames, empty_table(native, msgid, every).names)
+    for name in names_of(fields):
+        if name not in known:
             raise ValueError(f"no wanted message has a field {name!r}")
+
+
+def check_described(
+    described: Mapping[str, Iterable[str]], query: Query, fields: str | Iterable[str] | None = None
+) -> None:
+    """Raise ValueError for a record type that is not among those that dataflash logs describe, and
+    for a field that none of the wanted ones has.
+    """
+    for name in query.names or ():
+        if name not in described:
+            raise ValueError(f"no record type {name!r} is described by the log")
+    if fields is None:
+        return
+    columns = {one for name in query.names or described for one in described[name]}
+    for field in names_of(fields):
+        if field not in columns:
+            raise ValueError(f"no wanted type has a field {field!r}")

@@ -5,18 +5,22 @@ from __future__ import annotations
 import errno
 import os
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_table
 
-from .query import Query, check_fields
-from .sources import is_dataflash, open_columns
+from .batches import Batches
+from .query import Query, check_described, check_tables
+from .sources import columns_from, head_of, is_dataflash
 from .table import Table, tidy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
     from datetime import datetime
     from types import ModuleType
+
+    from .sources import Source
 
 BATCH_ROWS = 65_536
 BATCH_BYTES = 64 << 20
@@ -64,7 +68,7 @@ def read(
     Every good record of a damaged log is there. Raises FileNotFoundError and its kin, ValueError
     for a type or field that the dialect, or the dataflash log, does not have.
     """
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     check_readable(path)
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
@@ -74,22 +78,58 @@ def read(
 
         return read_tables(dataflash, path, query, fields, wide)
     query.check_telemetry()
-    check_fields(module, query, fields)
-    tables = joined(LogColumns(path, native, query), path)
+    check_tables(module, native, query, fields)
+    run = LogColumns(path, native, query)
+    found = with_empty(joined(run, query), module, native, query)
+    check_records(run, path)
+    return tables_of(found, path, wide)
+
+
+def joined(run: LogColumns, query: Query) -> dict[str, RecordBatches]:
+    """The whole tables of a run over a log, the columns in the order in which they are wanted."""
+    pieces: dict[str, list[RecordBatches]] = {}
+    for found in run:
+        for name, batches in found:
+            pieces.setdefault(name, []).append(batches)
+    return {
+        name: in_order(RecordBatches.joined(some), query.columns) for name, some in pieces.items()
+    }
+
+
+def in_order(batches: RecordBatches, columns: list[str] | None) -> RecordBatches:
+    """A table with its columns in the order of `columns`, raw bytes behind their texts."""
+    if columns is None:
+        return batches
+    names = batches.names
+    wanted = dict.fromkeys(one for name in columns for one in (name, f"{name}_raw") if one in names)
+    return batches.select(list(wanted | dict.fromkeys(names)))
+
+
+def with_empty(
+    tables: dict[str, RecordBatches], module: Any, native: Any, query: Query
+) -> dict[str, RecordBatches]:
+    """Tables, and those without rows of the messages that are wanted and not there."""
     for msgid in query.types or ():
         name = module.mavlink_map[msgid].msgname
         if name not in tables:
-            tables[name] = tidy(name, no_rows(native, msgid, query), path)
-    return {name: table.wide() if wide else table for name, table in sorted(tables.items())}
+            tables[name] = in_order(no_rows(native, msgid, query), query.columns)
+    return tables
 
 
-def joined(columns: LogColumns, path: str) -> dict[str, Table]:
-    """The whole tables of a run over a log."""
-    pieces: dict[str, list[RecordBatches]] = {}
-    for found in columns:
-        for name, batches in found:
-            pieces.setdefault(name, []).append(batches)
-    return {name: tidy(name, RecordBatches.joined(some), path) for name, some in pieces.items()}
+def tables_of(found: Mapping[str, RecordBatches], path: str, wide: bool) -> dict[str, Table]:
+    """What `read` gives of the tables of a log."""
+    tables = {name: tidy(name, batches, path) for name, batches in sorted(found.items())}
+    return {name: table.wide() if wide else table for name, table in tables.items()}
+
+
+def check_records(run: LogColumns, path: str, source: Source | None = None) -> None:
+    """Raise LogFormatError where a run over a file found no record, and it is no log cut off."""
+    from .telemetry import HEAD_SIZE, is_foreign, not_telemetry
+
+    if run.position and run.bad_bytes == run.position:
+        head = head_of(path if source is None else source, HEAD_SIZE)
+        if is_foreign(head):
+            raise not_telemetry(path, head)
 
 
 def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:
@@ -99,6 +139,21 @@ def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:
     every = empty_table(native, msgid, replace(query, columns=None)).names
     columns = [name for name in query.columns if name in every]
     return empty_table(native, msgid, replace(query, columns=columns))
+
+
+def empty_of(paths: list[str], module: Any, native: Any, query: Query) -> RecordBatches:
+    """A table without rows of the one type that is wanted, as the first of the dataflash logs that
+    describes it has it, or the dialect. ValueError where none does.
+    """
+    name = (query.names or [""])[0]
+    for path in filter(is_dataflash, paths):
+        tables = DataflashTables.open(path)
+        if tables is not None and name in tables.types():
+            query.check_dataflash()
+            return in_order(tables.empty(name, query), query.columns)
+    query.check_telemetry()
+    check_tables(module, native, query)
+    return in_order(no_rows(native, (query.types or [0])[0], query), query.columns)
 
 
 def scan(
@@ -113,29 +168,68 @@ def scan(
     enums: str | None = None,
     dialect: str | ModuleType = "all",
     batch_rows: int = BATCH_ROWS,
-) -> Iterator[Table]:
-    """Read logs of any size in batches: tables of about `batch_rows` rows of one type each, with
-    `name` and `path`.
+) -> Batches:
+    """Read logs of any size in batches: tables of at most `batch_rows` rows of one type each, with
+    `name` and `path`. With one type in `types` they are an Arrow stream too, see `Batches`.
 
     The rows of a type come in the order of the log. Memory stays bounded: what is read ahead does
     not depend on the size of a log. A text column is always followed by `<name>_raw`.
     """
-    one = isinstance(paths, str | os.PathLike)
-    every = [os.fspath(paths)] if one else [os.fspath(path) for path in paths]  # type: ignore[union-attr, arg-type]
+    every = paths_of(paths)
     if batch_rows < 1:
         raise ValueError(f"batch_rows must be at least 1, not {batch_rows}")
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
-    if not all(map(is_dataflash, every)):
+    if every and not is_dataflash(every[0]):  # what makes no sense is said before the first step
         query.check_telemetry()
-        check_fields(module, query, fields)
+        check_tables(module, native, query, fields)
     query.batch_rows, query.batch_bytes = batch_rows, BATCH_BYTES
-    return _batches(every, native, query)
+    begin = partial(_checked_batches, every, module, native, query, fields)
+    one_type = query.names is not None and len(query.names) == 1
+    empty = partial(empty_of, every, module, native, query) if one_type else None
+    return Batches(begin, empty)
 
 
-def _batches(paths: list[str], native: Any, query: Query) -> Iterator[Table]:
-    for path in paths:
+def _checked_batches(
+    paths: list[str],
+    module: Any,
+    native: Any,
+    query: Query,
+    fields: str | Iterable[str] | None,
+) -> Iterator[Table]:
+    """Batches of all logs. ValueError for a type or field that none of them can have: before the
+    first telemetry log, or the last of logs that are all dataflash, is read.
+    """
+    described: dict[str, set[str]] = {}
+    telemetry = False
+    for number, path in enumerate(paths):
         check_readable(path)
-        for found in open_columns(path, native, query):
-            for name, batches in found:
-                yield Table(name, batches, path)
+        tables = DataflashTables.open(path)
+        if tables is None and not telemetry:
+            telemetry = True
+            check_tables(module, native, query, fields)
+        for name, columns in ({} if tables is None else tables.types()).items():
+            described.setdefault(name, set()).update(columns)
+        if not telemetry and number == len(paths) - 1:
+            check_described(described, query, fields)
+        yield from batches_of(tables, path, native, query)
+
+
+def batches_of(
+    tables: DataflashTables | None, path: str, native: Any, query: Query
+) -> Iterator[Table]:
+    """The batches of a dataflash log, or where that is None of a telemetry log: LogFormatError
+    behind them if there was no record in it.
+    """
+    run = columns_from(tables, path, native, query)
+    for found in run:
+        for name, batches in found:
+            yield Table(name, in_order(batches, query.columns), path)
+    if tables is None:
+        check_records(run, path)
+
+
+def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:
+    """One path or several."""
+    every = [paths] if isinstance(paths, str | bytes | os.PathLike) else paths
+    return [os.fsdecode(path) for path in every]

@@ -17,6 +17,7 @@ from mavwire._native import LogRewrite
 from .query import Query
 from .reading import check_readable, native_dialect
 from .sources import is_dataflash
+from .targets import file_to_write
 from .telemetry import LogFormatError
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def _checked(
     paths: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str]
 ) -> tuple[list[str], str]:
     """The names as texts; raises what tells why they cannot be read or written."""
-    inputs, out = [os.fspath(path) for path in paths], os.fspath(out)
+    inputs, out = [os.fsdecode(path) for path in paths], file_to_write(out)
     if not inputs:
         raise ValueError("no logs to read")
     for path in inputs:
@@ -142,8 +143,10 @@ def _checked(
             raise ValueError(f"{out!r} is the log itself: choose another file to write")
         if is_dataflash(path):
             raise LogFormatError(f"a dataflash log, not a telemetry log: {path!r}")
-    if os.path.isdir(out):
-        raise ValueError(f"{out!r} is a folder: name the file to write")
+    if out.lower().endswith((".gz", ".zst")):
+        raise ValueError(
+            f"logs are written uncompressed: another name than {out!r}, or compress it"
+        )
     return inputs, out
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
+from math import isnan
 
 from mavwire._wording import did_you_mean
 
@@ -33,7 +34,8 @@ class Selection:
         if types is not None:
             made._choose_types(dialect, [types] if isinstance(types, str | type) else types)
         if systems is not None:
-            wanted = [systems] if isinstance(systems, int) else list(systems)
+            one = isinstance(systems, str) or hasattr(systems, "__index__")
+            wanted = [systems] if one else systems
             made.systems = [_system(one) for one in wanted]
         made.start = _seconds(start)
         made.end = _seconds(end)
@@ -60,10 +62,15 @@ def _named_id(dialect: Any, name: str) -> int:
     msgid = getattr(dialect, f"MAVLINK_MSG_ID_{name}", None)
     if isinstance(msgid, int) and msgid >= 0:
         return msgid
+    raise ValueError(no_message(dialect, name))
+
+
+def no_message(dialect: Any, name: object) -> str:
+    """What to say of a message that a dialect does not have."""
     prefix = "MAVLINK_MSG_ID_"
     names = [key.removeprefix(prefix) for key in vars(dialect) if key.startswith(prefix)]
-    hint = did_you_mean(name.upper(), names)
-    raise ValueError(f"the dialect {dialect.DIALECT} has no message {name!r}{hint}")
+    hint = did_you_mean(name.upper(), names) if isinstance(name, str) else ""
+    return f"the dialect {dialect.DIALECT} has no message {name!r}{hint}"
 
 
 def _class_id(cls: type) -> int:
@@ -74,6 +81,8 @@ def _class_id(cls: type) -> int:
 
 
 def _system(number: int) -> int:
+    if not hasattr(number, "__index__"):
+        raise ValueError(f"a system id is a number, not {number!r}")
     if not 0 <= number <= MAX_SYSTEM:
         raise ValueError(f"a system id is 0 to {MAX_SYSTEM}, not {number}")
     return number
@@ -86,7 +95,20 @@ def record_seconds(micros: int) -> float:
     return micros * 1e-6
 
 
-def _seconds(time: float | datetime | None) -> float | None:
-    if not isinstance(time, datetime):
-        return time
-    return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
+def _seconds(time: Any) -> float | None:
+    """Seconds since 1970 of a time as users give it. ValueError for what is none."""
+    if time is None:
+        return None
+    if isinstance(time, datetime):
+        return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
+    if (
+        type(time).__name__ == "datetime64" and str(time) != "NaT"
+    ):  # of NumPy, as the tables have it
+        return record_seconds(int(time.astype("datetime64[us]").astype("int64")))
+    try:
+        seconds = float(time + 0.0)  # float() alone takes texts too
+    except TypeError:
+        seconds = float("nan")
+    if not isnan(seconds):
+        return seconds
+    raise ValueError(f"a time is seconds since 1970, a datetime or a datetime64, not {time!r}")

@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
     from .query import Query
 
-Source = str | tuple[str, int, int] | bytes
+Source = str | tuple[str, int, int] | tuple[str, int, int, bool] | bytes
 """What the native readers take: a path; the path of a log and the first byte, and the first that is
-not meant any more; the bytes of a log.
+not meant any more; the same of a telemetry log, and whether its records have time stamps; the bytes
+of a log.
 """
 COMPRESSED = (b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd")
 """How gzip and zstd begin."""
@@ -34,7 +35,15 @@ def is_dataflash(source: Source) -> bool:
 
 def open_columns(source: Source, native: Any, query: Query) -> LogColumns:
     """A run over a log, giving tables; ValueError for what makes no sense with its kind."""
-    tables = DataflashTables.open(source)
+    return columns_from(DataflashTables.open(source), source, native, query)
+
+
+def columns_from(
+    tables: DataflashTables | None, source: Source, native: Any, query: Query
+) -> LogColumns:
+    """A run over a dataflash log, or where that is None over the telemetry log `source`; ValueError
+    for what makes no sense with its kind.
+    """
     if tables is None:
         query.check_telemetry()
         return LogColumns(source, native, query)
@@ -58,7 +67,7 @@ def head_of(source: Source, size: int) -> bytes:
     """The first bytes of a log."""
     if isinstance(source, bytes):
         return source[:size]
-    path, start, end = (source, 0, size) if isinstance(source, str) else source
+    path, start, end = (source, 0, size) if isinstance(source, str) else source[:3]
     with open(path, "rb") as file:
         file.seek(start)
         return file.read(min(size, end - start))

@@ -3,21 +3,40 @@
 from __future__ import annotations
 
 import os
-from typing import Protocol
+import re
+import secrets
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Protocol
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 
 class Files(Protocol):
     """What a manifest needs of the place it is kept at."""
 
+    appends: bool
+    """Whether adding to a file costs no more than what is added."""
+
+    def names(self) -> Iterator[str]: ...
     def place(self, name: str) -> str: ...
     def exists(self, name: str) -> bool: ...
     def read(self, name: str) -> bytes | None: ...
     def write(self, name: str, content: bytes) -> None: ...
+    def append(self, name: str, content: bytes) -> None: ...
     def remove(self, name: str) -> None: ...
+    def remove_drafts(self, name: str) -> None: ...
 
 
 class Store:
     """A local folder. Names are paths below it, with `/`."""
+
+    appends = True
 
     def __init__(self, root: str) -> None:
         self.root = root
@@ -26,6 +45,14 @@ class Store:
     def place(self, name: str) -> str:
         """The path of a file."""
         return os.path.join(self.root, *name.split("/"))
+
+    def names(self) -> Iterator[str]:
+        """The files in it and in its folders."""
+        for one in os.scandir(self.root):
+            if one.is_dir(follow_symlinks=False):
+                yield from (f"{one.name}/{name}" for name in os.listdir(one.path))
+            else:
+                yield one.name
 
     def exists(self, name: str) -> bool:
         """Whether there is such a file."""
@@ -55,12 +82,48 @@ class Store:
         except FileNotFoundError:
             pass
 
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other runs from writing to the folder. ValueError where one does so already."""
+        if fcntl is None:
+            yield
+            return
+        folder = os.open(self.root, os.O_RDONLY)
+        try:
+            try:
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise ValueError(
+                    f"another conversion is writing to {self.root}: wait for it, or choose another folder"
+                ) from None
+            except OSError:
+                pass  # a file system without locks
+            yield
+        finally:
+            os.close(folder)
+
+    def remove_drafts(self, name: str) -> None:
+        """Remove what a run that was killed left of the files of a log."""
+        draft = re.compile(re.escape(name) + r"(\.[a-z]+){1,2}\.\d+-\d+\.part")
+        folders = [entry.path for entry in os.scandir(self.root) if entry.is_dir()]
+        for folder in [self.root, *folders]:
+            for entry in list(os.scandir(folder)):
+                if draft.fullmatch(entry.name):
+                    os.remove(entry.path)
+
 
 def write_file(path: str, content: bytes) -> None:
-    """Write or replace a file, which is never seen half written."""
-    draft = path + ".part"
-    with open(draft, "wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(draft, path)
+    """Write or replace a file, which is never seen half written. An OSError names it."""
+    draft = f"{path}.{os.getpid()}-{secrets.token_hex(4)}.part"  # nobody else has it
+    try:
+        with open(draft, "xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(draft, path)
+    except BaseException as error:
+        with suppress(OSError):
+            os.remove(draft)
+        if isinstance(error, OSError):
+            error.filename, error.filename2 = path, None  # the draft means nothing to anybody
+        raise

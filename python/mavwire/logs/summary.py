@@ -35,13 +35,15 @@ class Sender:
     count: Count
     lost: int
     """Messages lost by its sequence numbers."""
+    repeated: int
+    """Messages that were there before, as where two links hear the same."""
     reboots: int
     """How often its clock (`time_boot_ms`) started anew."""
 
     @property
     def loss(self) -> float:
         """Share of its messages that are lost, 0 to 1."""
-        sent = self.count.messages + self.lost
+        sent = self.count.messages - self.repeated + self.lost
         return self.lost / sent if sent else 0.0
 
 
@@ -89,6 +91,11 @@ class LogInfo:
         return sum(sender.lost for sender in self.senders.values())
 
     @property
+    def repeated(self) -> int:
+        """Messages that were there before, of all senders."""
+        return sum(sender.repeated for sender in self.senders.values())
+
+    @property
     def signed_share(self) -> float:
         """Signed messages among all, 0 to 1."""
         return self.signed / self.messages if self.messages else 0.0
@@ -105,8 +112,7 @@ def info_of(path: str, found: dict[str, Any]) -> LogInfo:
     """What the native side counted."""
     types = {name: _count(row) for name, row in found.pop("types").items()}
     senders = {
-        ids: Sender(_count(row), lost, reboots)
-        for ids, (row, lost, reboots) in found.pop("senders").items()
+        ids: Sender(_count(row), *counts) for ids, (row, *counts) in found.pop("senders").items()
     }
     count = _count(found.pop("count"))
     if unlisted := found.pop("unlisted"):

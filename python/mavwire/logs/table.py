@@ -7,14 +7,19 @@ copy, and mavwire needs none of them.
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 from mavwire._native import RecordBatches, write_table
 
+from .extras import extra
+from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
+from .targets import file_to_write
+
 if TYPE_CHECKING:
+    import builtins
     from collections.abc import Iterable, Iterator
 
-SUFFIXES = {".parquet": "parquet", ".csv": "csv", ".jsonl": "jsonl", ".arrow": "arrow"}
+INTEGERS = frozenset(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))
 
 
 class Table:
@@ -30,6 +35,13 @@ class Table:
         self.path = path
         """The log it came from."""
         self._batches = batches
+
+    @classmethod
+    def from_arrow(cls, table: Any, name: str) -> Table:
+        """A table of anything that has `__arrow_c_stream__` (of pyarrow, polars, DuckDB), over the
+        same memory, for `write`, `align` and the rest; `name` stands for the message type.
+        """
+        return cls(name, RecordBatches.from_stream(table))
 
     # -- shape
 
@@ -67,15 +79,30 @@ class Table:
 
     # -- parts
 
-    def __getitem__(self, column: str) -> Any:
-        """A column as a NumPy array; KeyError if there is none of that name.
+    @overload
+    def __getitem__(self, what: builtins.slice[Any, Any, Any]) -> Table: ...
+
+    @overload
+    def __getitem__(self, what: list[str]) -> Table: ...
+
+    @overload
+    def __getitem__(self, what: str) -> Any: ...
+
+    def __getitem__(self, what: str | list[str] | builtins.slice[Any, Any, Any]) -> Any:
+        """A column as a NumPy array, KeyError if there is none of that name; the rows of a slice, or
+        the columns of a list, as a table.
 
         Numbers are views of the table's memory and read-only; lists have a second dimension; times
         are datetime64[us]; texts are an array of objects.
         """
-        import numpy as np
+        with extra("data"):
+            import numpy as np
 
-        view = self._batches.column(column)
+        if isinstance(what, slice):
+            return self._sliced(what)
+        if isinstance(what, list):
+            return self.select(what)
+        view = self._batches.column(what)
         if not view.is_numeric:
             array = np.empty(len(view), dtype=object)
             array[:] = view.to_list()
@@ -92,21 +119,44 @@ class Table:
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
 
+    def __contains__(self, column: object) -> bool:
+        return column in self.columns
+
     def select(self, columns: str | Iterable[str]) -> Table:
         """Some of the columns; KeyError if there is none of a name."""
         names = [columns] if isinstance(columns, str) else list(columns)
         return Table(self.name, self._batches.select(names), self.path)
 
     def slice(self, start: int, rows: int) -> Table:
-        """Some of the rows, without a copy."""
+        """Some of the rows, without a copy; a negative start counts from the end."""
+        if rows < 0:
+            raise ValueError(f"rows must be at least 0, not {rows}")
+        if start < 0:
+            start = max(0, start + len(self))
         return Table(self.name, self._batches.slice(start, rows), self.path)
+
+    def _sliced(self, what: builtins.slice[Any, Any, Any]) -> Table:
+        start, stop, step = what.indices(len(self))
+        if step != 1:
+            raise ValueError("rows of a table are sliced in steps of 1: use to_numpy()")
+        return self.slice(start, max(0, stop - start))
+
+    def sender(self, sysid: int, compid: int | None = None) -> Table:
+        """The rows of one system, or of one of its components."""
+        rows = self._batches
+        for column, wanted in (("sysid", sysid), ("compid", compid)):
+            if wanted is not None:
+                rows = dict(rows.split(column)).get(str(wanted), rows.slice(0, 0))
+        return Table(self.name, rows, self.path)
 
     # -- instances
 
     @property
     def instance_field(self) -> str | None:
         """The column that tells instances apart, such as the number of a battery or an IMU."""
-        return next((name for name, told in self.metadata.items() if "instance" in told), None)
+        # Aligned tables have the columns of several, each beside its instance.
+        plain = (one for one in self.metadata.items() if one[0] == one[1].get("field"))
+        return next((name for name, told in plain if "instance" in told), None)
 
     def instances(self) -> dict[str, Table]:
         """A table for each instance, `{"IMU[0]": ..., "IMU[1]": ...}`; the table itself by its name
@@ -127,19 +177,14 @@ class Table:
         those of `mavwire.logs.align` and reach further. A table without instances comes as it is.
         ValueError where several systems sent the rows: choose one.
         """
-        from .align import align
+        from .align import aligned, by_instance
 
         if self.instance_field is None:
             return self
         if "sysid" in self.columns and len(self._batches.split("sysid")) > 1:
             raise ValueError(f"{self.name} comes from several systems: choose one by systems=")
-        kept = [column for column in self.columns if column != self.instance_field]
-        tables = {name: table.select(kept) for name, table in self.instances().items()}
-        clock = {self.name: self}
-        return align(
-            {**tables, **clock}, list(tables), on=self.name, method=method, tolerance=tolerance,
-            name=self.name,
-        )  # fmt: skip
+        tables = by_instance(self)
+        return aligned(tables, self, self.name, method=method, tolerance=tolerance)
 
     # -- other libraries
 
@@ -149,28 +194,65 @@ class Table:
 
     def to_arrow(self) -> Any:
         """A `pyarrow.Table` over the same memory."""
-        import pyarrow as pa
+        with extra("data"):
+            import pyarrow as pa
 
         return pa.table(self)
 
     def to_polars(self) -> Any:
         """A `polars.DataFrame` over the same memory where polars can."""
-        import polars as pl
+        with extra("data"):
+            import polars as pl
 
         return pl.DataFrame(self)
 
-    def to_pandas(self) -> Any:
-        """A `pandas.DataFrame`: numbers and times without pyarrow, lists as one array in each row."""
-        import pandas as pd
+    def to_pandas(self, *, copy: bool = True, nullable: bool = False) -> Any:
+        """A `pandas.DataFrame`: numbers and times without pyarrow, lists as one array in each row,
+        names of enums as a category.
 
+        `copy=False` shows the table's own memory, which is read-only. Integers of which some rows
+        have none are float64; `nullable=True` makes pandas' nullable integers of all of them.
+        """
+        with extra("data"):
+            import pandas as pd
+
+        kinds = self.dtypes
         columns: dict[str, Any] = {}
         for column in self.columns:
-            values = self[column]
-            columns[column] = list(values) if values.ndim > 1 else values
-        frame = pd.DataFrame(columns, copy=False)
+            if kinds[column].startswith("Dictionary"):
+                columns[column] = pd.Categorical(self[column])
+            elif nullable and kinds[column] in INTEGERS:
+                columns[column] = self._nullable(column)
+            else:
+                values = self[column]
+                columns[column] = list(values) if values.ndim > 1 else values
+        frame = pd.DataFrame(columns, copy=copy)
         if "timestamp" in frame:
             frame["timestamp"] = frame["timestamp"].dt.tz_localize("UTC")
         return frame
+
+    def _nullable(self, column: str) -> Any:
+        """A column of integers as pandas' nullable ones, which keep all 64 bits."""
+        with extra("data"):
+            import numpy as np
+            import pandas as pd
+
+        view = self._batches.column(column)
+        values, valid = np.array(view), view.valid()
+        missing = np.zeros(len(values), bool) if valid is None else ~np.asarray(valid, dtype=bool)
+        return pd.arrays.IntegerArray(values, missing)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
+        """A structured array with a field for each column."""
+        with extra("data"):
+            import numpy as np
+
+        columns = self.to_numpy()
+        kinds = [(name, one.dtype, one.shape[1:]) for name, one in columns.items()]
+        array = np.empty(len(self), dtype=kinds)
+        for name, values in columns.items():
+            array[name] = values
+        return array if dtype is None else array.astype(dtype)
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
         return self._batches.__arrow_c_stream__(requested_schema)
@@ -191,18 +273,20 @@ class Table:
         """Write a file: Parquet, CSV, JSON lines or Arrow, by the suffix of `path` or `format`.
 
         It appears when it is complete. `compression`: for Parquet "zstd" (the default), "snappy" or
-        "none", for text "none", "gzip" or "zstd", for Arrow "none".
+        "none", for text "none", "gzip" or "zstd" (by the suffix, as of `gps.csv.gz`, or "none"), for
+        Arrow "none".
         """
-        path = os.fspath(path)
-        kind = format or SUFFIXES.get(os.path.splitext(path)[1].lower())
-        if kind is None:
+        path = os.fsdecode(path)
+        stem, suffix = os.path.splitext(path)
+        packed = next((one for one, end in TEXT_SUFFIXES.items() if end == suffix.lower()), None)
+        if packed is not None:
+            suffix = os.path.splitext(stem)[1]
+        by_suffix = (one for one in TABLE_FORMATS if FORMATS[one] == suffix.lower())
+        kind = format or next(by_suffix, None)
+        if kind is None or (packed is not None and kind not in TEXTS):
             raise ValueError(f"no format is known by the suffix of {path!r}: give format=")
-        write_table(self._batches, path, kind, compression or default_compression(kind))
-
-
-def default_compression(kind: str) -> str:
-    """What a format is compressed with where nobody says."""
-    return "zstd" if kind == "parquet" else "none"
+        compression = compression or packed or COMPRESSIONS.get(kind, ("none",))[0]
+        write_table(self._batches, file_to_write(path), kind, compression)
 
 
 def tidy(name: str, batches: RecordBatches, path: str) -> Table:

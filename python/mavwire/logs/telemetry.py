@@ -14,12 +14,13 @@ from types import ModuleType
 
 from mavwire._native import LogScan
 
-from .selection import Selection
+from .base import Log
+from .selection import Selection, no_message
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
-    from typing import Any, Self
+    from typing import Any
 
     from .dataflash import DataflashLog
     from .summary import LogInfo
@@ -53,14 +54,14 @@ def open_log(
     """
     from .sources import is_dataflash
 
-    if is_dataflash(os.fspath(path)):
+    if is_dataflash(os.fsdecode(path)):
         from .dataflash import DataflashLog
 
         return DataflashLog(path)
     return TelemetryLog(path, dialect=dialect, resync=resync)
 
 
-class TelemetryLog:
+class TelemetryLog(Log):
     """A telemetry log. Iterating gives its messages in the order of the file.
 
     A message has its time in `_timestamp` (seconds since 1970) and the number of the link it came
@@ -77,10 +78,9 @@ class TelemetryLog:
     ) -> None:
         if resync not in ("skip", "rescan"):
             raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
-        self.path = os.fspath(path)
+        self.path = os.fsdecode(path)
         self.resync = resync
         self.dialect = dialect_module(dialect)
-        self.closed = False
         self.compressed = False
         self._counted: tuple[int, int] | None = None
         self._check()
@@ -116,9 +116,6 @@ class TelemetryLog:
             self._counted = (size, self._scan(Selection()).count())
         return self._counted[1]
 
-    def __bool__(self) -> bool:
-        return True
-
     def _scan(self, selection: Selection) -> LogScan:
         self._check_open()
         if self.compressed:
@@ -135,8 +132,19 @@ class TelemetryLog:
         pass.
         """
         if not isinstance(name, str) or not hasattr(self.dialect, f"MAVLINK_MSG_ID_{name}"):
-            raise KeyError(f"the dialect {self.dialect.DIALECT} has no message {name!r}")
+            raise KeyError(no_message(self.dialect, name))
         return self.read(name)[name]
+
+    def __contains__(self, what: object) -> bool:
+        """Whether the log has messages of the type of that name. It is read up to the first one."""
+        if not isinstance(what, str):
+            return any(one == what for one in self)
+        if not hasattr(self.dialect, f"MAVLINK_MSG_ID_{what}"):
+            return False
+        from .reading import scan
+
+        self._check_open()
+        return next(scan(self.path, what, dialect=self.dialect, batch_rows=1), None) is not None
 
     def read(
         self,
@@ -162,26 +170,6 @@ class TelemetryLog:
             units=units, enums=enums, wide=wide, dialect=self.dialect,
         )  # fmt: skip
 
-    def align(
-        self,
-        types: Iterable[str],
-        *,
-        on: str | None = None,
-        rate: str | float | None = None,
-        method: str = "ffill",
-        tolerance: str | float | None = None,
-        systems: int | Iterable[int] | None = None,
-        fields: str | Iterable[str] | None = None,
-        units: str | None = None,
-    ) -> Table:
-        """One wide table of several types on a common clock; see `mavwire.logs.align`."""
-        from .align import align
-
-        names = list(types)
-        wanted = {*names, on} if on is not None else set(names)
-        tables = self.read(sorted(wanted), systems, fields, units=units)
-        return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
-
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
         """What is in the log: types, rates, senders, losses, gaps, damage.
 
@@ -192,14 +180,12 @@ class TelemetryLog:
         self._check_open()
         return summarise(self.path, self.dialect.MAVLink(None)._dialect, pulse)
 
-    # -- opening and closing
-
-    def _check_open(self) -> None:
-        if self.closed:
-            raise ValueError(f"the log is closed: {self.path!r}")
+    # -- opening
 
     def _check(self) -> None:
         """Raise what tells why the file is no telemetry log."""
+        from .sources import COMPRESSED
+
         if os.path.isdir(self.path):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), self.path)
         with open(self.path, "rb") as file:
@@ -207,12 +193,12 @@ class TelemetryLog:
             size = os.fstat(file.fileno()).st_size
         if not head:
             return
-        self.compressed = head.startswith((b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd"))
+        self.compressed = head.startswith(COMPRESSED)
         if self.compressed and self._has_records():
             return
-        may_begin = len(head) < 9 or head[8] in b"\xfd\xfe"
-        if _other_format(head) is not None or (
-            not may_begin and size <= FOREIGN_PROBE and next(iter(self), None) is None
+        if is_foreign(head) and (
+            _other_format(head) is not None
+            or (size <= FOREIGN_PROBE and next(iter(self), None) is None)
         ):
             raise not_telemetry(self.path, head)
 
@@ -222,18 +208,14 @@ class TelemetryLog:
 
         from .query import Query
 
-        batches = LogColumns(self.path, self.dialect.MAVLink(None)._dialect, Query(batch_rows=1))
+        batches = LogColumns(self.path, self.dialect.MAVLink(None)._dialect, Query(batch_rows=0))
         return any(next(batches, ()))
 
-    def close(self) -> None:
-        """No more passes can begin; those under way go on to their end."""
-        self.closed = True
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()
+def is_foreign(head: bytes) -> bool:
+    """Whether a file that holds no record is something else than a log that is cut off."""
+    begins = len(head) < 9 or head[8] in b"\xfd\xfe"
+    return not begins or _other_format(head) is not None
 
 
 def not_telemetry(path: str, head: bytes) -> LogFormatError:

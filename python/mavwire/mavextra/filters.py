@@ -6,30 +6,68 @@ that need the time and are not given one (``tusec``, microseconds) take the open
 
 from __future__ import annotations
 
+from collections import Counter, deque
 from collections.abc import Callable
-from math import isnan, pi
+from math import isfinite, isnan, pi
 from typing import Any
 
 from mavwire.mavextra import state
 from mavwire.mavextra.units import angle_diff
 
-_MAX_HISTORY = 1_000_000  # values kept by average(): a bound for texts from elsewhere
+# Up to so many values are summed anew each time, to the last digit as pymavlink does.
+_SUMMED_ANEW = 1000
+
+
+sum_of: Callable[..., float] = sum  # the builtin, which mavextra's own sum() hides
+
+
+class _Window:
+    """Many last values and their sum, which follows the changes."""
+
+    def __init__(self, first: float, count: int) -> None:
+        self._values = deque([first] * count)
+        self._age = count  # steps since the sum was taken
+        self._finite = 0.0
+        self._others: Counter[str] = Counter()
+
+    def push(self, value: float) -> float:
+        """Put a value in the place of the oldest; the sum."""
+        oldest = self._values.popleft()
+        self._values.append(value)
+        self._age += 1
+        if self._age >= len(self._values):  # errors of rounding do not pile up
+            self._sum_anew()
+        else:
+            self._count(value, 1)
+            self._count(oldest, -1)
+        return self._finite + sum_of(float(name) for name, many in self._others.items() if many)
+
+    def _sum_anew(self) -> None:
+        self._age, self._finite = 0, 0.0
+        self._others.clear()
+        for value in self._values:
+            self._count(value, 1)
+
+    def _count(self, value: float, sign: int) -> None:
+        if isfinite(value):
+            self._finite += sign * value
+        else:
+            self._others[str(value)] += sign
 
 
 def average(var: float, key: Any, N: int) -> float:
     """The mean of the last N values, which start as N times the first."""
     history = state.average_data.get(key)
     if history is None:
-        if N > _MAX_HISTORY:
-            raise ValueError(f"average() over {N} values, more than {_MAX_HISTORY}")
-        state.average_data[key] = [var] * N
+        state.reserve_values(max(N, 0))
+        history = _Window(var, N) if N > _SUMMED_ANEW else [var] * N
+        state.remember(state.average_data, key, history)
         return var
+    if isinstance(history, _Window):
+        return history.push(var) / N
     history.pop(0)
     history.append(var)
     return sum_of(history) / N
-
-
-sum_of: Callable[..., float] = sum  # the builtin, which mavextra's own sum() hides
 
 
 def _second_derivative(var: float, key: Any, weights: tuple[int, ...], scale: float) -> float:
@@ -37,12 +75,14 @@ def _second_derivative(var: float, key: Any, weights: tuple[int, ...], scale: fl
     now = state.current_link().timestamp
     last_time, history = state.derivative_data.get(key, (now, []))
     if len(history) != len(weights):
-        state.derivative_data[key] = (now, [var] * len(weights))
+        state.remember(state.derivative_data, key, (now, [var] * len(weights)))
         return 0
     history = [*history[1:], var]
     state.derivative_data[key] = (now, history)
     step = now - last_time
-    weighted = sum_of(weight * value for weight, value in zip(weights, history, strict=True))
+    # A value without a weight has no part in it, be it infinite.
+    pairs = zip(weights, history, strict=True)
+    weighted = sum_of(weight * value for weight, value in pairs if weight)
     return float(weighted / (scale * step**2))
 
 
@@ -62,7 +102,7 @@ def lowpass(var: float, key: Any, factor: float) -> float | None:
         return None
     last = state.lowpass_data.get(key)
     output = var if last is None else factor * last + (1.0 - factor) * var
-    state.lowpass_data[key] = output
+    state.remember(state.lowpass_data, key, output)
     return output
 
 
@@ -78,22 +118,22 @@ def lowpassHz(var: float, key: Any, sample_rate_hz: float, cutoff_hz: float) -> 
     factor = lpalpha(sample_rate_hz, cutoff_hz)
     last = state.lowpass_hz_data.get(key)
     output = var if last is None else factor * last + (1.0 - factor) * var
-    state.lowpass_hz_data[key] = output
+    state.remember(state.lowpass_hz_data, key, output)
     return output
 
 
 def diff(var: float, key: Any) -> float:
     """The change since the last call; 0 at first."""
-    last = state.last_diff.get(key, var)
-    state.last_diff[key] = var
-    return var - last
+    last = state.last_diff.get(key)
+    state.remember(state.last_diff, key, var)
+    return 0 if last is None else var - last
 
 
 def _slope(var: float, key: Any, tusec: float | None, change: Callable[..., float]) -> float:
     """The change per second since the last call; repeated while the time stands still."""
     now = tusec * 1.0e-6 if tusec is not None else state.current_link().timestamp
     if key not in state.last_delta:
-        state.last_delta[key] = (var, now, 0)
+        state.remember(state.last_delta, key, (var, now, 0))
         return 0
     last, last_time, last_slope = state.last_delta[key]
     if now == last_time:
@@ -103,9 +143,14 @@ def _slope(var: float, key: Any, tusec: float | None, change: Callable[..., floa
     return slope
 
 
-def delta(var: float, key: Any, tusec: float | None = None) -> float:
-    """The slope of a value, per second."""
+def slope(var: float, key: Any, tusec: float | None = None) -> float:
+    """The slope of a value, per second; NaN passes through."""
     return _slope(var, key, tusec, lambda value, last: value - last)
+
+
+def delta(var: float, key: Any, tusec: float | None = None) -> float | None:
+    """The slope of a value, per second; None for NaN, which is skipped."""
+    return None if isnan(var) else slope(var, key, tusec)
 
 
 def delta_angle(var: float, key: Any, tusec: float | None = None) -> float:
@@ -116,7 +161,7 @@ def delta_angle(var: float, key: Any, tusec: float | None = None) -> float:
 def sum(var: float, key: Any) -> float:
     """The sum of all values so far."""
     total = state.last_sum.get(key, 0) + var
-    state.last_sum[key] = total
+    state.remember(state.last_sum, key, total)
     return total
 
 
@@ -124,7 +169,7 @@ def integral(var: float, key: Any, timeus: float) -> float:
     """The sum of all values times the seconds since the one before."""
     total, last_time = state.last_integral.get(key, (0.0, timeus))
     total += var * (timeus - last_time) * 1.0e-6
-    state.last_integral[key] = (total, timeus)
+    state.remember(state.last_integral, key, (total, timeus))
     return total
 
 

@@ -86,7 +86,7 @@ def pitch_estimate(
 def pitch_sim(SIMSTATE: Any, GPS_RAW: Any) -> float:
     """The pitch of a simulated aircraft from its accelerometers and speed; 0 where none fits."""
     # the factor makes up for the loss of the filter, which a speed in steps passes through
-    surge = filters.lowpass(filters.delta(GPS_RAW.v, "v") * 6.6, "v", 0.9)
+    surge = filters.lowpass(filters.slope(GPS_RAW.v, "v") * 6.6, "v", 0.9)
     forward = SIMSTATE.xacc - (0.0 if surge is None else surge)
     down = SIMSTATE.zacc + SIMSTATE.ygyro * GPS_RAW.v
     sine = forward / down
@@ -147,7 +147,7 @@ def yaw_rate(ATTITUDE: Any) -> float:
 def sim_body_rates(SIM: Any) -> Vector3:
     """The body rates that the changes of the Euler angles (degrees) amount to, rad/s."""
     rates = {
-        key: radians(filters.delta(angle, key, SIM.TimeUS))
+        key: radians(filters.slope(angle, key, SIM.TimeUS))
         for key, angle in (("sbr", SIM.Roll), ("sbp", SIM.Pitch), ("sby", SIM.Yaw))
     }
     roll, pitch = radians(SIM.Roll), radians(SIM.Pitch)

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-average_data: dict[Any, list[float]] = {}
+from mavwire.expression.limits import ExpressionError
+
+average_data: dict[Any, Any] = {}
 derivative_data: dict[Any, tuple[float, list[float]]] = {}
 lowpass_data: dict[Any, float] = {}
 lowpass_hz_data: dict[Any, float] = {}
@@ -31,10 +33,29 @@ SCALARS: dict[str, Any] = {
     "earth_declination": None,  # degrees, of the last expected field
     "EleModel": None,  # MAVProxy's elevation model
     "_downsample_N": 0,
+    "_average_values": 0,
 }
 """The single values, by the name under which ``mavwire.mavextra`` shows them."""
 
+# Bounds for expressions from elsewhere: keys of all histories together, and values of averages.
+MAX_KEYS = 4096
+MAX_VALUES = 1_000_000
+
 _KEPT = frozenset({"EleModel"})  # a cache that does not depend on the log
+
+
+def remember(history: dict[Any, Any], key: Any, value: Any) -> None:
+    """Keep a filter's state; ExpressionError where a key changes for ever."""
+    if key not in history and sum(map(len, _HISTORIES)) >= MAX_KEYS:
+        raise ExpressionError(f"filters under more than {MAX_KEYS} keys; a key names a signal")
+    history[key] = value
+
+
+def reserve_values(count: int) -> None:
+    """Count the values that a new average keeps; ExpressionError where all together are too many."""
+    if SCALARS["_average_values"] + count > MAX_VALUES:
+        raise ExpressionError(f"average() over more than {MAX_VALUES} values")
+    SCALARS["_average_values"] += count
 
 
 def reset_state_data() -> None:
@@ -42,7 +63,7 @@ def reset_state_data() -> None:
     for history in _HISTORIES:
         history.clear()
     SCALARS.update({name: None for name in SCALARS if name not in _KEPT})
-    SCALARS["_downsample_N"] = 0
+    SCALARS["_downsample_N"] = SCALARS["_average_values"] = 0
 
 
 def current_link() -> Any:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mavwire.logs.store import write_file
+from mavwire.logs.targets import file_to_write
 
 from .expressions import Expression, parse
 from .modes import Span
@@ -128,7 +129,7 @@ def plot(
         from .images import chart_image
 
         content = chart_image(chart, suffix.removeprefix("."))
-    write_file(out, content)
+    write_file(file_to_write(out), content)
     return Plotted(out, points, notes)
 
 

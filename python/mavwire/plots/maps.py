@@ -6,6 +6,7 @@ import os
 from typing import Any
 
 from mavwire.logs.store import write_file
+from mavwire.logs.targets import file_to_write
 
 from .geo import gpx, kml
 from .pages import MOST_POINTS, packed, page
@@ -30,8 +31,9 @@ def draw_map(
     writer = writers.get(os.path.splitext(out)[1].lower())
     if writer is None:
         raise ValueError(f"maps are {', '.join(writers)}, which {out!r} does not end in")
+    target = file_to_write(out)
     track = read_track(os.fspath(log), system=system, dialect=dialect)
-    write_file(out, writer(track))
+    write_file(target, writer(track))
     return track
 
 

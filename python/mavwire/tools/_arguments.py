@@ -5,6 +5,7 @@ from __future__ import annotations
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser
+    from typing import Any
 
 
 def add_logs(parser: ArgumentParser) -> None:
@@ -15,6 +16,29 @@ def add_logs(parser: ArgumentParser) -> None:
 def add_condition(parser: ArgumentParser) -> None:
     """Only messages at which an expression holds."""
     parser.add_argument("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'")
+    add_user_functions(parser)
+
+
+def add_user_functions(parser: Any) -> None:
+    """Functions of one's own for expressions."""
+    parser.add_argument(
+        "--user-functions", metavar="FILE", type=_load_functions,
+        help="run this Python file; expressions may call its functions",
+    )  # fmt: skip
+
+
+def _load_functions(path: str) -> str:
+    from mavwire.cli._errors import CommandError
+    from mavwire.expression import load_user_functions
+
+    try:
+        load_user_functions(path)
+    except OSError as error:
+        raise CommandError(f"--user-functions {path}: {error.strerror}") from error
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise CommandError(f"--user-functions {path}: {reason}") from error
+    return path
 
 
 def add_no_timestamps(parser: ArgumentParser) -> None:

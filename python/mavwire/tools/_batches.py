@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from array import array
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from typing import Any
 
 TYPES = ("ISBH", "ISBD")
@@ -27,6 +29,8 @@ class Batch:
     length: int
     rate: float
     """Samples a second."""
+    start: int
+    """Time of the first sample, in microseconds."""
     values: list[list[int]] = field(default_factory=lambda: [[], [], []])
     parts: int = 0
 
@@ -34,6 +38,12 @@ class Batch:
     def complete(self) -> bool:
         """Whether all samples are there."""
         return len(self.values[0]) == self.length
+
+    def rows(self) -> Iterator[tuple[int, float, float, float]]:
+        """Each sample: its time in microseconds, and the axes in the units of the log."""
+        for number, (x, y, z) in enumerate(zip(*self.values, strict=True)):
+            micros = int(self.start + number * 1.0e6 / self.rate)
+            yield micros, x / self.multiplier, y / self.multiplier, z / self.multiplier
 
     def axis(self, number: int) -> Any:
         """The samples of one axis: metres per second squared, or degrees a second."""
@@ -43,30 +53,43 @@ class Batch:
         return np.degrees(values) if self.sensor[0] == GYRO else values
 
 
-def batches(messages: Iterable[Any]) -> Iterator[Batch]:
-    """The complete batches of a log; one with a part missing is passed over."""
+def batches(
+    messages: Iterable[Any], on_hole: Callable[[Batch], None] = lambda batch: None
+) -> Iterator[Batch]:
+    """The complete batches of a log; one with a part missing is given to `on_hole`."""
     batch: Batch | None = None
     for msg in messages:
         if msg.get_type() == "ISBH":
-            batch = _begin(msg)
+            batch = begin(msg)
         elif batch is None or batch.number != msg.N or msg.seqno != batch.parts:
+            if batch is not None:
+                on_hole(batch)
             batch = None
         else:
             batch.parts += 1
-            for kept, new in zip(batch.values, (msg.x, msg.y, msg.z), strict=True):
-                kept.extend(new)
+            for row in samples(msg):
+                for kept, value in zip(batch.values, row, strict=True):
+                    kept.append(value)
             if batch.complete:
                 yield batch
                 batch = None
 
 
-def _begin(msg: Any) -> Batch | None:
+def samples(msg: Any) -> Iterable[tuple[int, int, int]]:
+    """What one part of a batch holds, x, y and z; nothing where they are no rows of numbers."""
+    rows = (msg.x, msg.y, msg.z)
+    if not all(isinstance(row, Sequence | array) for row in rows):
+        return ()
+    return zip(*rows, strict=False)
+
+
+def begin(msg: Any) -> Batch | None:
     """A batch that begins; None for one that makes no sense."""
-    good = msg.type in (ACCEL, GYRO) and msg.mul > 0 and 0 < msg.smp_rate < 1e7
+    good = msg.type in (ACCEL, GYRO) and msg.mul > 0 and 1e-3 < msg.smp_rate < 1e7
     if not good or msg.smp_cnt not in LENGTHS:
         return None
     sensor = (msg.type, msg.instance)
-    return Batch(sensor, msg.N, float(msg.mul), msg.smp_cnt, float(msg.smp_rate))
+    return Batch(sensor, msg.N, float(msg.mul), msg.smp_cnt, float(msg.smp_rate), int(msg.SampleUS))
 
 
 def density(values: Any, rate: float, window: str | None) -> Any:

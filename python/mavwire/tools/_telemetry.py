@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mavwire.cli._errors import CommandError
+from mavwire.cli._reading import kind_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -16,9 +17,10 @@ MAX_STAMP = 2**64 - 1
 
 
 def require_telemetry(log: Reading) -> None:
-    """CommandError for a dataflash log."""
-    if not hasattr(log.link, "mav"):
-        raise CommandError(f"{log.path} is a dataflash log; this is for telemetry only")
+    """CommandError for a dataflash or CSV log."""
+    kind = kind_of(log.link)
+    if kind != "telemetry":
+        raise CommandError(f"{log.path} is a {kind} log; this is for telemetry only")
 
 
 def is_damaged(msg: Any) -> bool:

@@ -36,3 +36,8 @@ class Track:
             a = sin((lat2 - lat1) / 2) ** 2 + sin((lon2 - lon1) / 2) ** 2 * cos1 * cos2
             self.metres += RADIUS * 2.0 * atan2(sqrt(a), sqrt(max(0.0, 1.0 - a)))
         self.end = (lat, lon)
+
+
+def minutes(seconds: int) -> str:
+    """`2:40`"""
+    return f"{seconds // 60}:{seconds % 60:02d}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
@@ -24,6 +26,8 @@ DEVIATIONS = 1.4826
 # So are those this many times as far from the middle as half of them.
 FAR = 10.0
 ROUNDS = 3
+# A mean distance from the sphere beyond this share of its radius is no calibration.
+WORST = 0.15
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -33,7 +37,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_condition(parser)
     add = parser.add_argument
     add("--noise", type=float, default=0.0, help="noise to add, to see how good the fit is")
-    add("--mag2", action="store_true", help="the second compass of a dataflash log")
+    add("--mag2", action="store_true", help="the second compass of a dataflash log, not the first")
     add("--radius", type=float, help="strength of the field, where it is known")
     add("--plot", action="store_true", help="show the points in 3D")
     add("--image", metavar="FILE", help="with --plot: an image, and no window")
@@ -60,11 +64,20 @@ def main(args: Namespace) -> int:
             print(f"Fitted {int(kept.sum())} data points")
             print(f"New offsets: {_vector(-centre)}")
             print(f"Field strength: {radius:.1f}, residual {residual.std():.2f}")
+            _warn_of_no_sphere(path, float(np.sqrt((residual**2).mean())), radius)
             if figures is not None:
                 draw(figures.figure(path), raw, centre)
     if figures is not None:
         figures.finish()
     return 0
+
+
+def _warn_of_no_sphere(path: str, residual: float, radius: float) -> None:
+    if residual > WORST * radius:
+        print(
+            f"mavwire magfit: {path}: the measurements do not lie on a sphere; do not use these offsets",
+            file=sys.stderr,
+        )
 
 
 def _vector(values: Any) -> str:
@@ -78,7 +91,7 @@ def _read(path: str, args: Namespace) -> tuple[list[tuple[float, ...]], tuple[fl
     with reading("magfit", path, notimestamps=args.no_timestamps) as log:
         if hasattr(log.link, "mav"):
             return _telemetry(log, args.condition)
-        return _dataflash(log, "MAG2" if args.mag2 else "MAG", args.condition)
+        return _dataflash(log, args.mag2, args.condition)
 
 
 def _telemetry(
@@ -100,11 +113,16 @@ def _telemetry(
 
 
 def _dataflash(
-    log: Reading, kind: str, condition: str | None
+    log: Reading, second: bool, condition: str | None
 ) -> tuple[list[tuple[float, ...]], tuple[float, ...]]:
+    """Old logs have a type for each compass, newer ones an instance field in MAG."""
+    kind = "MAG2" if second and "MAG2" in log.link.name_to_id else "MAG"
+    wanted = 1 if second and kind == "MAG" else 0
     points: list[tuple[float, ...]] = []
     offsets: tuple[float, ...] = (0.0, 0.0, 0.0)
     for msg in log.messages([kind], condition):
+        if getattr(msg, msg.fmt.instance_field or "I", 0) != wanted:
+            continue
         offsets = tuple(getattr(msg, f"Ofs{axis}") for axis in "XYZ")
         field = (getattr(msg, f"Mag{axis}") for axis in "XYZ")
         points.append(tuple(one - ofs for one, ofs in zip(field, offsets, strict=True)))

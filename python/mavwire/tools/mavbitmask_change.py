@@ -50,7 +50,7 @@ class Field:
             raise CommandError(
                 f"invalid MSG.Field specifier '{specifier}' - expected format: MSG.Field"
             )
-        self._names = _bit_names(self.message, self.name)
+        self.message, self._names = _bit_names(self.message, self.name)
         self._last = 0
 
     def __str__(self) -> str:
@@ -68,8 +68,10 @@ class Field:
         return self._names.get(bit) or f"UNKNOWN_BIT{bit.bit_length() - 1}"
 
 
-def _bit_names(message: str, field: str) -> dict[int, str]:
-    """Bit -> name, without what the names of the enum have in common."""
+def _bit_names(message: str, field: str) -> tuple[str, dict[int, str]]:
+    """The message's own name, which may be given in other letters, and bit -> name, without what the
+    names of the enum have in common.
+    """
     from mavwire import mavutil
 
     cls = getattr(mavutil.mavlink, f"MAVLink_{message.lower()}_message", None)
@@ -88,4 +90,5 @@ def _bit_names(message: str, field: str) -> dict[int, str]:
         if len(set(words)) > 1:
             break
         common += 1
-    return {bit: "_".join(name[common:]) for bit, name in names.items() if bit & (bit - 1) == 0}
+    bits = {bit: "_".join(name[common:]) for bit, name in names.items() if bit & (bit - 1) == 0}
+    return cls.msgname, bits

@@ -95,14 +95,22 @@ class Extraction:
         self._unwritten.clear()
 
     def _begin(self) -> OutputFile:
-        self._count += 1
-        name = f"{self._log.link.flightmode}{self._count}.tlog"
-        path = os.path.join(os.path.dirname(self._log.path), name)
+        path = self._free_name()
         print(f"Creating {path}")
         file = open_output(path, self._args.logs, self._stack, option="")
         for one in self._kept:
             file.write(one)
         return file
+
+    def _free_name(self) -> str:
+        """The next name with a number that no file has: another log's stretch may be there."""
+        folder = os.path.dirname(self._log.path)
+        while True:
+            self._count += 1
+            name = f"{self._log.link.flightmode}{self._count}.tlog"
+            path = os.path.join(folder, name)
+            if not os.path.lexists(path):
+                return path
 
     def _end(self) -> None:
         if self._file is not None:

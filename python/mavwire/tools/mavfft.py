@@ -59,27 +59,35 @@ class Samples:
     """What one sensor measured on its three axes."""
 
     def __init__(self) -> None:
-        self._seconds: list[float] = []
-        self._values: dict[str, list[float]] = {axis: [] for axis in AXES}
+        self.seconds: list[float] = []
+        self.values: dict[str, list[float]] = {axis: [] for axis in AXES}
 
     def add(self, msg: Any, prefix: str) -> None:
         """One sample."""
-        self._seconds.append(msg.SampleUS * 1.0e-6)
-        for axis, values in self._values.items():
+        self.seconds.append(msg.SampleUS * 1.0e-6)
+        for axis, values in self.values.items():
             values.append(getattr(msg, prefix + axis))
+
+    def between(self, start: float, end: float) -> Samples:
+        """Those from one time to another, in seconds."""
+        found = Samples()
+        chosen = [i for i, one in enumerate(self.seconds) if start <= one <= end]
+        found.seconds = [self.seconds[i] for i in chosen]
+        found.values = {axis: [all_[i] for i in chosen] for axis, all_ in self.values.items()}
+        return found
 
     def spectra(self, length: int) -> dict[str, tuple[Any, Any]]:
         """Frequencies in Hz and amplitudes by axis, of the first `length` samples or all."""
         import numpy as np
 
-        count = min(length, len(self._seconds)) if length else len(self._seconds)
-        span = self._seconds[-1] - self._seconds[0] if self._seconds else 0.0
+        count = min(length, len(self.seconds)) if length else len(self.seconds)
+        span = self.seconds[-1] - self.seconds[0] if self.seconds else 0.0
         if count < 2 or span <= 0:
             return {}
-        rate = (len(self._seconds) - 1) / span
+        rate = (len(self.seconds) - 1) / span
         frequencies = np.fft.rfftfreq(count, 1.0 / rate)
         found = {}
-        for axis, all_values in self._values.items():
+        for axis, all_values in self.values.items():
             values = np.array(all_values[:count])
             found[axis] = (frequencies, np.abs(np.fft.rfft(values - values.mean())))
         return found

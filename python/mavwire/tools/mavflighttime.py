@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
-from mavwire.tools._track import Track
+from mavwire.tools._track import Track, minutes
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def main(args: Namespace) -> int:
                 flight.read(log, args.condition)
             seconds += flight.seconds
             metres += flight.track.metres
-    print(f"Total time in air: {_clock(seconds)}")
+    print(f"Total time in air: {minutes(seconds)}")
     print(f"Total distance travelled: {metres:.1f} meters")
     return 0
 
@@ -95,13 +95,9 @@ class Flight:
         if self._took_off is not None and now is not None:
             self.seconds += now - self._took_off
         if self.seconds > 0:
-            print(f"Flight time : {_clock(self.seconds)}")
+            print(f"Flight time : {minutes(self.seconds)}")
 
     def _tell(self, what: str, now: int, percent: str, fix: Fix, lasted: str) -> None:
         clock = time.asctime(time.localtime(now))
         speed = f"groundspeed {fix.groundspeed:.1f}"
         print(f"{what} at {clock} (percent {percent}% {speed}{lasted})")
-
-
-def _clock(seconds: int) -> str:
-    return f"{seconds // 60}:{seconds % 60:02d}"

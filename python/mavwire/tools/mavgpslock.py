@@ -6,6 +6,7 @@ import time
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
+from mavwire.tools._track import minutes
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def main(args: Namespace) -> int:
             print(f"Processing log {path}")
             with reading("gpslock", path) as log:
                 seconds += _locked(log, args.condition)
-    print(f"Total time locked: {_clock(seconds)}")
+    print(f"Total time locked: {minutes(seconds)}")
     return 0
 
 
@@ -59,9 +60,5 @@ def _locked(log: Reading, condition: str | None) -> int:
     if locked and since is not None:
         seconds += now - since
     if seconds:
-        print(f"Lock time : {_clock(seconds)}")
+        print(f"Lock time : {minutes(seconds)}")
     return seconds
-
-
-def _clock(seconds: int) -> str:
-    return f"{seconds // 60}:{seconds % 60:02d}"

@@ -10,7 +10,7 @@ from html import escape
 from itertools import count
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._output import open_output
+from mavwire.cli._output import open_output, refuse_log
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
 
@@ -62,13 +62,14 @@ def add_arguments(parser: ArgumentParser) -> None:
 def main(args: Namespace) -> int:
     """Run the subcommand."""
     lines: list[Line] = []
+    refuse_log(args.output, args.logs)
     with definitions(), ExitStack() as stack:
-        file = open_output(args.output, args.logs, stack)
         for path in args.logs:
             print(f"Processing {path}")
             with reading("kml", path, notimestamps=args.no_timestamps) as log:
                 lines += _lines(log, args)
-        file.write(document(lines, args.extrude).encode())
+        text = document(lines, args.extrude)
+        open_output(args.output, args.logs, stack).write(text.encode())
     print(f"KML written to {args.output}")
     return 0
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import sys
+
+from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_logs
 
@@ -12,6 +16,8 @@ if TYPE_CHECKING:
 
 TYPES = ("MISSION_ITEM", "MISSION_ITEM_INT", "CMD", "WAYPOINT")
 
+# The MAV_MISSION_TYPE of what is flown; fences and rally points have others.
+MISSION = 0
 # The frame of a dataflash log that does not tell it.
 GLOBAL_RELATIVE = 3
 
@@ -23,15 +29,23 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Run the subcommand. Of several logs the last one's mission stays in the file."""
+    """Run the subcommand. Of several logs the last one's mission stays in the file, and a log without
+    a mission leaves what is there.
+    """
     from mavwire import mavwp
 
+    refuse_log(args.output, args.logs)
     with definitions():
         for path in args.logs:
             mission = mavwp.MAVWPLoader()
             with reading("mission", path) as log:
                 for msg in log.messages(TYPES):
-                    _put(mission, _item(msg))
+                    if getattr(msg, "mission_type", MISSION) == MISSION:
+                        _put(mission, _item(msg))
+            if not mission.count() and os.path.exists(args.output):
+                kept = f"no mission in {path}, {args.output} is left as it is"
+                print(f"mavwire mission: {kept}", file=sys.stderr)
+                continue
             mission.save(args.output)
             print(f"Saved {mission.count()} waypoints to {args.output}")
     return 0

@@ -6,7 +6,8 @@ from collections import Counter
 from fnmatch import fnmatchcase
 from itertools import chain
 
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._errors import CommandError
+from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.tools._arguments import add_logs
 
 TYPE_CHECKING = False
@@ -48,7 +49,10 @@ def main(args: Namespace) -> int:
 
 def _sizes(log: Reading) -> dict[str, int]:
     """Bytes of each type: the payloads of a telemetry log, the whole messages of another."""
-    if not hasattr(log.link, "mav"):
+    kind = kind_of(log.link)
+    if kind == "CSV":
+        raise CommandError(f"{log.path} is a CSV log; its rows have no size")
+    if kind == "dataflash":
         every = chain.from_iterable(log.chunks())
         counts = Counter((msg.fmt.name, msg.fmt.len) for msg in every)
         totals: Counter[str] = Counter()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 import time
 
+from mavwire._wording import shown_to
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_logs
 
@@ -39,7 +41,8 @@ def main(args: Namespace) -> int:
     if not args.changes:
         for name in sorted(values):
             line = f"{name:<15} {values[name]:.6f}"
-            print(f"{QGC_OWNER} {line} {QGC_TYPE}" if args.qgc else line)
+            line = f"{QGC_OWNER} {line} {QGC_TYPE}" if args.qgc else line
+            print(shown_to(sys.stdout, line))
     return 0
 
 
@@ -48,7 +51,8 @@ def _read(log: Reading, values: dict[str, float], show_changes: bool) -> None:
     for name, value, stamp in _parameters(log):
         if show_changes and name in values and values[name] != value:
             clock = time.asctime(time.localtime(stamp))
-            print(f"{clock} {name:<15} {values[name]:.6f} -> {value:.6f}")
+            line = f"{clock} {name:<15} {values[name]:.6f} -> {value:.6f}"
+            print(shown_to(sys.stdout, line))
         values[name] = value
 
 

@@ -84,10 +84,12 @@ def _messages(log: Reading, args: Namespace) -> Iterator[Any]:
 def _links(endpoints: list[str], baudrate: int, stack: ExitStack) -> list[Any]:
     """Links to endpoints: IP:PORT for UDP, or any that mavutil opens."""
     from mavwire import mavutil
+    from mavwire.links.connection import PREFIXES
 
     links = []
     for endpoint in endpoints:
-        name = f"udpout:{endpoint}" if endpoint.count(":") == 1 else endpoint
+        known = f"{endpoint.partition(':')[0]}:" in PREFIXES
+        name = f"udpout:{endpoint}" if endpoint.count(":") == 1 and not known else endpoint
         try:
             link = mavutil.mavlink_connection(name, baud=baudrate, input=False)
         except (OSError, ValueError, ImportError) as error:

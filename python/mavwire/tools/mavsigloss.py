@@ -44,6 +44,8 @@ def main(args: Namespace) -> int:
             ) as log:  # fmt: skip
                 for msg in log.messages(types, args.condition):
                     stamp = msg._timestamp
+                    if not stamp:  # how a dataflash log describes itself, before it has a time
+                        continue
                     if last is not None and stamp - last > args.deltat:
                         print(f"Sig lost for {stamp - last:.1f}s at {time.ctime(stamp)}")
                     last = stamp

@@ -6,6 +6,7 @@ import math
 import time
 from dataclasses import dataclass
 
+from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
 
@@ -43,6 +44,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
+    for path in args.logs:
+        refuse_log(f"{path}.gpx", args.logs, option="")
     with definitions():
         for path in args.logs:
             output = f"{path}.gpx"

@@ -70,11 +70,22 @@ fn times_of(table: &RecordBatch) -> Result<&TimestampMicrosecondArray, ArrowErro
 /// The ticks of a table: its times in order, each once.
 ///
 /// # Errors
-/// The table has no timestamps.
+/// The table has no timestamps, or its rows have none.
 pub fn clock_of(table: &RecordBatch) -> Result<Vec<i64>, ArrowError> {
-    let mut times = Ordered::of(table)?.times;
+    let ordered = Ordered::of(table)?;
+    check_times(&ordered, table, "the clock")?;
+    let mut times = ordered.times;
     times.dedup();
     Ok(times)
+}
+
+/// Rows that belong to no time cannot be put beside others.
+fn check_times(ordered: &Ordered, table: &RecordBatch, what: &str) -> Result<(), ArrowError> {
+    if ordered.rows.is_empty() && table.num_rows() > 0 {
+        let text = format!("the rows of {what} have no times: nothing can be aligned with them");
+        return Err(ArrowError::InvalidArgumentError(text));
+    }
+    Ok(())
 }
 
 /// First and last time of all tables; `None` where there is no row.
@@ -111,7 +122,7 @@ fn is_measured(field: &Field) -> bool {
 /// microseconds there are nulls.
 ///
 /// # Errors
-/// A table has no timestamps, or what arrow says.
+/// A table has no timestamps or its rows have none, or what arrow says.
 pub fn align(
     tables: &[(String, RecordBatch)],
     clock: Vec<i64>,
@@ -122,6 +133,7 @@ pub fn align(
     let mut arrays: Vec<ArrayRef> = Vec::new();
     for (name, table) in tables {
         let ordered = Ordered::of(table)?;
+        check_times(&ordered, table, name)?;
         let nearest = method == Method::Nearest;
         let chosen: UInt64Array = clock
             .iter()

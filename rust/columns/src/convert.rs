@@ -3,18 +3,24 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use arrow::array::UInt32Array;
-use arrow::array::{Array, ArrayRef, FixedSizeListArray, RecordBatch, RecordBatchOptions};
+use arrow::array::{
+    Array, ArrayRef, FixedSizeListArray, RecordBatch, RecordBatchOptions,
+    TimestampMicrosecondArray, UInt32Array,
+};
 use arrow::compute::{cast, take};
 use arrow::csv::WriterBuilder as CsvBuilder;
-use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
+use arrow::datatypes::{DataType, Field, Schema, SchemaRef, TimestampMicrosecondType};
 use arrow::ipc::writer::FileWriter;
 use arrow::json::LineDelimitedWriter;
 use flate2::write::GzEncoder;
 use rayon::prelude::*;
 
 use crate::error::Error;
+use crate::pool;
 use crate::row_groups::RowGroups;
+
+/// The first and last time that the text writers can show, microseconds since 1970: the years -262143 and 262142.
+const SHOWN_MICROS: (i64, i64) = (-8_334_601_228_800_000_000, 8_210_266_876_799_999_999);
 
 /// A kind of file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -147,7 +153,10 @@ pub fn write_all<W: Write + Send>(
     work: Vec<(&mut Sink<W>, Vec<&RecordBatch>)>,
 ) -> Result<(), Error> {
     let each = work.into_par_iter().with_max_len(1);
-    each.try_for_each(|(sink, batches)| batches.into_iter().try_for_each(|one| sink.write(one)))
+    let write = |(sink, batches): (&mut Sink<W>, Vec<&RecordBatch>)| {
+        batches.into_iter().try_for_each(|one| sink.write(one))
+    };
+    pool::run(|| each.try_for_each(write))
 }
 
 /// A schema without lists: a column for each element.
@@ -177,9 +186,16 @@ fn plain_time(field: &Field) -> Field {
     }
 }
 
+/// Times by their offset, and none beyond what the text writers can show.
 fn with_plain_times(batch: &RecordBatch) -> Result<RecordBatch, Error> {
     let fields: Vec<Field> = batch.schema().fields().iter().map(|f| plain_time(f)).collect();
     let arrays = batch.columns().iter().zip(&fields).map(|(array, field)| {
+        if let Some(times) = array.as_any().downcast_ref::<TimestampMicrosecondArray>() {
+            let shown = times.unary::<_, TimestampMicrosecondType>(|time| {
+                time.clamp(SHOWN_MICROS.0, SHOWN_MICROS.1)
+            });
+            return Ok(Arc::new(shown.with_data_type(field.data_type().clone())) as ArrayRef);
+        }
         if array.data_type() == field.data_type() {
             Ok(Arc::clone(array))
         } else {

@@ -4,6 +4,7 @@ use std::io::{self, Read};
 
 use mavwire_core::registry::Registry;
 
+use crate::pool;
 use crate::scan::Framing;
 
 /// Bytes of a block: large enough for all processors to have a share in it, small enough for the caches.
@@ -32,6 +33,16 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
         [0x28, 0xB5, 0x2F, 0xFD] => Box::new(zstd::stream::read::Decoder::new(whole)?),
         _ => Box::new(whole),
     })
+}
+
+/// How a telemetry log is framed that is not compressed, by its first bytes.
+///
+/// # Errors
+/// What reading says.
+pub fn framing_of(source: Box<dyn Read + Send>, registry: &Registry) -> io::Result<Framing> {
+    let mut head = Vec::with_capacity(PROBE);
+    source.take(PROBE as u64).read_to_end(&mut head)?;
+    Ok(Framing::of(&head, registry))
 }
 
 /// Reads until `into` is full or the source is at its end. An error behind the first byte is kept in `failed` for the next
@@ -76,6 +87,8 @@ impl Buffer {
         if self.bytes.len() < HEADROOM + block {
             self.bytes = vec![0; HEADROOM + block];
         }
+        // A long rest in front of another block has made it longer.
+        self.bytes.truncate(HEADROOM + block);
         (self.start, self.end) = (HEADROOM, HEADROOM);
         let into = &mut self.bytes[HEADROOM..HEADROOM + block];
         let filled = fill(&mut *source.inner, into, &mut source.failed);
@@ -186,10 +199,12 @@ impl Blocks {
         std::mem::swap(&mut self.now, &mut self.next);
         let (now, next, source, block) = (&self.now, &mut self.next, &mut self.source, self.block);
         let at_end = filled == 0;
-        let (ahead, (consumed, done)) = rayon::join(
-            || if at_end { Ok(0) } else { next.read(source, block) },
-            || work(now.unread(), at_end),
-        );
+        let (ahead, (consumed, done)) = pool::run(|| {
+            rayon::join(
+                || if at_end { Ok(0) } else { next.read(source, block) },
+                || work(now.unread(), at_end),
+            )
+        });
         if at_end {
             self.next.clear();
         }

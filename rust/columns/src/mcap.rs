@@ -25,6 +25,7 @@ use rayon::prelude::*;
 use crate::convert::Compression;
 use crate::error::Error;
 use crate::layout::HEADER;
+use crate::pool;
 use crate::reader::Batch;
 
 use channels::Channels;
@@ -112,14 +113,17 @@ impl<W: Write> McapSink<W> {
         let mut order: Vec<Row> = (0..).zip(&sources).flat_map(|(n, one)| one.rows(n)).collect();
         order.sort_by_key(|row| row.time);
         let mut windows = order.chunks(WINDOW);
-        let mut ahead = windows.next().map(|window| (window, encode(&sources, window)));
+        let mut ahead =
+            windows.next().map(|window| (window, pool::run(|| encode(&sources, window))));
         while let Some((window, texts)) = ahead {
             let next = windows.next();
             let texts = texts?;
-            let (written, texts) = rayon::join(
-                || self.write_window(&sources, window, &texts),
-                || next.map(|next| (next, encode(&sources, next))),
-            );
+            let (written, texts) = pool::run(|| {
+                rayon::join(
+                    || self.write_window(&sources, window, &texts),
+                    || next.map(|next| (next, encode(&sources, next))),
+                )
+            });
             written?;
             ahead = texts;
         }

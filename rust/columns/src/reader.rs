@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::gather::{PAYLOAD, Rows};
-use crate::input::Blocks;
+use crate::input::{BLOCK, Blocks};
 use crate::layout::{Layout, Options};
 use crate::piece::{Chosen, PIECE, Piece};
 use crate::scan::{Framing, LogScanner, Scanned};
@@ -22,7 +22,7 @@ use crate::tables::Tables;
 /// When a table's rows become a record batch.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
-    /// Rows of a batch: at least these many, except at the end.
+    /// Rows of a batch at most; a table waits until it has as many, except at the end. 0 for those of each block.
     pub rows: usize,
     /// Bytes that all growing tables may hold together; beyond that the largest is taken.
     pub bytes: usize,
@@ -85,18 +85,22 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// A reader of a log that `head` are the first bytes of.
+    /// A reader of a log, perhaps compressed, or of one that is known to be framed like this, and plain.
     ///
     /// # Errors
     /// What reading says.
     pub fn new(
         source: Box<dyn Read + Send>,
+        framing: Option<Framing>,
         registry: Arc<Registry>,
         wanted: Wanted,
         options: Options,
         limits: Limits,
     ) -> Result<Self, Error> {
-        let (blocks, framing) = Blocks::new(source)?.with_framing(&registry)?;
+        let (blocks, framing) = match framing {
+            Some(framing) => (Blocks::of_size(source, BLOCK), framing),
+            None => Blocks::new(source)?.with_framing(&registry)?,
+        };
         let messages = &registry.dialect().messages;
         let tables = Tables::new(messages.len(), limits);
         let strides = messages.iter().map(|one| PAYLOAD + usize::from(one.max_len)).collect();

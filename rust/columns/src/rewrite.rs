@@ -1,5 +1,8 @@
 //! A telemetry log made of another: its good records, or some of them, perhaps without what tells who flew where.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::collections::binary_heap::PeekMut;
 use std::io::{Read, Write};
 use std::sync::Arc;
 
@@ -215,20 +218,18 @@ impl Merge {
                 log.refill(&mut self.outcome)?;
             }
         }
+        let next = |(place, log): (usize, &Input)| Some(Reverse((log.time()?, place)));
+        let mut fronts: BinaryHeap<_> = self.logs.iter().enumerate().filter_map(next).collect();
         let mut any = false;
         let mut merged = Vec::new();
-        loop {
-            let next = |(place, log): (usize, &Input)| {
-                log.records.get(log.taken).map(|&(time, _)| (time, place))
-            };
-            let Some((_, place)) = self.logs.iter().enumerate().filter_map(next).min() else {
-                break;
-            };
-            let log = &mut self.logs[place];
+        while let Some(mut front) = fronts.peek_mut() {
+            let log = &mut self.logs[front.0.1];
             merged.extend_from_slice(log.take());
             (any, self.outcome.written) = (true, self.outcome.written + 1);
-            if log.taken == log.records.len() && !log.ended {
-                break;
+            match log.time() {
+                Some(time) => front.0.0 = time,
+                None if log.ended => drop(PeekMut::pop(front)),
+                None => break,
             }
         }
         out.write_all(&merged)?;
@@ -237,6 +238,11 @@ impl Merge {
 }
 
 impl Input {
+    /// The time of the next record, of those that are there.
+    fn time(&self) -> Option<u64> {
+        self.records.get(self.taken).map(|&(time, _)| time)
+    }
+
     fn take(&mut self) -> &[u8] {
         let start = if self.taken == 0 { 0 } else { self.records[self.taken - 1].1 };
         let end = self.records[self.taken].1;

@@ -18,6 +18,11 @@ use rayon::prelude::*;
 
 use crate::convert::Compression;
 use crate::error::Error;
+use crate::pool;
+use crate::tables::pieces;
+
+/// Rows of a row group at most: readers that look for a time pass over whole groups.
+const MOST_ROWS: usize = 65_536;
 
 /// Rows below which columns are not worth handing to other threads.
 const FEW_ROWS: usize = 2048;
@@ -45,11 +50,15 @@ impl<W: Write + Send> RowGroups<W> {
         Self { schema, compression, state: State::New(out) }
     }
 
-    /// Writes a batch as a row group.
+    /// Writes a batch as a row group, or as some of about one size.
     pub(crate) fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
         if batch.num_rows() == 0 {
             return Ok(());
         }
+        pieces(batch, MOST_ROWS).try_for_each(|rows| pool::run(|| self.write_group(&rows)))
+    }
+
+    fn write_group(&mut self, batch: &RecordBatch) -> Result<(), Error> {
         let (mut file, factory) = self.open(batch.num_rows())?;
         let writers = factory.create_column_writers(file.flushed_row_groups().len())?;
         let least = if batch.num_rows() < FEW_ROWS { writers.len() } else { 1 };

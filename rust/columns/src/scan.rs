@@ -20,6 +20,9 @@ const STRETCH: usize = 256 << 10;
 /// After damage, a time stamp further than this from the last good one is not believed. Microseconds.
 const MAX_JUMP: u64 = 3 * 24 * 3600 * 1_000_000;
 
+/// Good records in a row that no other kind of log has.
+const SURE_RECORDS: usize = 3;
+
 /// [`Located::index`] of ids that the dialect does not know.
 pub const UNKNOWN: u16 = u16::MAX;
 
@@ -50,6 +53,14 @@ impl Framing {
             (found.records.len() - found.runs.len(), begins)
         };
         if evidence(Self::Raw) > evidence(Self::Stamped) { Self::Raw } else { Self::Stamped }
+    }
+
+    /// Whether these bytes have good records one behind the other in either form: chance makes no three of them.
+    pub fn is_in(head: &[u8], registry: &Registry) -> bool {
+        [Self::Stamped, Self::Raw].into_iter().any(|framing| {
+            let found = find_runs(head, 0..head.len(), framing.lead(), registry);
+            found.runs.iter().any(|run| run.records.len() >= SURE_RECORDS)
+        })
     }
 }
 

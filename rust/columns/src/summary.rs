@@ -13,6 +13,7 @@ use mavwire_schema::{FieldType, Message, WireVersion};
 use crate::error::Error;
 use crate::input::Blocks;
 use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN, header_at};
+use crate::sequence::{Heard, Sequence};
 
 /// Places that are listed; beyond that they are only counted, since whoever makes a log chooses their number.
 const MOST_LISTED: usize = 1000;
@@ -47,9 +48,11 @@ pub struct Sender {
     pub count: Count,
     /// Messages lost by its sequence numbers.
     pub lost: u64,
+    /// Messages that were there before, as where two links hear the same.
+    pub repeated: u64,
     /// Times that its clock started anew.
     pub reboots: u64,
-    seq: Option<u8>,
+    sequence: Sequence,
     boot_ms: Option<u32>,
 }
 
@@ -177,8 +180,10 @@ impl Summary {
         }
         let sender = self.senders.entry((header.sysid, header.compid)).or_default();
         sender.count.add(time);
-        if let Some(before) = sender.seq.replace(header.seq) {
-            sender.lost += u64::from(header.seq.wrapping_sub(before).wrapping_sub(1));
+        match sender.sequence.add(header.seq, time) {
+            Heard::After(lost) => sender.lost += u64::from(lost),
+            Heard::Late => sender.lost -= 1,
+            Heard::Again => sender.repeated += 1,
         }
         if let Some(boot) = boot {
             let before = sender.boot_ms.replace(boot);

@@ -1,11 +1,14 @@
 //! All growing tables of a log, and when their rows become batches.
 
 use std::cmp::Reverse;
+use std::sync::Arc;
 
+use arrow::array::RecordBatch;
 use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::piece::Piece;
+use crate::pool;
 use crate::reader::{Batch, Limits};
 use crate::table::TableBuilder;
 
@@ -58,8 +61,8 @@ impl Tables {
     /// The batches that are complete.
     pub(crate) fn complete(&mut self) -> Result<Vec<Batch>, Error> {
         let Limits { rows, bytes, table_bytes } = self.limits;
-        let mut batches =
-            self.take_where(|table| table.rows() >= rows || table.bytes() >= table_bytes)?;
+        let is_full = |table: &TableBuilder| table.rows() >= rows || table.bytes() >= table_bytes;
+        let mut batches = self.take_where(|table| table.rows() > 0 && is_full(table))?;
         loop {
             let sizes = self.builders.iter().flatten().map(TableBuilder::bytes);
             let (total, most) = sizes.fold((0, 0), |(sum, most), n| (sum + n, most.max(n)));
@@ -74,10 +77,23 @@ impl Tables {
         let tables = (0..).zip(&mut self.builders);
         let tables = tables.filter_map(|(index, table)| Some((index, table.as_mut()?)));
         let due: Vec<(u16, &mut TableBuilder)> = tables.filter(|(_, table)| full(table)).collect();
-        let taken = due.into_par_iter().map(|(index, table)| {
-            let message = table.layout().message.as_str().into();
-            Ok(Batch { index, message, rows: table.take()? })
-        });
-        taken.collect()
+        let most = self.limits.rows;
+        let taken = |(index, table): (u16, &mut TableBuilder)| {
+            let message: Arc<str> = table.layout().message.as_str().into();
+            let batch = |rows| Batch { index, message: Arc::clone(&message), rows };
+            Ok(pieces(&table.take()?, most).map(batch).collect::<Vec<_>>())
+        };
+        let taken = pool::run(|| due.into_par_iter().map(taken).collect::<Result<Vec<_>, Error>>());
+        Ok(taken?.into_iter().flatten().collect())
     }
+}
+
+/// The rows in as few pieces of at most so many as there can be, of about one size; in one if that is 0.
+pub(crate) fn pieces(rows: &RecordBatch, most: usize) -> impl Iterator<Item = RecordBatch> {
+    let all = rows.num_rows();
+    let count = if most == 0 { 1 } else { all.div_ceil(most).max(1) };
+    (0..count).map(move |n| {
+        let (start, end) = (n * all / count, (n + 1) * all / count);
+        rows.slice(start, end - start)
+    })
 }

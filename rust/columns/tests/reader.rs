@@ -23,7 +23,8 @@ fn read(limits: Limits) -> BTreeMap<u16, (usize, usize)> {
     });
     let (registry, source) = (registry(), Box::new(Cursor::new(&LOG[..])));
     let (wanted, options) = (Wanted::default(), Options::default());
-    let mut reader = Reader::new(source, registry, wanted, options, limits).expect("a reader");
+    let mut reader =
+        Reader::new(source, None, registry, wanted, options, limits).expect("a reader");
     let mut found = BTreeMap::new();
     while let Some(batches) = reader.advance().expect("batches") {
         for batch in batches {

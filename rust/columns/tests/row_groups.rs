@@ -19,8 +19,9 @@ fn batches(records: usize, si: bool) -> Vec<RecordBatch> {
     damage(&mut bytes, 4, 3);
     let options = Options { si, enum_names: si, ..Options::default() };
     let source = Box::new(Cursor::new(bytes));
-    let mut reader = Reader::new(source, registry(), Wanted::default(), options, Limits::NONE)
-        .expect("a reader");
+    let mut reader =
+        Reader::new(source, None, registry(), Wanted::default(), options, Limits::NONE)
+            .expect("a reader");
     let mut found = Vec::new();
     while let Some(batches) = reader.advance().expect("batches") {
         found.extend(batches.into_iter().map(|batch| batch.rows));

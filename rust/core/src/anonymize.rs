@@ -21,17 +21,25 @@ const LEFT_OUT: &[&str] = &[
     "DATA32",
     "DATA64",
     "DATA96",
+    "DEVICE_OP_READ_REPLY",
+    "DEVICE_OP_WRITE",
     "ENCAPSULATED_DATA",
     "FILE_TRANSFER_PROTOCOL",
+    "FRSKY_PASSTHROUGH_ARRAY",
     "GPS_INJECT_DATA",
     "GPS_RTCM_DATA",
     "LOGGING_DATA",
     "LOGGING_DATA_ACKED",
     "LOG_DATA",
+    "MEMORY_VECT",
     "PARAM_EXT_ACK",
     "PARAM_EXT_SET",
     "PARAM_EXT_VALUE",
+    "PARAM_VALUE_ARRAY",
     "REMOTE_LOG_DATA_BLOCK",
+    "RESOURCE_REQUEST",
+    "SECURE_COMMAND",
+    "SECURE_COMMAND_REPLY",
     "SERIAL_CONTROL",
     "SETUP_SIGNING",
     "TUNNEL",
@@ -46,8 +54,12 @@ const IDENTIFIERS: &[&str] = &[
     "MMSI",
     "apn",
     "callsign",
+    "cam_definition_uri",
+    "custom_name",
+    "file_url",
     "flight_id",
     "hw_unique_id",
+    "login",
     "new_pin",
     "passkey",
     "password",
@@ -57,9 +69,14 @@ const IDENTIFIERS: &[&str] = &[
     "serial",
     "serial_number",
     "ssid",
+    "uas_id",
     "uid",
     "uid2",
+    "uri",
 ];
+
+/// Messages whose field `name` is one as well: elsewhere it tells what a value means.
+const NAMED: &[&str] = &["AIS_VESSEL", "VIDEO_STREAM_INFORMATION"];
 
 /// Frames of `MAV_FRAME` whose x and y are latitude and longitude.
 const GLOBAL_FRAMES: [u8; 6] = [0, 3, 5, 6, 10, 11];
@@ -230,18 +247,20 @@ fn plan(message: &Message) -> Plan {
         let [one, two, three] = names;
         Some([field(one)?, field(two)?, field(three)?])
     };
+    let in_frame = three(["x", "y", "frame"]).or_else(|| three(["x", "y", "coordinate_frame"]));
     let special = match name {
-        "MISSION_ITEM" => three(["x", "y", "frame"]).map(|fields| Edit::Item(fields, 1.0)),
-        "MISSION_ITEM_INT" | "COMMAND_INT" => {
-            three(["x", "y", "frame"]).map(|fields| Edit::Item(fields, 1e7))
-        }
+        "MISSION_ITEM" => in_frame.map(|fields| Edit::Item(fields, 1.0)),
         "COMMAND_LONG" => three(["param5", "param6", "command"]).map(Edit::Command),
         "PARAM_VALUE" | "PARAM_SET" => {
             let fields = field("param_value").zip(field("param_id"));
             fields.map(|(value, name)| Edit::Parameter(value, name))
         }
         "STATUSTEXT" | "STATUSTEXT_LONG" => field("text").map(Edit::Mask),
-        _ => None,
+        "NAMED_VALUE_STRING" => field("value").map(Edit::Mask),
+        name if NAMED.contains(&name) => field("name").map(Edit::Empty),
+        _ => in_frame
+            .filter(|[x, ..]| x.field_type == FieldType::I32)
+            .map(|fields| Edit::Item(fields, 1e7)),
     };
     let mut edits: Vec<Edit> = message.fields.iter().filter_map(edit_of).collect();
     edits.extend(special);
@@ -259,12 +278,22 @@ fn edit_of(field: &Field) -> Option<Edit> {
         "deg" => 1.0,
         _ => return None,
     };
-    let axis = field.name.split('_').find_map(|word| match word.to_ascii_lowercase().as_str() {
-        "lat" | "latitude" => Some(Axis::Latitude),
-        "lon" | "lng" | "longitude" => Some(Axis::Longitude),
-        _ => None,
-    })?;
-    Some(Edit::Move(field.clone(), axis, units))
+    Some(Edit::Move(field.clone(), axis_of(&field.name)?, units))
+}
+
+/// The coordinate that a name has among its words, as in `next_lat` and `gpsLon`.
+fn axis_of(name: &str) -> Option<Axis> {
+    let mut words = name.as_bytes().chunk_by(|before, letter| {
+        *before != b'_' && !(before.is_ascii_lowercase() && letter.is_ascii_uppercase())
+    });
+    words.find_map(|word| {
+        let word = word.to_ascii_lowercase();
+        match word.strip_suffix(b"_").unwrap_or(&word) {
+            b"lat" | b"latitude" => Some(Axis::Latitude),
+            b"lon" | b"lng" | b"longitude" => Some(Axis::Longitude),
+            _ => None,
+        }
+    })
 }
 
 fn bytes_of<'a>(field: &Field, payload: &'a mut [u8]) -> &'a mut [u8] {
@@ -372,7 +401,116 @@ mod tests {
     }
 
     #[test]
+    fn places_of_any_message_with_a_frame_are_shifted() {
+        let (x, y) = (473_977_418_i32.to_le_bytes(), 85_455_938_i32.to_le_bytes());
+        for name in ["ORBIT_EXECUTION_STATUS", "COMMAND_INT_STAMPED", "COMMAND_INT"] {
+            let made = anonymous(name, V2, &[("x", &x), ("y", &y), ("frame", &[5])]);
+            let made = made.expect("a message");
+            assert_eq!(i32::from_le_bytes(value(&made, "x")), 573_977_418, "{name}");
+            assert_eq!(i32::from_le_bytes(value(&made, "y")), 85_455_938 - 1_000_000_000, "{name}");
+        }
+        let made = anonymous("UAVIONIX_ADSB_OUT_DYNAMIC", V2, &[("gpsLat", &x), ("gpsLon", &y)]);
+        let made = made.expect("a message");
+        assert_eq!(i32::from_le_bytes(value(&made, "gpsLat")), 573_977_418);
+        assert_eq!(i32::from_le_bytes(value(&made, "gpsLon")), 85_455_938 - 1_000_000_000);
+    }
+
+    /// Fields of bytes that stay: what they say is the same for every vehicle of a kind, or is measured.
+    const KEPT: &[&str] = &[
+        "DEBUG_FLOAT_ARRAY.name",
+        "DEBUG_VECT.name",
+        "GOPRO_GET_RESPONSE.value",
+        "GOPRO_SET_REQUEST.value",
+        "NAMED_VALUE_FLOAT.name",
+        "NAMED_VALUE_INT.name",
+        "NAMED_VALUE_STRING.name",
+        "STORAGE_INFORMATION.name",
+        "UAVCAN_NODE_INFO.name",
+    ];
+    const KEPT_ANYWHERE: &[&str] = &[
+        "Servo_status",
+        "band_str",
+        "busname",
+        "completion_mask",
+        "cpu_combined",
+        "cpu_cores",
+        "custom_bytes",
+        "device_name",
+        "flight_custom_version",
+        "gpu_combined",
+        "gpu_cores",
+        "manufacture_date",
+        "middleware_custom_version",
+        "mode_name",
+        "mode_str",
+        "model_name",
+        "os_custom_version",
+        "param_id",
+        "rc_raw",
+        "satellite_azimuth",
+        "satellite_elevation",
+        "satellite_prn",
+        "satellite_snr",
+        "satellite_used",
+        "temperature",
+        "temperature_core",
+        "tune",
+        "tune2",
+        "vendor_name",
+    ];
+
+    /// What a field of bytes or a place must not be left out of: a plan of its message that changes it.
+    fn is_changed(message: &Message, field: &Field) -> bool {
+        let Plan::Edit(edits) = plan(message) else { return true };
+        edits.iter().any(|edit| match edit {
+            Edit::Move(one, ..) | Edit::Empty(one) | Edit::Mask(one) => one.name == field.name,
+            Edit::Parameter(value, _) => value.name == field.name,
+            Edit::Item([x, y, _], _) | Edit::Command([x, y, _]) => {
+                [&x.name, &y.name].contains(&&field.name)
+            }
+        })
+    }
+
+    #[test]
+    fn every_field_that_may_tell_is_changed_or_known_to_stay() {
+        let dialect = builtin::dialect("all", V2).expect("the dialect");
+        let mut unknown = Vec::new();
+        for message in &dialect.messages {
+            for field in message.fields.iter().filter(|field| !is_changed(message, field)) {
+                use FieldType::{Char, I8, I32, U8};
+                let name = format!("{}.{}", message.name, field.name);
+                let is_bytes = field.array_length > 0 && matches!(field.field_type, Char | U8 | I8);
+                let is_place = field.field_type == I32
+                    && field.units.is_none()
+                    && ["x", "y"].contains(&field.name.as_str());
+                let is_angle = axis_of(&field.name).is_some()
+                    && field.units.as_deref().is_some_and(|units| units.starts_with("deg"));
+                let is_known = KEPT.contains(&name.as_str())
+                    || KEPT_ANYWHERE.contains(&field.name.as_str())
+                    || message.name.contains("TEST");
+                if is_place || is_angle || is_bytes && !is_known {
+                    unknown.push(name);
+                }
+            }
+        }
+        assert!(unknown.is_empty(), "do these tell who flew where? {unknown:#?}");
+    }
+
+    #[test]
     fn identifiers_are_emptied() {
+        for (name, field) in [
+            ("UTM_GLOBAL_POSITION", "uas_id"),
+            ("AIRLINK_AUTH", "login"),
+            ("VIDEO_STREAM_INFORMATION", "uri"),
+            ("VIDEO_STREAM_INFORMATION", "name"),
+            ("AIS_VESSEL", "name"),
+            ("GIMBAL_DEVICE_INFORMATION", "custom_name"),
+            ("CAMERA_IMAGE_CAPTURED", "file_url"),
+            ("CAMERA_INFORMATION", "cam_definition_uri"),
+        ] {
+            let made = anonymous(name, V2, &[(field, b"secret")]).expect("a message");
+            assert_eq!(value::<6>(&made, field), [0; 6], "{name}.{field}");
+        }
         let made = anonymous("AUTOPILOT_VERSION", V2, &[("uid", &[7; 8]), ("uid2", &[7; 18])]);
         let made = made.expect("a message");
         assert_eq!((value::<8>(&made, "uid"), value::<16>(&made, "uid2")), ([0; 8], [0; 16]));

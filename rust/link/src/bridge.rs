@@ -7,24 +7,28 @@
 //! | module | |
 //! |---|---|
 //! | `endpoint` | where a link leads, opening and dialling |
-//! | `event_loop` | waiting, reading, writing |
+//! | `event_loop`, `pace` | waiting, reading, writing |
 //! | `connections` | links that are added and removed, connections that come and go |
 //! | `switch` | bytes to frames to queues |
 //! | `port`, `outbox`, `lane`, `send` | one peer, its queue, many datagrams in a call |
 //! | `automation` | what the bridge says of its own accord |
 //! | `report`, `latency` | what it tells about itself |
-//! | `hub`, `kind_hash` | the newest frames, and taps for the program around the bridge |
+//! | `hub`, `kind_hash`, `tap`, `frames` | the newest frames, and taps for the program around the bridge |
+//! | `home` | what a fork must not touch |
 //! | `recorder` | telemetry logs |
 
 mod automation;
 mod connections;
 mod endpoint;
 mod event_loop;
+mod frames;
+mod home;
 mod hub;
 mod kind_hash;
 mod lane;
 mod latency;
 mod outbox;
+mod pace;
 mod port;
 mod recorder;
 mod report;
@@ -33,12 +37,15 @@ mod serial;
 mod socket_options;
 mod stats;
 mod switch;
+mod tap;
 
 pub use automation::AutomationOptions;
 pub use endpoint::{Endpoint, LinkSpec, PortSpec};
-pub use hub::{FrameInfo, Frames, Hub, Kind, Latest, Tap, TapFilter};
+pub use frames::{FrameInfo, Frames};
+pub use hub::{Hub, Kind, Latest};
 pub use recorder::{Recording, RecordingStats};
 pub use stats::{ComponentReport, LinkReport, Stats, Traffic};
+pub use tap::{Tap, TapFilter};
 
 use std::io::{self, Write as _};
 use std::os::unix::net::UnixStream;
@@ -46,6 +53,7 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
+use endpoint::Opened;
 use event_loop::{Command, EventLoop};
 use mavwire_core::registry::Registry;
 use mavwire_core::router::Settings;
@@ -78,6 +86,26 @@ pub enum BridgeError {
     /// The bridge runs no more.
     #[error("the bridge has stopped")]
     Stopped,
+}
+
+/// A link that is open and in no bridge yet.
+#[derive(Debug)]
+pub struct OpenLink {
+    spec: LinkSpec,
+    opened: Opened,
+}
+
+impl LinkSpec {
+    /// Opens what opens at once. A name that has to be looked up takes as long as its servers do.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn open(mut self) -> Result<OpenLink, BridgeError> {
+        match self.endpoint.open() {
+            Ok(opened) => Ok(OpenLink { spec: self, opened }),
+            Err(error) => Err(BridgeError::Io { link: self.name, error }),
+        }
+    }
 }
 
 /// Sends commands to the event loop, and wakes it.
@@ -143,15 +171,19 @@ impl Bridge {
         receiver.recv().map_err(|_| BridgeError::Stopped)
     }
 
-    /// Adds a link.
+    /// Opens a link and adds it.
     ///
     /// # Errors
     /// It cannot be opened, its name is taken, or there are too many.
-    pub fn add(&self, mut spec: LinkSpec) -> Result<(), BridgeError> {
-        let opened = match spec.endpoint.open() {
-            Ok(opened) => opened,
-            Err(error) => return Err(BridgeError::Io { link: spec.name, error }),
-        };
+    pub fn add(&self, spec: LinkSpec) -> Result<(), BridgeError> {
+        self.attach(spec.open()?)
+    }
+
+    /// Adds a link that is open.
+    ///
+    /// # Errors
+    /// Its name is taken, or there are too many.
+    pub fn attach(&self, OpenLink { spec, opened }: OpenLink) -> Result<(), BridgeError> {
         self.ask(|answer| Command::Add(Box::new(spec), opened, answer))?
     }
 

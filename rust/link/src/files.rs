@@ -2,9 +2,12 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::iter;
 use std::ops::Range;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 /// Opens a file for reading it once.
@@ -42,10 +45,8 @@ impl Draft {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(".part");
-        let part = path.with_file_name(name);
-        let file = BufWriter::with_capacity(64 << 10, File::create(&part)?);
+        let (file, part) = create_beside(path)?;
+        let file = BufWriter::with_capacity(64 << 10, file);
         Ok(Self { file: Some(file), path: path.to_owned(), part })
     }
 
@@ -81,19 +82,49 @@ const WAITING: usize = 16;
 /// Gives all files their names, once all of them are on the disk.
 ///
 /// # Errors
-/// What the operating system says of one of them; those that have no name yet are removed then.
+/// What the operating system says of one of them; none of them is there then.
 pub fn commit_all(mut drafts: Vec<Draft>) -> io::Result<()> {
-    let share = drafts.len().div_ceil(WAITING).max(1);
+    let threads = WAITING.min(drafts.len());
+    let left = Mutex::new(drafts.iter_mut());
+    let next = || left.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let sync = || iter::from_fn(next).try_for_each(Draft::sync);
     thread::scope(|scope| {
-        let sync = |some: &mut [Draft]| some.iter_mut().try_for_each(Draft::sync);
-        let shares = drafts.chunks_mut(share);
-        let threads: Vec<_> = shares
-            .map(|some| thread::Builder::new().spawn_scoped(scope, move || sync(some)))
-            .collect::<Result<_, _>>()?;
-        let done = threads.into_iter().map(|one| one.join().unwrap_or_else(|e| resume_unwind(e)));
-        done.collect::<io::Result<()>>()
+        // Where no further thread is to be had, those that are there do it.
+        let start = |_| thread::Builder::new().spawn_scoped(scope, sync).ok();
+        let started: Vec<_> = (1..threads).map_while(start).collect();
+        let mut done = sync();
+        for thread in started {
+            done = done.and(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        }
+        done
     })?;
-    drafts.into_iter().try_for_each(Draft::publish)
+    let paths: Vec<PathBuf> = drafts.iter().map(|draft| draft.path.clone()).collect();
+    for (number, draft) in drafts.into_iter().enumerate() {
+        if let Err(error) = draft.publish() {
+            for path in &paths[..number] {
+                let _ = std::fs::remove_file(path);
+            }
+            return Err(error);
+        }
+    }
+    Ok(())
+}
+
+/// Makes a file that nobody else has, in the folder of `path`: `NAME.PROCESS-NUMBER.part`.
+fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+    let name = path.file_name().unwrap_or_default();
+    loop {
+        let mut part = name.to_owned();
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        part.push(format!(".{}-{number}.part", std::process::id()));
+        let part = path.with_file_name(part);
+        match File::create_new(&part) {
+            // Left by a process that had this number before, or made by one of another machine.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            made => return Ok((made?, part)),
+        }
+    }
 }
 
 impl Write for Draft {
@@ -117,6 +148,22 @@ impl Drop for Draft {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_writers_of_one_file_do_not_meet() {
+        let folder = std::env::temp_dir().join(format!("mavwire-twice-{}", std::process::id()));
+        let path = folder.join("table.csv");
+        let mut drafts = [(); 2].map(|()| Draft::create(&path).expect("creating"));
+        for (text, draft) in ["one one one", "two"].into_iter().zip(&mut drafts) {
+            draft.write_all(text.as_bytes()).expect("writing");
+        }
+        for (draft, expected) in drafts.into_iter().zip(["one one one", "two"]) {
+            draft.commit().expect("committing");
+            assert_eq!(std::fs::read_to_string(&path).expect("reading"), expected);
+        }
+        assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 1);
+        std::fs::remove_dir_all(folder).expect("removing");
+    }
 
     #[test]
     fn a_part_is_what_is_there_of_it() {
@@ -147,11 +194,10 @@ mod tests {
             assert_eq!(std::fs::read(folder.join(format!("{n}"))).expect("reading"), [n]);
         }
         assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 40);
-        // A folder in the way of one: nothing is left of that and of what comes behind it.
+        // A folder in the way of one: none of them is left.
         std::fs::create_dir(folder.join("41")).expect("creating");
         commit_all((40..43).map(draft).collect()).expect_err("a folder has the name");
-        assert!(folder.join("40").exists() && !folder.join("42").exists());
-        assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 42);
+        assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 41);
         std::fs::remove_dir_all(folder).expect("removing");
     }
 

@@ -14,7 +14,7 @@ use crate::window::FileWindow;
 /// What stands at a place in a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AtOffset {
-    /// A record of `len` bytes; the first eight are its stamp.
+    /// A record of `len` bytes; the first eight are its stamp, unless it is of a raw stream.
     Record {
         /// Bytes of the record.
         len: usize,
@@ -42,6 +42,18 @@ pub struct RecordFinder {
 }
 
 impl RecordFinder {
+    /// For a raw stream, whose records are frames without stamps.
+    pub fn unstamped() -> Self {
+        Self { scanner: RecordScanner::unstamped(), offset: 0 }
+    }
+
+    /// Stands at `offset`, and knows nothing of what is in front.
+    fn restart(&mut self, offset: u64) {
+        let stamped = self.scanner.lead() > 0;
+        let scanner = if stamped { RecordScanner::new() } else { RecordScanner::unstamped() };
+        *self = Self { scanner, offset };
+    }
+
     /// Looks at `offset`. Where it is not `End`, the next look should be `len` bytes further.
     ///
     /// # Errors
@@ -54,7 +66,7 @@ impl RecordFinder {
         registry: &Registry,
     ) -> io::Result<AtOffset> {
         if self.offset != offset {
-            *self = Self { scanner: RecordScanner::new(), offset };
+            self.restart(offset);
         }
         let mut wanted = STAMP_LEN + MAX_FRAME_LEN;
         loop {
@@ -85,7 +97,7 @@ impl RecordFinder {
                 _ => return AtOffset::End,
             }
         }
-        *self = Self { scanner: RecordScanner::new(), offset: self.offset + junk as u64 };
+        self.restart(self.offset + junk as u64);
         AtOffset::Junk { len: junk }
     }
 }

@@ -6,6 +6,7 @@ use mavwire_columns::arrow::error::ArrowError;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::lists::list;
 use crate::table::{RecordBatches, columns_error};
 
 /// Values of an aligned table at most, some 4 GiB: what a mistaken rate, or a log made for it, may cost.
@@ -53,7 +54,7 @@ fn check_size(ticks: u64, tables: &[(String, RecordBatch)]) -> Result<(), ArrowE
 #[pyo3(signature = (tables, on, step, method, tolerance))]
 pub(crate) fn align_tables(
     py: Python<'_>,
-    tables: Vec<(String, PyRef<'_, RecordBatches>)>,
+    #[pyo3(from_py_with = list)] tables: Vec<(String, PyRef<'_, RecordBatches>)>,
     on: Option<PyRef<'_, RecordBatches>>,
     step: Option<i64>,
     method: &str,

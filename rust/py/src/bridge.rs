@@ -2,6 +2,7 @@
 //!
 //! The bridge's thread never attaches to the interpreter: what Python wants to know is asked for or fetched in batches.
 
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
 use mavwire_core::router::Settings;
@@ -16,6 +17,7 @@ use crate::bridge_options::{LinkOption, RecordingOption, SettingsOption, seconds
 use crate::bridge_stats;
 use crate::dialect::Dialect;
 use crate::frame_bytes::FrameBytes;
+use crate::lists::{bytes, optional_list};
 use crate::message::Message;
 
 create_exception!(
@@ -43,6 +45,28 @@ fn to_python(error: Error) -> PyErr {
             None => PyOSError::new_err(format!("{link}: {error}")),
         },
         other => BridgeError::new_err(other.to_string()),
+    }
+}
+
+/// Does what nothing interrupts, such as looking a name up, on a thread that is left to itself if the user's signals end
+/// the wait for it.
+fn interruptibly<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    let (answer, mut answered) = sync_channel(1);
+    let work = move || drop(answer.send(work()));
+    std::thread::Builder::new().name("mavwire-open".into()).spawn(work)?;
+    loop {
+        let outcome;
+        (outcome, answered) = py.detach(move || (answered.recv_timeout(WAIT_SLICE), answered));
+        match outcome {
+            Ok(done) => return Ok(done),
+            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("the thread that opens a link has ended"));
+            }
+        }
     }
 }
 
@@ -79,7 +103,8 @@ impl BridgeCore {
     /// Adds a link: `mavwire.bridge.options.Link`.
     fn add(&self, py: Python<'_>, link: LinkOption) -> PyResult<()> {
         let spec = link.into_spec()?;
-        py.detach(|| self.bridge.add(spec)).map_err(to_python)
+        let open = interruptibly(py, move || spec.open())?.map_err(to_python)?;
+        py.detach(|| self.bridge.attach(open)).map_err(to_python)
     }
 
     /// Removes a link by its name.
@@ -94,7 +119,7 @@ impl BridgeCore {
     }
 
     /// Routes whole frames as if they came over a link of their own.
-    fn send(&self, py: Python<'_>, frames: Vec<u8>) -> PyResult<()> {
+    fn send(&self, py: Python<'_>, #[pyo3(from_py_with = bytes)] frames: Vec<u8>) -> PyResult<()> {
         py.detach(|| self.bridge.send(frames)).map_err(to_python)
     }
 
@@ -116,8 +141,8 @@ impl BridgeCore {
     /// The frames from now on, of some message ids and systems or of all.
     fn tap(
         slf: Bound<'_, Self>,
-        messages: Option<Vec<u32>>,
-        systems: Option<Vec<u8>>,
+        #[pyo3(from_py_with = optional_list)] messages: Option<Vec<u32>>,
+        #[pyo3(from_py_with = optional_list)] systems: Option<Vec<u8>>,
     ) -> PyResult<BridgeTap> {
         let filter = TapFilter { messages, systems };
         let bridge = &slf.get().bridge;

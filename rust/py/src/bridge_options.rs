@@ -13,6 +13,8 @@ use mavwire_link::bridge::{AutomationOptions, Endpoint, LinkSpec, PortSpec, Reco
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::lists::{list, optional_bytes, optional_list};
+
 /// A number of seconds that a program gave.
 pub(crate) fn seconds(name: &str, value: f64) -> PyResult<Duration> {
     Duration::try_from_secs_f64(value).map_err(|_| {
@@ -67,11 +69,17 @@ impl RecordingOption {
 /// `mavwire.bridge.options.Filter`.
 #[derive(FromPyObject)]
 struct FilterOption {
+    #[pyo3(from_py_with = optional_list)]
     allow_messages: Option<Vec<u32>>,
+    #[pyo3(from_py_with = list)]
     block_messages: Vec<u32>,
+    #[pyo3(from_py_with = optional_list)]
     allow_systems: Option<Vec<u8>>,
+    #[pyo3(from_py_with = list)]
     block_systems: Vec<u8>,
+    #[pyo3(from_py_with = optional_list)]
     allow_components: Option<Vec<u8>>,
+    #[pyo3(from_py_with = list)]
     block_components: Vec<u8>,
 }
 
@@ -99,8 +107,10 @@ impl FilterOption {
 #[allow(clippy::struct_excessive_bools)] // as in the core
 struct BorderOption {
     version: Option<u8>,
+    #[pyo3(from_py_with = optional_bytes)]
     key: Option<Vec<u8>>,
     verify: bool,
+    #[pyo3(from_py_with = list)]
     unsigned: Vec<u32>,
     sign: bool,
     strip_in: bool,
@@ -178,7 +188,9 @@ pub(crate) struct LinkOption {
     automation: AutomationOption,
     bytes_per_second: Option<f64>,
     message_rate: Option<f64>,
+    #[pyo3(from_py_with = list)]
     message_rates: Vec<(u32, f64)>,
+    #[pyo3(from_py_with = list)]
     urgent: Vec<u32>,
     queue: usize,
     datagram: usize,

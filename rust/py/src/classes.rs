@@ -2,7 +2,6 @@
 
 use std::ffi::CString;
 
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
 

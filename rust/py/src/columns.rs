@@ -8,7 +8,7 @@ use mavwire_columns::layout::{Layout, Options};
 use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
-use mavwire_columns::summary::{Count, Summary};
+use mavwire_columns::summary::{Count, Sender, Summary};
 use mavwire_link::files;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -16,6 +16,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::calling::Calling;
 use crate::dialect::Dialect;
+use crate::lists::optional_list;
 use crate::source::Source;
 use crate::table::{RecordBatches, columns_error};
 
@@ -23,17 +24,23 @@ use crate::table::{RecordBatches, columns_error};
 #[derive(FromPyObject)]
 pub(crate) struct Query {
     /// Message ids; `None` for all.
+    #[pyo3(from_py_with = optional_list)]
     types: Option<Vec<u32>>,
     /// The same for dataflash logs: names of record types.
+    #[pyo3(from_py_with = optional_list)]
     pub(crate) names: Option<Vec<String>>,
+    #[pyo3(from_py_with = optional_list)]
     systems: Option<Vec<u8>>,
     pub(crate) start: Option<f64>,
     pub(crate) end: Option<f64>,
     /// Names of columns; `None` for all.
+    #[pyo3(from_py_with = optional_list)]
     columns: Option<Vec<String>>,
     si: bool,
     enum_names: bool,
-    /// Rows of a batch; `None` for one batch of each type.
+    /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
+    untimed: bool,
+    /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.
     batch_rows: Option<usize>,
     /// Bytes that all batches under way may have.
     batch_bytes: Option<usize>,
@@ -79,8 +86,18 @@ impl Query {
         let (source, size) = (log.open()?, log.size());
         let registry = Arc::clone(&dialect.registry);
         let (wanted, options) = (self.wanted(dialect), self.options());
-        let reader = Reader::new(source, registry, wanted, options, self.limits())?;
-        Ok(Box::new(reader.with_size(size)))
+        let reader = Reader::new(source, log.framing(), registry, wanted, options, self.limits())?;
+        self.checked(Box::new(reader.with_size(size)))
+    }
+
+    /// The reader, unless it cannot tell which records are of the time that is wanted.
+    pub(crate) fn checked(&self, reader: Box<dyn Decode>) -> Result<Box<dyn Decode>, Error> {
+        let any_time = self.start.is_none() && self.end.is_none();
+        if any_time || self.untimed || reader.has_times() {
+            Ok(reader)
+        } else {
+            Err(Error::Untimed)
+        }
     }
 }
 
@@ -212,7 +229,8 @@ pub(crate) fn summary_dict<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let senders = PyDict::new(py);
     for (ids, sender) in &sum.senders {
-        senders.set_item(ids, (count_row(&sender.count), sender.lost, sender.reboots))?;
+        let Sender { lost, repeated, reboots, .. } = *sender;
+        senders.set_item(ids, (count_row(&sender.count), lost, repeated, reboots))?;
     }
     let bad = PyList::new(py, sum.bad.iter().map(|range| (range.start, range.end - range.start)))?;
     let dict = PyDict::new(py);

@@ -29,7 +29,8 @@ impl DataflashTables {
         let wanted = Wanted { names: query.names.clone(), start, end };
         let (open, options) = (|| self.log.open(), query.options());
         let survey = Arc::clone(&self.survey);
-        Ok(Box::new(dataflash::Reader::new(survey, &open, wanted, &options, query.limits())?))
+        let reader = dataflash::Reader::new(survey, &open, wanted, &options, query.limits())?;
+        query.checked(Box::new(reader))
     }
 }
 
@@ -41,6 +42,9 @@ impl DataflashTables {
         let tell = Teller(None);
         let survey = py.detach(|| {
             let open = || log.open();
+            if log.framing().is_some() {
+                return Ok(None);
+            }
             if !dataflash::recognise(open().map_err(Error::from)?).map_err(Error::from)? {
                 return Ok(None);
             }
@@ -53,6 +57,9 @@ impl DataflashTables {
     /// Whether a file begins as a dataflash log does.
     #[staticmethod]
     fn recognises(py: Python<'_>, log: Source) -> PyResult<bool> {
+        if log.framing().is_some() {
+            return Ok(false);
+        }
         Ok(py.detach(|| dataflash::recognise(log.open()?))?)
     }
 

@@ -9,11 +9,11 @@ use mavwire_schema::{
     Definitions, ParseOptions, SchemaError, WireVersion, dialect_name, parse_definitions, reserved,
     resolve,
 };
+use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyType};
-use pyo3::{create_exception, intern};
 
 use crate::calling::Calling;
 use crate::create;

@@ -2,9 +2,9 @@
 
 use std::sync::atomic::Ordering;
 
+use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
-use pyo3::{ffi, intern};
 
 use crate::calling::{Calling, import};
 use crate::create::{self, create};

@@ -16,6 +16,7 @@ use pyo3::types::PyBytes;
 
 use crate::calling::Calling;
 use crate::dump_line::{Column, Item, Labels, Line, Style, write_line};
+use crate::lists::list;
 use crate::log::LogLink;
 use crate::message::payload_of;
 use crate::parse::{self, Step};
@@ -52,6 +53,7 @@ struct Options<'py> {
     show_seq: bool,
     separator: String,
     /// Message types of a CSV table, in the order of its columns.
+    #[pyo3(from_py_with = list)]
     columns: Vec<String>,
 }
 

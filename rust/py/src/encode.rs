@@ -5,9 +5,9 @@
 //! of pymavlink know.
 
 use mavwire_schema::{FieldType, Message as Definition};
+use pyo3::Borrowed;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyTuple};
-use pyo3::{Borrowed, intern};
 
 use crate::calling::Calling;
 use crate::info::{Info, Place};

@@ -6,6 +6,10 @@
 
 use pyo3::prelude::*;
 
+// First, for its macro.
+#[macro_use]
+mod intern;
+
 mod align;
 #[cfg(unix)]
 mod bridge;
@@ -40,6 +44,7 @@ mod index_build;
 mod info;
 mod instances;
 mod link;
+mod lists;
 mod live;
 mod live_batch;
 mod live_source;
@@ -75,6 +80,7 @@ mod source;
 mod system;
 mod table;
 mod text;
+mod thread_number;
 mod tracking;
 mod turn;
 mod values;
@@ -157,6 +163,7 @@ mod _native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::thread_number::follow_forks(module)?;
         module.add("FieldGetter", crate::descriptors::field_getter_type(module.py())?)?;
         let doc = c"build(message, /, *values)\n--\n\n\
             Stores the values of a new message's fields, in XML order.";

@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 
 use mavwire_link::readiness;
 use pyo3::gc::{PyTraverseError, PyVisit};
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 

@@ -69,7 +69,7 @@ impl LogReader {
         let size = window.len()?;
         Ok(Self {
             window,
-            finder: RecordFinder::default(),
+            finder: if stamped { RecordFinder::default() } else { RecordFinder::unstamped() },
             ahead: Ahead::new(),
             offset: 0,
             size,
@@ -172,11 +172,12 @@ impl LogReader {
     }
 
     fn rules<'a>(&self, parser: &Parser, registry: &'a Arc<Registry>) -> Rules<'a> {
-        Rules {
-            registry,
-            ignore_checksum: parser.scanner.ignore_checksum,
-            lead: if self.stamped { STAMP_LEN } else { 0 },
-        }
+        Rules { registry, ignore_checksum: parser.scanner.ignore_checksum, lead: self.lead() }
+    }
+
+    /// Bytes of a record in front of its frame.
+    pub(crate) fn lead(&self) -> usize {
+        if self.stamped { STAMP_LEN } else { 0 }
     }
 
     #[inline(never)]
@@ -211,8 +212,7 @@ impl LogReader {
     /// Goes over the record that `peek` gave.
     #[inline]
     pub(crate) fn accept(&mut self, len: usize, time: f64, link: u8) {
-        let len = if self.stamped { STAMP_LEN + len } else { len };
-        self.offset += len as u64;
+        self.offset += (self.lead() + len) as u64;
         self.ahead.advance();
         (self.time, self.link) = (time, link);
         self.last_good = Some(time);
@@ -291,7 +291,7 @@ impl LogReader {
                 let stamp = Stamp::parse(self.window.at(self.offset, STAMP_LEN)?);
                 self.offset += len as u64;
                 self.after_damage = true;
-                self.stamp(stamp.unwrap_or(Stamp(0)));
+                self.stamp(stamp.filter(|_| self.stamped).unwrap_or(Stamp(0)));
                 self.end_record(true);
             }
             AtOffset::End => {}

@@ -6,7 +6,6 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use mavwire_core::frame::Header;
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 

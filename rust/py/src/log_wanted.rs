@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyString;
 
 use crate::calling::Calling;
+use crate::lists::collected;
 use crate::log_index::LogIndex;
 
 /// Read along with whatever is asked for, because they keep the mode and the parameters current.
@@ -40,10 +41,7 @@ impl Wanted {
 pub(crate) fn names(types: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let mut names: Vec<String> = match types.cast::<PyString>() {
         Ok(name) => vec![name.to_string()],
-        Err(_) => {
-            let names = types.items()?.map(|name| Ok(name?.text()?.to_string()));
-            names.collect::<PyResult<_>>()?
-        }
+        Err(_) => collected(types.items()?.map(|name| Ok(name?.text()?.to_string())))?,
     };
     names.extend(ALWAYS_READ.map(str::to_owned));
     Ok(names)

@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU64, Ordering::Re
 use mavwire_core::scan::Resync;
 use pyo3::exceptions::PyValueError;
 use pyo3::gc::{PyTraverseError, PyVisit};
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 
 use crate::calling::{Calling, truth};
 use crate::dialect::Dialect;
+use crate::lists::{bytes, collected};
 use crate::lock::{Guard, Lock};
 use crate::message::Message;
 use crate::pack::{Sender, header_byte};
@@ -72,7 +72,7 @@ impl Callback {
         let Some(function) = self.function.get(py) else { return Ok(()) };
         let mut arguments = vec![message.clone()];
         if let Some(extra) = self.args.get(py) {
-            arguments.extend(extra.items()?.collect::<PyResult<Vec<_>>>()?);
+            arguments.extend(collected(extra.items()?)?);
         }
         let kwargs = self.kwargs.get(py).and_then(|kwargs| kwargs.cast_into::<PyDict>().ok());
         function.invoke(PyTuple::new(py, arguments)?, kwargs.as_ref())?;
@@ -420,7 +420,7 @@ impl MAVLink {
         PyByteArray::new(py, self.parser().unread())
     }
     #[setter]
-    fn set_buf(&self, value: Vec<u8>) {
+    fn set_buf(&self, #[pyo3(from_py_with = bytes)] value: Vec<u8>) {
         self.parser().replace(&value);
     }
     /// Always 0: `buf` starts with the first unread byte.

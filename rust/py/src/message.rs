@@ -8,7 +8,6 @@ use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering};
 
 use mavwire_core::frame::{HEADER_LEN_V1, HEADER_LEN_V2, Header, STX_V2};
 use pyo3::exceptions::{PyAttributeError, PyIndexError, PyNotImplementedError};
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 

@@ -3,9 +3,9 @@
 //! Objects with an identity (`_msgbuf`, `_header`, `_payload`) are kept in the instance dictionary once made, so that
 //! a caller who changes them sees the change again.
 
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict};
-use pyo3::{IntoPyObjectExt, intern};
 
 use mavwire_core::frame::{CHECKSUM_LEN, FrameRef, Header, SIGNATURE_LEN};
 use std::sync::atomic::Ordering;

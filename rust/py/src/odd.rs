@@ -1,7 +1,6 @@
 //! Fields of the two message classes that no definition describes: BAD_DATA and UNKNOWN.
 
 use pyo3::exceptions::PyValueError;
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 

@@ -6,20 +6,25 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
+use mavwire_columns::Error;
+use mavwire_columns::input::framing_of;
+use mavwire_columns::scan::Framing;
 use mavwire_core::frame::Header;
-use mavwire_core::log::tlog::STAMP_LEN;
 use mavwire_core::registry::Entry;
 use mavwire_core::scan::Resync;
+use mavwire_link::files;
 use mavwire_link::records::AtOffset;
 use pyo3::prelude::*;
 
 use crate::create;
 use crate::dialect::Dialect;
 use crate::frame_bytes::FrameBytes;
+use crate::lists::optional_list;
 use crate::lock::Lock;
 use crate::log_reader::LogReader;
 use crate::message::Message;
 use crate::parser::{Parser, Step};
+use crate::table::columns_error;
 
 /// Messages of a batch, and records that are looked at for one before the user's wish to stop is heeded.
 const BATCH: usize = 128;
@@ -182,7 +187,7 @@ impl Source {
             AtOffset::Record { len, header, entry, .. } => {
                 let (time, link) = (self.reader.time, self.reader.link);
                 if self.filter.wants(&header, entry, time) {
-                    let frame = self.reader.last(len - STAMP_LEN)?;
+                    let frame = self.reader.last(len - self.reader.lead())?;
                     batch.push(frame, entry.map(|entry| entry.index), time, link);
                 }
                 Ok(false)
@@ -302,9 +307,12 @@ impl LogScan {
 #[derive(FromPyObject)]
 struct Wanted {
     /// Known message ids.
+    #[pyo3(from_py_with = optional_list)]
     types: Option<Vec<u32>>,
     /// Ids unknown to the dialect.
+    #[pyo3(from_py_with = optional_list)]
     unknown: Option<Vec<u32>>,
+    #[pyo3(from_py_with = optional_list)]
     systems: Option<Vec<u8>>,
     start: Option<f64>,
     end: Option<f64>,
@@ -336,10 +344,15 @@ impl Wanted {
 #[pymethods]
 impl LogScan {
     /// A run over the log at `path` from its start on; `wanted` has the attributes `types`, `unknown`, `systems`,
-    /// `start` and `end`, each `None` for everything.
+    /// `start` and `end`, each `None` for everything. `ValueError` for a time where records have none.
     #[new]
     fn new(path: PathBuf, dialect: Py<Dialect>, rescan: bool, wanted: Wanted) -> PyResult<Self> {
-        let reader = LogReader::open(&path, true, 0.0)?;
+        let framing = framing_of(files::open(&path)?, &dialect.get().registry)?;
+        let is_timed = wanted.start.is_some() || wanted.end.is_some();
+        if is_timed && framing == Framing::Raw {
+            return Err(columns_error(Error::Untimed));
+        }
+        let reader = LogReader::open(&path, framing == Framing::Stamped, 0.0)?;
         let mut parser = Parser::new();
         parser.set_resync(if rescan { Resync::Rescan } else { Resync::Skip });
         let filter = wanted.filter(dialect.get());

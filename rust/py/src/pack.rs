@@ -4,13 +4,14 @@ use mavwire_core::frame::{self, FrameBuffer, Header, IFLAG_SIGNED};
 use mavwire_schema::WireVersion;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use pyo3::{Borrowed, ffi, intern};
+use pyo3::{Borrowed, ffi};
 
 use crate::calling::{Calling, import};
 use crate::dialect::Dialect;
 use crate::dict::instance_dict;
 use crate::encode::{self, Payload};
 use crate::info::Info;
+use crate::lists;
 use crate::mavlink::MAVLink;
 use crate::message::{Message, flags};
 use crate::raw::{self, Arguments};
@@ -219,7 +220,7 @@ pub(crate) fn sign_packet(message: &Bound<'_, Message>, mav: &Bound<'_, PyAny>) 
     let py = message.py();
     let signing = mav.attribute(intern!(py, "signing"))?.cast_into::<Signing>()?;
     let buffer = message.attribute(intern!(py, "_msgbuf"))?;
-    let mut frame: Vec<u8> = buffer.extract()?;
+    let mut frame = lists::bytes(&buffer)?;
     signing.get().sign(&mut frame)?;
     let appended = PyBytes::new(py, &frame[frame.len() - frame::SIGNATURE_LEN..]);
     buffer.invoke_method1(intern!(py, "extend"), (appended,))?;

@@ -1,6 +1,5 @@
 //! The parameters that `PARAM_VALUE` messages tell, by the component that has them.
 
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -6,9 +6,9 @@ use mavwire_core::frame::{self, FrameError, FrameRef, Header, IFLAG_SIGNED};
 use mavwire_core::registry::Entry;
 use mavwire_core::x25;
 use pyo3::exceptions::{PyAttributeError, PyIndexError, PyRuntimeError};
+use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyString, PyType};
-use pyo3::{ffi, intern};
 
 use crate::calling::Calling;
 use crate::create::{create, pooled_frame};

@@ -3,7 +3,6 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use mavwire_link::clock::unix_seconds;
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

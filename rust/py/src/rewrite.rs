@@ -1,7 +1,7 @@
 //! `LogRewrite`: a telemetry log made of others, without the interpreter.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use mavwire_columns::Error;
@@ -9,12 +9,13 @@ use mavwire_columns::rewrite::{Merge, Outcome, Rewrite};
 use mavwire_columns::scan::Framing;
 use mavwire_core::anonymize::{Anonymizer, Shift};
 use mavwire_link::files::{self, Draft};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::columns::Query;
 use crate::dialect::Dialect;
+use crate::lists::list;
 use crate::table::columns_error;
 
 enum Run {
@@ -51,7 +52,7 @@ pub(crate) struct LogRewrite {
 }
 
 impl LogRewrite {
-    fn new(run: Run, out: &std::path::Path) -> PyResult<Self> {
+    fn new(run: Run, out: &Path) -> PyResult<Self> {
         Ok(Self { work: Mutex::new(Work { run, draft: Some(Draft::create(out)?) }) })
     }
 
@@ -93,15 +94,16 @@ impl LogRewrite {
     #[staticmethod]
     fn merge(
         py: Python<'_>,
-        paths: Vec<PathBuf>,
+        #[pyo3(from_py_with = list)] paths: Vec<PathBuf>,
         dialect: &Dialect,
         out: PathBuf,
     ) -> PyResult<Self> {
         let merge = py.detach(|| {
-            let sources = paths.iter().map(|path| files::open(path)).collect::<Result<_, _>>()?;
-            Merge::new(sources, &dialect.registry)
+            let open = |path: &PathBuf| files::open(path).map_err(|error| named(path, error));
+            let sources = paths.iter().map(open).collect::<Result<_, _>>()?;
+            Merge::new(sources, &dialect.registry).map_err(columns_error)
         });
-        match merge.map_err(columns_error)? {
+        match merge? {
             Ok(merge) => Self::new(Run::Several(merge), &out),
             Err(place) => Err(no_times(&paths[place])),
         }
@@ -147,6 +149,16 @@ impl LogRewrite {
     }
 }
 
-fn no_times(path: &std::path::Path) -> PyErr {
+/// The error of a log that cannot be opened beside the others.
+fn named(path: &Path, error: std::io::Error) -> PyErr {
+    let Some(code) = error.raw_os_error() else { return error.into() };
+    let advice = match error.kind() {
+        std::io::ErrorKind::NotFound | std::io::ErrorKind::PermissionDenied => "",
+        _ => " (all logs are open at once: merge fewer of them, then what comes of that)",
+    };
+    PyOSError::new_err((code, format!("{error}{advice}"), path.to_owned()))
+}
+
+fn no_times(path: &Path) -> PyErr {
     PyValueError::new_err(format!("{} is a raw stream, which has no times", path.display()))
 }

@@ -4,9 +4,9 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use mavwire_core::frame::FrameBuffer;
 use mavwire_schema::WireVersion;
+use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
-use pyo3::{ffi, intern};
 
 use crate::calling::Calling;
 use crate::encode::Payload;

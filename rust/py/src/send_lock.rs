@@ -6,20 +6,15 @@
 //! standard mutex is another five nanoseconds for every message sent.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::SeqCst};
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
 use pyo3::prelude::*;
 
+use crate::thread_number;
+
 /// Waiting threads look again after this time even if nobody told them to.
 const PATIENCE: Duration = Duration::from_millis(10);
-
-thread_local! {
-    static THREAD: u64 = {
-        static NEXT: AtomicU64 = AtomicU64::new(1);
-        NEXT.fetch_add(1, SeqCst)
-    };
-}
 
 /// See the module.
 pub(crate) struct SendLock {
@@ -42,7 +37,7 @@ impl SendLock {
 
     /// Waits for its turn; an error if the user's signal handler raises meanwhile.
     pub(crate) fn lock<'a>(&'a self, py: Python<'_>) -> PyResult<SendGuard<'a>> {
-        let thread = THREAD.with(|thread| *thread);
+        let thread = thread_number::current();
         if self.owner.load(SeqCst) == thread {
             return Ok(SendGuard { lock: self, outermost: false });
         }
@@ -73,15 +68,23 @@ impl SendLock {
     fn wait(&self, py: Python<'_>, thread: u64) -> PyResult<()> {
         self.waiting.fetch_add(1, SeqCst);
         let mut signals = Ok(());
-        while signals.is_ok() && !self.acquire(thread) {
-            py.detach(|| {
-                let gate = self.gate.lock().unwrap_or_else(PoisonError::into_inner);
-                drop(self.freed.wait_timeout(gate, PATIENCE));
+        while signals.is_ok() && !self.acquire(thread) && !self.inherit(thread) {
+            // Another waiter has the gate for a moment only, unless it is one that a fork left behind.
+            py.detach(|| match self.gate.try_lock() {
+                Ok(gate) => drop(self.freed.wait_timeout(gate, PATIENCE)),
+                Err(_) => std::thread::yield_now(),
             });
             signals = py.check_signals();
         }
         self.waiting.fetch_sub(1, SeqCst);
         signals
+    }
+
+    /// Takes the lock from a thread that does not exist in this process, which was forked while it sent.
+    fn inherit(&self, thread: u64) -> bool {
+        let owner = self.owner.load(SeqCst);
+        let is_left = owner != 0 && thread_number::is_gone(owner);
+        is_left && self.owner.compare_exchange(owner, thread, SeqCst, SeqCst).is_ok()
     }
 }
 
@@ -103,7 +106,6 @@ impl Drop for SendGuard<'_> {
         #[cfg(Py_GIL_DISABLED)]
         self.lock.owner.store(0, SeqCst);
         if self.lock.waiting.load(SeqCst) > 0 {
-            let _gate = self.lock.gate.lock().unwrap_or_else(PoisonError::into_inner);
             self.lock.freed.notify_one();
         }
     }

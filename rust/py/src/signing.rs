@@ -11,7 +11,6 @@ use mavwire_core::signing::{
 };
 use pyo3::exceptions::{PyAssertionError, PyOverflowError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 

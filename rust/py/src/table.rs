@@ -1,15 +1,19 @@
 //! `RecordBatches`: a table, handed out by the Arrow C data interface and, column by column, as buffers.
 
+use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
 use mavwire_columns::Error;
 use mavwire_columns::arrow::array::{
-    Array, ArrayRef, BinaryArray, RecordBatch, RecordBatchIterator, StringArray,
+    Array, ArrayRef, BinaryArray, RecordBatch, RecordBatchIterator, StringArray, UInt8Array,
 };
 use mavwire_columns::arrow::compute::concat_batches;
 use mavwire_columns::arrow::datatypes::{Schema, SchemaRef};
+use mavwire_columns::arrow::error::ArrowError;
 use mavwire_columns::arrow::ffi::FFI_ArrowSchema;
 use mavwire_columns::arrow::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
+use mavwire_columns::arrow::ipc::reader::StreamReader;
+use mavwire_columns::arrow::ipc::writer::StreamWriter;
 use mavwire_columns::instances::split;
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -17,6 +21,7 @@ use pyo3::types::{PyCapsule, PyDict, PyList, PyTuple};
 
 use crate::calling::Calling;
 use crate::column_view::ColumnView;
+use crate::lists::list;
 
 /// What went wrong as Python raises it.
 pub(crate) fn columns_error(error: Error) -> PyErr {
@@ -78,7 +83,7 @@ impl RecordBatches {
         let pointer = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
         // SAFETY: a capsule of this name holds such a stream, which is moved out and marked as released.
         let stream = unsafe { FFI_ArrowArrayStream::from_raw(pointer.as_ptr().cast()) };
-        let error = |error: mavwire_columns::arrow::error::ArrowError| columns_error(error.into());
+        let error = |error: ArrowError| columns_error(error.into());
         let reader = RecordBatchStreamReader::try_new(stream).map_err(error)?;
         let schema = mavwire_columns::arrow::array::RecordBatchReader::schema(&reader);
         let batches = reader.collect::<Result<Vec<_>, _>>().map_err(error)?;
@@ -87,7 +92,7 @@ impl RecordBatches {
 
     /// Tables of one type, one behind the other. `ValueError` where their columns differ.
     #[staticmethod]
-    fn joined(tables: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
+    fn joined(#[pyo3(from_py_with = list)] tables: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
         let first = tables.first().ok_or_else(|| PyValueError::new_err("no tables"))?;
         let schema = Arc::clone(&first.schema);
         if tables.iter().any(|table| table.schema != schema) {
@@ -110,7 +115,8 @@ impl RecordBatches {
     /// Bytes of the values.
     #[getter]
     fn nbytes(&self) -> usize {
-        self.batches.iter().map(RecordBatch::get_array_memory_size).sum()
+        let columns = self.batches.iter().flat_map(RecordBatch::columns);
+        columns.map(|column| column.to_data().get_slice_memory_size().unwrap_or(0)).sum()
     }
 
     /// Names of the columns.
@@ -151,7 +157,7 @@ impl RecordBatches {
     }
 
     /// The same table without columns that hold nothing but nulls, of those named.
-    fn without_empty(&self, names: Vec<String>) -> PyResult<Self> {
+    fn without_empty(&self, #[pyo3(from_py_with = list)] names: Vec<String>) -> PyResult<Self> {
         let empty = |index: usize| {
             names.contains(self.schema.field(index).name())
                 && self.batches.iter().all(|b| b.column(index).null_count() == b.num_rows())
@@ -161,7 +167,7 @@ impl RecordBatches {
     }
 
     /// Some of the columns, in the order given.
-    fn select(&self, names: Vec<String>) -> PyResult<Self> {
+    fn select(&self, #[pyo3(from_py_with = list)] names: Vec<String>) -> PyResult<Self> {
         let kept: Vec<usize> =
             names.iter().map(|name| self.index_of(name)).collect::<PyResult<_>>()?;
         self.project(&kept)
@@ -174,6 +180,30 @@ impl RecordBatches {
         let parts = py.detach(|| split(whole, index)).map_err(|e| columns_error(e.into()))?;
         let part = |(text, rows)| (text, Self::new(Arc::clone(&self.schema), vec![rows]));
         Ok(parts.into_iter().map(part).collect())
+    }
+
+    /// System and component ids of the rows, each pair once; none where the table lacks them.
+    fn senders(&self, py: Python<'_>) -> BTreeSet<(u8, u8)> {
+        py.detach(|| {
+            let mut senders = BTreeSet::new();
+            for batch in &self.batches {
+                let ids = |name| batch.column_by_name(name).and_then(|c| c.as_any().downcast_ref());
+                let (Some(systems), Some(components)): (Option<&UInt8Array>, Option<&UInt8Array>) =
+                    (ids("sysid"), ids("compid"))
+                else {
+                    continue;
+                };
+                let mut pairs: Vec<_> = systems
+                    .values()
+                    .iter()
+                    .copied()
+                    .zip(components.values().iter().copied())
+                    .collect();
+                pairs.dedup();
+                senders.extend(pairs);
+            }
+            senders
+        })
     }
 
     /// Some of the rows.
@@ -208,20 +238,20 @@ impl RecordBatches {
         self.num_rows()
     }
 
-    /// What pickle needs: a file of the rows.
+    /// What pickle needs: a stream of the rows.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let (py, this) = (slf.py(), slf.get());
-        let bytes = py.detach(|| ipc_bytes(&this.schema, &this.batches)).map_err(columns_error)?;
+        let bytes = py.detach(|| ipc_bytes(&this.schema, &this.batches));
+        let bytes = bytes.map_err(|error| columns_error(error.into()))?;
         let restore = slf.get_type().attribute("from_ipc")?;
         (restore, (pyo3::types::PyBytes::new(py, &bytes),)).into_pyobject(py)
     }
 
-    /// The table in the bytes of an Arrow file.
+    /// The table in the bytes of an Arrow stream.
     #[staticmethod]
     fn from_ipc(bytes: &[u8]) -> PyResult<Self> {
-        use mavwire_columns::arrow::ipc::reader::FileReader;
-        let error = |error: mavwire_columns::arrow::error::ArrowError| columns_error(error.into());
-        let reader = FileReader::try_new(std::io::Cursor::new(bytes), None).map_err(error)?;
+        let error = |error: ArrowError| columns_error(error.into());
+        let reader = StreamReader::try_new(bytes, None).map_err(error)?;
         let schema = reader.schema();
         let batches = reader.collect::<Result<Vec<_>, _>>().map_err(error)?;
         Ok(Self::new(schema, batches))
@@ -230,7 +260,7 @@ impl RecordBatches {
 
 impl RecordBatches {
     fn project(&self, kept: &[usize]) -> PyResult<Self> {
-        let error = |error: mavwire_columns::arrow::error::ArrowError| columns_error(error.into());
+        let error = |error: ArrowError| columns_error(error.into());
         let schema: Schema = self.schema.project(kept).map_err(error)?;
         let batches = self.batches.iter().map(|batch| batch.project(kept));
         let batches = batches.collect::<Result<Vec<_>, _>>().map_err(error)?;
@@ -258,13 +288,10 @@ fn check_joinable(schema: &Schema, batches: &[RecordBatch], most: usize) -> PyRe
     Ok(())
 }
 
-fn ipc_bytes(schema: &SchemaRef, batches: &[RecordBatch]) -> Result<Vec<u8>, Error> {
-    use mavwire_columns::convert::{Compression, Format, Sink};
-    let mut sink = Sink::new(Vec::new(), schema, Format::Arrow, Compression::None)?;
-    for batch in batches {
-        sink.write(batch)?;
-    }
-    sink.finish()
+fn ipc_bytes(schema: &SchemaRef, batches: &[RecordBatch]) -> Result<Vec<u8>, ArrowError> {
+    let mut stream = StreamWriter::try_new(Vec::new(), schema)?;
+    batches.iter().try_for_each(|batch| stream.write(batch))?;
+    stream.into_inner()
 }
 
 /// The columns as Python lists, for those that no buffer can show.

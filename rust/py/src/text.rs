@@ -4,7 +4,6 @@
 //! whatever Python object was stored shows up as itself.
 
 use mavwire_core::text as format;
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
 

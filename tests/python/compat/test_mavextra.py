@@ -104,6 +104,10 @@ def u(low: float = -100.0, high: float = 100.0) -> float:
     return R.uniform(low, high)
 
 
+def with_gaps(low: float = -100.0, high: float = 100.0) -> float:
+    return math.nan if R.random() < 0.02 else u(low, high)
+
+
 def triple(low: float = -100.0, high: float = 100.0) -> tuple[float, float, float]:
     return u(low, high), u(low, high), u(low, high)
 
@@ -216,13 +220,16 @@ CASES: dict[str, Callable[[], tuple[Any, ...]]] = {
     "angle_diff": lambda: (u(-400, 400), u(-400, 400)),
     "constrain": triple,
     "average": lambda: (u(), R.choice("ab"), 4),
-    **dict.fromkeys(("second_derivative_5", "second_derivative_9"), lambda: (u(), R.choice("ab"))),
+    **dict.fromkeys(
+        ("second_derivative_5", "second_derivative_9"), lambda: (with_gaps(), R.choice("ab"))
+    ),
     "lowpass": lambda: (R.choice((u(), math.nan)), R.choice("ab"), u(0, 1)),
     "lpalpha": lambda: (u(1, 1000), u(1, 100)),
     "lowpassHz": lambda: (u(), R.choice("ab"), u(1, 1000), u(1, 100)),
     **dict.fromkeys(("diff", "sum"), lambda: (u(), R.choice("ab"))),
     **dict.fromkeys(
-        ("delta", "delta_angle"), lambda: (u(-360, 360), R.choice("ab"), maybe(R.randint(1, 10**7)))
+        ("delta", "delta_angle"),
+        lambda: (with_gaps(-360, 360), R.choice("ab"), maybe(R.randint(1, 10**7))),
     ),
     "integral": lambda: (u(), R.choice("ab"), u(0, 1e8)),
     "downsample": lambda: (3,),

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
+from random import Random
 
 import dataflash_writer
 import pytest
+from mavwire.dialects.v20 import ardupilotmega as mavlink
+from mavwire.mavftp_op import (
+    FTP_OP,
+    OP_Ack,
+    OP_BurstReadFile,
+    OP_OpenFileRO,
+    OP_TerminateSession,
+)
 from tool_runs import (
     Log,
     attitude,
@@ -14,7 +24,10 @@ from tool_runs import (
     flight_log,
     gps,
     heartbeat,
+    in_folder,
+    program,
     random_log,
+    run,
 )
 
 SENSORS = "SYS_STATUS.onboard_control_sensors_health"
@@ -44,6 +57,8 @@ CASES = {
     "bitmask_change": ("mavbitmask_change", [f"LOG {SENSORS}", f"LOG HEARTBEAT.base_mode {SENSORS}",
                                              "LOG HEARTBEAT.type EKF_STATUS_REPORT.flags"]),
     "sensor_status_change": ("mavsensor_status_change", [""]),
+    "gps_CEP": ("mavgps_CEP", [""]),
+    "split_sysid": ("mavsplit_sysid", ["", "--types ATTITUDE,STATUSTEXT"]),
 }  # fmt: skip
 
 
@@ -95,8 +110,9 @@ def test_a_damaged_log(verb: str, logs: dict[str, Path], tmp_path: Path, oracle:
         ("mission", ""),
         ("togpx", ""),
         ("search", "--types HEARTBEAT --stop"),
-        ("extract", "--mode loiter"),
         ("gpslock", ""),
+        ("gps_CEP", ""),
+        ("split_sysid", ""),
     ],
 )
 def test_several_logs(
@@ -122,6 +138,24 @@ def test_bits(arguments: str, tmp_path: Path, oracle: str) -> None:
     compare("mavlink_bitmask_decoder", "bitmask_decoder", arguments, tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("script", "verb", "options"),
+    [
+        ("mavlogdump", "dump", ""),
+        ("mavlogdump", "dump", "--show-types"),
+        ("mavlogdump", "dump", "--quiet"),
+        ("mavlogdump", "dump", "--nottypes X --condition 'CSV.A>2'"),
+        ("mavsearch", "search", "--condition 'CSV.A>2'"),
+        ("mavsigloss", "sigloss", ""),
+        ("mavparms", "parms", ""),
+    ],
+)
+def test_csv_logs(script: str, verb: str, options: str, tmp_path: Path, oracle: str) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text("T;A;B\n1000;1.5;foo\n2000;2.5;bar\n")
+    compare(script, verb, f"{options} csv:LOG", tmp_path, path)
+
+
 @pytest.mark.parametrize("options", ["", "-t", "--full-diff", "-t --hide-only1 --hide-only2"])
 def test_parameter_files(options: str, tmp_path: Path, oracle: str) -> None:
     one, other = tmp_path / "one.parm", tmp_path / "other.parm"
@@ -129,6 +163,106 @@ def test_parameter_files(options: str, tmp_path: Path, oracle: str) -> None:
     other.write_text("A 1.0\nB 2.6\nD,4\nMIS_TOTAL 6\nE=7\nF 0x10\n# c\nG 1 # x\nSAME\t1\n")
     lines = compare("mavparmdiff", "parmdiff", options, tmp_path, one, other)
     assert len(lines) > 5
+
+
+def test_parameters_that_are_not_at_their_defaults(tmp_path: Path, oracle: str) -> None:
+    defaults, flown = tmp_path / "defaults.parm", tmp_path / "flown.parm"
+    defaults.write_text("A 1\nB 2\nC 3\nMIS_TOTAL 5\nA_NAME_THAT_IS_LONG 3\nSAME 1\nD 0\nE 0\n")
+    flown.write_text("B 1e15\nA 0.1\nC 1e17\nMIS_TOTAL 6\nA_NAME_THAT_IS_LONG 3.25\nSAME 1.0\n"
+                     "D -2\nE 123456789.123456789\nONLY_HERE 1\n")  # fmt: skip
+    lines = compare("extract_parms", "extract_parms", "", tmp_path, defaults, flown)
+    assert len(lines) > 6
+
+
+def test_positions_of_receivers(tmp_path: Path, oracle: str) -> None:
+    random = Random(7)
+    paths = []
+    for fix in (3, 6):
+        log = Log(tmp_path / f"fix{fix}.tlog")
+        for number in range(120):
+            lat, lon = 10 + random.gauss(0, 1e-5), 20 + random.gauss(0, 1e-5)
+            log.add(number, gps(number, lat, 0.0, fix, lon))
+            log.add(number, gps(number, lat + 1, 0.0, 3, lon), source=(9, 1))
+            other = mavlink.MAVLink_gps2_raw_message(
+                0, 3, int(lat * 1e7), int(lon * 1e7), number * 10, 9, 9, 0, 0, 9, 0, 0
+            )
+            log.add(number, other)
+        paths.append(log.done())
+    assert len(compare("mavgps_CEP", "gps_CEP", "", tmp_path, *paths)) == 7
+    flight = dataflash_writer.Log()
+    flight.define("PARM", "QNf", "TimeUS,Name,Value")
+    flight.define("GPS", "QBBIHLLf", "TimeUS,I,Status,GMS,GWk,Lat,Lng,Alt")
+    flight.add("PARM", 0, "SYSID_THISMAV", 7.0)
+    for number in range(660):
+        place = 100_000_000 + random.randrange(500), 200_000_000 + random.randrange(500)
+        time = number * 1000, number % 2, 1 + number % 6, number, 2200
+        flight.add("GPS", *time, *place, random.random())
+    (tmp_path / "dataflash").mkdir()
+    path = Path(flight.write(tmp_path / "still.bin"))
+    assert len(compare("mavgps_CEP", "gps_CEP", "", tmp_path / "dataflash", path)) == 5
+
+
+def fast_samples(path: Path) -> Path:
+    """Batches of two accelerometers and two gyroscopes, one batch without its first part."""
+    log = dataflash_writer.Log()
+    log.define("ATT", "Qf", "TimeUS,Roll")
+    log.define("ISBH", "QHBBHHQf", "TimeUS,N,type,instance,mul,smp_cnt,SampleUS,smp_rate")
+    log.define("ISBD", "QHHaaa", "TimeUS,N,seqno,x,y,z")
+    for number in range(8):
+        kind, instance = number % 2, number // 4
+        log.add("ATT", number, 2.0)
+        log.add("ISBH", number, number, kind, instance, 16 + number, 64, number * 70_000, 1234.5)
+        for part in range(number == 3, 2):
+            rows = [
+                struct.pack("<32h", *(axis * (32 * part + one) for one in range(32)))
+                for axis in (1, -2, 500)
+            ]
+            log.add("ISBD", number, number, part, *rows)
+    return Path(log.write(path))
+
+
+def test_fast_samples_as_a_log(tmp_path: Path, oracle: str) -> None:
+    path = fast_samples(tmp_path / "fast.bin")
+    compare("extract_batch_imu", "extract_batch_imu", "LOG out.bin", tmp_path, path)
+    assert (tmp_path / "ours" / "out.bin").stat().st_size > 10_000
+
+
+def test_fast_samples_as_tables(tmp_path: Path, oracle: str) -> None:
+    """isb_extract.py tells its speed, and leaves out the last batch."""
+    path = fast_samples(tmp_path / "fast.bin")
+    folders = [in_folder(tmp_path / name, (path,)) for name in ("theirs", "ours")]
+    theirs, _ = run([*program("isb_extract"), path.name], folders[0])
+    ours, _ = run(["-m", "mavwire", "isb_extract", path.name], folders[1])
+    assert ours == [line for line in theirs if "messages/second" not in line]
+    assert "ISBH(3) has holes in it" in ours
+    for name in ("Accel0.csv", "Accel1.csv", "Gyro0.csv", "Gyro1.csv"):
+        ours_text, theirs_text = ((folder / name).read_text() for folder in reversed(folders))
+        assert ours_text.startswith(theirs_text), name
+        assert (ours_text == theirs_text) == (name != "Gyro1.csv"), name
+
+
+def test_files_sent_by_ftp(tmp_path: Path, oracle: str) -> None:
+    """Of other files than parameters the script tells the last one alone."""
+    log = Log(tmp_path / "ftp.tlog")
+    name = b"@PARAM/param.pck"
+    values = b"\x04\x00RC1_" + struct.pack("<f", 1.5) + b"\x02\x14MIN" + struct.pack("<h", -7)
+    content = struct.pack("<HHH", 0x671B, 2, 2) + b"\x04\x30RC1_" + values[6:10]
+    content += b"\x02\x34TRIM"[:2] + b"TRIM" + struct.pack("<h", -7)
+
+    def send(seconds: float, answer: bool, packet: FTP_OP) -> None:
+        payload = bytes(packet.pack()).ljust(251, b"\0")
+        source, target = ((1, 1), 255) if answer else ((255, 190), 1)
+        msg = mavlink.MAVLink_file_transfer_protocol_message(0, target, 1, payload)
+        log.add(seconds, msg, source)
+
+    send(0, False, FTP_OP(1, 0, OP_OpenFileRO, len(name), 0, 0, 0, name))
+    size = struct.pack("<I", len(content))
+    send(1, True, FTP_OP(2, 0, OP_Ack, 4, OP_OpenFileRO, 0, 0, size))
+    send(2, False, FTP_OP(3, 0, OP_BurstReadFile, 80, 0, 0, 0, None))
+    send(3, True, FTP_OP(4, 0, OP_Ack, len(content), OP_BurstReadFile, 1, 0, content))
+    send(4, False, FTP_OP(5, 0, OP_TerminateSession, 0, 0, 0, 0, None))
+    lines = compare("mavftpdecode", "ftpdecode", "", tmp_path, log.done())
+    assert lines == ["# @PARAM/param.pck", "RC1_ 1.5", "RC1_TRIM -7", ""]
 
 
 def test_sizes_where_no_zeros_are_cut_off(tmp_path: Path, oracle: str) -> None:

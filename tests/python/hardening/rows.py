@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from hardening import code, links, logs, signing, wire
+from hardening import code, kills, links, logs, recovery, signing, wire
 
 Measure = Callable[[str, bool], dict[str, Any]]
 Judge = Callable[[Any], bool]
@@ -70,6 +70,8 @@ FIGURES = (
     Figure("kept after 8 MB unaligned", wire.unaligned, (at_most(64, 1000),)),
     Figure("telemetry log cut anywhere", logs.cuts, (NONE,)),
     Figure("damaged dataflash logs", logs.mutated, (NONE,)),
+    Figure("telemetry log, % found", recovery.of_telemetry, (exactly(100.0),)),
+    Figure("dataflash log, % found", recovery.of_dataflash, (exactly(100.0),)),
     Figure("code that is run", code.runs, (NO,)),
     Figure("hostile definitions", code.bombs, (Goal("refused in ms", quickly, refused),)),
     Figure("bytes for a made-up key", links.tables, (at_most(1, 10),)),
@@ -81,6 +83,7 @@ FIGURES = (
     Figure("slow TCP reader", links.slow_reader, (NONE,)),
     Figure("Ctrl-C", links.interrupted, (at_most(250),), in_short=False),
     Figure("kill -9 while recording", logs.killed, (NONE,)),
+    Figure("kill -9 while writing", kills.sweep, (NONE,), in_short=False),
     Figure("full disk, messages of 500", logs.full_disk, (exactly(500),)),
     Figure("four senders on one link", links.senders, (NONE,)),
     Figure("secrets in a recorded log", logs.secrets, (NO,)),

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from integration.processes import announced_ports, mavwire
 from mavwire import open_log
-from unit.bridge_tools import LIMIT, UDP, command, receive, udp_peer
+from unit.bridge_tools import LIMIT, UDP, command, receive, udp_peer, wait_until
 from unit.link_tools import KEY, heartbeat
 
 DAY = 86_400
@@ -41,6 +41,24 @@ int clock_gettime(clockid_t id, struct timespec *now) {
     if (result == 0 && id == CLOCK_REALTIME && ahead)
         now->tv_sec += *ahead;
     return result;
+}
+"""
+
+# A name server that does not answer while the test lasts; the file says that it was asked.
+NAMES = """
+#include <fcntl.h>
+#include <netdb.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int getaddrinfo(const char *node, const char *service, const struct addrinfo *hints,
+                struct addrinfo **result) {
+    if (node && strstr(node, "vehicle.test")) {
+        close(open(getenv("ASKED"), O_CREAT | O_WRONLY, 0600));
+        sleep(600);
+    }
+    return EAI_AGAIN;
 }
 """
 
@@ -95,19 +113,36 @@ def test_each_end_is_killed_and_started_again() -> None:
                         pass
 
 
-@pytest.fixture
-def clock(tmp_path: Path) -> dict[str, str]:
-    """The environment of a process whose clock the file `ahead` moves."""
-    source, library, ahead = (tmp_path / name for name in ("clock.c", "clock.so", "ahead"))
-    source.write_text(CLOCK)
+def before_the_system(folder: Path, text: str) -> dict[str, str]:
+    """The environment of a process that has these functions instead of the system's own."""
+    source, library = folder / "instead.c", folder / "instead.so"
+    source.write_text(text)
     compiler = shutil.which("cc")
     if compiler is None:
         pytest.skip("no C compiler: apt-get install gcc")
     build = [compiler, "-shared", "-fPIC", "-o", str(library), str(source)]
     if subprocess.run(build, capture_output=True, check=False).returncode:
-        pytest.skip("the clock does not compile here")
+        pytest.skip("it does not compile here")
+    return {"LD_PRELOAD": str(library)}
+
+
+@pytest.fixture
+def clock(tmp_path: Path) -> dict[str, str]:
+    """The environment of a process whose clock the file `ahead` moves."""
+    ahead = tmp_path / "ahead"
     ahead.write_bytes(bytes(8))
-    return {"LD_PRELOAD": str(library), "CLOCK_AHEAD": str(ahead)}
+    return {**before_the_system(tmp_path, CLOCK), "CLOCK_AHEAD": str(ahead)}
+
+
+@pytest.mark.parametrize("kind", ["udpin", "udpout", "tcpin", "tcp"])
+def test_ctrl_c_ends_looking_a_name_up(tmp_path: Path, kind: str) -> None:
+    asked = tmp_path / "asked"
+    env = {**before_the_system(tmp_path, NAMES), "ASKED": str(asked)}
+    with mavwire("bridge", f"{kind}:vehicle.test:14550", env=env) as (process, lines):
+        wait_until("the question", asked.exists)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(LIMIT) in (0, 130)
+    assert lines.empty(), "nothing to read about that"
 
 
 def test_the_clock_jumps(tmp_path: Path, clock: dict[str, str]) -> None:

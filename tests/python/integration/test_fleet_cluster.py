@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +13,8 @@ import mavwire
 import pytest
 from mavwire import cli, traffic
 from mavwire.fleet import to_parquet
+from unit.bridge_tools import wait_until
+from unit.faults import ENVIRONMENT
 
 # Dask's own threads end when they like.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
@@ -117,3 +123,22 @@ def test_the_command_starts_processes_of_its_own(tmp_path, logs, capsys):
     assert cli.main(["convert", pattern, "-o", str(out), "--workers", "1", "--quiet"]) == 0
     assert capsys.readouterr().out == ""
     assert written(out) == expected(logs)
+
+
+def test_a_fleet_job_that_is_killed_goes_on_when_it_is_started_again(tmp_path, logs, cluster):
+    """Client, scheduler and worker at once."""
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "mavwire", "convert", *map(str, logs), "-o", str(out)]
+    process = subprocess.Popen(
+        [*command, "--workers", "1", "--quiet"], env=ENVIRONMENT, start_new_session=True
+    )
+    try:
+        wait_until("a file", lambda: list(out.rglob("*.parquet")) or process.poll() is not None)
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+    with pytest.importorskip("distributed").Client(cluster, set_as_default=False) as client:
+        rows = to_parquet(logs, out, client)
+    assert [row.error for row in rows] == [None] * len(logs)
+    assert written(out) == expected(logs)
+    assert not list(out.glob(".staging-*")), "nothing is left of the run that was killed"

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from mavwire.dialects.v20 import all as mavlink
 from unit.link_tools import pack
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 LIMIT = 60.0
 UDP = "udpin:127.0.0.1:0"
 TCP = "tcpin:127.0.0.1:0"
+MARKER_V1, MARKER_V2 = 0xFE, 0xFD
+# What came behind the frame that was received last.
+_waiting: WeakKeyDictionary[socket.socket, bytes] = WeakKeyDictionary()
 
 
 def wait_until(what: str, condition: Callable[[], Any]) -> Any:
@@ -56,8 +60,16 @@ def udp_peer(bridge: Bridge | None = None, name: str = "") -> Iterator[socket.so
 
 
 def receive(peer: socket.socket) -> bytes:
-    """The next datagram."""
-    return peer.recv(65536)
+    """The next frame: those that waited for a bridge together share a datagram."""
+    data = _waiting.pop(peer, b"") or peer.recv(65536)
+    length = len(data)
+    if data[0] == MARKER_V2:
+        length = 12 + data[1] + 13 * (data[2] & 1)
+    elif data[0] == MARKER_V1:
+        length = 8 + data[1]
+    if length < len(data):
+        _waiting[peer] = data[length:]
+    return data[:length]
 
 
 def read_exactly(stream: socket.socket, count: int) -> bytes:

@@ -220,8 +220,30 @@ def test_frames_that_wait_may_share_a_datagram() -> None:
         frames = [heartbeat(seq=seq) for seq in range(5)]
         bridge.send(b"".join(frames))
         pairs = [frames[0] + frames[1], frames[2] + frames[3], frames[4]]
-        assert [receive(station) for _ in pairs] == pairs
+        assert [station.recv(65536) for _ in pairs] == pairs
         wait_until("the count", lambda: report(bridge, "station")["sent"] == 5)
+
+
+def test_frames_of_one_datagram_fit_where_the_longest_frame_does() -> None:
+    with Bridge() as bridge, udp_peer() as station:
+        bridge.add(f"udpout:127.0.0.1:{station.getsockname()[1]}")
+        sent = b"".join(heartbeat(seq=seq) for seq in range(200))
+        bridge.send(sent)
+        came = b""
+        while len(came) < len(sent):
+            datagram = station.recv(65536)
+            assert len(datagram) <= 280 and len(datagram) % len(heartbeat()) == 0
+            came += datagram
+        assert came == sent
+
+
+def test_a_datagram_for_each_frame_if_that_is_wanted() -> None:
+    with Bridge() as bridge, udp_peer() as station:
+        bridge.add(f"udpout:127.0.0.1:{station.getsockname()[1]}", datagram_bytes=0)
+        frames = [heartbeat(seq=seq) for seq in range(200)]
+        frames[7] = pack(mavlink.MAVLink_attitude_message(1, 0, 0, 0, 0, 0, 0), 7)
+        bridge.send(b"".join(frames))
+        assert [receive(station) for _ in frames] == frames
 
 
 def test_filters_limits_and_duplicates() -> None:

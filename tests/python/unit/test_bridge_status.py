@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
+from mavwire.cli import _bridge_warnings
 from mavwire.cli._bridge_status import component_rows, link_rows
 from mavwire.cli.bridge import listen_address, size
+
+if TYPE_CHECKING:
+    from mavwire import Bridge
 
 LINK = {
     "name": "gcs", "peer": None, "state": "up", "error": None, "received": 100, "sent": 50,
@@ -47,6 +51,34 @@ def test_the_table_is_drawn_where_rich_is() -> None:
         table = StatusTable(bridge)
         table()
         table.close()
+
+
+def test_a_link_that_takes_too_little_is_told_of_once_a_second(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Told:
+        def __init__(self) -> None:
+            self.links: list[dict[str, Any]] = []
+
+        def stats(self) -> dict[str, Any]:
+            return {"links": self.links}
+
+    now, bridge = [100.0], Told()
+    monkeypatch.setattr(_bridge_warnings.time, "monotonic", lambda: now[0])
+    warn = _bridge_warnings.DropWarnings(cast("Bridge", bridge))
+
+    def said(after: float, **link: Any) -> str:
+        now[0] += after
+        bridge.links = [{"name": "radio", "peer": "10.0.0.1:5", "queued_bytes": 9, **link}]
+        warn()
+        return capsys.readouterr().err
+
+    assert said(0.9, dropped=500) == ""
+    assert "warning: radio 10.0.0.1:5: 700 frames dropped" in said(0.2, dropped=700)
+    assert said(0.9, dropped=800) == ""
+    assert ": 200 frames dropped" in said(0.2, dropped=900)
+    assert said(1.1, dropped=900) == ""
+    assert said(1.1, dropped=950, queued_bytes=0) == "", "it is down"
 
 
 @pytest.mark.parametrize(

@@ -193,3 +193,12 @@ def test_an_error_of_a_program_that_is_run_passes_through(tmp_path: Path) -> Non
     result = shell(f"MAVWIRE run {program}")
     assert result.returncode == 1
     assert result.stderr.splitlines()[-1] == "BrokenPipeError: [Errno 32] Broken pipe"
+
+
+def test_help_after_a_subcommand_was_loaded(capsys: pytest.CaptureFixture[str]) -> None:
+    """`mavwire.cli.map` is then a name of the package, in the place of the builtin."""
+    import mavwire.cli.map
+
+    assert mavwire.cli.map.__name__ in str(vars(cli)["map"])
+    assert cli.main(["--help"]) == 0
+    assert "playback" in capsys.readouterr().out

@@ -17,7 +17,8 @@ import pytest
 from mavwire import traffic
 from mavwire._native import LogColumns
 from mavwire.dialects.v20 import all as mavlink
-from mavwire.logs import reading, scanning
+from mavwire.logs import pushdown, reading
+from mavwire.logs.conversion import convert
 from real_logs import each_log
 from unit.column_tools import compare_with_messages, log_of_every_type
 from unit.link_tools import T0, heartbeat, pack, record
@@ -180,7 +181,7 @@ def test_a_time_in_a_filter_is_rounded_like_that_of_a_record():
             ("Milliseconds", micros // 1_000),
         ):
             node = {"Literal": {"DateTime": [count, unit, None]}}
-            assert scanning._seconds(node) == micros * 1e-6
+            assert pushdown._seconds(node) == micros * 1e-6
 
 
 def test_a_type_that_comes_in_pieces_is_one_table(flight, monkeypatch):
@@ -200,6 +201,7 @@ class Halves:
 
     def __init__(self, *arguments):
         self.found = LogColumns(*arguments)
+        self.position = self.bad_bytes = 0
 
     def __iter__(self):
         for tables in self.found:
@@ -353,3 +355,64 @@ def test_imports_stay_light():
     code = "import sys, mavwire.mavutil; print([m for m in ('numpy', 'pyarrow', 'polars') if m in sys.modules])"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[]"
+
+
+@pytest.fixture
+def raw(flight, tmp_path):
+    """The frames of a flight without their times, with damage in between."""
+    frames = [bytes(msg.get_msgbuf()) for msg in mavwire.open_log(flight)]
+    path = tmp_path / "flight.raw"
+    path.write_bytes(b"".join([*frames[:100], b"\xfd damage", *frames[100:]]))
+    return path
+
+
+@pytest.mark.parametrize("resync", ["rescan", "skip"])
+def test_messages_of_a_raw_stream(flight, raw, resync):
+    log = mavwire.open_log(raw, resync=resync)
+    frames = [bytes(msg.get_msgbuf()) for msg in mavwire.open_log(flight)]
+    messages = list(log)
+    found = [bytes(msg.get_msgbuf()) for msg in messages if msg.get_type() != "BAD_DATA"]
+    assert found == frames if resync == "rescan" else set(found) <= set(frames)
+    assert len(found) > len(frames) - 50
+    assert {msg._timestamp for msg in messages} == {0.0}
+    assert len(log) == len(messages)
+    if resync == "rescan":
+        assert log.info().messages == len(log)
+        assert compare_without_times(messages, log.read()) == len(log)
+
+
+def compare_without_times(messages, tables):
+    rows = dict.fromkeys(tables, 0)
+    for msg in messages:
+        kind = msg.get_type()
+        assert tables[kind]["seq"][rows[kind]] == msg.get_seq()
+        rows[kind] += 1
+    assert rows == {name: len(table) for name, table in tables.items()}
+    return sum(rows.values())
+
+
+@pytest.mark.parametrize("span", [{"start": 4e9}, {"end": 5e9}, {"start": 4e9, "end": 5e9}])
+def test_times_of_what_has_none(raw, tmp_path, span):
+    for read in (mavwire.read, lambda path, **span: list(mavwire.scan(path, **span))):
+        with pytest.raises(ValueError, match="no times"):
+            read(raw, **span)
+    with pytest.raises(ValueError, match="no times"):
+        list(mavwire.open_log(raw).messages(**span))
+    (row,) = convert([raw], tmp_path / "out", **span)
+    assert "no times" in str(row.error) and not row.files
+
+
+def test_a_filter_by_time_finds_nothing_in_a_raw_stream(raw):
+    pl = pytest.importorskip("polars")
+    lazy = mavwire.scan_polars(raw, "ATTITUDE")
+    assert len(lazy.collect()) > 0
+    late = pl.datetime(2020, 1, 1, time_zone="UTC")
+    assert len(lazy.filter(pl.col("timestamp") >= late).collect()) == 0
+
+
+@pytest.mark.parametrize("span", [{"start": float("nan")}, {"end": float("nan")}])
+def test_no_number_is_no_time(flight, span):
+    with pytest.raises(ValueError, match="nan"):
+        mavwire.read(flight, **span)
+    with pytest.raises(ValueError, match="nan"):
+        mavwire.open_log(flight).messages(**span)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import mavwire
 import numpy as np
 import pytest
 from mavwire import traffic
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.logs.align import align
+from mavwire.logs.rewriting import merge
 from unit.link_tools import T0, heartbeat, pack, record
 
 STEP = 100_000
@@ -120,3 +124,104 @@ def test_info_finds_gaps_reboots_and_versions(tmp_path):
     assert info.times_back == 1
     assert info.senders[1, 1].reboots == 1
     assert (info.version1, info.version2) == (1, 5)
+
+
+def test_a_span_of_time_and_names_of_enums(tmp_path):
+    path = tmp_path / "flight.tlog"
+    traffic.generate(path, 2000)
+    log = mavwire.open_log(path)
+    whole = log.align(["HEARTBEAT", "ATTITUDE"], on="ATTITUDE", systems=1)
+    first, last = whole["timestamp"][20], whole["timestamp"][40]
+    some = log.align(["ATTITUDE"], on="ATTITUDE", start=first, end=last)
+    assert some["ATTITUDE.roll"].tolist() == whole["ATTITUDE.roll"][20:40].tolist()
+    named = log.align(["HEARTBEAT"], on="HEARTBEAT", enums="names", systems=1)
+    assert str(named["HEARTBEAT.autopilot"][0]).startswith("MAV_AUTOPILOT_")
+
+
+def test_an_aligned_table_has_no_instances_of_its_own(tmp_path):
+    path = tmp_path / "flight.tlog"
+    traffic.generate(path, 2000)
+    log = mavwire.open_log(path)
+    table = log.align(["BATTERY_STATUS"], rate="1s")
+    assert log["BATTERY_STATUS"].instance_field == "id"
+    assert table.instance_field is None and table.wide() is table
+
+
+def gps(lat: int) -> Any:
+    return mavlink.MAVLink_gps_raw_int_message(0, 3, lat, 0, 0, 0, 0, 0, 0, 9)
+
+
+def test_senders_are_not_mixed(tmp_path):
+    path = tmp_path / "two.tlog"
+    path.write_bytes(
+        b"".join(
+            record(
+                pack(gps((10 if sysid == 1 else -50) * 10_000_000), n, sysid, compid),
+                T0 + STEP * at,
+            )
+            for at, (n, sysid, compid) in enumerate(
+                [(0, 1, 1), (0, 2, 1), (1, 1, 1), (1, 2, 1), (0, 2, 7)]
+            )
+        )
+    )
+    log = mavwire.open_log(path)
+    for how in ({"on": "GPS_RAW_INT"}, {"rate": "50ms"}, {"rate": "50ms", "systems": 2}):
+        with pytest.raises(ValueError, match=r"several senders .*2/7.*systems="):
+            log.align(["GPS_RAW_INT"], **how)
+    one = log.align(["GPS_RAW_INT"], rate="50ms", method="linear", systems=1)
+    assert set(one["GPS_RAW_INT.lat"]) == {100_000_000}
+    table = log["GPS_RAW_INT"]
+    assert [len(table.sender(*who)) for who in ((1,), (2,), (2, 7), (9,))] == [2, 3, 1, 0]
+    tables = {"GPS_RAW_INT": table.sender(2, 1)}
+    assert set(align(tables, rate="50ms")["GPS_RAW_INT.lat"]) == {-500_000_000}
+
+
+def test_the_clock_is_of_one_sender(tmp_path):
+    path = tmp_path / "clock.tlog"
+    frames = [heartbeat(0), heartbeat(0, sysid=255), pack(gps(1), 1)]
+    path.write_bytes(b"".join(record(one, T0 + STEP * n) for n, one in enumerate(frames)))
+    with pytest.raises(ValueError, match="HEARTBEAT comes from several senders"):
+        mavwire.open_log(path).align(["GPS_RAW_INT"], on="HEARTBEAT")
+
+
+def test_instances_are_aligned_each_by_itself(tmp_path):
+    path = tmp_path / "batteries.tlog"
+
+    def battery(number: int, current: int) -> Any:
+        return mavlink.MAVLink_battery_status_message(number, 0, 0, 0, [0] * 10, current, 0, 0, 0)
+
+    messages = [battery(0, 100), battery(1, 900), battery(0, 300), battery(1, 1100)]
+    path.write_bytes(b"".join(record(pack(m, n), T0 + STEP * n) for n, m in enumerate(messages)))
+    table = mavwire.open_log(path).align(["BATTERY_STATUS"], rate="100ms", method="linear")
+    first, second = (table[f"BATTERY_STATUS[{n}].current_battery"] for n in (0, 1))
+    assert first[:3].tolist() == [100, 200, 300] and np.isnan(first[3])
+    assert np.isnan(second[0]) and second[1:].tolist() == [900, 1000, 1100]
+    assert not [name for name in table.columns if name.endswith(".id")]
+
+
+def test_rows_without_times_are_refused(log, tmp_path):
+    path = tmp_path / "flight.raw"
+    path.write_bytes(b"".join(bytes(msg.get_msgbuf()) for msg in log))
+    for how in ({"on": "HEARTBEAT"}, {"rate": "50ms"}):
+        with pytest.raises(ValueError, match="no times"):
+            mavwire.open_log(path).align(["ATTITUDE"], **how)
+
+
+def test_what_two_links_heard_is_no_loss(tmp_path):
+    path, twice = tmp_path / "flight.tlog", tmp_path / "twice.tlog"
+    traffic.generate(path, 5_000, systems=2, loss=0.02)
+    merge([path, path], twice)
+    once, info = mavwire.open_log(path).info(), mavwire.open_log(twice).info()
+    assert once.lost > 50 and once.repeated == 0
+    assert (info.lost, info.repeated, info.messages) == (once.lost, 5_000, 10_000)
+    assert {ids: one.loss for ids, one in info.senders.items()} == {
+        ids: one.loss for ids, one in once.senders.items()
+    }
+
+
+def test_a_swapped_pair_is_no_loss(tmp_path):
+    path = tmp_path / "swapped.tlog"
+    numbers = [0, 1, 3, 2, 4, 6, 7]
+    path.write_bytes(b"".join(record(heartbeat(n), T0 + at) for at, n in enumerate(numbers)))
+    info = mavwire.open_log(path).info()
+    assert (info.lost, info.repeated) == (1, 0)

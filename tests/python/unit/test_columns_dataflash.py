@@ -14,7 +14,7 @@ from typing import Any
 import mavwire
 import numpy as np
 import pytest
-from dataflash_writer import Log, fmt, sample
+from dataflash_writer import FMT, Log, fmt, sample
 from mavwire.DFReader import DFReader_binary, DFReader_text
 from mavwire.logs import DataflashLog, LogFormatError
 from mavwire.logs.conversion import convert
@@ -164,7 +164,7 @@ def test_align_and_wide(tmp_path):
     filled = mavwire.open_log(path)["IMU"].wide(tolerance="10s")
     assert str(filled["IMU[1].Raw"].tolist()) == "[nan, -7.0, -7.0]"
     aligned = mavwire.open_log(path).align(["IMU", "GPS"], on="MODE")
-    assert aligned["IMU.Raw"].tolist()[1] == 1
+    assert aligned["IMU[0].Raw"].tolist()[1] == 1
 
 
 def test_instances_of_telemetry(tmp_path):
@@ -238,9 +238,11 @@ def test_scan_of_several_kinds(tmp_path):
     traffic.generate(telemetry, 500)
     names = {table.name for table in mavwire.scan([path, telemetry])}
     assert {"IMU", "ATTITUDE"} <= names
-    assert [len(table) for table in mavwire.scan(path, "IMU", batch_rows=1)] == [3]
+    assert [len(table) for table in mavwire.scan(path, "IMU", batch_rows=1)] == [1, 1, 1]
     with pytest.raises(ValueError, match="IMU"):
-        mavwire.scan([path, telemetry], "IMU")
+        list(mavwire.scan([path, telemetry], "IMU"))
+    with pytest.raises(ValueError, match="IMU"):
+        mavwire.scan([telemetry, path], "IMU")
     with pytest.raises(ValueError, match="NOPE"):
         mavwire.read(telemetry, "NOPE")
 
@@ -356,3 +358,31 @@ def is_recognised(path: Path) -> bool:
     except LogFormatError:
         return False
     return True
+
+
+@pytest.mark.parametrize("text", [False, True])
+def test_many_descriptions_of_one_name_cost_no_more_than_those_of_one_type(tmp_path, text):
+    """Whoever makes a log names its types: the columns of a table are bounded all the same."""
+    path = tmp_path / ("many.log" if text else "many.BIN")
+    width, count = (100, 200) if text else (12, 500)
+    if text:
+        lines = ["FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns"]
+        for n in range(count):
+            names = ",".join(f"c{n:x}_{i:x}" for i in range(width))
+            lines.append(f"FMT, {n % 120 + 1}, 250, ABCD, {'B' * width}, {names}")
+            lines.append("ABCD, " + ", ".join(["7"] * width))
+        path.write_text("\n".join(lines) + "\n")
+    else:
+        log = bytearray(FMT)
+        for n in range(count):
+            type_id = n % 120 + 1
+            names = ",".join(f"{n * width + i:x}" for i in range(width))
+            log += fmt(type_id, "ABCD", "B" * width, names)
+            log += bytes([0xA3, 0x95, type_id]) + b"\7" * width
+        path.write_bytes(log)
+    log = mavwire.open_log(path)
+    assert len(log.types["ABCD"]) <= 1 + 16 * width
+    table = log["ABCD"]
+    assert len(table) == 16
+    assert table.columns == log.types["ABCD"]
+    assert log.info().types["UNKNOWN"].messages >= 100, "the other records are counted"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import mavwire
 import pytest
+from dataflash_writer import sample
 from mavwire import cli, traffic
 from mavwire.logs.conversion import convert
 from unit.column_tools import log_of_every_type
@@ -118,6 +119,101 @@ def test_scan_polars_pushes_down(flight):
     )
 
 
+@pytest.mark.parametrize(
+    ("condition", "start", "end", "systems"),
+    [
+        ("ts > a", "a", None, None),
+        ("ts >= a", "a", None, None),
+        ("a <= ts", "a", None, None),
+        ("ts == a", "a", "a", None),
+        ("ts.is_between(a, b)", "a", "b", None),
+        ("ts.is_between(a, b, closed='none')", "a", "b", None),
+        ("(ts >= a) & (ts < b) & (pl.col('sysid') == 1)", "a", "b", [1]),
+        ("(ts < b) & (ts > a) & (pl.col('roll') > 0)", "a", "b", None),
+        ("(ts < b) | (pl.col('sysid') == 1)", None, None, None),
+        ("ts != a", None, None, None),
+    ],
+)
+def test_what_a_filter_says_limits_what_is_decoded(
+    flight, monkeypatch, condition, start, end, systems
+):
+    pl = pytest.importorskip("polars")
+    from mavwire.logs import reading
+
+    asked = []
+    run = reading.columns_from
+
+    def noted(tables, source, native, query):
+        asked.append(query)
+        return run(tables, source, native, query)
+
+    monkeypatch.setattr(reading, "columns_from", noted)
+    frame = mavwire.read(flight, "ATTITUDE")["ATTITUDE"].to_polars()
+    a, b = frame["timestamp"][len(frame) // 3], frame["timestamp"][len(frame) // 2]
+    chosen = eval(condition, {"pl": pl, "ts": pl.col("timestamp"), "a": a, "b": b})
+    found = mavwire.scan_polars(flight, "ATTITUDE").filter(chosen).select("pitch").collect()
+    assert found.equals(frame.filter(chosen).select("pitch"))
+    (query,) = asked
+    bounds = {"a": a.timestamp(), "b": b.timestamp(), None: None}
+    assert query.start == (None if start is None else pytest.approx(bounds[start], abs=1e-6))
+    assert query.end == (None if end is None else pytest.approx(bounds[end] + 1e-3, abs=1e-6))
+    assert query.systems == systems
+    assert "yaw" not in query.columns and "pitch" in query.columns
+
+
+def test_a_sender_that_a_filter_names_is_about_telemetry_alone(flight, tmp_path):
+    pl = pytest.importorskip("polars")
+    onboard = sample().write(tmp_path / "flight.BIN")
+    lazy = mavwire.scan_polars([flight, onboard], "ATTITUDE")
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    found = lazy.filter(pl.col("sysid") == table["sysid"][0]).collect()
+    assert len(found) == (table["sysid"] == table["sysid"][0]).sum() > 0
+
+
+def test_pandas_frames_can_be_written_to_and_keep_categories(flight):
+    pd = pytest.importorskip("pandas")
+    table = mavwire.read(flight, "HEARTBEAT", enums="names")["HEARTBEAT"]
+    frame = table.to_pandas()
+    frame.loc[0, "custom_mode"] = 77
+    assert frame["custom_mode"][0] == 77 != table["custom_mode"][0]
+    assert isinstance(frame["autopilot"].dtype, pd.CategoricalDtype)
+    assert frame["autopilot"].tolist() == table["autopilot"].tolist()
+
+
+def test_pandas_integers_without_values(tmp_path):
+    pd = pytest.importorskip("pandas")
+    large = 2**60 + 1
+    log = tmp_path / "flight.log"
+    log.write_text(
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+        f"FMT, 200, 19, ABC, QQ, TimeUS,Count\nABC, 1000, {large}\nABC, 2000, none\n"
+    )
+    table = mavwire.read(log, "ABC")["ABC"]
+    assert table.to_pandas()["Count"].dtype == "float64"
+    frame = table.to_pandas(nullable=True)
+    assert frame["Count"].dtype in (pd.Int64Dtype(), pd.UInt64Dtype())
+    assert frame["Count"].tolist() == [large, pd.NA]
+
+
+def test_numpy_takes_a_table_as_records(flight):
+    import numpy as np
+
+    table = mavwire.read(flight, "BATTERY_STATUS")["BATTERY_STATUS"]
+    records = np.asarray(table)
+    assert records.dtype.names == tuple(table.columns)
+    assert records["voltages"].tolist() == table["voltages"].tolist()
+
+
+def test_tables_of_other_libraries(flight, tmp_path):
+    pl = pytest.importorskip("polars")
+    frame = mavwire.read(flight, "ATTITUDE")["ATTITUDE"].to_polars()
+    steep = mavwire.logs.Table.from_arrow(frame.filter(pl.col("roll") > 0), "STEEP")
+    assert (steep.name, len(steep)) == ("STEEP", (frame["roll"] > 0).sum())
+    steep.write(tmp_path / "steep.csv.gz")
+    assert len(pl.read_csv(tmp_path / "steep.csv.gz")) == len(steep)
+    assert steep.to_polars().equals(frame.filter(pl.col("roll") > 0))
+
+
 def test_convert_csv_and_json_lines(flight, tmp_path):
     convert([flight], tmp_path / "csv", format="csv", types="BATTERY_STATUS")
     convert([flight], tmp_path / "jsonl", format="jsonl", types="BATTERY_STATUS")
@@ -156,6 +252,28 @@ def test_convert_goes_on_where_it_stopped(flight, every, tmp_path):
     assert (out / "ATTITUDE" / "flight.parquet").exists()
     assert not convert([flight], out, compression="snappy")[0].skipped, "other options"
     assert not list(out.rglob("*.part"))
+
+
+def test_a_log_is_converted_again_when_the_definitions_are_others(flight, tmp_path):
+    pq = pytest.importorskip("pyarrow.parquet")
+    definition = tmp_path / "mine.xml"
+    text = """<mavlink><messages><message id="30" name="ATTITUDE"><description>x</description>
+        <field type="uint32_t" name="time_boot_ms"/>%s</message></messages></mavlink>"""
+    fields = "".join(
+        f'<field type="float" name="{name}" units="rad"/>'
+        for name in ("roll", "pitch", "yaw", "rollspeed", "pitchspeed", "yawspeed")
+    )
+
+    def run(log: Path) -> tuple[bool, bytes]:
+        (row,) = convert([log], tmp_path / "out", types="ATTITUDE", dialect=str(definition))
+        assert row.error is None and row.rows
+        schema = pq.read_schema(tmp_path / "out" / "ATTITUDE" / "flight.parquet")
+        return row.skipped, schema.field("roll").metadata[b"unit"]
+
+    definition.write_text(text % fields)
+    assert [run(flight), run(flight)] == [(False, b"rad"), (True, b"rad")]
+    definition.write_text(text % fields.replace("rad", "deg"))
+    assert [run(flight), run(flight)] == [(False, b"deg"), (True, b"deg")]
 
 
 def test_what_is_no_log_is_a_row_with_an_error(flight, tmp_path):
@@ -272,5 +390,10 @@ def test_write_by_suffix(flight, tmp_path):
     for suffix in ("parquet", "csv", "jsonl", "arrow"):
         table.write(tmp_path / f"a.{suffix}")
         assert (tmp_path / f"a.{suffix}").stat().st_size > 1000
-    with pytest.raises(ValueError, match="format"):
-        table.write(tmp_path / "a.xyz")
+    for suffix in ("csv.gz", "csv.zst", "jsonl.gz", "JSONL.ZST"):
+        table.write(tmp_path / f"a.{suffix}")
+        magic = b"\x1f\x8b" if suffix.endswith("gz") else b"\x28\xb5\x2f\xfd"
+        assert (tmp_path / f"a.{suffix}").read_bytes().startswith(magic)
+    for name in ("a.xyz", "a.gz", "a.parquet.gz", "a.mcap"):
+        with pytest.raises(ValueError, match="format"):
+            table.write(tmp_path / name)

@@ -16,6 +16,7 @@ from mavwire import traffic
 from mavwire.logs import journal
 from mavwire.logs.conversion import convert
 from mavwire.logs.manifest import JOURNAL, MANIFEST
+from mavwire.logs.store import Store
 from unit.link_tools import heartbeat, record
 
 HEARTBEATS = 3
@@ -194,3 +195,26 @@ def test_a_log_that_changed_leaves_no_file_of_before(tmp_path):
     (row,) = convert([log], out)
     assert row.files == {"HEARTBEAT/one.parquet": 1}
     assert [path.name for path in out.glob("*/*")] == ["one.parquet"]
+
+
+def test_one_run_at_a_time(tiny, tmp_path):
+    pytest.importorskip("fcntl")
+    with Store(str(tmp_path)).locked(), pytest.raises(ValueError, match="another conversion"):
+        convert(tiny, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    assert all(row.error is None for row in convert(tiny, tmp_path))
+
+
+def test_drafts_of_a_killed_run_are_removed(tiny, tmp_path):
+    (row,) = convert(tiny[:1], tmp_path)
+    folder = tmp_path / "HEARTBEAT"
+    left = folder / f"{row.name}.parquet.123-4.part"
+    others = [folder / f"{row.name}.parquet.part", folder / f"other-{row.name}.parquet.1-2.part"]
+    for path in (left, *others):
+        path.write_text("left")
+    manifest = json.loads((tmp_path / MANIFEST).read_text())
+    manifest["logs"][0]["error"] = journal.BEGUN
+    (tmp_path / MANIFEST).write_text(json.dumps(manifest))
+    (again,) = convert(tiny[:1], tmp_path)
+    assert again.error is None and not again.skipped
+    assert not left.exists() and all(path.exists() for path in others)

@@ -234,3 +234,11 @@ def test_csv_rows(tmp_path: Path) -> None:
     (tmp_path / "empty.csv").write_text("")
     with pytest.raises(ValueError, match="no headings"):
         CSVReader(str(tmp_path / "empty.csv"))
+
+
+def test_a_name_may_be_bytes_or_a_path(tmp_path: Path) -> None:
+    path = sample().write(tmp_path / "flight.bin")
+    expected = DFReader.DFReader_binary(path)._count
+    assert expected > 0
+    for name in (path.encode(), Path(path)):
+        assert DFReader.DFReader_binary(name)._count == expected  # type: ignore[arg-type]

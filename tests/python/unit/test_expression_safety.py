@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import types
+from collections.abc import Iterator
+from random import Random
 from typing import Any
 
 import pytest
+from mavwire import mavextra
 from mavwire.expression import ExpressionError, evaluate_expression
 from mavwire.expression.names import known_names
 from watchdog import watched
@@ -212,3 +216,43 @@ print("alive")
         [sys.executable, "-W", "ignore", "-c", program], capture_output=True, text=True, check=False
     )
     assert ran.stdout.strip() == "alive", ran.stderr[-500:]
+
+
+@pytest.fixture
+def forgetful() -> Iterator[None]:
+    mavextra.reset_state_data()
+    yield
+    mavextra.reset_state_data()
+
+
+@pytest.mark.usefixtures("forgetful")
+def test_averages_keep_a_bounded_number_of_values() -> None:
+    with pytest.raises(ExpressionError, match="average"):
+        evaluate_expression("[average(1, i, 10**6) for i in range(40)]", {})
+    with pytest.raises(ExpressionError, match="average"):
+        evaluate_expression("average(1, 'more', 10**7)", {})
+    mavextra.reset_state_data()
+    assert evaluate_expression("average(1, 0, 10**6)", {}) == 1
+
+
+@pytest.mark.usefixtures("forgetful")
+@pytest.mark.parametrize(
+    "call", ["average(1, n, 2)", "lowpass(1, n, 0.5)", "diff(1, n)", "delta(1, n, 5)", "sum(1, n)"]
+)
+def test_keys_that_change_for_ever_are_refused(call: str) -> None:
+    with pytest.raises(ExpressionError, match="keys"):
+        for number in range(10_000):
+            evaluate_expression(call, {"n": number})
+
+
+@pytest.mark.usefixtures("forgetful")
+@pytest.mark.parametrize("size", [3, 1000, 1001, 3000])
+def test_long_averages_are_means(size: int) -> None:
+    random = Random(size)
+    values = [random.uniform(-1e6, 1e6) for _ in range(2 * size + 80)]
+    values[60], values[70] = math.inf, math.nan
+    window = [values[0]] * size
+    for value in values:
+        window = [*window[1:], value]
+        found = mavextra.average(value, "mean", size)
+        assert found == pytest.approx(sum(window) / size, rel=1e-9, abs=1e-6, nan_ok=True)

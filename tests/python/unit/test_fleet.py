@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from mavwire.fleet.cuts import find_cuts
 from mavwire.fleet.grouping import group_bytes, grouped
 from mavwire.fleet.places import expand, located, status
 from mavwire.fleet.stores import store_of
-from mavwire.fleet.tasks import Recipe
+from mavwire.fleet.tasks import Recipe, staging
 from mavwire.logs.conversion import convert as convert_here
 from mavwire.logs.conversion import prepare
 from mavwire.logs.manifest import Manifest
@@ -135,8 +136,9 @@ def test_what_a_manifest_of_others_names_is_not_removed(tmp_path, small, inside)
 def test_a_large_log_in_parts_gives_exactly_its_rows(tmp_path, small, large, inside):
     cuts = find_cuts(str(large), BLOCK // 2)
     assert len(cuts) == 3, "not in the first block, where damage is not far enough away"
-    assert [start for start, _ in cuts[1:]] == [end for _, end in cuts[:-1]]
+    assert [start for start, *_ in cuts[1:]] == [end for _, end, _ in cuts[:-1]]
     assert (cuts[0][0], cuts[-1][1]) == (0, large.stat().st_size)
+    assert {stamped for *_, stamped in cuts} == {True}
     whole = mavwire.read(large)
     parts = [decode(large, one) for one in cuts]
     for name, table in whole.items():
@@ -170,6 +172,16 @@ def test_a_log_that_cannot_be_cut_exactly_stays_whole(tmp_path, large, what):
         content = b"\xa3\x95\x80" + content
     path.write_bytes(content)
     assert find_cuts(str(path), BLOCK // 2) == []
+
+
+def test_a_dataflash_log_of_any_kind_is_not_searched_for_cuts(tmp_path, monkeypatch):
+    log = tmp_path / "flight.log"
+    text = "FMT, 200, 19, ABC, QB, TimeUS,Count\n" + "ABC, 1000, 1\n" * 2000
+    log.write_text("FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n" + text)
+    onboard = tmp_path / "flight.BIN"
+    onboard.write_bytes(b"begins late" + Path(sample().write(tmp_path / "whole.BIN")).read_bytes())
+    monkeypatch.delattr("mavwire.fleet.cuts.summarise")
+    assert find_cuts(str(log), 1000) == find_cuts(str(onboard), 100) == []
 
 
 def test_names_of_parts_do_not_meet_names_of_logs(tmp_path, large, small, inside):
@@ -264,6 +276,17 @@ def test_places(tmp_path, small):
             pass
     with pytest.raises(IsADirectoryError), located(str(tmp_path), (0, 1)):
         pass
+
+
+def test_runs_leave_each_other_s_folders_alone(tmp_path):
+    left = tmp_path / ".staging-left"
+    (left / "task-1").mkdir(parents=True)
+    with staging(str(tmp_path)) as one, staging(str(tmp_path)) as other:
+        assert one is not None and other is not None and one != other
+        assert Path(one).is_dir() and Path(other).is_dir()
+        if os.name == "posix":
+            assert not left.exists(), "its run is gone"
+    assert not list(tmp_path.glob(".staging-*/*"))
 
 
 def test_groups():

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from hardening import __main__ as table
-from hardening import rows, signing, wire
+from hardening import recovery, rows, signing, wire
 from hardening.rows import Figure, at_least, at_most, exactly
 
 
@@ -53,3 +53,19 @@ def test_damage_is_what_it_says() -> None:
     assert 200 < intact < 400
     assert wire.good("mavwire", stream) >= intact
     assert set(wire.patterns(80)) == {"all 0xFD", "all 0xFE", "random", "zeros", "minimal headers"}
+
+
+def test_every_intact_record_of_a_damaged_log_is_found() -> None:
+    for measure in (recovery.of_telemetry, recovery.of_dataflash):
+        assert set(measure("mavwire", True).values()) == {100.0}
+
+
+def test_a_log_is_damaged_where_it_says() -> None:
+    source = recovery.telemetry(200)
+    for damage in recovery.DAMAGE.values():
+        damaged = damage(source)
+        assert 0 < len(damaged.intact) < 200
+        for name, one in source.records:
+            assert (one in damaged.data) == (name in damaged.intact)
+    assert recovery.percent(set(damaged.intact), damaged) == 100.0
+    assert recovery.percent(set(list(damaged.intact)[1:]), damaged) < 100.0

@@ -98,7 +98,9 @@ def test_closing_a_link_ends_a_thread_that_receives(device, tmp_path):
         link = mavutil.mavlink_connection(f"exec:{program}")
     else:
         link = mavutil.mavlink_connection(device)
-    threads, raised = in_threads(lambda: link.recv_match(blocking=True))
+    threads, raised = in_threads(
+        lambda: link.recv_match(blocking=True), lambda: link.select(1000 * WAIT)
+    )
     time.sleep(0.05)
     link.close()
     join(threads)

@@ -45,7 +45,13 @@ def names(monkeypatch: pytest.MonkeyPatch) -> Iterator[SlowNames]:
     thread.join()
 
 
-@pytest.mark.parametrize("device", ["tcp:vehicle.test:5760", "ws:vehicle.test:80"])
+@pytest.mark.parametrize(
+    "device",
+    [
+        *("tcp:vehicle.test:5760", "ws:vehicle.test:80"),
+        *("udpin:vehicle.test:14550", "tcpin:vehicle.test:5760", "wsserver:vehicle.test:80"),
+    ],
+)
 def test_ctrl_c_ends_opening_a_link(device: str, names: SlowNames) -> None:
     if device.startswith("ws"):
         pytest.importorskip("wsproto")

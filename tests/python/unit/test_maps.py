@@ -12,7 +12,7 @@ from dataflash_writer import Log
 from lxml import etree
 from mavwire import cli, plots, traffic
 from mavwire.dialects.v20 import all as mavlink
-from mavwire.plots import geo
+from mavwire.plots import geo, maps
 from mavwire.plots.modes import Span
 from mavwire.plots.track import Place, Track, read_track
 from unit.link_tools import T0, pack, record
@@ -164,14 +164,14 @@ def test_gpx(log, tmp_path):
     assert [one.findtext(f"{GPX}name") for one in root.iter(f"{GPX}rtept")] == ["1", "2"]
 
 
-@pytest.mark.parametrize("writer", [geo.kml, geo.gpx, plots.maps.map_page])
+@pytest.mark.parametrize("writer", [geo.kml, geo.gpx, maps.map_page])
 def test_names_and_times_of_others_stay_texts(writer):
     columns = [np.array(column) for column in ([1e18, 2e18], [1.0, 2.0], [3.0, 4.0], [5.0, 6.0])]
     place = Place(HOSTILE, 1.0, 2.0, 3.0)
     modes = [Span(HOSTILE, 0.0, 1.0), Span("</script><script>", 2.0, 3.0)]
     track = Track(f"x{HOSTILE}", *columns, modes, place, [place, place])
     content = writer(track)
-    if writer is plots.maps.map_page:
+    if writer is maps.map_page:
         page = Page(content)
         assert page.tags.count("script") == 2
         assert page.data()["waypoints"][0]["name"] == HOSTILE

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import logging
+import os
 import random
+import threading
 import zlib
 from collections import deque
 from pathlib import Path
@@ -233,3 +235,78 @@ def test_making_a_client_waits_for_nothing() -> None:
 
     ftp = mavftp.MAVFTP(Silent(), 1, 1)
     assert (ftp.seq, ftp.session, ftp.done) == (1, 0, False)
+
+
+LONG = "/" + "a" * 239
+
+
+@pytest.mark.parametrize("path", [LONG, LONG * 2, "/" + "\u00e4" * 120])
+def test_a_path_that_no_request_carries(path: str, tmp_path: Path) -> None:
+    _, ftp = client()
+    local = tmp_path / "local"
+    local.write_bytes(b"x")
+    commands = [
+        ["list", path], ["rm", path], ["rmdir", path], ["mkdir", path], ["rename", "/a", path],
+        ["crc", path], ["get", path, str(tmp_path / "new")], ["put", str(local), path],
+    ]  # fmt: skip
+    for command in commands:
+        assert ftp.cmd_ftp(command).error_code == FtpError.InvalidArguments, command[0]
+    assert ftp.read(path, 5) is None
+    assert ftp.cmd_rename(["/" + "a" * 119, "/" + "b" * 119]).error_code == (
+        FtpError.InvalidArguments
+    )
+    assert [one.name for one in tmp_path.iterdir()] == ["local"]
+    well(ftp.cmd_mkdir([LONG[:-1]]))
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
+def test_what_ends_a_transfer_leaves_nothing(
+    error: type[BaseException], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    link, ftp = client()
+    well(ftp.cmd_get(["/data.bin", str(tmp_path / "local")]))
+
+    def fail(**_: Any) -> Any:
+        raise error
+
+    monkeypatch.setattr(link, "recv_match", fail)
+    with pytest.raises(error):
+        ftp.process_ftp_reply("get")
+    assert list(tmp_path.iterdir()) == []
+    monkeypatch.undo()
+    assert ftp.read("/data.bin", 10) == CONTENT[:10]
+
+
+def test_a_link_that_fails_at_once_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    link, ftp = client()
+
+    def fail(*_: Any) -> None:
+        raise OSError("gone")
+
+    monkeypatch.setattr(link, "file_transfer_protocol_send", fail)
+    with pytest.raises(OSError, match="gone"):
+        ftp.cmd_get(["/data.bin", str(tmp_path / "local")])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_download_follows_links_and_keeps_devices(tmp_path: Path) -> None:
+    _, ftp = client()
+    link, target = tmp_path / "link", tmp_path / "target"
+    link.symlink_to("target")
+    well(ftp.cmd_get(["/data.bin", str(link)]))
+    well(ftp.process_ftp_reply("get"))
+    assert link.is_symlink()
+    assert target.read_bytes() == CONTENT
+    if hasattr(os, "mkfifo"):
+        pipe = tmp_path / "pipe"
+        os.mkfifo(pipe)
+        read: list[bytes] = []
+        reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()), daemon=True)
+        reader.start()
+        well(ftp.cmd_get(["/data.bin", str(pipe)]))
+        well(ftp.process_ftp_reply("get"))
+        reader.join(30)
+        assert read == [CONTENT]
+        assert pipe.is_fifo()

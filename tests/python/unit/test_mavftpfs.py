@@ -137,3 +137,9 @@ def test_a_folder_that_cannot_be_mounted_on(monkeypatch: pytest.MonkeyPatch) -> 
 
     with pytest.raises(SystemExit, match="/mnt/x"):
         mavftpfs.main(["--mavlink", "udpin:127.0.0.1:0", "--mountpoint", "/mnt/x"], mount=mount)
+
+
+def test_a_path_that_no_request_carries(files: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    answer = SimpleNamespace(error_code=mavftpfs.FtpError.InvalidArguments)
+    monkeypatch.setattr(files.ftp, "cmd_list", lambda _: answer)
+    assert refused(files.readdir, "/" + "a" * 300) == errno.ENAMETOOLONG

@@ -78,3 +78,14 @@ def test_integers_are_given_as_users_write_them() -> None:
 def test_texts_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
     mavparm.MAVParmDict(("A", "text")).show()
     assert capsys.readouterr().out == "A                text\n"
+
+
+def test_values_that_cannot_be_written_leave_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "vehicle.parm"
+    parameters = mavparm.MAVParmDict({"A": 1.0})
+    parameters.save(str(path))
+    before = path.read_bytes()
+    parameters["B\ud800"] = 2.0
+    with pytest.raises(UnicodeEncodeError):
+        parameters.save(str(path))
+    assert path.read_bytes() == before

@@ -41,3 +41,50 @@ def test_a_wrong_file_is_named(tmp_path: Path) -> None:
         mavtestgen.main([str(wrong), "-o", str(tmp_path / "out.py")])
     with pytest.raises(SystemExit, match="missing"):
         mavtestgen.main([str(tmp_path / "missing.xml"), "-o", str(tmp_path / "out.py")])
+
+
+@pytest.mark.parametrize(
+    ("message", "field"),
+    [("FOO", "x=0);print('PWNED')#"), ("A;x", "x"), ("FOO", "class")],
+)
+def test_names_do_not_become_code(message: str, field: str, tmp_path: Path) -> None:
+    definition = tmp_path / "hostile.xml"
+    definition.write_text(
+        f'<mavlink><messages><message id="9" name="{message}"><description/>'
+        f'<field type="uint8_t" name="{field}"/></message></messages></mavlink>'
+    )
+    module = tmp_path / "out.py"
+    with pytest.raises(SystemExit, match=r"hostile\.xml:\d+: message .* name "):
+        mavtestgen.main([str(definition), "-o", str(module)])
+    assert not module.exists()
+
+
+def test_values_are_what_the_fields_can_hold(tmp_path: Path) -> None:
+    definition = tmp_path / "own.xml"
+    kinds = ("uint8_t", "int8_t", "uint64_t", "float", "char[4]", "int16_t[2]")
+    fields = "".join(
+        f'<field type="{kind}" name="f{number}"/>' for number, kind in enumerate(kinds)
+    )
+    definition.write_text(
+        '<mavlink><messages><message id="9" name="OWN"><description/>'
+        f"{fields}</message></messages></mavlink>"
+    )
+    module = tmp_path / "out.py"
+    assert mavtestgen.generate([str(definition)], str(module)) == 1
+    given: dict[str, Any] = {}
+
+    class Sender:
+        """Keeps what it is to send."""
+
+        own_send = staticmethod(given.update)
+
+    runpy.run_path(str(module))["generate_outputs"](Sender)
+    assert list(given) == [f"f{number}" for number in range(len(kinds))]
+    assert 0 <= given["f0"] < 1 << 8
+    assert -1 << 7 <= given["f1"] < 1 << 7
+    assert 0 <= given["f2"] < 1 << 64
+    assert isinstance(given["f3"], float)
+    assert isinstance(given["f4"], bytes)
+    assert len(given["f4"]) <= 4
+    assert len(given["f5"]) == 2
+    assert all(-1 << 15 <= value < 1 << 15 for value in given["f5"])

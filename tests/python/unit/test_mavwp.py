@@ -167,3 +167,79 @@ def test_a_large_mission_takes_linear_time(tmp_path: Path) -> None:
     assert len(loader.polygon_list()) == count
     loader.remove(list(loader.wpoints))
     assert loader.count() == 0
+
+
+def test_many_ways_into_a_landing_take_a_walk_over_the_items(monkeypatch: Any) -> None:
+    """Each item is looked at some times, not once for each way."""
+    looks = 0
+
+    class Counted(list[Any]):
+        """Counts the looks at items."""
+
+        def __getitem__(self, index: Any) -> Any:
+            nonlocal looks
+            looks += 1
+            return super().__getitem__(index)
+
+    count = 2000
+    loader = mavwp.MAVWPLoader()
+    for command in [189] * count + [16]:
+        loader.add(mavutil.mavlink.MAVLink_mission_item_message(
+            1, 1, 0, 3, command, 0, 1, 0, 0, 0, 0, 1.0, 2.0, 3.0
+        ))  # fmt: skip
+    loader.wpoints = Counted(loader.wpoints)
+    assert loader.view_list() == [[start, count] for start in range(count)]
+    assert looks < 20 * count
+
+
+@pytest.mark.parametrize("kind", ["mission", "rally", "fence"])
+def test_a_list_that_cannot_be_written_leaves_the_old_file(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "plan.txt"
+    loader: Any
+    if kind == "mission":
+        loader = mavwp.MAVWPLoader()
+        loader.add_latlonalt(1, 2, 3)
+        loader.add_latlonalt(1, 2, 3)
+        wrong = loader.wpoints
+    elif kind == "rally":
+        loader = mavwp.MAVRallyLoader()
+        loader.create_and_append_rally_point(1, 2, 3, 4, 5, 6)
+        loader.create_and_append_rally_point(1, 2, 3, 4, 5, 6)
+        wrong = loader.rally_points
+    else:
+        loader = mavwp.MAVFenceLoader()
+        loader.add_latlon(1, 2)
+        loader.add_latlon(1, 2)
+        wrong = loader.points
+    loader.save(str(path))
+    before = path.read_bytes()
+    wrong[1] = None
+    with pytest.raises(AttributeError):
+        loader.save(str(path))
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("word", ["nan", "1e999"])
+def test_a_rally_point_at_no_height_names_its_line(word: str, tmp_path: Path) -> None:
+    path = tmp_path / "rally.txt"
+    path.write_text(f"RALLY 1 2 3 4 5 6\nRALLY 1 2 {word} 4 5 6\n")
+    loader = mavwp.MAVRallyLoader()
+    loader.create_and_append_rally_point(1, 2, 3, 4, 5, 6)
+    with pytest.raises(mavwp.MAVRallyError, match=r"rally\.txt:2"):
+        loader.load(str(path))
+    assert loader.rally_count() == 1
+
+
+@pytest.mark.parametrize("word", ["nan", "1e999", "inf"])
+def test_a_fence_point_at_no_place_names_its_line(word: str, tmp_path: Path) -> None:
+    path = tmp_path / "fence.txt"
+    path.write_text(f"{word} 2\n" + "1 2\n" * 5)
+    with pytest.raises(mavwp.MAVFenceError, match=r"fence\.txt:1"):
+        mavwp.MissionItemProtocol_Fence().load(str(path))
+
+
+def test_a_file_in_the_format_without_a_definition_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "mission.txt"
+    path.write_text("QGC WPL PB 110\n")
+    with pytest.raises(mavwp.MAVWPError, match=r"mission\.txt"):
+        mavwp.MAVWPLoader().load(str(path))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gzip
 import os
+import subprocess
+import sys
 from datetime import UTC, datetime
 from pathlib import Path
 from random import Random
@@ -168,8 +170,12 @@ def test_anonymize_every_type(tmp_path):
     }
     assert {"GPS_RAW_INT.lat", "HIGH_LATENCY2.longitude", "AUTOPILOT_VERSION.uid"} <= changed
     assert {"ADSB_VEHICLE.ICAO_address", "ADSB_VEHICLE.callsign"} <= changed
+    assert {"UTM_GLOBAL_POSITION.uas_id", "AIRLINK_AUTH.login"} <= changed
+    assert {"VIDEO_STREAM_INFORMATION.uri", "GIMBAL_DEVICE_INFORMATION.custom_name"} <= changed
     words = ("lat", "lon", "lng", "uid", "ICAO", "callsign", "serial", "password", "ssid", "MMSI",
-             "passkey", "pin", "puk", "apn", "id", ".x", ".y", ".text", "param", "registration")  # fmt: skip
+             "passkey", "pin", "puk", "apn", "id", ".x", ".y", ".text", "param", "registration",
+             "Lat", "Lon", "login", "uri", "file_url", "custom_name", "AIS_VESSEL.name",
+             "VIDEO_STREAM_INFORMATION.name", "NAMED_VALUE_STRING.value")  # fmt: skip
     assert not [one for one in changed if not any(word in one for word in words)], changed
 
 
@@ -226,3 +232,39 @@ def test_the_commands_say_what_they_did(tmp_path, capsys):
     assert "NORTH,EAST" in capsys.readouterr().err
     assert main(["anonymize", str(path), "-o", str(out), "--quiet"]) == 0
     assert capsys.readouterr().out == ""
+
+
+MERGE_MANY = """
+import glob, resource, sys
+from mavwire.logs.rewriting import merge
+resource.setrlimit(resource.RLIMIT_NOFILE, (40, 40))
+try:
+    merge(sorted(glob.glob(sys.argv[1] + "/*.tlog")), sys.argv[1] + "/all.out")
+except OSError as error:
+    print(error.filename, error)
+"""
+
+
+def test_more_logs_than_may_be_open(tmp_path):
+    pytest.importorskip("resource")
+    for n in range(60):
+        (tmp_path / f"{n:02}.tlog").write_bytes(record(heartbeat(n)))
+    command = [sys.executable, "-c", MERGE_MANY, str(tmp_path)]
+    said = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
+    assert said.startswith(str(tmp_path)) and "merge fewer" in said
+    assert not (tmp_path / "all.out").exists()
+
+
+def test_merge_of_many(tmp_path):
+    random = Random(5)
+    times = [sorted(random.randrange(1000) for _ in range(20)) for _ in range(50)]
+    expected = []
+    for n, some in enumerate(times):
+        records = [record(heartbeat(at, sysid=n + 1), T0 + time) for at, time in enumerate(some)]
+        (tmp_path / f"{n:02}.tlog").write_bytes(b"".join(records))
+        expected += [
+            (time, n, at, one) for at, (time, one) in enumerate(zip(some, records, strict=True))
+        ]
+    out = tmp_path / "all.out"
+    assert merge(sorted(tmp_path.glob("*.tlog")), out).written == 1000
+    assert out.read_bytes() == b"".join(one[3] for one in sorted(expected))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import radians
 from pathlib import Path
 from random import Random
 from types import SimpleNamespace
@@ -12,8 +13,11 @@ import numpy as np
 import pytest
 from mavwire import cli
 from mavwire.dialects.v20 import ardupilotmega as mavlink
-from mavwire.tools import magfit
+from mavwire.mavextra import expected_earth_field_lat_lon
+from mavwire.rotmat import Matrix3
+from mavwire.tools import magfit, mavfft_int
 from mavwire.tools._batches import Spectrum, batches
+from mavwire.tools._figures import open_figures
 from tool_runs import Log, flight_log
 
 CENTRE = (30.0, -50.0, 12.0)
@@ -87,7 +91,8 @@ def test_points_that_make_no_sphere(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 def header(number: int, **changed: Any) -> Any:
     """An ISBH record."""
-    values = {"N": number, "type": 0, "instance": 0, "mul": 10, "smp_cnt": 64, "smp_rate": 100.0}
+    values = {"N": number, "type": 0, "instance": 0, "mul": 10, "smp_cnt": 64, "smp_rate": 100.0,
+              "SampleUS": 5}  # fmt: skip
     return SimpleNamespace(get_type=lambda: "ISBH", **(values | changed))
 
 
@@ -199,3 +204,102 @@ def test_a_way_without_altitude(
     log = dataflash_writer.Log().define("GPS", "QLL", "TimeUS,Lat,Lng").add("GPS", 1, 2, 3)
     path = log.write(tmp_path / "way.bin")
     assert "GPS has no Lat, Lon and Alt" in fails(capsys, "kml", path, "-s", "GPS")
+
+
+def compass_log(path: Path, offsets: tuple[float, ...], diagonals: tuple[float, ...]) -> Path:
+    """A second compass that needs these corrections besides half a milligauss for each ampere."""
+    field = expected_earth_field_lat_lon(-35.36, 149.16)
+    random = Random(9)
+    log = dataflash_writer.Log()
+    log.define("PARM", "QNf", "TimeUS,Name,Value")
+    log.define("GPS", "QBIHLLf", "TimeUS,Status,GMS,GWk,Lat,Lng,Alt")
+    log.define("XKF1", "QBccC", "TimeUS,C,Roll,Pitch,Yaw")
+    log.define("BAT", "QBf", "TimeUS,Inst,Curr")
+    log.define("MAG", "QBhhhhhhhhh", "TimeUS,I,MagX,MagY,MagZ,OfsX,OfsY,OfsZ,MOX,MOY,MOZ")
+    for name, value in {"AHRS_EKF_TYPE": 3, "COMPASS_OFS2_X": 10, "AHRS_TRIM_X": 0.05}.items():
+        log.add("PARM", 0, name, float(value))
+    log.add("GPS", 1, 3, 1, 2200, -353600000, 1491600000, 0.0)
+    for number in range(150):
+        angles = [random.uniform(-80, 80), random.uniform(-60, 60), random.uniform(1, 359)]
+        ampere = random.uniform(0, 40)
+        log.add("XKF1", number * 10, 0, *(round(one * 100) for one in angles))
+        log.add("XKF1", number * 10 + 1, 1, 0, 0, 0)  # the second filter is not asked
+        log.add("BAT", number * 10 + 2, 0, ampere)
+        vehicle, trim = Matrix3(), Matrix3()
+        vehicle.from_euler(*(radians(round(one * 100) / 100) for one in angles))
+        trim.from_euler(0.05, 0.0, 0.0)
+        seen = (vehicle * trim).transposed() * field
+        raw = [
+            (one - 0.5 * ampere) / diagonal - offset
+            for one, diagonal, offset in zip(
+                (seen.x, seen.y, seen.z), diagonals, offsets, strict=True
+            )
+        ]
+        log.add("MAG", number * 10 + 3, 0, 1, 2, 3, 0, 0, 0, 0, 0, 0)
+        measured = round(raw[0]) + 10, round(raw[1]), round(raw[2])
+        log.add("MAG", number * 10 + 4, 1, *measured, 10, 0, 0, 0, 0, 0)
+    return Path(log.write(path))
+
+
+def test_compass_and_world_model(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = compass_log(tmp_path / "flight.bin", (40.0, -30.0, 70.0), (1.05, 1.0, 0.95))
+    options = ["--mag", "2", "--elliptical", "--cmot", "--save-params"]
+    assert cli.main(["magfit_WMM", str(path), *options]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1] == "Attitude source XKF1"
+    assert lines[3] == "Extracted 150 points"
+    before, after = (float(line.split()[-1]) for line in lines[-3:-1])
+    assert before > 50.0
+    assert after < 1.0
+    saved = dict(
+        line.split() for line in (tmp_path / "flight-magfit-mag-2.param").read_text().splitlines()
+    )
+    found = {name: float(value) for name, value in saved.items()}
+    wanted = {
+        "OFS2_X": 40, "OFS2_Y": -30, "OFS2_Z": 70, "DIA2_X": 1.05, "DIA2_Y": 1, "DIA2_Z": 0.95,
+        "ODI2_X": 0, "ODI2_Y": 0, "ODI2_Z": 0, "MOT2_X": 0.5, "MOT2_Y": 0.5, "MOT2_Z": 0.5,
+        "SCALE2": 1, "MOTCT": 2,
+    }  # fmt: skip
+    assert list(found) == [f"COMPASS_{name}" for name in wanted]
+    for name, value in wanted.items():
+        near = 1.5 if name.startswith("OFS") else 0.02
+        assert found[f"COMPASS_{name}"] == pytest.approx(value, abs=near), name
+
+
+def test_limits_of_the_compass_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(compass_log(tmp_path / "flight.bin", (40.0, -30.0, 70.0), (1.5, 1.5, 1.5)))
+    options = ["--mag", "2", "--no-cmot-change", "--max-scale", "1.2", "--max-offset", "20"]
+    assert cli.main(["magfit_WMM", path, *options]) == 0
+    new = next(one for one in capsys.readouterr().out.splitlines() if one.startswith("New:"))
+    assert new.startswith("New: Vector3(20.00, -20.00, 20.00)")
+    assert new.endswith("scale: 1.20")
+    assert cli.main(["magfit_WMM", path, "--mag", "2", "--no-offset-change"]) == 0
+    assert "New: Vector3(10.00, 0.00, 0.00)" in capsys.readouterr().out
+    assert "0 data points are too few" in fails(capsys, "magfit_WMM", path, "--mag", "3")
+    assert "turn the vehicle" in fails(capsys, "magfit_WMM", path, "--mag", "1", "--cmot-throttle")
+    nowhere = dataflash_writer.Log().write(tmp_path / "nowhere.bin")
+    assert "give --lat and --lon" in fails(capsys, "magfit_WMM", nowhere)
+    log = flight_log(tmp_path / "flight.tlog")
+    assert "for dataflash logs only" in fails(capsys, "magfit_WMM", log)
+
+
+def test_spectrum_of_a_selection(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    log = dataflash_writer.Log()
+    log.define("ACC1", "QQfff", "TimeUS,SampleUS,AccX,AccY,AccZ")
+    for number in range(400):  # first 100 Hz, then 200 Hz
+        wave = np.sin(2 * np.pi * (100 if number < 200 else 200) * number / 1000)
+        log.add("ACC1", number * 1000, number * 1000, wave, 0.0, 1.0)
+    path = log.write(tmp_path / "fast.bin")
+    image = tmp_path / "out.png"
+    figures = open_figures(str(image))
+    monkeypatch.setattr(mavfft_int, "open_figures", lambda name: figures)
+    arguments = ["fft_int", path, "--from", "0.2", "--to", "0.4", "--image", str(image)]
+    assert cli.main(arguments) == 0
+    assert image.stat().st_size > 1000
+    line = figures._figures["ACC1"].axes[1].get_lines()[0]
+    assert line.get_xdata()[np.argmax(line.get_ydata())] == pytest.approx(200.0, abs=2.0)
+    none = dataflash_writer.Log().write(tmp_path / "none.bin")
+    assert "nothing to draw" in fails(capsys, "fft_int", none, "--image", image)

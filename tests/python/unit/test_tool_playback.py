@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -152,3 +153,33 @@ def test_a_window_plays_to_the_end(log: Path) -> None:
         call()
     assert root.destroyed
     assert player.done
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "name"),
+    [
+        ("127.0.0.1:14550", "udpout:127.0.0.1:14550"),
+        ("mcast:", "mcast:"),
+        ("uds:/tmp/x.sock", "uds:/tmp/x.sock"),
+        ("udpbcast:10.0.0.255:14550", "udpbcast:10.0.0.255:14550"),
+    ],
+)
+def test_any_endpoint_is_an_output(
+    endpoint: str, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened: list[str] = []
+
+    class Link:
+        """A link that was opened."""
+
+        def close(self) -> None:
+            """Nothing is open."""
+
+    def connect(device: str, **_: Any) -> Link:
+        opened.append(device)
+        return Link()
+
+    monkeypatch.setattr(mavutil, "mavlink_connection", connect)
+    with ExitStack() as stack:
+        mavplayback._links([endpoint], 57600, stack)
+    assert opened == [name]

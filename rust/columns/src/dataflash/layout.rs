@@ -24,8 +24,24 @@ use crate::units::{Scale, to_si};
 pub struct TableLayout {
     /// The columns.
     pub layout: Arc<Layout>,
-    /// Layout index -> for each column the field's index and what the column takes from a record; `None` for null.
-    pub(super) places: HashMap<u16, Vec<Option<(usize, Source)>>>,
+    /// By layout index.
+    pub(super) places: HashMap<u16, Places>,
+}
+
+/// Where a layout has the columns of its table.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Places {
+    /// Field of each column; `None` for null.
+    pub(super) fields: Vec<Option<u16>>,
+    /// What a column takes from a record, by field.
+    sources: Vec<Source>,
+}
+
+impl Places {
+    /// What each column takes from a record; `None` for null.
+    pub(super) fn sources(&self) -> impl Iterator<Item = Option<&Source>> {
+        self.fields.iter().map(|field| self.sources.get(usize::from((*field)?)))
+    }
 }
 
 /// The columns of the table with an index.
@@ -34,26 +50,26 @@ pub fn table_layout(survey: &Survey, table: usize, options: &Options) -> TableLa
     let mut taken: HashSet<String> = HEADER.iter().map(|&name| name.to_owned()).collect();
     let layouts: Vec<_> = survey.layouts_of(table).collect();
     let mut places = HashMap::new();
+    // Field name -> its columns, which differ in what they hold.
+    let mut by_field: HashMap<&str, Vec<usize>> = HashMap::new();
     for &(index, layout) in &layouts {
-        let mut of_layout = vec![None; columns.len()];
+        let mut of_layout = Places { fields: vec![None; columns.len()], sources: Vec::new() };
         for (number, field) in layout.fields.iter().enumerate() {
             let mut made = column(survey, layout, number, options);
-            let same = |(place, one): (usize, &(Column, ArrowField))| {
-                of_layout[place].is_none() && is_same(one, &made, &field.name)
-            };
-            let known = (1..).zip(&columns[1..]).find(|&entry| same(entry)).map(|(place, _)| place);
-            let source = made.0.source.clone();
-            let place = known.unwrap_or_else(|| {
-                let mut name = field.name.clone();
-                while !taken.insert(name.clone()) {
-                    name.push('_');
-                }
+            let known = by_field.entry(&field.name).or_default();
+            let same = known.iter().copied().find(|&place| {
+                of_layout.fields[place].is_none() && is_same(&columns[place], &made, &field.name)
+            });
+            of_layout.sources.push(made.0.source.clone());
+            let place = same.unwrap_or_else(|| {
+                let name = free_name(&field.name, known.len(), &mut taken);
                 made.0.name.clone_from(&name);
                 columns.push((made.0, made.1.with_name(name)));
-                of_layout.push(None);
+                of_layout.fields.push(None);
+                known.push(columns.len() - 1);
                 columns.len() - 1
             });
-            of_layout[place] = Some((number, source));
+            of_layout.fields[place] = Some(number as u16);
         }
         places.insert(index as u16, of_layout);
     }
@@ -76,20 +92,29 @@ pub fn table_layout(survey: &Survey, table: usize, options: &Options) -> TableLa
     TableLayout { layout: Arc::new(layout), places }
 }
 
+/// A name that no other column has, for one of a field that has so many already.
+fn free_name(field: &str, already: usize, taken: &mut HashSet<String>) -> String {
+    let mut name = field.to_owned() + &"_".repeat(already);
+    while !taken.insert(name.clone()) {
+        name.push('_');
+    }
+    name
+}
+
 /// Leaves the columns that are wanted.
 fn choose(
     columns: &mut Vec<(Column, ArrowField)>,
-    places: &mut HashMap<u16, Vec<Option<(usize, Source)>>>,
+    places: &mut HashMap<u16, Places>,
     options: &Options,
 ) {
     for of_layout in places.values_mut() {
-        of_layout.resize(columns.len(), None);
+        of_layout.fields.resize(columns.len(), None);
     }
     let Some(wanted) = &options.columns else { return };
     let kept: Vec<bool> = columns.iter().map(|(column, _)| wanted.contains(&column.name)).collect();
     for of_layout in places.values_mut() {
         let mut kept = kept.iter();
-        of_layout.retain(|_| *kept.next().unwrap_or(&true));
+        of_layout.fields.retain(|_| *kept.next().unwrap_or(&true));
     }
     let mut kept = kept.iter();
     columns.retain(|_| *kept.next().unwrap_or(&true));

@@ -1,5 +1,6 @@
 //! A dataflash log as record batches.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::{Delimiter, trimmed};
@@ -38,7 +39,8 @@ pub struct Reader {
     survey: Arc<Survey>,
     blocks: Blocks,
     walk: Walk,
-    layouts: Vec<TableLayout>,
+    /// Of the tables that are wanted.
+    layouts: HashMap<usize, TableLayout>,
     tables: Tables,
     is_wanted: Vec<bool>,
     pieces: Vec<Piece>,
@@ -63,11 +65,13 @@ impl Reader {
     ) -> Result<Self, Error> {
         let (blocks, _) = begin(open)?;
         let count = survey.tables.len();
-        let layouts = (0..count).map(|table| table_layout(&survey, table, options)).collect();
         let is_wanted = |name: &str| {
             wanted.names.as_ref().is_none_or(|some| some.iter().any(|one| one == name))
         };
-        let is_wanted = survey.tables.iter().map(|name| is_wanted(name)).collect();
+        let is_wanted: Vec<bool> = survey.tables.iter().map(|name| is_wanted(name)).collect();
+        let tables_wanted = (0..count).filter(|&table| is_wanted[table]);
+        let layouts =
+            tables_wanted.map(|table| (table, table_layout(&survey, table, options))).collect();
         let strides = (0..count).map(|table| stride(&survey, table)).collect();
         let walk = Walk::new(Arc::clone(&survey));
         let tables = Tables::new(count, limits);
@@ -113,9 +117,9 @@ impl Decode for Reader {
             let walked = walk.block(block, at_end);
             let sorter = Sorter { walk, survey, wanted, is_wanted: flags, strides };
             sorter.sort_into(pieces, block, &walked);
-            let new = |table: usize| TableBuilder::new(Arc::clone(&layouts[table].layout));
+            let new = |table: usize| TableBuilder::new(Arc::clone(&layouts[&table].layout));
             let append = |table: &mut TableBuilder, index: usize, piece: &Piece| {
-                let (layout, side) = (&layouts[index], piece.of(index));
+                let (layout, side) = (&layouts[&index], piece.of(index));
                 match &survey.form {
                     Form::Binary(_) => append_records(table, layout, side),
                     Form::Text(form) => append_lines(table, layout, block, side, form.delimiter()),
@@ -191,8 +195,7 @@ impl Sorter<'_> {
 fn append_records(table: &mut TableBuilder, layout: &TableLayout, side: Side<'_>) {
     for same in side.runs() {
         let Some(of_layout) = layout.places.get(&same.kinds[0]) else { continue };
-        let sources: Vec<Option<&Source>> =
-            of_layout.iter().map(|place| place.as_ref().map(|(_, source)| source)).collect();
+        let sources: Vec<Option<&Source>> = of_layout.sources().collect();
         for Side { times, bytes, stride, .. } in same.groups(GROUP) {
             table.append_from(&Rows { times, bytes, stride }, &sources);
         }
@@ -211,10 +214,8 @@ fn append_lines(
     for ((place, kind), &time) in places.iter().zip(side.kinds).zip(side.times) {
         let Some(of_layout) = layout.places.get(kind) else { continue };
         let values = values(line_at(block, *place), delimiter, rest_is_one);
-        let value = |place: &Option<(usize, Source)>| {
-            place.as_ref().and_then(|(index, _)| values.get(*index).copied())
-        };
-        table.append_texts(time, of_layout.iter().map(value));
+        let value = |field: &Option<u16>| values.get(usize::from((*field)?)).copied();
+        table.append_texts(time, of_layout.fields.iter().map(value));
     }
 }
 

@@ -3,18 +3,22 @@
 
 use std::collections::HashMap;
 use std::io::{self, Read};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
+use mavwire_core::builtin;
 use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions, decode_line, nth_value};
 use mavwire_core::log::dataflash::{
     Clock, ClockFinder, Definitions, FMT_LAYOUT_LEN, FieldKind, HEAD_LEN, Layout, Units,
 };
+use mavwire_core::registry::Registry;
+use mavwire_schema::WireVersion;
 use rayon::prelude::*;
 
 use super::hop::{Place, STRETCH, hop};
 use super::lines::Lines;
 use crate::error::Error;
 use crate::input::{Blocks, decompressed};
+use crate::scan::Framing;
 
 /// Opens the log from its start; a log is read more than once.
 pub type Open<'a> = &'a (dyn Fn() -> io::Result<Box<dyn Read + Send>> + 'a);
@@ -27,6 +31,14 @@ const PROBE: usize = 8000;
 const ENOUGH_LAYOUTS: usize = 3;
 /// Bytes of a type's name at most; binary logs have 4.
 const MAX_NAME_LEN: usize = 64;
+
+/// Descriptions of one name that have rows in its table, as many as a type has: whoever makes a log chooses the names.
+const MAX_OF_NAME: usize = 16;
+
+/// What tells a telemetry log from a dataflash log that lacks its first bytes.
+static TELEMETRY: LazyLock<Registry> = LazyLock::new(|| {
+    Registry::new(builtin::dialect("all", WireVersion::V2).expect("it comes with the crate"))
+});
 
 /// [`Survey::table_of`] a layout that has no table.
 pub(super) const NO_TABLE: u16 = u16::MAX;
@@ -41,12 +53,21 @@ pub enum Form {
 }
 
 impl Form {
-    /// The form of a log that begins with these bytes; `None` for something else.
+    /// The form of a log that begins with these bytes; `None` for something else, such as a telemetry log of a flight on
+    /// which a dataflash log was downloaded: its messages carry descriptions whole.
     pub fn of(head: &[u8]) -> Option<Self> {
+        if head.starts_with(b"\xA3\x95\x80") {
+            return Some(Self::Binary(Box::default()));
+        }
+        let form = Self::without_start(head)?;
+        (!Framing::is_in(head, &TELEMETRY)).then_some(form)
+    }
+
+    /// The same by descriptions anywhere in the head.
+    fn without_start(head: &[u8]) -> Option<Self> {
         let mut definitions = Definitions::new();
         definitions.collect(head, 0);
-        let binary = head.starts_with(b"\xA3\x95\x80");
-        if binary || definitions.layouts().len() > ENOUGH_LAYOUTS {
+        if definitions.layouts().len() > ENOUGH_LAYOUTS {
             return Some(Self::Binary(Box::default()));
         }
         let head = &head[..head.len().min(PROBE)];
@@ -254,11 +275,12 @@ impl Run {
                 continue;
             }
             let next = tables.len() as u16;
-            let table = *known.entry(layout.name.as_str()).or_insert(next);
-            if table == next {
+            let (table, layouts) = known.entry(layout.name.as_str()).or_insert((next, 0));
+            if *table == next {
                 tables.push(layout.name.as_str().into());
             }
-            table_of.push(table);
+            *layouts += 1;
+            table_of.push(if *layouts > MAX_OF_NAME { NO_TABLE } else { *table });
         }
         Survey { clock: finder.finish(), units, tables, table_of, bytes, form }
     }

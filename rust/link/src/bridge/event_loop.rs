@@ -19,6 +19,7 @@ use super::automation::Automation;
 use super::connections::{Kind, Link};
 use super::endpoint::{LinkSpec, Opened, Stream};
 use super::hub::Hub;
+use super::pace::Pace;
 use super::port::Wire;
 use super::recorder::Recorder;
 use super::report::Heard;
@@ -74,6 +75,7 @@ pub(super) struct EventLoop {
     pub(super) waker: Waker,
     wake: UnixStream,
     started: Instant,
+    pace: Pace,
     next_tick: u64,
     inbox: Inbox,
     buffer: Vec<u8>,
@@ -101,6 +103,7 @@ impl EventLoop {
             waker,
             wake,
             started: Instant::now(),
+            pace: Pace::default(),
             next_tick: 0,
             inbox: Inbox::default(),
             buffer: vec![0; READ_SIZE],
@@ -116,16 +119,14 @@ impl EventLoop {
 
     /// One round; false if it was the last.
     fn round(&mut self) -> bool {
+        self.rest();
         self.watch();
         // An interrupted or failed wait reports nothing ready, and the next round asks again.
         let timeout = self.until_due();
         if poll(&mut self.watched, timeout).is_err() {
             self.watched.iter_mut().for_each(|watched| watched.revents = 0);
         }
-        self.switch.moment = Moment {
-            now: self.started.elapsed().as_micros() as u64,
-            unix: (clock::unix_seconds() * 1e6) as u64,
-        };
+        self.switch.moment = Moment { now: self.now(), unix: (clock::unix_seconds() * 1e6) as u64 };
         let mut running = true;
         for n in 0..self.watched.len() {
             if self.watched[n].revents == 0 {
@@ -151,6 +152,18 @@ impl EventLoop {
     }
 
     // -- waiting
+
+    /// Microseconds since the bridge started.
+    fn now(&self) -> u64 {
+        self.started.elapsed().as_micros() as u64
+    }
+
+    /// Lets frames gather while they come fast.
+    fn rest(&self) {
+        if let Some(pause) = self.pace.rest(self.switch.moment.now, self.now()) {
+            std::thread::sleep(pause);
+        }
+    }
 
     fn watch(&mut self) {
         self.watched.clear();
@@ -183,7 +196,7 @@ impl EventLoop {
 
     /// How long there is nothing to do unless something arrives.
     fn until_due(&self) -> Duration {
-        let now = self.started.elapsed().as_micros() as u64;
+        let now = self.now();
         let retries = self.links.values().filter_map(|link| match &link.kind {
             Kind::Dialled(_, dialling) => dialling.at,
             _ => None,
@@ -336,6 +349,7 @@ impl EventLoop {
     /// Gives what arrived to the program around the bridge, and to the recording.
     fn hand_over(&mut self) {
         let arrived = &mut self.switch.arrived;
+        self.pace.note(self.switch.moment.now, arrived.infos.len());
         if arrived.infos.is_empty() {
             return;
         }

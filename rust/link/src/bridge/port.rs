@@ -16,7 +16,7 @@ use mavwire_core::stream::FrameStream;
 use super::automation::Automation;
 use super::endpoint::{PortSpec, Stream};
 use super::outbox::Outbox;
-use super::send::{self, send_batch};
+use super::send::{self, cannot_group, send_batch};
 use super::stats::Traffic;
 use super::switch::Moment;
 use crate::address::Address;
@@ -48,6 +48,8 @@ pub(super) struct Port {
     pub(super) heard: u64,
     /// It takes no more until it is ready again.
     pub(super) blocked: bool,
+    /// Datagrams of one length leave together.
+    grouped: bool,
     pub(super) traffic: Traffic,
     /// What its frames go through; `None` if they stay as they are.
     pub(super) border: Option<Border>,
@@ -76,6 +78,7 @@ impl Port {
             outbox: Outbox::new(spec.queue, spec.datagram),
             heard: now,
             blocked: false,
+            grouped: true,
             traffic: Traffic::default(),
             border,
             automation: Automation::new(&spec.automation),
@@ -154,10 +157,14 @@ impl Port {
     ) -> bool {
         let mut refused = false;
         while !self.outbox.is_empty() {
-            let send = |frames: &mut dyn Iterator<Item = &[u8]>| send_batch(socket, frames, to);
+            let grouped = self.grouped;
+            let send = |datagrams: &mut dyn Iterator<Item = &[u8]>| {
+                send_batch(socket, datagrams, to, grouped)
+            };
             match self.outbox.send_with(send::BATCH, send, &clock) {
                 Ok(()) => refused = false,
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => return false,
+                Err(error) if grouped && cannot_group(&error) => self.grouped = false,
                 // What the socket says may be about an earlier datagram, which nobody wanted: this one is tried again.
                 Err(_) if !refused => {
                     self.traffic.send_errors += 1;

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use mavwire_core::log::tlog::{Stamp, recordable};
 
-use super::hub::Frames;
+use super::frames::Frames;
 use crate::clock;
 
 /// Bytes that wait for the disk at most.

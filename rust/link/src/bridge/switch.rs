@@ -13,7 +13,7 @@ use mavwire_core::signing::{SecretKey, SigningState, timestamp_from_unix_micros}
 use mavwire_core::stream::Piece;
 
 use super::endpoint::PortSpec;
-use super::hub::{FrameInfo, Frames};
+use super::frames::{FrameInfo, Frames};
 use super::latency::Latency;
 use super::port::{Port, Wire};
 use super::stats::Traffic;

@@ -7,13 +7,14 @@ use mavwire_core::log::dataflash::text::{Delimiter, values};
 use pyo3::exceptions::{PyAttributeError, PyIndexError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
-use pyo3::{PyTraverseError, PyVisit, intern};
+use pyo3::{PyTraverseError, PyVisit};
 
 use super::clock::Seconds;
 use super::shape::{self, Names};
 use super::{render, value};
 use crate::calling::{Calling, import, truth};
 use crate::frame_bytes::FrameBytes;
+use crate::lists::collected;
 use crate::lock::Lock;
 
 /// Where a message's values are.
@@ -175,10 +176,7 @@ impl DFMessage {
     ) -> PyResult<Self> {
         let elements = match elements.cast::<PyList>() {
             Ok(list) => list.clone(),
-            Err(_) => {
-                let items = elements.items()?.collect::<PyResult<Vec<_>>>()?;
-                PyList::new(fmt.py(), items)?
-            }
+            Err(_) => PyList::new(fmt.py(), collected(elements.items()?)?)?,
         };
         let written = Written { elements: Some(elements.unbind()), attributes: None };
         Ok(Self {

@@ -10,7 +10,7 @@ use mavwire_link::dataflash::Contents;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
-use pyo3::{PyTraverseError, PyVisit, intern};
+use pyo3::{PyTraverseError, PyVisit};
 
 use super::clock::MicrosClock;
 use super::message::DFMessage;
@@ -18,6 +18,7 @@ use super::shape::{self, Names};
 use super::source::{BUDGET, Source};
 use super::state::{Kind, Search, State, Taken};
 use crate::calling::{Calling, truth};
+use crate::lists::list;
 use crate::lock::Lock;
 use crate::turn;
 
@@ -241,7 +242,7 @@ impl DataflashReader {
     fn _set_kinds(
         &self,
         py: Python<'_>,
-        kinds: Vec<(Bound<'_, PyAny>, Option<usize>)>,
+        #[pyo3(from_py_with = list)] kinds: Vec<(Bound<'_, PyAny>, Option<usize>)>,
     ) -> PyResult<()> {
         let mut made = Vec::new();
         for (format, instance) in kinds {

@@ -10,6 +10,7 @@ use pyo3::types::{PyDict, PyString};
 use super::message::DFMessage;
 
 use crate::calling::Calling;
+use crate::lists::list;
 
 /// A layout and its names.
 pub(crate) struct Names {
@@ -74,7 +75,7 @@ impl DataflashShape {
         type_id: u8,
         name: String,
         format: String,
-        columns: Vec<String>,
+        #[pyo3(from_py_with = list)] columns: Vec<String>,
     ) -> PyResult<Self> {
         let layout =
             Layout::new(type_id, 0, name, format, columns).map_err(|error| match error {
@@ -87,6 +88,6 @@ impl DataflashShape {
 
 /// The shape of a `DFFormat`, which its attribute `_shape` holds.
 pub(crate) fn of_format(format: &Bound<'_, PyAny>) -> PyResult<Arc<Names>> {
-    let shape = format.attribute(pyo3::intern!(format.py(), "_shape"))?;
+    let shape = format.attribute(intern!(format.py(), "_shape"))?;
     Ok(Arc::clone(&shape.cast::<DataflashShape>()?.get().names))
 }

@@ -2,7 +2,6 @@
 
 use mavwire_core::log::dataflash::text::{Delimiter, decode_line, nth_value};
 use mavwire_core::log::dataflash::{FieldKind, Value, value};
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyFloat, PyInt, PyString};
 

@@ -1,0 +1,106 @@
+"""Files that are complete or as they were: written beside their place, and moved there at the end."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import secrets
+import shutil
+import stat
+import tempfile
+from typing import IO
+
+# Names there stand for files that are open, and for devices.
+_SYSTEM = ("/dev/", "/proc/")
+
+
+class Replacement:
+    """A file that takes the place of `path` when it is finished; `file` is open for bytes.
+
+    A link is followed, and permissions stay. What is no regular file (a pipe, a device), or stands in a
+    folder that takes no new files, gets a copy of the whole. Raises OSError that names `path`.
+    """
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self._place = os.path.realpath(path)
+        self._beside: str | None = None
+        self._mode: int | None = None
+        try:
+            self.file = self._open()
+        except OSError as error:
+            error.filename = path
+            raise
+
+    def _open(self) -> IO[bytes]:
+        with contextlib.suppress(FileNotFoundError):
+            self._mode = os.stat(self.path).st_mode
+        if self._mode is not None and stat.S_ISDIR(self._mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), self.path)
+        if self._mode is not None and not os.access(self.path, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), self.path)
+        if self._mode is not None and not self._is_ordinary(self._mode):
+            return tempfile.TemporaryFile()
+        beside = os.path.join(os.path.dirname(self._place), f".mavwire_{secrets.token_hex(8)}")
+        try:
+            file = open(beside, "x+b")
+        except PermissionError:
+            if self._mode is None:
+                raise
+            return tempfile.TemporaryFile()
+        self._beside = beside
+        return file
+
+    def _is_ordinary(self, mode: int) -> bool:
+        return stat.S_ISREG(mode) and not os.path.abspath(self.path).startswith(_SYSTEM)
+
+    def finish(self, permissions: int | None = None) -> None:
+        """Move it to its place."""
+        try:
+            self._finish(permissions)
+        except BaseException as error:
+            self.discard()
+            if isinstance(error, OSError):  # a full disk comes without a name
+                error.filename, error.filename2 = self.path, None
+            raise
+
+    def _finish(self, permissions: int | None) -> None:
+        if self._beside is None:
+            self.file.seek(0)
+            with open(self.path, "wb") as file:
+                shutil.copyfileobj(self.file, file)
+            self.file.close()
+            return
+        self.file.close()
+        if permissions is None and self._mode is not None:
+            permissions = stat.S_IMODE(self._mode)
+        if permissions is not None:
+            os.chmod(self._beside, permissions)
+        os.replace(self._beside, self._place)
+        self._beside = None
+
+    def discard(self) -> None:
+        """Remove what there is of it."""
+        with contextlib.suppress(OSError):  # what is buffered may not fit on the disk
+            self.file.close()
+        if self._beside is not None:
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(self._beside)
+            self._beside = None
+
+
+def replace_text(path: str, text: str, permissions: int | None = None) -> None:
+    """Put `text` into the file `path` as UTF-8; an error leaves what was there. Raises OSError that
+    names `path`, and UnicodeEncodeError.
+    """
+    data = text.replace("\n", os.linesep).encode()
+    file = Replacement(path)
+    try:
+        file.file.write(data)
+    except BaseException as error:
+        file.discard()
+        if isinstance(error, OSError):
+            error.filename = path
+        raise
+    file.finish(permissions)

@@ -1,0 +1,75 @@
+"""What logs of all kinds have in common."""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from datetime import datetime
+    from typing import Self
+
+    from .table import Table
+
+
+class Log:
+    """A log that is open: its passes open the file anew, so closing it only forbids new ones."""
+
+    path: str
+    closed = False
+
+    def read(
+        self,
+        types: str | type | Iterable[str | type] | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        start: float | datetime | None = None,
+        end: float | datetime | None = None,
+        *,
+        units: str | None = None,
+        enums: str | None = None,
+        wide: bool = False,
+    ) -> dict[str, Table]:
+        """`{type: table}` in one pass."""
+        raise NotImplementedError
+
+    def align(
+        self,
+        types: Iterable[str],
+        *,
+        on: str | None = None,
+        rate: str | float | None = None,
+        method: str = "ffill",
+        tolerance: str | float | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        start: float | datetime | None = None,
+        end: float | datetime | None = None,
+        units: str | None = None,
+        enums: str | None = None,
+    ) -> Table:
+        """One wide table of several types on a common clock; see `mavwire.logs.align`."""
+        from .align import align
+
+        names = list(types)
+        wanted = {*names, on} if on is not None else set(names)
+        tables = self.read(
+            sorted(wanted), systems, fields, start, end, units=units, enums=enums
+        )  # fmt: skip
+        return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
+
+    def close(self) -> None:
+        """No more passes can begin; those under way go on to their end."""
+        self.closed = True
+
+    def _check_open(self) -> None:
+        if self.closed:
+            raise ValueError(f"the log is closed: {self.path!r}")
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()

@@ -1,0 +1,100 @@
+//! What the sequence numbers of a sender say: which messages were lost, and which came more than once.
+
+/// Numbers ahead of the newest that are a loss; beyond that they are behind it.
+const FAR: u8 = 128;
+/// Without a message for this long, nobody can tell how often the numbers went round. Microseconds.
+const SILENCE: u64 = 3_000_000;
+
+/// What was heard of a sender, on all links together.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sequence {
+    newest: Option<Newest>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Newest {
+    number: u8,
+    time: u64,
+    /// Bit `n`: the number `n` before the newest is lost so far.
+    missing: u128,
+}
+
+/// How the counts change by a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Heard {
+    /// So many were lost in front of it.
+    After(u8),
+    /// It was taken for lost, and only came late.
+    Late,
+    /// It was heard before, on another link.
+    Again,
+}
+
+impl Sequence {
+    /// Takes in the number of a message; `time` in microseconds, or 0.
+    pub(crate) fn add(&mut self, number: u8, time: u64) -> Heard {
+        let Some(newest) = &mut self.newest else {
+            self.newest = Some(Newest { number, time, missing: 0 });
+            return Heard::After(0);
+        };
+        let ahead = number.wrapping_sub(newest.number);
+        if time.abs_diff(newest.time) > SILENCE {
+            *newest = Newest { number, time, missing: 0 };
+            return Heard::After(ahead.wrapping_sub(1));
+        }
+        if ahead == 0 || ahead > FAR {
+            let bit = 1 << ahead.wrapping_neg();
+            let heard = if newest.missing & bit == 0 { Heard::Again } else { Heard::Late };
+            newest.missing &= !bit;
+            return heard;
+        }
+        let before = newest.missing.checked_shl(ahead.into()).unwrap_or(0);
+        let between = 1_u128.checked_shl(ahead.into()).unwrap_or(0).wrapping_sub(1) & !1;
+        *newest = Newest { number, time, missing: before | between };
+        Heard::After(ahead - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Messages lost, and messages that came again.
+    fn counts(numbers: impl IntoIterator<Item = u8>) -> (u64, u64) {
+        let (mut sequence, mut lost, mut again) = (Sequence::default(), 0, 0);
+        for number in numbers {
+            match sequence.add(number, 0) {
+                Heard::After(count) => lost += u64::from(count),
+                Heard::Late => lost -= 1,
+                Heard::Again => again += 1,
+            }
+        }
+        (lost, again)
+    }
+
+    #[test]
+    fn numbers_go_round() {
+        assert_eq!(counts((0..1000).map(|n| n as u8)), (0, 0));
+        assert_eq!(counts((0..1000).map(|n| (3 * n) as u8)), (1998, 0));
+        assert_eq!(counts([0, FAR]), (127, 0));
+    }
+
+    #[test]
+    fn what_came_before_is_no_loss() {
+        let twice = (0..1000).flat_map(|n| [n as u8, n as u8]);
+        assert_eq!(counts(twice), (0, 1000));
+        let behind = (50..1000).flat_map(|n| [n as u8, (n - 50) as u8]);
+        assert_eq!(counts(behind), (0, 950));
+        assert_eq!(counts([1, 3, 2, 4, 4, 2]), (0, 2));
+        assert_eq!(counts([0, FAR, 1, 1]), (126, 1));
+    }
+
+    #[test]
+    fn after_a_silence_it_begins_anew() {
+        let mut sequence = Sequence::default();
+        sequence.add(200, 0);
+        assert_eq!(sequence.add(199, SILENCE), Heard::Again);
+        assert_eq!(sequence.add(199, SILENCE + 1), Heard::After(254));
+        assert_eq!(sequence.add(198, SILENCE + 2), Heard::Again);
+    }
+}

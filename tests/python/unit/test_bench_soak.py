@@ -1,0 +1,54 @@
+"""`make soak` comes through, and notices what it is there to notice."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SOAK = Path(__file__).parents[3] / "benches" / "soak.py"
+
+
+def module() -> Any:
+    spec = importlib.util.spec_from_file_location("soak", SOAK)
+    assert spec is not None and spec.loader is not None
+    found = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="needs /proc")
+def test_a_short_flight_comes_through(tmp_path: Path) -> None:
+    """Slowly, beside hostile peers."""
+    kept = tmp_path / "soak.json"
+    command = [sys.executable, str(SOAK), "--seconds", "2", "--rate", "300", "--interval", "0.5",
+               "--log-bytes", "10000", "--hostile", "--json", str(kept)]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    assert "600 frames sent at 300 a second" in done.stdout, done.stderr
+    found = json.loads(kept.read_text())
+    assert found["end"]["difference"] is None
+    # The system may drop datagrams where nobody gets to read them; then that is told.
+    assert (found["end"]["received"] == found["end"]["compared"] == 600) == (done.returncode == 0)
+
+
+def samples(**last: float) -> list[dict[str, Any]]:
+    one = {"bridge kB": 1000, "link kB": 1000, "bridge fd": 10, "link fd": 6}
+    return [one] * 20 + [one | last] * 20
+
+
+def test_losses_differences_and_growth_are_told() -> None:
+    soak, end = module(), {"received": 9, "compared": 9, "difference": None}
+    assert soak.wrong(9, end, samples()) == []
+    assert soak.wrong(9, end, []) == []
+    assert len(soak.wrong(10, end, samples())) == 1
+    assert len(soak.wrong(9, end | {"compared": 8}, samples())) == 1
+    assert "frame 3" in soak.wrong(9, end | {"difference": 3}, samples())[0]
+    assert "memory of the link" in soak.wrong(9, end, samples(**{"link kB": 9000}))[0]
+    assert "bridge has 2.0 more descriptors" in soak.wrong(9, end, samples(**{"bridge fd": 12}))[0]
+    assert soak.wrong(9, end, samples(**{"bridge fd": 12}), soak.HOSTILE_PEERS) == []

@@ -1,0 +1,218 @@
+"""What is asked of tables and is not there is named; names and times come in several forms."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import mavwire
+import numpy as np
+import pytest
+from dataflash_writer import Log, sample
+from mavwire import traffic
+from mavwire.logs import LogFormatError, dataflash
+from unit.column_tools import HEADER, log_of_every_type
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("logs") / "flight.tlog"
+    traffic.generate(path, 2_000)
+    return path
+
+
+def test_what_is_no_log_is_said(tmp_path):
+    text = tmp_path / "notes.txt"
+    text.write_text("no telemetry in here, only words\n" * 100)
+    for look in (mavwire.read, lambda path: list(mavwire.scan(path))):
+        with pytest.raises(LogFormatError, match=r"no record in it: .*notes\.txt"):
+            look(text)
+
+
+def test_paths_may_be_bytes(flight):
+    path = str(flight).encode()
+    assert len(mavwire.read(path, "ATTITUDE")["ATTITUDE"]) > 0
+    assert sum(map(len, mavwire.scan(path, "ATTITUDE"))) == len(mavwire.open_log(path)["ATTITUDE"])
+
+
+@pytest.mark.parametrize("field", ["rol", "roll_", "seq_", "UNKNOWN"])
+def test_a_field_that_is_not_there_is_named(flight, field):
+    for look in (mavwire.read, mavwire.scan):
+        with pytest.raises(ValueError, match=repr(field)):
+            look(flight, "ATTITUDE", fields=[field])
+
+
+def test_fields_by_the_names_of_their_columns(tmp_path):
+    path = tmp_path / "all.tlog"
+    log_of_every_type(path, each=1)
+    tables = mavwire.read(path, ["PING", "STATUSTEXT"], fields=["seq", "text_raw", "severity"])
+    assert tables["PING"].columns == [*HEADER, "seq_"]
+    assert {"severity", "text_raw"} <= set(tables["STATUSTEXT"].columns)
+
+
+def test_columns_come_in_the_order_that_is_asked_for(flight):
+    wanted = ["yaw", "roll", "yaw"]
+    table = mavwire.read(flight, "ATTITUDE", fields=wanted)["ATTITUDE"]
+    assert table.columns == [*HEADER, "yaw", "roll"]
+    for batch in mavwire.scan(flight, "ATTITUDE", fields=wanted):
+        assert batch.columns == table.columns
+    none = mavwire.read(flight, "PING", fields=["target_system", "seq"])["PING"]
+    assert none.columns == [*HEADER, "target_system", "seq_"]
+
+
+@pytest.mark.parametrize("name", ["UNKNOWN", "UNKNOWN_54321"])
+def test_unknown_ids_are_in_no_table(flight, tmp_path, name):
+    for look in (mavwire.read, mavwire.scan):
+        with pytest.raises(ValueError, match="in no table"):
+            look(flight, ["ATTITUDE", name])
+
+
+def test_times_as_numpy_has_them(flight):
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    middle = table["timestamp"][len(table) // 2]
+    rest = mavwire.read(flight, "ATTITUDE", start=middle)["ATTITUDE"]
+    assert rest["timestamp"].tolist() == table["timestamp"][table["timestamp"] >= middle].tolist()
+    never = np.datetime64("NaT")
+    for wrong in ("2024-01-31", b"1", [1.0], object(), float("nan"), never):
+        with pytest.raises(ValueError, match="a time is seconds since 1970, a datetime"):
+            mavwire.read(flight, "ATTITUDE", start=wrong)
+
+
+@pytest.mark.parametrize(
+    ("types", "fields", "said"),
+    [("IMU", "Typo", "'Typo'"), ("NOPE", None, "'NOPE'"), (None, "Typo", "'Typo'")],
+)
+def test_what_no_log_describes_is_named(tmp_path, types, fields, said):
+    from mavwire.fleet import decode
+
+    path = sample().write(tmp_path / "flight.BIN")
+    with pytest.raises(ValueError, match=said):
+        mavwire.read(path, types, fields=fields)
+    with pytest.raises(ValueError, match=said):
+        list(mavwire.scan([path, path], types, fields=fields))
+    with pytest.raises(ValueError, match=said):
+        decode(path, None, types, fields)
+
+
+def test_what_one_of_the_logs_describes_is_found(tmp_path):
+    path = sample().write(tmp_path / "flight.BIN")
+    other = Log().define("ABC", "Q", "TimeUS").add("ABC", 1).write(tmp_path / "other.BIN")
+    assert [len(one) for one in mavwire.scan([path, other], "IMU", fields="Raw")] == [3]
+    with pytest.raises(ValueError, match="'IMU'"):
+        mavwire.read(other, "IMU")
+
+
+def test_a_list_of_logs_is_opened_log_by_log(tmp_path):
+    path = sample().write(tmp_path / "flight.BIN")
+    found = mavwire.scan([path, tmp_path / "not there yet"], "IMU")
+    assert len(next(found)) == 3
+    with pytest.raises(FileNotFoundError):
+        next(found)
+
+
+def test_what_is_in_a_log(flight, tmp_path):
+    log, onboard = mavwire.open_log(flight), mavwire.open_log(sample().write(tmp_path / "f.BIN"))
+    assert "ATTITUDE" in log and "IMU" in onboard
+    for name in ("PING", "NOPE", "IMU", "attitude", ""):
+        assert name not in log
+    assert "ATTITUDE" not in onboard and "NOPE" not in onboard
+    described = Log().define("ABC", "Q", "TimeUS").define("DEF", "Q", "TimeUS").add("ABC", 1)
+    other = mavwire.open_log(described.write(tmp_path / "other.BIN"))
+    assert "ABC" in other and "DEF" not in other and "DEF" in other.types
+
+
+def test_parts_of_a_table(flight):
+    table = mavwire.open_log(flight)["ATTITUDE"]
+    rolls, count = table["roll"].tolist(), len(table)
+    assert table.slice(-5, 3)["roll"].tolist() == rolls[-5:-2]
+    assert table.slice(-count - 9, 2)["roll"].tolist() == rolls[:2]
+    for rows in (slice(10, 20), slice(-3, None), slice(None, 4), slice(9, 2), slice(count, None)):
+        assert table[rows]["roll"].tolist() == rolls[rows]
+    with pytest.raises(ValueError, match="steps of 1"):
+        table[::2]
+    with pytest.raises(ValueError, match="rows must be"):
+        table.slice(0, -1)
+    assert "roll" in table and "rol" not in table
+
+
+def test_a_dataflash_log_is_surveyed_when_it_is_needed(tmp_path, monkeypatch):
+    path = sample().write(tmp_path / "flight.BIN")
+    surveys = []
+    open_tables = dataflash.DataflashTables.open
+
+    class Counting:
+        recognises = staticmethod(dataflash.DataflashTables.recognises)
+
+        @staticmethod
+        def open(log):
+            surveys.append(log)
+            return open_tables(log)
+
+    monkeypatch.setattr(dataflash, "DataflashTables", Counting)
+    log = mavwire.open_log(path)
+    assert surveys == []
+    assert len(log["IMU"]) == len(log.read("IMU")["IMU"]) == 3
+    assert surveys == [path]
+
+
+def test_a_scan_of_one_type_is_a_stream(flight, tmp_path):
+    pa = pytest.importorskip("pyarrow")
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"].to_arrow()
+    pieces = mavwire.scan([flight, flight], "ATTITUDE", batch_rows=10)
+    reader = pa.RecordBatchReader.from_stream(pieces)
+    first = reader.read_next_batch()
+    assert 0 < len(first) <= len(table) and first.schema == table.schema
+    assert len(first) + sum(map(len, reader)) == 2 * len(table)
+    assert len(pa.table(pieces)) == 2 * len(table), "a stream begins at the beginning"
+    narrow = mavwire.scan(flight, "ATTITUDE", fields=["yaw", "roll"])
+    assert pa.table(narrow).column_names == [*HEADER, "yaw", "roll"]
+    assert len(pa.table(mavwire.scan(flight, "PING"))) == 0
+    named = pa.table(mavwire.scan(flight, "HEARTBEAT", enums="names", batch_rows=1))
+    values = mavwire.read(flight, "HEARTBEAT", enums="names")["HEARTBEAT"]["type"]
+    assert named["type"].to_pylist() == values.tolist()
+    for types in (None, ["ATTITUDE", "HEARTBEAT"]):
+        with pytest.raises(TypeError, match="name one type"):
+            pa.table(mavwire.scan(flight, types))
+
+
+def test_a_stream_of_logs_that_describe_a_type_in_several_ways(tmp_path):
+    pa = pytest.importorskip("pyarrow")
+    one = Log().define("ABC", "QBZ", "TimeUS,Count,Text").add("ABC", 1, 2, b"x")
+    other = Log().define("ABC", "QI", "TimeUS,Count").add("ABC", 1, 200)
+    paths = [one.write(tmp_path / "one.BIN"), other.write(tmp_path / "other.BIN")]
+    found = pa.table(mavwire.scan(paths, "ABC"))
+    assert found["Count"].to_pylist() == [2, 200]
+    assert found["Text"].to_pylist() == ["x", None]
+
+
+def test_duckdb_reads_a_scan(flight):
+    duckdb = pytest.importorskip("duckdb")
+    pytest.importorskip("pyarrow")
+    pieces = mavwire.scan(flight, "ATTITUDE")
+    count = len(mavwire.open_log(flight)["ATTITUDE"])
+    with duckdb.connect() as database:
+        database.register("pieces", pieces)
+        assert database.sql("select count(*) from pieces").fetchall() == [(count,)]
+
+
+@pytest.mark.parametrize("systems", ["1", ["1"], [None], 256, -1])
+def test_systems_are_numbers(flight, systems):
+    with pytest.raises(ValueError, match="a system id is"):
+        mavwire.read(flight, systems=systems)
+
+
+def test_what_is_meant_is_guessed(flight):
+    with pytest.raises(KeyError, match="did you mean 'ATTITUDE'"):
+        mavwire.open_log(flight)["ATITUDE"]
+    pytest.importorskip("polars")
+    with pytest.raises(ValueError, match="one message type"):
+        mavwire.scan_polars(flight, ["ATTITUDE", "VFR_HUD"])
+
+
+@pytest.mark.parametrize("library", ["numpy", "pandas", "polars", "pyarrow"])
+def test_what_is_missing_names_its_extra(flight, monkeypatch, library):
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    monkeypatch.setitem(sys.modules, library, None)
+    look = {"pyarrow": "to_arrow"}.get(library, f"to_{library}")
+    with pytest.raises(ImportError, match=rf"{library} is needed: pip install 'mavwire\[data\]'"):
+        getattr(table, look)()

@@ -1,0 +1,102 @@
+"""What `mavwire convert` is asked for beside logs and a format, in Python and on the command line."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from pathlib import Path
+from typing import Any
+
+import mavwire
+import pytest
+from dataflash_writer import sample
+from mavwire import cli, traffic
+from mavwire.logs.conversion import convert
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("logs") / "flight.tlog"
+    traffic.generate(path, 1_000)
+    return path
+
+
+def lines(path: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in path.read_text().splitlines()]
+
+
+def test_fields_units_and_names(flight, tmp_path):
+    out = tmp_path / "out"
+    command = ["convert", str(flight), "-o", str(out), "--format", "jsonl", "--quiet"]
+    readable = ["--fields", "lat,alt,type", "--units", "si", "--enums", "names"]
+    assert cli.main([*command, *readable, "--types", "GLOBAL_POSITION_INT,HEARTBEAT"]) == 0
+    how = {"units": "si", "enums": "names"}
+    tables = mavwire.read(flight, ["GLOBAL_POSITION_INT", "HEARTBEAT"], **how)
+    for name, fields in (("GLOBAL_POSITION_INT", ["lat", "alt"]), ("HEARTBEAT", ["type"])):
+        found = lines(out / name / "flight.jsonl")
+        assert set(found[0]) == {"timestamp", "sysid", "compid", "seq", *fields}
+        for field in fields:
+            assert [one[field] for one in found] == tables[name][field].tolist()
+
+
+def test_other_units_and_names_are_other_options(flight, tmp_path):
+    options: list[dict[str, Any]] = [{}, {"units": "si"}, {"enums": "names"}, {"fields": "type"}]
+    for how in options:
+        how["types"] = "HEARTBEAT"
+        assert [convert([flight], tmp_path, **how)[0].skipped for _ in range(2)] == [False, True]
+
+
+def test_an_arrow_file_has_no_room_for_names_that_come_later(flight, tmp_path):
+    with pytest.raises(ValueError, match="leave enums out"):
+        convert([flight], tmp_path / "out", format="arrow", enums="names")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("how", [{"units": "si"}, {"enums": "names"}])
+def test_mcap_has_values_as_they_are_sent(flight, tmp_path, how):
+    with pytest.raises(ValueError, match="leave units and enums out"):
+        convert([flight], tmp_path / "out", format="mcap", **how)
+    option = [text for name, value in how.items() for text in (f"--{name}", value)]
+    argv = ["convert", str(flight), "-o", str(tmp_path / "out"), "--format", "mcap", *option]
+    assert cli.main(argv) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_mcap_of_some_fields(flight, tmp_path):
+    (row,) = convert([flight], tmp_path, format="mcap", types="HEARTBEAT", fields="type")
+    assert row.error is None and row.rows
+
+
+def test_wrong_fields_are_named_and_those_of_a_dataflash_log_are_not_the_dialects(flight, tmp_path):
+    with pytest.raises(ValueError, match="'rol'"):
+        convert([flight], tmp_path / "out", fields="rol")
+    assert not (tmp_path / "out").exists()
+    onboard = sample().write(tmp_path / "flight.BIN")
+    (row,) = convert([onboard], tmp_path / "out", format="jsonl", fields="AccX")
+    assert row.error is None
+    assert set(lines(tmp_path / "out" / "IMU" / "flight.jsonl")[0]) == {"timestamp", "AccX"}
+
+
+def test_a_compressed_log_that_is_cut_off_is_converted_once(flight, tmp_path, capsys):
+    log, out = tmp_path / "cut.tlog.gz", tmp_path / "out"
+    log.write_bytes(gzip.compress(flight.read_bytes())[:-2000])
+    command = ["convert", str(log), "-o", str(out)]
+    assert cli.main(command) == 1
+    said = capsys.readouterr().err
+    assert "cut.tlog.gz: " in said
+    written = {path: path.stat().st_mtime_ns for path in out.glob("*/*")}
+    assert written
+    assert cli.main(command) == 0
+    again = capsys.readouterr()
+    assert again.err == said and "converted before" in again.out
+    assert {path: path.stat().st_mtime_ns for path in out.glob("*/*")} == written
+    log.write_bytes(gzip.compress(flight.read_bytes()))
+    assert cli.main(command) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_info_of_a_raw_stream_says_that_it_has_no_times(flight, tmp_path, capsys):
+    raw = tmp_path / "s.raw"
+    raw.write_bytes(b"".join(msg.get_msgbuf() for msg in mavwire.open_log(flight)))
+    assert cli.main(["info", str(raw)]) == 0
+    assert "time     none, a log without times" in capsys.readouterr().out

@@ -1,0 +1,218 @@
+"""Runs of a fleet whose client is killed: the next run, of whatever kind, loses and doubles nothing."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mavwire import traffic
+from mavwire.fleet import convert as convert_fleet
+from mavwire.fleet import running, stores
+from mavwire.fleet.stores import store_of
+from mavwire.fleet.tasks import Recipe
+from mavwire.logs import journal, manifest
+from mavwire.logs.conversion import convert, prepare
+from mavwire.logs.manifest import JOURNAL, MANIFEST, Converted, Manifest
+from unit.link_tools import heartbeat, record
+
+TASK = 2 << 20
+
+
+class Killed(BaseException):
+    """The client is gone."""
+
+
+class Done:
+    """A future of a task that is done at once."""
+
+    status = "finished"
+
+    def __init__(self, key: str, found: Any) -> None:
+        self.key = key
+        self._found = found
+
+    def result(self) -> Any:
+        return self._found
+
+
+class Here:
+    """A client that works at once, and is killed before a task."""
+
+    def __init__(self, tasks: int) -> None:
+        self.left = tasks
+
+    def submit(self, function: Any, *arguments: Any, pure: bool) -> Done:
+        self.left -= 1
+        if self.left < 0:
+            raise Killed
+        return Done(f"task {self.left}", function(*arguments))
+
+
+@pytest.fixture(scope="module")
+def large(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A log of three parts, nearly all of it ATTITUDE."""
+    folder = tmp_path_factory.mktemp("large")
+    traffic.generate(folder / "piece.tlog", 3000)
+    piece = (folder / "piece.tlog").read_bytes()
+    path = folder / "large.tlog"
+    path.write_bytes(piece * (13 * TASK // 2 // len(piece)))
+    return path
+
+
+def killed_after(tasks: int, out: str, logs: list[Path], task_bytes: int = TASK) -> None:
+    """A run of a fleet whose client is killed when it has handed out some tasks."""
+    compression, _, query, how = prepare(
+        "parquet", None, ["HEARTBEAT", "ATTITUDE"], None, None, None, None, "all"
+    )
+    store = store_of(out)
+    made = Manifest(store, how, lambda path: (os.path.getsize(path), os.stat(path).st_mtime_ns))
+    run = running._Run(
+        store, made, Recipe(out, None, query, "all", "parquet", compression), task_bytes, None
+    )
+    paths = list(map(str, logs))
+    todo = run.begin(
+        made.names(paths),
+        {path: (os.path.getsize(path), os.stat(path).st_mtime_ns) for path in paths},
+    )
+    client = Here(tasks)
+    with pytest.raises(Killed):
+        for piece in todo:
+            pending = [run._look_for_cuts(client, piece)]
+            while pending:
+                pending += run._completed(client, pending.pop(0))
+
+
+def files_of(out: Path) -> set[str]:
+    return {str(path.relative_to(out)) for path in out.glob("*/*")}
+
+
+def test_parts_that_were_published_are_not_there_beside_the_whole_log(tmp_path, large):
+    out = tmp_path / "out"
+    killed_after(3, str(out), [large])
+    assert {"ATTITUDE/large+0000.parquet", "ATTITUDE/large+0001.parquet"} <= files_of(out)
+    (row,) = convert([large], out, types=["HEARTBEAT", "ATTITUDE"])
+    assert row.error is None
+    assert files_of(out) == set(row.files) == {
+        "ATTITUDE/large.parquet", "HEARTBEAT/large.parquet"
+    }  # fmt: skip
+    assert "parts" not in json.loads((out / MANIFEST).read_text())["logs"][0]
+
+
+def test_a_log_that_changed_meanwhile_leaves_no_file_of_before(tmp_path, large):
+    out, log = tmp_path / "out", tmp_path / "one.tlog"
+    shutil.copy(large, log)
+    killed_after(3, str(out), [log])
+    assert len(files_of(out)) == 4
+    log.write_bytes(record(heartbeat()))
+    killed_after(0, str(out), [log])
+    (row,) = convert([log], out, types=["HEARTBEAT", "ATTITUDE"])
+    assert files_of(out) == set(row.files) == {"HEARTBEAT/one.parquet"}
+
+
+def test_a_fleet_that_cuts_otherwise_goes_on_too(tmp_path, large):
+    distributed = pytest.importorskip("distributed")
+    out = tmp_path / "out"
+    killed_after(3, str(out), [large])
+    with distributed.Client(
+        processes=False, n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0",
+        local_directory=str(tmp_path / "dask"), set_as_default=False,
+    ) as client:  # fmt: skip
+        (row,) = convert_fleet(
+            large, out, client, types=["HEARTBEAT", "ATTITUDE"], task_bytes=2 * TASK
+        )
+    assert files_of(out) == set(row.files)
+    assert {"ATTITUDE/large+0000.parquet", "ATTITUDE/large+0001.parquet"} <= set(row.files)
+    assert row.rows == convert([large], tmp_path / "whole", types=["HEARTBEAT", "ATTITUDE"])[0].rows
+
+
+def test_a_log_that_was_begun_keeps_its_name(tmp_path, large):
+    out, other = tmp_path / "out", tmp_path / "large.tlog"
+    shutil.copy(large, other)
+    killed_after(6, str(out), [large, other])
+    assert "ATTITUDE/large-2+0000.parquet" in files_of(out)
+    (row,) = convert([other], out, types=["HEARTBEAT", "ATTITUDE"])
+    assert row.name == "large-2" and "ATTITUDE/large-2+0000.parquet" not in files_of(out)
+
+
+def test_what_nobody_began_stays(tmp_path, large):
+    """Files of other runs, and those of the log that are not named like its parts."""
+    out = tmp_path / "out"
+    (out / "ATTITUDE").mkdir(parents=True)
+    for name in ("large+0007.parquet", "large+0000.csv", "other+0000.parquet"):
+        (out / "ATTITUDE" / name).write_text("of someone else")
+    killed_after(3, str(out), [large])
+    convert([large], out, types=["HEARTBEAT", "ATTITUDE"])
+    assert {
+        "ATTITUDE/large+0007.parquet", "ATTITUDE/large+0000.csv", "ATTITUDE/other+0000.parquet"
+    } < files_of(out)  # fmt: skip
+
+
+def test_on_an_object_store(tmp_path, large):
+    fsspec = pytest.importorskip("fsspec")
+    memory = fsspec.filesystem("memory")
+    url = "memory://fleet-interrupted"
+    try:
+        killed_after(3, url, [large])
+        assert memory.exists(f"/fleet-interrupted/{JOURNAL}"), "parts are noted at once"
+        how = json.loads(memory.cat_file(f"/fleet-interrupted/{MANIFEST}"))["options"]
+        made = Manifest(store_of(url), how)
+        made.add(Converted(str(large), "large", files={"ATTITUDE/large.parquet": 1}))
+        made.store()
+        left = [path.rpartition("/")[2] for path in memory.find("/fleet-interrupted")]
+        assert left == [MANIFEST]
+    finally:
+        memory.rm("/fleet-interrupted", recursive=True)
+
+
+def test_only_what_is_begun_is_written_at_once_to_an_object_store(monkeypatch):
+    """Finished logs wait for the manifest, which is written now and then."""
+    fsspec = pytest.importorskip("fsspec")
+    memory = fsspec.filesystem("memory")
+    monkeypatch.setattr(journal, "PAUSE", 3600.0)
+    store = stores.Remote("memory://fleet-journal")
+    made = Manifest(store, {"format": "parquet"}, lambda path: (1, 1))
+    notes = journal.Journal(store, made)
+    try:
+        notes.begin_all({f"/{n}.tlog": str(n) for n in range(9)})
+        written = memory.cat_file(f"/fleet-journal/{MANIFEST}")
+        for n in range(9):
+            notes.finish(Converted(f"/{n}.tlog", str(n), 1, 1))
+        assert memory.cat_file(f"/fleet-journal/{MANIFEST}") == written
+        assert not memory.exists(f"/fleet-journal/{JOURNAL}")
+        notes.close()
+        assert [row["error"] for row in stored(memory, MANIFEST)] == [None] * 9
+    finally:
+        memory.rm("/fleet-journal", recursive=True)
+
+
+def stored(memory: Any, name: str) -> Any:
+    return json.loads(memory.cat_file(f"/fleet-journal/{name}"))["logs"]
+
+
+@pytest.mark.parametrize("parts", [["../x"], "x", [7], [""]])
+def test_parts_of_a_manifest_of_others(tmp_path, parts):
+    row = {"path": "x", "name": "x", "size": 1, "mtime_ns": 1, "rows": 1, "bad_bytes": 0}
+    log = {**row, "files": {}, "error": manifest.BEGUN, "parts": parts}
+    content = {"version": 1, "options": {}, "logs": [log]}
+    (tmp_path / MANIFEST).write_text(json.dumps(content))
+    with pytest.raises(ValueError, match="is no manifest"):
+        convert([], tmp_path)
+
+
+def test_names_of_many_logs_of_one_name_are_found_without_going_through_them_again():
+    class Counting(set[str]):
+        asked = 0
+
+        def __contains__(self, name: object) -> bool:
+            Counting.asked += 1
+            return super().__contains__(name)
+
+    taken = Counting({"flight", "flight-3"})
+    names = manifest._names([f"/{n}/flight.tlog" for n in range(2000)], {}, taken)
+    assert len(set(names.values())) == 2000
+    assert list(names.values())[:3] == ["flight-2", "flight-4", "flight-5"]
+    assert Counting.asked <= 4 * 2000

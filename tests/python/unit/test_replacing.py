@@ -1,0 +1,71 @@
+"""A file that is written anew is complete or as it was, whatever stands in its place."""
+
+from __future__ import annotations
+
+import os
+import stat
+import threading
+from pathlib import Path
+
+import pytest
+from mavwire._replacing import Replacement, replace_text
+
+
+def test_a_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_text("old")
+    path.chmod(0o640)
+    replace_text(str(path), "new\n")
+    assert path.read_text() == "new\n"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+    assert os.listdir(tmp_path) == ["file"]
+
+
+def test_a_new_file_has_the_permissions_of_any_other(tmp_path: Path) -> None:
+    replace_text(str(tmp_path / "new"), "")
+    (tmp_path / "other").touch()
+    assert (tmp_path / "new").stat().st_mode == (tmp_path / "other").stat().st_mode
+
+
+def test_what_cannot_be_written_leaves_what_was_there(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_text("old")
+    with pytest.raises(UnicodeEncodeError):
+        replace_text(str(path), "half\ud800")
+    file = Replacement(str(path))
+    file.file.write(b"half")
+    file.discard()
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["file"]
+
+
+def test_errors_name_the_file(tmp_path: Path) -> None:
+    missing = str(tmp_path / "missing" / "file")
+    with pytest.raises(FileNotFoundError) as caught:
+        replace_text(missing, "")
+    assert caught.value.filename == missing
+    with pytest.raises(IsADirectoryError) as refused:
+        replace_text(str(tmp_path), "")
+    assert refused.value.filename == str(tmp_path)
+
+
+def test_links_are_followed(tmp_path: Path) -> None:
+    path, link = tmp_path / "file", tmp_path / "link"
+    path.write_text("old")
+    link.symlink_to("file")
+    replace_text(str(link), "new")
+    assert link.is_symlink()
+    assert path.read_text() == "new"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_a_pipe_stays_a_pipe(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    read: list[bytes] = []
+    reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()), daemon=True)
+    reader.start()
+    replace_text(str(pipe), "text")
+    reader.join(30)
+    assert read == [b"text"]
+    assert stat.S_ISFIFO(pipe.stat().st_mode)

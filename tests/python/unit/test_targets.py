@@ -1,0 +1,82 @@
+"""What is written when it is complete takes the place of a file, never of a device, a pipe or a link."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Callable
+from pathlib import Path
+
+import mavwire
+import pytest
+from mavwire import cli, traffic
+from mavwire.logs.conversion import convert
+from mavwire.logs.rewriting import cut, merge
+from mavwire.logs.targets import file_to_write
+
+needs_pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("logs") / "flight.tlog"
+    traffic.generate(path, 300)
+    return path
+
+
+def writers(flight: Path) -> list[tuple[str, Callable[[str], object]]]:
+    from mavwire.plots import draw_map
+
+    return [
+        ("x.tlog", lambda out: cut(flight, out)),
+        ("x.tlog", lambda out: merge([flight, flight], out)),
+        ("x.csv", lambda out: mavwire.open_log(flight)["ATTITUDE"].write(out)),
+        ("x.kml", lambda out: draw_map(flight, out)),
+    ]
+
+
+@needs_pipes
+def test_a_pipe_stays_a_pipe(flight, tmp_path):
+    for name, write in writers(flight):
+        pipe = tmp_path / name
+        pipe.unlink(missing_ok=True)
+        os.mkfifo(pipe)
+        with pytest.raises(ValueError, match="a device or a pipe"):
+            write(str(pipe))
+        assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert cli.main(["cut", str(flight), "-o", str(tmp_path / "x.tlog")]) == 1
+
+
+def test_a_link_stays_a_link(flight, tmp_path):
+    for name, write in writers(flight):
+        target, link = tmp_path / f"target of {name}", tmp_path / name
+        target.unlink(missing_ok=True)
+        link.unlink(missing_ok=True)
+        try:
+            link.symlink_to(target)
+        except OSError:
+            pytest.skip("no links here")
+        write(str(link))
+        write(str(link))
+        assert link.is_symlink() and target.stat().st_size > 0
+
+
+def test_folders_and_places_that_are_not_there(tmp_path):
+    with pytest.raises(ValueError, match="is a folder"):
+        file_to_write(tmp_path)
+    assert file_to_write(str(tmp_path / "no" / "x")) == str(tmp_path / "no" / "x")
+
+
+@pytest.mark.parametrize("name", ["x.tlog.gz", "x.ZST"])
+def test_a_log_does_not_look_compressed(flight, tmp_path, name):
+    with pytest.raises(ValueError, match="uncompressed"):
+        cut(flight, tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_urls_are_no_folders(flight, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for logs, out in (([flight], "s3://bucket/out"), (["s3://bucket/x.tlog"], "out")):
+        with pytest.raises(ValueError, match="is a URL"):
+            convert(logs, out)
+    assert not list(tmp_path.iterdir())

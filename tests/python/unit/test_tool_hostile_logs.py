@@ -1,0 +1,108 @@
+"""Texts of a log do not steer the terminal, and code runs only where it is asked for."""
+
+from __future__ import annotations
+
+import io
+import sys
+from pathlib import Path
+
+import pytest
+from mavwire import cli, expression
+from mavwire.dialects.v20 import ardupilotmega as mavlink
+from mavwire.expression import names
+from tool_runs import Log, flight_log
+
+
+class Terminal(io.TextIOWrapper):
+    """Standard output that is a terminal."""
+
+    def __init__(self) -> None:
+        super().__init__(io.BytesIO(), encoding="utf-8")
+
+    def isatty(self) -> bool:
+        return True
+
+    def text(self) -> str:
+        self.flush()
+        return self.buffer.getvalue().decode()  # type: ignore[attr-defined]
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> str:
+    made = Log(tmp_path / "hostile.tlog")
+    for value in (1.0, 2.0):
+        made.add(value, mavlink.MAVLink_param_value_message(b"A\x1b[2J\x07", value, 9, 1, 0))
+    made.add(3, mavlink.MAVLink_statustext_message(6, b"\x1b]0;pwn\x07"))
+    return str(made.done())
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["parms"], ["parms", "--changes"], ["search"], ["dump"], ["dump", "--format", "csv",
+        "--types", "STATUSTEXT"], ["dump", "--verbose"],
+    ],
+)  # fmt: skip
+def test_a_terminal_sees_no_control_characters(
+    arguments: list[str], log: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for terminal in (Terminal(), io.TextIOWrapper(io.BytesIO(), encoding="utf-8")):
+        monkeypatch.setattr(sys, "stdout", terminal)
+        assert cli.main([*arguments, log]) == 0
+        terminal.flush()
+        text = terminal.buffer.getvalue().decode()  # type: ignore[attr-defined]
+        assert ("\x1b" in text) == (not terminal.isatty())
+        assert ("\\x1b" in text) == terminal.isatty()
+        assert text.count("\n") >= 1
+
+
+@pytest.mark.parametrize("verb", ["search", "dump"])
+def test_functions_of_ones_own(
+    verb: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known = dict(names.known_names())
+    monkeypatch.setattr(names, "known_names", lambda: known)
+    path = str(flight_log(tmp_path / "flight.tlog"))
+    functions = tmp_path / "mine.py"
+    functions.write_text("def wanted(mode):\n    return mode == 81\n")
+    condition = ["--condition", "wanted(HEARTBEAT.base_mode)"]
+    expected = ["--condition", "HEARTBEAT.base_mode == 81"]
+    arguments = [verb, path, "--types", "HEARTBEAT"]
+    assert cli.main([*arguments, *condition]) == 0
+    assert "HEARTBEAT {" not in capsys.readouterr().out
+    assert cli.main([*arguments, *condition, "--user-functions", str(functions)]) == 0
+    found = capsys.readouterr().out
+    assert cli.main([*arguments, *expected]) == 0
+    assert capsys.readouterr().out == found
+    assert "HEARTBEAT {" in found
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [(None, "No such file"), ("def", "SyntaxError"), ("1 / 0", "ZeroDivisionError")],
+)
+def test_a_file_of_functions_that_is_none(
+    text: str | None, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    functions = tmp_path / "mine.py"
+    if text is not None:
+        functions.write_text(text)
+    assert cli.main(["search", "x.tlog", "--user-functions", str(functions)]) == 1
+    error = capsys.readouterr().err
+    assert reason in error
+    assert error.count("\n") == 1
+
+
+def test_nothing_is_run_that_was_not_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / ".pymavlink"
+    folder.mkdir()
+    (folder / "mavextra.py").write_text("raise SystemExit('run')")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert expression.evaluate_expression("1 + 1", {}) == 2
+    path = str(flight_log(tmp_path / "flight.tlog"))
+    assert cli.main(["search", path, "--condition", "1 == 2"]) == 0
