@@ -1,5 +1,7 @@
 //! Files read from start to end, and files that appear whole or not at all.
 
+use std::error::Error;
+use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::iter;
@@ -28,7 +30,34 @@ pub fn open_part(path: &Path, bytes: Range<u64>) -> io::Result<Box<dyn Read + Se
     Ok(Box::new(file.take(bytes.end.saturating_sub(bytes.start))))
 }
 
+/// Why a file could not be written, and which; within an [`io::Error`] of the same kind.
+#[derive(Debug)]
+pub struct Unwritten {
+    /// What was to be written.
+    pub path: PathBuf,
+    /// What the operating system says.
+    pub error: io::Error,
+}
+
+impl fmt::Display for Unwritten {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.path.display(), self.error)
+    }
+}
+
+impl Error for Unwritten {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        Some(&self.error)
+    }
+}
+
+/// What the operating system says of writing a file, with its name.
+fn naming<T>(path: &Path, done: io::Result<T>) -> io::Result<T> {
+    done.map_err(|error| io::Error::new(error.kind(), Unwritten { path: path.to_owned(), error }))
+}
+
 /// A file under construction: it bears another name until it is committed, and is removed where that never happens.
+/// Its errors are [`Unwritten`].
 #[derive(Debug)]
 pub struct Draft {
     file: Option<BufWriter<File>>,
@@ -42,10 +71,8 @@ impl Draft {
     /// # Errors
     /// What the operating system says.
     pub fn create(path: &Path) -> io::Result<Self> {
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
-        }
-        let (file, part) = create_beside(path)?;
+        let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+        let (file, part) = naming(path, folder.and_then(|()| create_beside(path)))?;
         let file = BufWriter::with_capacity(64 << 10, file);
         Ok(Self { file: Some(file), path: path.to_owned(), part })
     }
@@ -62,8 +89,7 @@ impl Draft {
     /// Waits until everything is on the disk.
     fn sync(&mut self) -> io::Result<()> {
         let Some(file) = &mut self.file else { return Ok(()) };
-        file.flush()?;
-        file.get_ref().sync_data()
+        naming(&self.path, file.flush().and_then(|()| file.get_ref().sync_data()))
     }
 
     fn publish(mut self) -> io::Result<()> {
@@ -72,7 +98,7 @@ impl Draft {
         if renamed.is_err() {
             let _ = std::fs::remove_file(&self.part);
         }
-        renamed
+        naming(&self.path, renamed)
     }
 }
 
@@ -129,11 +155,11 @@ fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
 
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.as_mut().map_or(Ok(0), |file| file.write(bytes))
+        self.file.as_mut().map_or(Ok(0), |file| naming(&self.path, file.write(bytes)))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.as_mut().map_or(Ok(()), Write::flush)
+        self.file.as_mut().map_or(Ok(()), |file| naming(&self.path, file.flush()))
     }
 }
 

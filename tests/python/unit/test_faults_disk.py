@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -81,8 +82,13 @@ print(json.dumps([full, run_all(commands, log, out)]))
         assert code == 1, name
         assert len(said.splitlines()) == 1 and "File too large" in said, said
         assert [one for one in left if one != "manifest.json"] == [], (name, left)
+        assert f"{tmp_path}/{name}/" in said, said
     for name in ("map", "plot"):
         assert f"{tmp_path}/{name}/made.html: File too large" in full[name][1]
+    for name in ("cut", "repair", "anonymize", "merge"):
+        assert f"{tmp_path}/{name}/made.tlog: File too large" in full[name][1]
+    for name in ("parquet", "jsonl", "arrow", "mcap"):
+        assert f"OSError: [Errno {errno.EFBIG}] File too large: " in full[name][1]
     for name, (code, said, made) in again.items():
         assert (code, said) == (0, ""), name
         assert any(one != "manifest.json" for one in made)
