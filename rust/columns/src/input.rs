@@ -231,3 +231,28 @@ impl Blocks {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_rest_lengthens_no_buffer_for_good() {
+        const BLOCK: usize = 8192;
+        const REST: usize = 6000;
+        let bytes: Vec<u8> = (0..40 * BLOCK).map(|n| (n % 251) as u8).collect();
+        let mut blocks = Blocks::of_size(Box::new(io::Cursor::new(bytes.clone())), BLOCK);
+        let mut read = Vec::new();
+        let mut work = |block: &[u8], at_end: bool| {
+            let consumed = if at_end { block.len() } else { block.len().saturating_sub(REST) };
+            read.extend_from_slice(&block[..consumed]);
+            (consumed, ())
+        };
+        let mut longest = 0;
+        while blocks.next(&mut work).expect("reading").is_some() {
+            longest = longest.max(blocks.now.bytes.len()).max(blocks.next.bytes.len());
+        }
+        assert_eq!(read, bytes);
+        assert!(longest <= BLOCK + REST.max(HEADROOM), "{longest}");
+    }
+}

@@ -59,9 +59,8 @@ impl Piece {
         strides: &[usize],
         fill: impl Fn(Chosen, &mut [u8]),
     ) {
-        self.chosen.clear();
-        self.chosen.extend(chosen);
-        self.lay_out(strides);
+        self.take_in(chosen, strides);
+        self.lay_out();
         let Self { chosen, spans, times, kinds, bytes } = self;
         for &record in &*chosen {
             let span = &mut spans[usize::from(record.table)];
@@ -73,14 +72,22 @@ impl Piece {
         }
     }
 
-    /// Gives each table its room.
-    fn lay_out(&mut self, strides: &[usize]) {
-        let Self { chosen, spans, times, kinds, bytes } = self;
+    /// Counts the rows of each table.
+    fn take_in(&mut self, records: impl Iterator<Item = Chosen>, strides: &[usize]) {
+        let Self { chosen, spans, .. } = self;
+        chosen.clear();
         spans.clear();
         spans.extend(strides.iter().map(|&stride| Span { stride, ..Span::default() }));
-        for record in &*chosen {
+        // Not `extend`: records would go through memory in parts and be read again as a whole, which stalls.
+        records.for_each(|record| {
             spans[usize::from(record.table)].rows += 1;
-        }
+            chosen.push(record);
+        });
+    }
+
+    /// Gives each table its room.
+    fn lay_out(&mut self) {
+        let Self { chosen, spans, times, kinds, bytes } = self;
         let (mut row, mut byte) = (0, 0);
         for span in &mut *spans {
             (span.first_row, span.first_byte) = (row, byte);

@@ -140,7 +140,7 @@ fn sort_into(
     let lead = framing.lead();
     let wants = |record: &&Located| wanted.wants_row(block, lead, scanned, **record);
     pieces.resize_with(scanned.records.len().div_ceil(PIECE), Piece::default);
-    let each = pieces.par_iter_mut().zip(scanned.records.par_chunks(PIECE));
+    let each = pieces.par_iter_mut().zip(scanned.records.par_chunks(PIECE)).with_max_len(1);
     each.for_each(|(piece, records)| {
         let chosen = records.iter().filter(wants).map(|&Located { at, index }| {
             let time = if lead == 0 { 0 } else { scanned.time(block, at) };

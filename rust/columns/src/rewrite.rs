@@ -144,8 +144,8 @@ fn put(
     true
 }
 
-/// Bytes that the blocks of all logs have together.
-const MERGED_BYTES: usize = 64 << 20;
+/// Bytes that the blocks of all logs have together: whoever merges may stop between two blocks.
+const MERGED_BYTES: usize = 8 << 20;
 /// The least that a block has.
 const LEAST_BLOCK: usize = 256 << 10;
 

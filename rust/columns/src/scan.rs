@@ -14,8 +14,8 @@ use mavwire_core::log::tlog::{
 use mavwire_core::registry::Registry;
 use rayon::prelude::*;
 
-/// Bytes that are searched in one go.
-const STRETCH: usize = 512 << 10;
+/// Bytes that are searched in one go: few enough for the last processor not to be waited for long.
+const STRETCH: usize = 256 << 10;
 
 /// After damage, a time stamp further than this from the last good one is not believed. Microseconds.
 const MAX_JUMP: u64 = 3 * 24 * 3600 * 1_000_000;
@@ -120,6 +120,7 @@ impl LogScanner {
         let starts: Vec<usize> = (0..block.len()).step_by(self.stretch).collect();
         let found: Vec<Runs> = starts
             .par_iter()
+            .with_max_len(1)
             .map(|&start| {
                 let end = block.len().min(start + self.stretch);
                 find_runs(block, start..end, lead, &self.registry)

@@ -55,6 +55,17 @@ fn a_table_too_large_for_one_array_comes_in_pieces() {
 }
 
 #[test]
+fn batches_have_no_more_rows_than_wanted() {
+    let whole = rows(&read(Limits::NONE));
+    for most in [1000, 0] {
+        let found = read(Limits { rows: most, ..Limits::NONE });
+        assert_eq!(rows(&found), whole, "{most} rows");
+        let least = |rows: usize| if most == 0 { 2 } else { rows.div_ceil(most) };
+        assert!(found.values().all(|&(rows, batches)| batches >= least(rows)), "{found:?}");
+    }
+}
+
+#[test]
 fn reading_ends_with_the_smallest_of_limits() {
     let whole = rows(&read(Limits::NONE));
     for bytes in [0, 3, 100] {

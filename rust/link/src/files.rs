@@ -1,10 +1,16 @@
 //! Files read from start to end, and files that appear whole or not at all.
 
+use std::error::Error;
+use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::iter;
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 /// Opens a file for reading it once.
 ///
@@ -24,7 +30,34 @@ pub fn open_part(path: &Path, bytes: Range<u64>) -> io::Result<Box<dyn Read + Se
     Ok(Box::new(file.take(bytes.end.saturating_sub(bytes.start))))
 }
 
+/// Why a file could not be written, and which; within an [`io::Error`] of the same kind.
+#[derive(Debug)]
+pub struct Unwritten {
+    /// What was to be written.
+    pub path: PathBuf,
+    /// What the operating system says.
+    pub error: io::Error,
+}
+
+impl fmt::Display for Unwritten {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.path.display(), self.error)
+    }
+}
+
+impl Error for Unwritten {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        Some(&self.error)
+    }
+}
+
+/// What the operating system says of writing a file, with its name.
+fn naming<T>(path: &Path, done: io::Result<T>) -> io::Result<T> {
+    done.map_err(|error| io::Error::new(error.kind(), Unwritten { path: path.to_owned(), error }))
+}
+
 /// A file under construction: it bears another name until it is committed, and is removed where that never happens.
+/// Its errors are [`Unwritten`].
 #[derive(Debug)]
 pub struct Draft {
     file: Option<BufWriter<File>>,
@@ -38,10 +71,8 @@ impl Draft {
     /// # Errors
     /// What the operating system says.
     pub fn create(path: &Path) -> io::Result<Self> {
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
-        }
-        let (file, part) = create_beside(path)?;
+        let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+        let (file, part) = naming(path, folder.and_then(|()| create_beside(path)))?;
         let file = BufWriter::with_capacity(64 << 10, file);
         Ok(Self { file: Some(file), path: path.to_owned(), part })
     }
@@ -51,16 +82,58 @@ impl Draft {
     /// # Errors
     /// What the operating system says; the file is removed then.
     pub fn commit(mut self) -> io::Result<()> {
-        let Some(file) = self.file.take() else { return Ok(()) };
-        let file = file.into_inner().map_err(io::IntoInnerError::into_error);
-        let renamed = file
-            .and_then(|file| file.sync_data())
-            .and_then(|()| std::fs::rename(&self.part, &self.path));
+        self.sync()?;
+        self.publish()
+    }
+
+    /// Waits until everything is on the disk.
+    fn sync(&mut self) -> io::Result<()> {
+        let Some(file) = &mut self.file else { return Ok(()) };
+        naming(&self.path, file.flush().and_then(|()| file.get_ref().sync_data()))
+    }
+
+    fn publish(mut self) -> io::Result<()> {
+        drop(self.file.take());
+        let renamed = std::fs::rename(&self.part, &self.path);
         if renamed.is_err() {
             let _ = std::fs::remove_file(&self.part);
         }
-        renamed
+        naming(&self.path, renamed)
     }
+}
+
+/// Threads that wait for the disk at a time: it writes many files in little more than the time of one.
+const WAITING: usize = 16;
+
+/// Gives all files their names, once all of them are on the disk.
+///
+/// # Errors
+/// What the operating system says of one of them; none of them is there then.
+pub fn commit_all(mut drafts: Vec<Draft>) -> io::Result<()> {
+    let threads = WAITING.min(drafts.len());
+    let left = Mutex::new(drafts.iter_mut());
+    let next = || left.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let sync = || iter::from_fn(next).try_for_each(Draft::sync);
+    thread::scope(|scope| {
+        // Where no further thread is to be had, those that are there do it.
+        let start = |_| thread::Builder::new().spawn_scoped(scope, sync).ok();
+        let started: Vec<_> = (1..threads).map_while(start).collect();
+        let mut done = sync();
+        for thread in started {
+            done = done.and(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        }
+        done
+    })?;
+    let paths: Vec<PathBuf> = drafts.iter().map(|draft| draft.path.clone()).collect();
+    for (number, draft) in drafts.into_iter().enumerate() {
+        if let Err(error) = draft.publish() {
+            for path in &paths[..number] {
+                let _ = std::fs::remove_file(path);
+            }
+            return Err(error);
+        }
+    }
+    Ok(())
 }
 
 /// Makes a file that nobody else has, in the folder of `path`: `NAME.PROCESS-NUMBER.part`.
@@ -82,11 +155,11 @@ fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
 
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.as_mut().map_or(Ok(0), |file| file.write(bytes))
+        self.file.as_mut().map_or(Ok(0), |file| naming(&self.path, file.write(bytes)))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.as_mut().map_or(Ok(()), Write::flush)
+        self.file.as_mut().map_or(Ok(()), |file| naming(&self.path, file.flush()))
     }
 }
 
@@ -131,6 +204,27 @@ mod tests {
         let parts = [0..10, 3..5, 8..20, 30..40, backwards].map(part);
         assert_eq!(parts, ["0123456789", "34", "89", "", ""]);
         std::fs::remove_file(path).expect("removing");
+    }
+
+    #[test]
+    fn many_drafts_become_files() {
+        let folder = std::env::temp_dir().join(format!("mavwire-drafts-{}", std::process::id()));
+        let draft = |n: u8| {
+            let mut draft = Draft::create(&folder.join(format!("{n}"))).expect("creating");
+            draft.write_all(&[n]).expect("writing");
+            draft
+        };
+        commit_all((0..40).map(draft).collect()).expect("committing");
+        commit_all(Vec::new()).expect("committing nothing");
+        for n in 0..40 {
+            assert_eq!(std::fs::read(folder.join(format!("{n}"))).expect("reading"), [n]);
+        }
+        assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 40);
+        // A folder in the way of one: none of them is left.
+        std::fs::create_dir(folder.join("41")).expect("creating");
+        commit_all((40..43).map(draft).collect()).expect_err("a folder has the name");
+        assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 41);
+        std::fs::remove_dir_all(folder).expect("removing");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::convert::{Compression, Format, Sink, write_all};
 use mavwire_columns::mcap::McapSink;
 use mavwire_columns::reader::Batch;
-use mavwire_link::files::Draft;
+use mavwire_link::files::{Draft, commit_all};
 
 /// The files of a log, which appear when all of them are complete, and are gone if that never happens.
 pub(crate) enum Output {
@@ -100,17 +100,12 @@ impl Tables {
     }
 
     fn commit(self) -> Result<Vec<(PathBuf, u64)>, Error> {
-        // All are finished before the first one is renamed.
-        let mut drafts = Vec::new();
+        let (mut files, mut drafts) = (Vec::new(), Vec::new());
         for (path, sink) in self.sinks.into_values() {
-            let rows = sink.rows();
-            drafts.push((path, rows, sink.finish()?));
+            files.push((path, sink.rows()));
+            drafts.push(sink.finish()?);
         }
-        let mut files = Vec::new();
-        for (path, rows, draft) in drafts {
-            draft.commit()?;
-            files.push((path, rows));
-        }
+        commit_all(drafts)?;
         Ok(files)
     }
 }

@@ -38,6 +38,7 @@ mod dump;
 mod dump_line;
 mod encode;
 mod extra;
+mod file_error;
 mod filter;
 mod frame_bytes;
 mod index_build;

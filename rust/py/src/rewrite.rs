@@ -1,6 +1,6 @@
 //! `LogRewrite`: a telemetry log made of others, without the interpreter.
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,12 +9,13 @@ use mavwire_columns::rewrite::{Merge, Outcome, Rewrite};
 use mavwire_columns::scan::Framing;
 use mavwire_core::anonymize::{Anonymizer, Shift};
 use mavwire_link::files::{self, Draft};
-use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::columns::Query;
 use crate::dialect::Dialect;
+use crate::file_error::of_file;
 use crate::lists::list;
 use crate::table::columns_error;
 
@@ -53,7 +54,8 @@ pub(crate) struct LogRewrite {
 
 impl LogRewrite {
     fn new(run: Run, out: &Path) -> PyResult<Self> {
-        Ok(Self { work: Mutex::new(Work { run, draft: Some(Draft::create(out)?) }) })
+        let draft = Some(Draft::create(out).map_err(io_error)?);
+        Ok(Self { work: Mutex::new(Work { run, draft }) })
     }
 
     fn with<T>(&self, take: impl FnOnce(&mut Work) -> T) -> T {
@@ -121,7 +123,8 @@ impl LogRewrite {
 
     /// Gives the file its name. Without it nothing is left of it.
     fn commit(&self, py: Python<'_>) -> PyResult<()> {
-        Ok(py.detach(|| self.with(|work| work.draft.take().map_or(Ok(()), Draft::commit)))?)
+        let commit = |work: &mut Work| work.draft.take().map_or(Ok(()), Draft::commit);
+        py.detach(|| self.with(commit)).map_err(io_error)
     }
 
     /// Removes what was written and not committed.
@@ -149,14 +152,17 @@ impl LogRewrite {
     }
 }
 
+fn io_error(error: io::Error) -> PyErr {
+    columns_error(error.into())
+}
+
 /// The error of a log that cannot be opened beside the others.
-fn named(path: &Path, error: std::io::Error) -> PyErr {
-    let Some(code) = error.raw_os_error() else { return error.into() };
+fn named(path: &Path, error: io::Error) -> PyErr {
     let advice = match error.kind() {
-        std::io::ErrorKind::NotFound | std::io::ErrorKind::PermissionDenied => "",
+        io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied => "",
         _ => " (all logs are open at once: merge fewer of them, then what comes of that)",
     };
-    PyOSError::new_err((code, format!("{error}{advice}"), path.to_owned()))
+    of_file(&error, Some(path), advice).unwrap_or_else(|| error.into())
 }
 
 fn no_times(path: &Path) -> PyErr {

@@ -21,14 +21,21 @@ use pyo3::types::{PyCapsule, PyDict, PyList, PyTuple};
 
 use crate::calling::Calling;
 use crate::column_view::ColumnView;
+use crate::file_error::file_error;
 use crate::lists::list;
 
 /// What went wrong as Python raises it.
 pub(crate) fn columns_error(error: Error) -> PyErr {
-    match error {
+    let told = match &error {
+        Error::Io(error) => file_error(error),
+        Error::Arrow(error) => file_error(error),
+        Error::Parquet(error) => file_error(error),
+        _ => None,
+    };
+    told.unwrap_or_else(|| match error {
         Error::Io(error) => error.into(),
         error => PyValueError::new_err(error.to_string()),
-    }
+    })
 }
 
 /// A table: a schema and batches of rows.

@@ -386,3 +386,15 @@ def test_many_descriptions_of_one_name_cost_no_more_than_those_of_one_type(tmp_p
     assert len(table) == 16
     assert table.columns == log.types["ABCD"]
     assert log.info().types["UNKNOWN"].messages >= 100, "the other records are counted"
+
+
+def test_names_with_nul_are_columns_that_arrow_takes(tmp_path):
+    path = tmp_path / "odd.log"
+    path.write_text(
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+        "FMT, 1, 19, ABC, QII, TimeUS,a\0,b\0c\nABC, 1, 2, 3\n"
+    )
+    table = mavwire.open_log(path)["ABC"]
+    assert table.columns == ["timestamp", "TimeUS", "a\ufffd", "b\ufffdc"]
+    assert table.to_arrow().column_names == table.columns
+    assert [table[name][0] for name in table.columns[2:]] == [2, 3]

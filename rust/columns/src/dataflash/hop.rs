@@ -9,6 +9,9 @@ use std::ops::Range;
 use mavwire_core::log::dataflash::{Definitions, Found, LOOK_LEN, index, look};
 use rayon::prelude::*;
 
+/// Bytes of a record, or fewer: how many records a stretch may be expected to have.
+const USUAL_LEN: usize = 32;
+
 /// Bytes that are hopped over in one go.
 pub(super) const STRETCH: usize = 256 << 10;
 
@@ -27,10 +30,6 @@ impl Place {
     /// The bytes of the record.
     pub(super) fn of(self, block: &[u8]) -> &[u8] {
         &block[self.at as usize..][..usize::from(self.len)]
-    }
-
-    fn end(self) -> usize {
-        self.at as usize + usize::from(self.len)
     }
 }
 
@@ -51,6 +50,8 @@ struct Guess {
     places: Vec<Place>,
     /// Where the next record has to be looked for.
     next: usize,
+    /// Bytes that belong to no record.
+    bad: Vec<Range<usize>>,
 }
 
 /// Finds the records of `block`, which stands at `offset` in the log and ends it if `at_end`.
@@ -64,14 +65,13 @@ pub(super) fn hop(
     let starts: Vec<usize> = (0..block.len()).step_by(stretch).collect();
     let guesses: Vec<Guess> = starts
         .par_iter()
+        .with_max_len(1)
         .map(|&start| {
             let stretch = start..block.len().min(start + stretch);
             guess(block, offset, definitions, at_end, stretch)
         })
         .collect();
-    let (stretches, consumed) = put_together(block, offset, definitions, at_end, guesses);
-    let bad = gaps(&stretches, consumed);
-    Hops { stretches, bad, consumed }
+    put_together(block, offset, definitions, at_end, guesses)
 }
 
 fn guess(
@@ -85,14 +85,23 @@ fn guess(
     // No further: a stretch of junk would be searched up to the end of the block otherwise, and so would the next one.
     let end = block.len().min(stretch.end + LOOK_LEN);
     let last = at_end && end == block.len();
-    let mut places = Vec::new();
+    let (mut places, mut bad) = (Vec::with_capacity(stretch.len() / USUAL_LEN), Vec::new());
     let bytes = &block[start..end];
+    let mut expected = start;
     let (done, _) =
         index(bytes, offset + start as u64, stretch.len(), definitions, last, |entry, _| {
-            let at = (entry.offset - offset) as u32;
-            places.push(Place { at, len: entry.len.into(), layout: entry.layout });
+            let at = (entry.offset - offset) as usize;
+            if at > expected {
+                bad.push(expected..at);
+            }
+            expected = at + usize::from(entry.len);
+            places.push(Place { at: at as u32, len: entry.len.into(), layout: entry.layout });
         });
-    Guess { stretch, places, next: start + done }
+    let next = start + done;
+    if next > expected {
+        bad.push(expected..next);
+    }
+    Guess { stretch, places, next, bad }
 }
 
 /// The records that one walk through the block finds, and where it ends.
@@ -102,15 +111,16 @@ fn put_together(
     definitions: &Definitions,
     at_end: bool,
     guesses: Vec<Guess>,
-) -> (Vec<Vec<Place>>, usize) {
-    let (mut at, mut stretches) = (0, Vec::new());
-    for Guess { stretch, mut places, next } in guesses {
+) -> Hops {
+    let (mut at, mut hops) = (0, Hops::default());
+    for Guess { stretch, mut places, next, bad } in guesses {
         let mut walked = Vec::new();
         while at < stretch.end {
             let known = places.binary_search_by_key(&at, |place| place.at as usize);
             if let Some(known) = known.ok().or((at == stretch.start).then_some(0)) {
                 places.drain(..known);
-                stretches.extend([walked, places]);
+                hops.stretches.extend([walked, places]);
+                bad.into_iter().filter(|bad| bad.start >= at).for_each(|bad| hops.add_bad(bad));
                 walked = Vec::new();
                 at = next;
                 break;
@@ -120,35 +130,29 @@ fn put_together(
                     walked.push(Place { at: at as u32, len: len as u16, layout });
                     at += len;
                 }
-                Found::Junk { len } => at += len,
+                Found::Junk { len } => {
+                    hops.add_bad(at..at + len);
+                    at += len;
+                }
                 Found::Incomplete => break,
             }
         }
-        stretches.push(walked);
+        hops.stretches.push(walked);
         if at < stretch.end {
             break;
         }
     }
-    stretches.retain(|places| !places.is_empty());
-    (stretches, at)
+    hops.stretches.retain(|places| !places.is_empty());
+    hops.consumed = at;
+    hops
 }
 
-/// What lies between the records, up to `end`.
-fn gaps(stretches: &[Vec<Place>], end: usize) -> Vec<Range<usize>> {
-    let ends = stretches.iter().filter_map(|places| places.last()).map(|place| place.end());
-    let befores: Vec<usize> = std::iter::once(0).chain(ends).collect();
-    let within = stretches.par_iter().zip(&befores).flat_map_iter(|(places, &before)| {
-        let mut expected = before;
-        places.iter().filter_map(move |place| {
-            let gap = expected..place.at as usize;
-            expected = place.end();
-            (!gap.is_empty()).then_some(gap)
-        })
-    });
-    let mut gaps: Vec<_> = within.collect();
-    let rest = befores.last().map_or(0, |&before| before)..end;
-    if !rest.is_empty() {
-        gaps.push(rest);
+impl Hops {
+    /// What touches is one range.
+    fn add_bad(&mut self, range: Range<usize>) {
+        match self.bad.last_mut().filter(|last| last.end == range.start) {
+            Some(last) => last.end = range.end,
+            None => self.bad.push(range),
+        }
     }
-    gaps
 }

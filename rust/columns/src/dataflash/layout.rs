@@ -92,9 +92,10 @@ pub fn table_layout(survey: &Survey, table: usize, options: &Options) -> TableLa
     TableLayout { layout: Arc::new(layout), places }
 }
 
-/// A name that no other column has, for one of a field that has so many already.
+/// A name that no other column has, for one of a field that has so many already. Arrow's C interface has no room for
+/// the NUL that a damaged description may hold.
 fn free_name(field: &str, already: usize, taken: &mut HashSet<String>) -> String {
-    let mut name = field.to_owned() + &"_".repeat(already);
+    let mut name = field.replace('\0', "\u{fffd}") + &"_".repeat(already);
     while !taken.insert(name.clone()) {
         name.push('_');
     }

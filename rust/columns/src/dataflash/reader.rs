@@ -167,9 +167,10 @@ impl Sorter<'_> {
             let chosen = all.filter_map(|(place, time)| self.choose(place, time));
             piece.sort(chosen, self.strides, |chosen, row| {
                 if is_binary {
-                    let len = self.survey.form.layouts()[usize::from(chosen.kind)].len;
-                    let (at, len) = (chosen.at as usize, usize::from(len));
-                    row[..len].copy_from_slice(&block[at..at + len]);
+                    // With what follows a record shorter than others of its table, where no column looks.
+                    let rest = &block[chosen.at as usize..];
+                    let len = row.len().min(rest.len());
+                    row[..len].copy_from_slice(&rest[..len]);
                 } else {
                     row.copy_from_slice(&chosen.at.to_le_bytes());
                 }

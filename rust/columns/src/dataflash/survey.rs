@@ -12,8 +12,9 @@ use mavwire_core::log::dataflash::{
 };
 use mavwire_core::registry::Registry;
 use mavwire_schema::WireVersion;
+use rayon::prelude::*;
 
-use super::hop::{STRETCH, hop};
+use super::hop::{Place, STRETCH, hop};
 use super::lines::Lines;
 use crate::error::Error;
 use crate::input::{Blocks, decompressed};
@@ -211,7 +212,10 @@ impl Run {
         let place = self.offset + from as u64;
         let bytes = &block[from..];
         let hops = hop(bytes, place, definitions, at_end, STRETCH);
-        for place in hops.stretches.into_iter().flatten() {
+        let telling = &*teller.telling;
+        let is_telling = |place: &&Place| telling[usize::from(place.layout)];
+        let few = hops.stretches.par_iter().flat_map_iter(|some| some.iter().filter(is_telling));
+        for place in few.collect::<Vec<_>>() {
             let body = &place.of(bytes)[HEAD_LEN..];
             teller.add(
                 place.layout,

@@ -20,12 +20,22 @@ pub const MAX_DEFINITIONS: usize = 256 * MAX_FOR_TYPE;
 const NONE: u16 = u16::MAX;
 const SEVERAL: u16 = u16::MAX - 1;
 
+/// The layout of a type that has one. The length stands here, too: where the next record begins depends on it, and
+/// each step on the way to it is waited for.
+#[derive(Debug, Clone, Copy)]
+struct Only {
+    /// Its index, [`NONE`] or [`SEVERAL`].
+    index: u16,
+    /// Bytes of a record.
+    len: u8,
+}
+
 /// All layouts of a log.
 #[derive(Debug, Clone)]
 pub struct Definitions {
     layouts: Vec<Arc<Layout>>,
-    /// Index of the layout of each type, [`NONE`] or [`SEVERAL`].
-    only: [u16; 256],
+    /// The layout of each type.
+    only: [Only; 256],
     /// Type, offset from which it holds, index; sorted. Of the types with several layouts.
     several: Vec<(u8, u64, u16)>,
     /// Layouts of each type.
@@ -38,7 +48,7 @@ impl Default for Definitions {
     fn default() -> Self {
         let mut definitions = Self {
             layouts: Vec::new(),
-            only: [NONE; 256],
+            only: [Only { index: NONE, len: 0 }; 256],
             several: Vec::new(),
             counts: [0; 256],
             offsets: Vec::new(),
@@ -78,16 +88,17 @@ impl Definitions {
             return;
         }
         *count += 1;
-        let index = self.layouts.len() as u16;
+        let (index, len) = (self.layouts.len() as u16, layout.len);
         self.layouts.push(Arc::new(layout));
         self.offsets.push(offset);
         let Some(before) = before else {
-            self.only[usize::from(type_id)] = index;
+            self.only[usize::from(type_id)] = Only { index, len };
             return;
         };
-        if self.only[usize::from(type_id)] != SEVERAL {
+        let only = &mut self.only[usize::from(type_id)].index;
+        if *only != SEVERAL {
+            *only = SEVERAL;
             self.insert(type_id, 0, before);
-            self.only[usize::from(type_id)] = SEVERAL;
         }
         self.insert(type_id, offset, index);
     }
@@ -101,7 +112,7 @@ impl Definitions {
     /// Index of the layout for a record of a type at a place in the log.
     #[inline]
     pub fn index_at(&self, type_id: u8, offset: u64) -> Option<u16> {
-        match self.only[usize::from(type_id)] {
+        match self.only[usize::from(type_id)].index {
             NONE => None,
             SEVERAL => self.index_of_several(type_id, offset),
             index => Some(index),
@@ -117,8 +128,15 @@ impl Definitions {
     /// Index and length of a record of a type at a place in the log.
     #[inline]
     pub(super) fn record(&self, type_id: u8, offset: u64) -> Option<(u16, usize)> {
-        let index = self.index_at(type_id, offset)?;
-        Some((index, usize::from(self.layouts.get(usize::from(index))?.len)))
+        let Only { index, len } = self.only[usize::from(type_id)];
+        match index {
+            NONE => None,
+            SEVERAL => {
+                let index = self.index_of_several(type_id, offset)?;
+                Some((index, usize::from(self.layouts.get(usize::from(index))?.len)))
+            }
+            index => Some((index, usize::from(len))),
+        }
     }
 
     /// All layouts, in the order in which they were found; FMT's own is the first.

@@ -1,0 +1,31 @@
+//! Errors of files as Python raises them: with a number, which chooses the class, and the name of the file.
+
+use std::error::Error;
+use std::io;
+use std::path::Path;
+
+use mavwire_link::files::Unwritten;
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+
+/// The error of the operating system that is behind another one, if there is one.
+pub(crate) fn file_error(error: &(dyn Error + 'static)) -> Option<PyErr> {
+    let all = std::iter::successors(Some(error), |&error| error.source());
+    all.filter_map(|one| one.downcast_ref::<io::Error>()).find_map(|one| {
+        match one.get_ref().and_then(|inner| inner.downcast_ref::<Unwritten>()) {
+            Some(Unwritten { path, error }) => of_file(error, Some(path), ""),
+            None => of_file(one, None, ""),
+        }
+    })
+}
+
+/// The same for a file whose name is known, with what else there is to say.
+pub(crate) fn of_file(error: &io::Error, path: Option<&Path>, advice: &str) -> Option<PyErr> {
+    let code = error.raw_os_error()?;
+    let (text, number) = (error.to_string(), format!(" (os error {code})"));
+    let text = text.strip_suffix(&number).unwrap_or(&text).to_owned() + advice;
+    Some(match path {
+        Some(path) => PyOSError::new_err((code, text, path.to_owned())),
+        None => PyOSError::new_err((code, text)),
+    })
+}
