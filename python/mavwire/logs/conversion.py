@@ -22,15 +22,12 @@ from .query import Query, check_tables
 from .reading import allow_described, check_readable, native_dialect, no_rows, paths_of
 from .sources import head_of, is_dataflash, open_converter
 from .store import Store
-from .targets import writing
 from .telemetry import HEAD_SIZE, not_telemetry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from datetime import datetime
     from types import ModuleType
-
-    from mavwire._native import Converter
 
     from .sources import Source
 
@@ -190,10 +187,6 @@ class Job:
         converter = open_converter(
             source, self.native, self.query, self.out, file, self.format, self.compression
         )
-        with writing(self.out):
-            self._run(converter, source, row)
-
-    def _run(self, converter: Converter, source: Source, row: Converted) -> None:
         try:
             while converter.step():
                 position = converter.progress()[0]

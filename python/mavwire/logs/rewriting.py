@@ -17,7 +17,7 @@ from mavwire._native import LogRewrite
 from .query import Query
 from .reading import check_readable, native_dialect
 from .sources import is_dataflash
-from .targets import file_to_write, writing
+from .targets import file_to_write
 from .telemetry import LogFormatError
 
 if TYPE_CHECKING:
@@ -71,8 +71,7 @@ def cut(
     query = Query.of(module, types, systems, None, start, end)
     query.check_telemetry()
     inputs, target = _checked([path], out)
-    with writing(os.fsdecode(out)):
-        return _run(LogRewrite.select(inputs[0], native, query, target), inputs, progress)
+    return _run(LogRewrite.select(inputs[0], native, query, target), inputs, progress)
 
 
 def repair(
@@ -110,9 +109,8 @@ def anonymize(
         raise ValueError(f"a shift is degrees to the north and east, not {shift!r}")
     _, native = native_dialect(dialect)
     inputs, target = _checked([path], out)
-    with writing(os.fsdecode(out)):
-        rewrite = LogRewrite.select(inputs[0], native, Query(), target, shift)
-        return _run(rewrite, inputs, progress)
+    rewrite = LogRewrite.select(inputs[0], native, Query(), target, shift)
+    return _run(rewrite, inputs, progress)
 
 
 def merge(
@@ -129,8 +127,7 @@ def merge(
     """
     _, native = native_dialect(dialect)
     inputs, target = _checked(paths, out)
-    with writing(os.fsdecode(out)):
-        return _run(LogRewrite.merge(inputs, native, target), inputs, progress)
+    return _run(LogRewrite.merge(inputs, native, target), inputs, progress)
 
 
 def _checked(

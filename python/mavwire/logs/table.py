@@ -13,7 +13,7 @@ from mavwire._native import RecordBatches, write_table
 
 from .extras import extra
 from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
-from .targets import file_to_write, writing
+from .targets import file_to_write
 
 if TYPE_CHECKING:
     import builtins
@@ -289,8 +289,7 @@ class Table:
             raise ValueError(f"no format is known by the suffix of {path!r}: give format=")
         compression = compression or packed or COMPRESSIONS.get(kind, ("none",))[0]
         target = file_to_write(path)
-        with writing(path):
-            write_table(self._batches, target, kind, compression)
+        write_table(self._batches, target, kind, compression)
 
 
 def tidy(name: str, batches: RecordBatches, path: str) -> Table:

@@ -4,17 +4,9 @@ from __future__ import annotations
 
 import errno
 import os
-import re
 import stat
-from contextlib import contextmanager
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 A_FOLDER = "is a folder: name the logs in it, such as FOLDER/*.tlog"
-_NATIVE = re.compile(r"(?:.*: )?(.*) \(os error (\d+)\)")
-"""How native code says what the system says."""
 
 
 def file_to_write(path: str | os.PathLike[str]) -> str:
@@ -35,16 +27,3 @@ def file_to_write(path: str | os.PathLike[str]) -> str:
     if not stat.S_ISREG(mode):
         raise ValueError(f"{path!r} is a device or a pipe: name a file to write")
     return os.path.realpath(path) if os.path.islink(path) else path
-
-
-@contextmanager
-def writing(path: str) -> Iterator[None]:
-    """For what native code writes: an OSError names the file, or folder, that was to be written."""
-    try:
-        yield
-    except (OSError, ValueError) as error:
-        found = _NATIVE.fullmatch(str(error))
-        if found is None or getattr(error, "filename", None) is not None:
-            raise
-        number = int(found[2])
-        raise OSError(number, found[1], path, number) from None

@@ -239,10 +239,6 @@ def test_scan_of_several_kinds(tmp_path):
     names = {table.name for table in mavwire.scan([path, telemetry])}
     assert {"IMU", "ATTITUDE"} <= names
     assert [len(table) for table in mavwire.scan(path, "IMU", batch_rows=1)] == [1, 1, 1]
-    with pytest.raises(ValueError, match="IMU"):
-        list(mavwire.scan([path, telemetry], "IMU"))
-    with pytest.raises(ValueError, match="IMU"):
-        mavwire.scan([telemetry, path], "IMU")
     with pytest.raises(ValueError, match="NOPE"):
         mavwire.read(telemetry, "NOPE")
 
