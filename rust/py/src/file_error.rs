@@ -25,7 +25,7 @@ pub(crate) fn of_file(error: &io::Error, path: Option<&Path>, advice: &str) -> O
     let (text, number) = (error.to_string(), format!(" (os error {code})"));
     let text = text.strip_suffix(&number).unwrap_or(&text).to_owned() + advice;
     Some(match path {
-        Some(path) => PyOSError::new_err((code, text, path.to_owned())),
+        Some(path) => PyOSError::new_err((code, text, path.as_os_str().to_owned())),
         None => PyOSError::new_err((code, text)),
     })
 }

@@ -14,7 +14,7 @@ import struct
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
@@ -22,6 +22,7 @@ from dataflash_writer import sample
 from mavwire import cli, mavutil, traffic
 from mavwire._native import dump_log
 from mavwire.cli import _dump_native, _progress
+from mavwire.cli._dump_format import local_time
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.links.waiting import wait_readable
 from unit.link_tools import heartbeat, record
@@ -434,14 +435,15 @@ def test_progress_keeps_quiet_for_short_waits(log: str, monkeypatch: pytest.Monk
     assert terminal.getvalue() == ""
 
 
-def options_for(write: object, **more: object) -> _dump_native.Options:
+def options_for(write: object, **more: object) -> SimpleNamespace:
     """Options of the native loop that print all as JSON."""
     values: dict[str, object] = {
         "format": "json", "write": write, "record": None, "wanted": lambda kind: True,
         "types": None, "progress": lambda percent: None, "source_system": None,
         "source_component": None, "link": None, "show_source": False, "show_seq": False,
+        "separator": ",", "columns": [], "local_time": local_time,
     }  # fmt: skip
-    return _dump_native.Options(**values | more)  # type: ignore[arg-type]
+    return SimpleNamespace(**values | more)
 
 
 def test_native_loop_writes_in_portions_and_tells_how_far_it_is(long_log: str) -> None:

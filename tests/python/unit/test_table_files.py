@@ -30,6 +30,7 @@ def long(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_two_writers_of_one_file(tmp_path):
     log, out = tmp_path / "flight.tlog", tmp_path / "out"
+    out.mkdir()
     traffic.generate(log, 3_000)
     tables = list(mavwire.read(log, ["ATTITUDE", "GPS_RAW_INT"]).values())
     whole = []

@@ -6,7 +6,6 @@ import os
 import stat
 from collections.abc import Callable
 from pathlib import Path
-from unittest.mock import Mock
 
 import mavwire
 import pytest
@@ -14,6 +13,7 @@ from mavwire import cli, traffic
 from mavwire.logs.conversion import convert
 from mavwire.logs.rewriting import cut, merge
 from mavwire.logs.targets import file_to_write
+from unit.faults import python
 
 needs_pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 
@@ -80,16 +80,26 @@ def test_a_folder_that_is_not_there_is_not_made(flight, tmp_path, monkeypatch, c
     assert capsys.readouterr().err == "mavwire repair: error: typo: there is no such folder\n"
 
 
-@pytest.mark.parametrize("name", ["x.csv", "x.jsonl", "x.parquet", "x.arrow"])
-def test_an_error_of_a_table_names_its_file(flight, tmp_path, monkeypatch, name):
-    for text, number in (("No space left on device", 28), ("File too large", 27)):
-        for kind in (OSError, ValueError):
-            fail = Mock(side_effect=kind(f"Csv error: {text} (os error {number})"))
-            monkeypatch.setattr("mavwire.logs.table.write_table", fail)
-            with pytest.raises(OSError, match=text) as caught:
-                mavwire.open_log(flight)["ATTITUDE"].write(tmp_path / name)
-            assert caught.value.filename == str(tmp_path / name)
-            assert caught.value.strerror == text
+def test_an_error_of_a_table_names_its_file(flight, tmp_path):
+    """A limit stands for the full disk; it is a process of its own that has it."""
+    program = """
+import errno, resource, sys
+import mavwire
+log, folder = sys.argv[1:]
+table = mavwire.open_log(log)["ATTITUDE"]
+resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
+for suffix in ("csv", "csv.zst", "jsonl", "parquet", "arrow"):
+    try:
+        table.write(f"{folder}/x.{suffix}")
+    except OSError as error:
+        assert error.errno == errno.EFBIG and error.filename == f"{folder}/x.{suffix}", error
+    else:
+        raise AssertionError(suffix)
+"""
+    pytest.importorskip("resource")
+    done = python(program, str(flight), str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", ["x.tlog.gz", "x.ZST"])
