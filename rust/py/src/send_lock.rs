@@ -11,6 +11,7 @@ use std::time::Duration;
 
 use pyo3::prelude::*;
 
+use crate::calling::{Calling, import};
 use crate::thread_number;
 
 /// Waiting threads look again after this time even if nobody told them to.
@@ -68,7 +69,7 @@ impl SendLock {
     fn wait(&self, py: Python<'_>, thread: u64) -> PyResult<()> {
         self.waiting.fetch_add(1, SeqCst);
         let mut signals = Ok(());
-        while signals.is_ok() && !self.acquire(thread) && !self.inherit(thread) {
+        while signals.is_ok() && !self.acquire(thread) && !self.inherit(py, thread) {
             // Another waiter has the gate for a moment only, unless it is one that a fork left behind.
             py.detach(|| match self.gate.try_lock() {
                 Ok(gate) => drop(self.freed.wait_timeout(gate, PATIENCE)),
@@ -80,12 +81,22 @@ impl SendLock {
         signals
     }
 
-    /// Takes the lock from a thread that does not exist in this process, which was forked while it sent.
-    fn inherit(&self, thread: u64) -> bool {
+    /// Takes the lock from a thread that will never free it: it does not exist in this process, which was forked while it
+    /// sent, or it is a daemon thread, none of which runs again once the interpreter ends.
+    fn inherit(&self, py: Python<'_>, thread: u64) -> bool {
         let owner = self.owner.load(SeqCst);
-        let is_left = owner != 0 && thread_number::is_gone(owner);
+        let is_left = owner != 0 && (thread_number::is_gone(owner) || is_ending(py));
         is_left && self.owner.compare_exchange(owner, thread, SeqCst, SeqCst).is_ok()
     }
+}
+
+/// Whether only this thread still runs Python code; so it is when `sys` can no longer be asked.
+fn is_ending(py: Python<'_>) -> bool {
+    let answer = import(py, intern!(py, "sys"))
+        .and_then(|sys| sys.attribute(intern!(py, "is_finalizing")))
+        .and_then(|is_finalizing| is_finalizing.invoke1(()))
+        .and_then(|answer| answer.truth());
+    answer.unwrap_or(true)
 }
 
 /// While it lives, nobody else sends.

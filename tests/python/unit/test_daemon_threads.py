@@ -96,3 +96,39 @@ def test_the_process_ends_normally(name: str, log: Path) -> None:
         # The WebSocket link says that nobody answers.
         unexpected = [line for line in done.stderr.splitlines() if "trying again" not in line]
         assert (done.returncode, unexpected) == (0, []), name
+
+
+LAST_WORDS = """
+import os, sys, threading, time
+from mavwire.dialects.v20 import common
+
+called = threading.Event()
+
+class File:
+    def write(self, data, sleep=time.sleep, called=called.set):
+        called()
+        sleep(0.001)
+
+mav = common.MAVLink(File(), 1, 1)
+beat = common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)
+
+class LastWords:
+    def __del__(self, send=mav.send, beat=beat, write=os.write):
+        send(beat)
+        write(1, b"sent")
+
+def work():
+    while True:
+        mav.send(beat)
+
+sys.last_words = LastWords()
+threading.Thread(target=work, daemon=True).start()
+assert called.wait(60)
+"""
+
+
+def test_the_last_words_of_a_process_need_not_wait_for_a_thread_that_never_runs_again() -> None:
+    for _ in range(3):
+        program = [sys.executable, "-c", LAST_WORDS]
+        done = subprocess.run(program, capture_output=True, text=True, timeout=120, check=False)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "sent", "")
