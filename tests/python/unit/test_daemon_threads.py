@@ -124,7 +124,7 @@ def work():
     while True:
         mav.send(beat)
 
-last_words = LastWords()
+os.last_words = LastWords()  # goes after the threads
 threading.Thread(target=work, daemon=True).start()
 assert called.wait(60)
 """
