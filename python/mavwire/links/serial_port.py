@@ -206,12 +206,12 @@ class mavserial(StreamLink):
         """Send what is queued as long as the port takes something: who is faster than the line is slowed down."""
         sent, deadline = self._writer.bytes_sent, time.monotonic() + WRITE_TIMEOUT
         while self._writer.unsent and not self._is_stuck:
-            wait_writable(fd, WRITE_TIMEOUT)
+            has_room = wait_writable(fd, WRITE_TIMEOUT)
             self._send_rest(line)
             if self._writer.bytes_sent != sent:
                 sent, deadline = self._writer.bytes_sent, time.monotonic() + WRITE_TIMEOUT
             else:
-                self._is_stuck = time.monotonic() >= deadline
+                self._is_stuck = not has_room or time.monotonic() >= deadline
 
     def _maybe_reset(self) -> None:
         """Reopen a dead port if asked to and if the last time is long enough ago."""

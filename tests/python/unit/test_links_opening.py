@@ -56,6 +56,36 @@ def test_a_path_is_a_device_too(tmp_path) -> None:
         mavutil.mavlink_connection(14550)
 
 
+@pytest.mark.parametrize("kind", ["uds", "ws", "serial"])
+def test_connections_are_made_again_after_the_pause_that_was_asked_for(kind: str, tmp_path) -> None:
+    if kind == "uds":
+        listener = socket.socket(socket.AF_UNIX)
+        listener.bind(str(tmp_path / "socket"))
+        listener.listen()
+        device = f"uds:{tmp_path}/socket"
+    elif kind == "ws":
+        pytest.importorskip("wsproto")
+        device = f"ws:127.0.0.1:{free_port()}"
+    else:
+        pytest.importorskip("serial")
+        device = os.ttyname(os.openpty()[1])
+    for asked, pause in (({}, 1), ({"reconnect_delay": 0.25}, 0.25)):
+        with mavutil.mavlink_connection(device, **asked) as link:
+            assert link.reconnect_delay == pause
+
+
+@pytest.mark.parametrize(
+    ("device", "name"),
+    [("uds:x", "mavuds"), ("ws:x:1", "mavwebsocket_client"), ("/dev/ttyS0", "mavserial")],
+)
+def test_classes_of_a_program_are_given_a_pause_when_it_asks_for_one(
+    device: str, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mavutil, name, lambda _, **options: options.get("reconnect_delay"))
+    assert mavutil.mavlink_connection(device) is None
+    assert mavutil.mavlink_connection(device, reconnect_delay=2) == 2
+
+
 def test_a_client_without_a_host_connects_to_this_machine() -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         listener.settimeout(WAIT)
