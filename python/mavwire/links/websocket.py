@@ -6,6 +6,7 @@ The protocol itself is wsproto's, which is loaded when the first such link is op
 from __future__ import annotations
 
 import errno
+import os
 
 from .chunked import READ_SIZE
 from .forks import Turn
@@ -245,6 +246,8 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
     autoreconnect = True
     # What came along with the end of the handshake was not looked at yet.
     _is_fresh = False
+    # The process that connected; one that was forked from it has no say in the end of the connection.
+    _process = 0
 
     def __init__(
         self,
@@ -330,7 +333,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         return ws
 
     def _install(self, connection: tuple[Any, Any]) -> None:
-        self._is_fresh = True
+        self._is_fresh, self._process = True, os.getpid()
         self._start(*connection)
 
     def _disconnect(self) -> None:
@@ -343,7 +346,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
 
     def _release(self) -> None:
         """Close the connection, telling the server."""
-        if self._established():
+        if self._established() and self._process == os.getpid():
             from contextlib import suppress
 
             from wsproto.events import CloseConnection

@@ -214,6 +214,12 @@ first._port = Port
 let_go = hold(heartbeat, link)
 forks(child, lambda: (let_go(), each()))
 """,
+    "ws, closed by the child": """
+def parent():
+    each()
+    assert link.port is first
+forks(link.close, parent)
+""",
     "ws": """
 from wsproto.frame_protocol import FrameDecoder
 FrameDecoder.process_buffer = held(FrameDecoder.process_buffer)
@@ -236,7 +242,7 @@ def test_a_link_in_use_survives_a_fork(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", WEBSOCKETS)
-def test_a_websocket_that_another_thread_uses_is_made_anew_after_a_fork(
+def test_a_websocket_in_use_survives_a_fork(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("wsproto")
