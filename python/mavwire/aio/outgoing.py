@@ -21,12 +21,17 @@ class SocketSender:
 
     def __init__(self, sync: Any) -> None:
         self._sync = sync
+        self._refused = 0
 
     def descriptor(self) -> Descriptor | None:
         return descriptor_of(self._sync)
 
     def write(self, frame: bytes) -> None:
-        self._sync.write(frame)
+        try:
+            self._sync.write(frame)
+        except OSError:
+            self._refused += 1
+            raise
 
     def unsent(self) -> bool:
         return bool(getattr(self._sync, "_has_unsent", False))
@@ -35,11 +40,11 @@ class SocketSender:
         self._sync._send_rest(self._sync.port)
 
     def forget(self) -> None:
-        """Links forget by themselves what was meant for a connection that is gone."""
+        """Links forget and count by themselves what was meant for a connection that is gone."""
 
     @property
     def dropped(self) -> int:
-        return int(getattr(self._sync, "frames_dropped", 0))
+        return self._refused + int(getattr(self._sync, "frames_dropped", 0))
 
 
 class DescriptorSender:

@@ -2,30 +2,14 @@
 
 from __future__ import annotations
 
-import errno
 import os
 
 from .chunked import READ_SIZE
-from .stream import StreamLink, StreamWriter
+from .stream import DescriptorPort, StreamLink, StreamWriter
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
-
-
-class _Pipe:
-    """A pipe to write to as a socket: it takes what there is room for."""
-
-    def __init__(self, pipe: Any) -> None:
-        self._pipe = pipe
-        os.set_blocking(pipe.fileno(), False)
-
-    def send(self, data: bytes) -> int:
-        try:
-            fd = self._pipe.fileno()
-        except ValueError:  # the link was closed
-            raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE)) from None
-        return os.write(fd, data)
 
 
 class mavchildexec(StreamLink):
@@ -45,8 +29,9 @@ class mavchildexec(StreamLink):
             [filename], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
         )
         output = self.child.stdout.fileno()  # type: ignore[union-attr]
-        os.set_blocking(output, False)
-        self._input = _Pipe(self.child.stdin)
+        for pipe in (output, self.child.stdin.fileno()):  # type: ignore[union-attr]
+            os.set_blocking(pipe, False)
+        self._input = DescriptorPort(self.child.stdin)
         self._writer = StreamWriter()
         super().__init__(
             output, filename, source_system=source_system, source_component=source_component
@@ -72,6 +57,7 @@ class mavchildexec(StreamLink):
         for pipe in (self.child.stdin, self.child.stdout):
             if pipe is not None:
                 pipe.close()
+        self._forget_unsent()
 
     def recv(self, n: int | None = None) -> bytes:
         """Up to `n` bytes of the child's output; empty when there are none, or no child."""
@@ -99,4 +85,3 @@ class mavchildexec(StreamLink):
             self._send_frame(self._input, buf)
         except OSError:
             self._forget_unsent()
-            self._writer.dropped_frames += 1

@@ -57,6 +57,12 @@ class Options:
         return {**self.source, "use_native": self.use_native}
 
     @property
+    def pauses(self) -> dict[str, float]:
+        """`reconnect_delay` where somebody asks for another one: what a program puts in place of a class
+        need not know it."""
+        return {} if self.reconnect_delay == 1 else {"reconnect_delay": self.reconnect_delay}
+
+    @property
     def reader(self) -> dict[str, Any]:
         """What the readers of dataflash and CSV logs take."""
         return {
@@ -78,7 +84,7 @@ def _tcpin(address: str, o: Options) -> Any:
 
 def _uds(address: str, o: Options) -> Any:
     return state.public.mavuds(
-        address, autoreconnect=o.autoreconnect, retries=o.retries, **o.common
+        address, autoreconnect=o.autoreconnect, retries=o.retries, **o.pauses, **o.common
     )
 
 
@@ -185,7 +191,7 @@ def _log(device: str, kind: str, o: Options) -> Any:
 def _serial(device: str, o: Options) -> Any:
     return state.public.mavserial(
         device, baud=o.baud, autoreconnect=o.autoreconnect,
-        force_connected=o.force_connected, **o.common,
+        force_connected=o.force_connected, **o.pauses, **o.common,
     )  # fmt: skip
 
 
@@ -211,7 +217,7 @@ def _connect(device: str, options: Options) -> Any:
         if device.startswith(prefix):
             return open_link(device[len(prefix) :], options)
     if device.startswith(("ws:", "wss:")):
-        return state.public.mavwebsocket_client(device, **options.common)
+        return state.public.mavwebsocket_client(device, **options.pauses, **options.common)
     if device.lower().startswith("csv:"):
         return _csv(device[4:], options)
     return _connect_unprefixed(device, options)

@@ -317,17 +317,21 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
 
     def select(self, timeout: float) -> bool:
         """Whether data may be there within `timeout` seconds; False where the link is closed meanwhile.
-        Without a descriptor, sleep half a second at most."""
+        Without a descriptor, sleep half a second at most; with one that cannot be watched, a quarter."""
         fd = self.fd
         if fd is None:
             time.sleep(min(timeout, 0.5))
             return True
         deadline = time.monotonic() + timeout
-        while not wait_readable(fd, min(timeout, WAIT_SLICE)):
-            timeout = deadline - time.monotonic()
-            # Closing a descriptor wakes nobody who waits for it.
-            if timeout <= 0 or self.fd != fd:
-                return False
+        try:
+            while not wait_readable(fd, min(timeout, WAIT_SLICE)):
+                timeout = deadline - time.monotonic()
+                # Closing a descriptor wakes nobody who waits for it.
+                if timeout <= 0 or self.fd != fd:
+                    return False
+        except (OSError, ValueError, TypeError):
+            time.sleep(max(0.0, min(WAIT_SLICE, timeout)))  # callers come again at once
+            return False
         return True
 
     def set_rtscts(self, enable: Any) -> None:

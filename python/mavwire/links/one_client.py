@@ -7,6 +7,7 @@ long as its connection stands. One that only listens may stay as long as nobody 
 from __future__ import annotations
 
 import errno
+import logging
 from time import monotonic, sleep
 
 from .stream import StreamLink
@@ -55,6 +56,8 @@ class OneClientLink(StreamLink):
     waits_for_descriptors = True
     # Clients that had to go.
     clients_replaced = 0
+    # Why the client at the door cannot be taken, as was logged.
+    _accept_error: str | None = None
     # When the client was heard, and how many messages the link had received by then.
     _heard_at = 0.0
     _heard_count = 0
@@ -68,8 +71,10 @@ class OneClientLink(StreamLink):
         except OSError as error:
             if error.errno in CLOSED or not self.waits_for_descriptors:
                 raise
+            self._say_why(error)
             sleep(ACCEPT_PAUSE)
             return None
+        self._accept_error = None
         try:
             port.setblocking(False)
             prepare_tcp(port)
@@ -79,6 +84,14 @@ class OneClientLink(StreamLink):
         set_close_on_exec(port.fileno())
         self._heard_at, self._heard_count = monotonic(), self.mav_count
         return port
+
+    def _say_why(self, error: OSError) -> None:
+        """Log why a client has to wait, unless it is the same as before."""
+        reason, last = str(error), self._accept_error
+        if reason != last:
+            self._accept_error = reason
+            text = "%s: a client cannot be served: %s; trying again"
+            logging.getLogger("mavwire.mavutil").warning(text, self.address, reason)
 
     def _tend(self) -> None:
         super()._tend()
@@ -91,9 +104,15 @@ class OneClientLink(StreamLink):
         now = monotonic()
         if self.mav_count != self._heard_count:
             self._heard_at, self._heard_count = now, self.mav_count
-        if now - self._heard_at >= self._patience() and wait_readable(self.listen, 0):
+        if now - self._heard_at >= self._patience() and self._somebody_waits():
             self.clients_replaced += 1
             self._drop_client()
+
+    def _somebody_waits(self) -> bool:
+        try:
+            return wait_readable(self.listen, 0)
+        except (OSError, ValueError):  # another thread is closing the link
+            return False
 
     def _patience(self) -> float:
         """Seconds that a client may be silent while another one waits."""

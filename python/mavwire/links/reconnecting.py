@@ -6,14 +6,16 @@ which whoever receives or sends starts once it is due.
 
 from __future__ import annotations
 
-from _thread import allocate_lock, start_new_thread
+from _thread import start_new_thread
 from time import monotonic
 
+from .forks import Turn
 from .mavfile import IDLE_INTERVAL
 from .stream import StreamLink, StreamWriter
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from _thread import LockType
     from typing import Any
 
 # Pauses between attempts double up to this many times the first one.
@@ -52,7 +54,7 @@ class ReconnectingLink(StreamLink):
         self._writer = StreamWriter()
         self._backoff = Backoff()
         self._next_attempt = 0.0
-        self._connecting = allocate_lock()
+        self._connecting = Turn()
 
     # -- what a transport provides
 
@@ -61,7 +63,7 @@ class ReconnectingLink(StreamLink):
         raise NotImplementedError
 
     def _install(self, connection: Any) -> None:
-        """Read and write `connection` from now on."""
+        """Read and write `connection` from now on, and at once, since a fork sees what was done so far."""
         raise NotImplementedError
 
     def _disconnect(self) -> None:
@@ -82,26 +84,27 @@ class ReconnectingLink(StreamLink):
 
     def _begin_attempt(self) -> bool:
         """Begin to connect beside the caller; False if nobody asked, or it is too early or under way."""
-        if not self.autoreconnect or self._closed or not self._connecting.acquire(blocking=False):
+        turn = self._connecting.take() if self.autoreconnect and not self._closed else None
+        if turn is None:
             return False
         if self.port is not None or monotonic() < self._next_attempt:
-            self._connecting.release()
+            turn.release()
             return False
         try:
-            start_new_thread(self._attempt, ())
+            start_new_thread(self._attempt, (turn,))
         except RuntimeError:  # there is none to be had, as at the end of the program
             self._put_off()
-            self._connecting.release()
+            turn.release()
             return False
         return True
 
-    def _attempt(self) -> None:
+    def _attempt(self, turn: LockType) -> None:
         try:
             self._use(self._connected())
         except OSError as error:  # not there yet
             self._note_failure(error)
         finally:
-            self._connecting.release()
+            turn.release()
 
     def _note_failure(self, error: OSError) -> None:
         """Keep why connecting failed, and log it unless it was the same the last time."""

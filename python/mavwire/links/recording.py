@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from contextlib import suppress
-from os import getpid
+from io import BufferedRandom, BufferedWriter
 
 from mavwire._native import recordable
 
+from .forks import follow_forks
 from .signing import KEY_LEN
 
 TYPE_CHECKING = False
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 SECRET_FIELD = "secret_key"
-# Files that links record to, weakly held, by the process that opened them.
+# Files that links record to, weakly held.
 _open_files: Any = None
 
 
@@ -31,23 +33,32 @@ def record(file: Any, unix_seconds: float, frame: bytes | bytearray) -> None:
 
 def open_recording(path: str, mode: str) -> Any:
     """Open a file to record to. What is in its buffer is written when the program ends, even if threads still
-    hold the link then, as daemon threads do.
+    hold the link then, as daemon threads do, and before it forks.
     """
     global _open_files
     if _open_files is None:
         from atexit import register
-        from weakref import WeakKeyDictionary
+        from weakref import WeakSet
 
-        _open_files = WeakKeyDictionary()
+        _open_files = WeakSet()
         register(_flush_all)
+        if hasattr(os, "register_at_fork"):
+            os.register_at_fork(before=_flush_all)
     file = open(path, mode)
-    _open_files[file] = getpid()
+    _open_files.add(file)
+    follow_forks(file, _renew)
     return file
 
 
 def _flush_all() -> None:
-    """Write the buffers of this process; a fork leaves those of its parent alone."""
-    for file, process in list(_open_files.items()):
-        if process == getpid():
-            with suppress(OSError, ValueError):
-                file.flush()
+    for file in list(_open_files):
+        # RuntimeError: by a signal handler, in the middle of a write.
+        with suppress(OSError, ValueError, RuntimeError):
+            file.flush()
+
+
+def _renew(file: Any) -> None:
+    """In a forked process: another thread may hold the lock of the file, and what it has put into the buffer is
+    written where it runs."""
+    if type(file) in (BufferedWriter, BufferedRandom) and not file.closed:
+        type(file).__init__(file, file.raw)

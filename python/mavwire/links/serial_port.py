@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import time
-from _thread import allocate_lock
 
 from .chunked import READ_SIZE
+from .forks import Turn
 from .helpers import FakeSerial
-from .stream import StreamLink, StreamWriter
+from .stream import DescriptorPort, StreamLink, StreamWriter
 from .waiting import set_close_on_exec, wait_writable
 
 TYPE_CHECKING = False
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 # Opening at this rate first makes a change of rate take effect on adapters that ignore
 # setting the rate they believe they already have.
 OPENING_BAUD = 1200
-RESET_INTERVAL = 1.0
 # A port that takes nothing for this long, in seconds, is not waited for until it takes something.
 WRITE_TIMEOUT = 0.5
 # Bytes kept for it then: what comes first when it is read again is old.
@@ -35,23 +34,14 @@ def _check_baud(baud: Any, device: str) -> None:
         raise ValueError(reason) from None
 
 
-class _Line:
-    """A serial port of this system to write to as a socket: it takes what there is room for."""
-
-    def __init__(self, port: Any) -> None:
-        self._port = port
-
-    def send(self, data: bytes) -> int:
-        return os.write(self._port.fileno(), data)
-
-
 def _is_plain(port: Any) -> bool:
     """Whether writing to the descriptor of `port` is all that writing to it does."""
     return type(port).__module__ == "serial.serialposix"
 
 
 class mavserial(StreamLink):
-    """`device` is a port name, or `name,baud` where no such file exists."""
+    """`device` is a port name, or `name,baud` where no such file exists. With `autoreconnect` a port that was
+    unplugged is opened again, every `reconnect_delay` seconds at most."""
 
     # The port took nothing for WRITE_TIMEOUT.
     _is_stuck = False
@@ -65,6 +55,7 @@ class mavserial(StreamLink):
         source_component: int = 0,
         use_native: bool = False,
         force_connected: bool = False,
+        reconnect_delay: float = 1,
     ) -> None:
         if "," in device and not os.path.exists(device):
             device, baud = device.rsplit(",", 1)  # type: ignore[assignment]
@@ -72,14 +63,15 @@ class mavserial(StreamLink):
         self.baud = baud
         self.device = device
         self.autoreconnect = autoreconnect
+        self.reconnect_delay = reconnect_delay
         self.force_connected = force_connected
         self.rtscts = False
         self._next_reset = 0.0
-        self._opening = allocate_lock()
+        self._opening = Turn()
         self._writer = StreamWriter(MAX_UNSENT)
         self.port: Any = self._open()
         super().__init__(
-            self._descriptor(), device, source_system=source_system,
+            self._descriptor(self.port), device, source_system=source_system,
             source_component=source_component, use_native=use_native,
         )  # fmt: skip
         self.set_baudrate(self.baud)
@@ -97,10 +89,11 @@ class mavserial(StreamLink):
                 return FakeSerial()
             raise
 
-    def _descriptor(self) -> int | None:
+    @staticmethod
+    def _descriptor(port: Any) -> int | None:
         """The port's descriptor to wait on; None where there is none (Windows, FakeSerial)."""
         try:
-            fd: int = self.port.fileno()
+            fd: int = port.fileno()
         except (AttributeError, OSError, ValueError):
             return None
         set_close_on_exec(fd)
@@ -138,7 +131,7 @@ class mavserial(StreamLink):
             return b""
         try:
             if _is_plain(port):
-                self._send_rest(_Line(port))
+                self._send_rest(DescriptorPort(port))
             data = self._read(port, READ_SIZE if n is None else n)
         except OSError:  # SerialException is one
             if not self.autoreconnect:
@@ -177,34 +170,51 @@ class mavserial(StreamLink):
     def write(self, buf: bytes) -> Any:
         """Send one frame whole, or drop it whole when nobody reads; -1 when the port is dead, which is
         printed once, or closed."""
+        if self._closed:
+            self._writer.dropped_frames += 1
+            return -1
+        port = self.port
+        write = self._write if _is_plain(port) else self._pass_on
         try:
-            if not self._closed:
-                return self._write(self.port, bytes(buf))
+            return write(port, bytes(buf))
         except Exception:  # whatever the driver raises, the port is unusable
+            self._forget_unsent()
             if not self._closed:  # meanwhile
-                self._forget_unsent()
                 self._say_dead()
                 self._maybe_reset()
-        self._writer.dropped_frames += 1
         return -1
 
-    def _write(self, port: Any, frame: bytes) -> Any:
-        if not _is_plain(port):
+    def _pass_on(self, port: Any, frame: bytes) -> Any:
+        """Leave a frame to a port that does more than to write."""
+        try:
             return port.write(frame)
-        line = _Line(port)
-        if self._is_stuck:
-            self._is_stuck = not wait_writable(port.fileno(), 0)
+        except Exception:
+            self._writer.dropped_frames += 1
+            raise
+
+    def _write(self, port: Any, frame: bytes) -> int:
+        """Send or queue a frame."""
+        line, sent = DescriptorPort(port), self._writer.bytes_sent
         self._send_frame(line, frame)
-        # As long as it takes something: a program that sends faster than the line is slowed down.
-        while self._writer.unsent and not self._is_stuck:
-            if wait_writable(port.fileno(), WRITE_TIMEOUT):
-                self._send_rest(line)
-            else:
-                self._is_stuck = True
+        if self._writer.bytes_sent != sent:
+            self._is_stuck = False
+        if self._writer.unsent and not self._is_stuck:
+            self._send_all(line, port.fileno())
         return len(frame)
 
+    def _send_all(self, line: DescriptorPort, fd: int) -> None:
+        """Send what is queued as long as the port takes something: who is faster than the line is slowed down."""
+        sent, deadline = self._writer.bytes_sent, time.monotonic() + WRITE_TIMEOUT
+        while self._writer.unsent and not self._is_stuck:
+            has_room = wait_writable(fd, WRITE_TIMEOUT)
+            self._send_rest(line)
+            if self._writer.bytes_sent != sent:
+                sent, deadline = self._writer.bytes_sent, time.monotonic() + WRITE_TIMEOUT
+            else:
+                self._is_stuck = not has_room or time.monotonic() >= deadline
+
     def _maybe_reset(self) -> None:
-        """Reopen a dead port if asked to, once a second at most."""
+        """Reopen a dead port if asked to and if the last time is long enough ago."""
         if self.autoreconnect:
             self._reset(self._is_reset_due)
 
@@ -216,19 +226,20 @@ class mavserial(StreamLink):
         return time.monotonic() >= self._next_reset
 
     def _reset(self, is_due: Callable[[], bool]) -> bool:
-        if self._closed or not self._opening.acquire(blocking=False):
+        turn = None if self._closed else self._opening.take()
+        if turn is None:
             return False
         try:
             return is_due() and self._reopen()
         finally:
-            self._opening.release()
+            turn.release()
 
     def _reopen(self) -> bool:
         from contextlib import suppress
 
         import serial
 
-        self._next_reset = time.monotonic() + RESET_INTERVAL
+        self._next_reset = time.monotonic() + self.reconnect_delay
         try:
             port = serial.Serial(
                 self.device, int(self.baud), timeout=0, dsrdtr=False, rtscts=False, xonxoff=False
@@ -238,9 +249,8 @@ class mavserial(StreamLink):
         with suppress(OSError):  # the old port is gone, which is why it is replaced
             self.port.close()
         self._forget_unsent()
-        self.port = port
         self.portdead = False
-        self.fd = self._descriptor()
+        self.port, self.fd = port, self._descriptor(port)
         if self.rtscts:
             self.set_rtscts(self.rtscts)
         if self._closed:  # meanwhile

@@ -1,4 +1,4 @@
-"""Writing whole frames to a stream socket that may take only part of one.
+"""Writing whole frames to a stream that may take only part of one.
 
 A frame that was begun is always finished, because half a frame makes the peer drop what follows.
 What the peer does not take is queued up to a bound; beyond it, whole frames are dropped and
@@ -7,7 +7,13 @@ counted.
 
 from __future__ import annotations
 
+import errno
+import os
+from _thread import allocate_lock
+from collections import deque
+
 from .chunked import ChunkedLink
+from .forks import follow_forks
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -19,6 +25,55 @@ MAX_UNSENT = 1 << 20
 SEND_SIZE = 1 << 16
 
 
+class DescriptorPort:
+    """A file, pipe or serial port of this system, `file`, to write to as a socket: it takes what there is room for."""
+
+    def __init__(self, file: Any) -> None:
+        self._file = file
+
+    def send(self, data: bytes) -> int:
+        try:
+            fd = self._file.fileno()
+        except ValueError:  # it was closed
+            raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE)) from None
+        return os.write(fd, data)
+
+
+class _Queue:
+    """Frames that wait, as the bytes of them that were not sent, and which these are."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self._lengths: deque[int] = deque()
+        # Bytes of the first frame that were sent.
+        self._begun = 0
+
+    def add(self, frame: bytes) -> None:
+        self._lengths.append(len(frame))
+        self.data.extend(frame)
+
+    def take_off(self, sent: int) -> None:
+        """So many bytes were sent."""
+        del self.data[:sent]
+        sent += self._begun
+        try:
+            while sent >= self._lengths[0]:
+                sent -= self._lengths.popleft()
+        except IndexError:  # all were sent, or another thread has just counted them
+            pass
+        self._begun = sent
+
+    def forget(self) -> int:
+        """How many frames there are, each of which is counted once."""
+        count = 0
+        try:
+            while True:
+                self._lengths.popleft()
+                count += 1
+        except IndexError:
+            return count
+
+
 class StreamWriter:
     """Outgoing bytes of a non-blocking stream socket, from any number of threads.
 
@@ -27,61 +82,90 @@ class StreamWriter:
     """
 
     def __init__(self, max_unsent: int = MAX_UNSENT) -> None:
-        from _thread import allocate_lock
-
         self._max_unsent = max_unsent
-        self.unsent = bytearray()
+        self._queue = _Queue()
         self.dropped_frames = 0
+        self.bytes_sent = 0
         self._sending = allocate_lock()
+        follow_forks(self, StreamWriter._renew)
+
+    @property
+    def unsent(self) -> bytearray:
+        """What waits in the queue."""
+        return self._queue.data
 
     def write(self, port: Any, frame: bytes, note: Callable[[bool], Any] = bool) -> None:
-        """Send `frame` after what is queued; OSError when the connection is gone.
+        """Send `frame` after what is queued; OSError when the connection is gone, and then `clear` counts the frame.
 
         Here and below, `note` is told whether something is left in the queue. One thread at a
         time does so, and the last one knows best.
         """
-        if len(self.unsent) + len(frame) > self._max_unsent:
-            self.flush(port, note)
-        if len(self.unsent) + len(frame) > self._max_unsent:
+        if not self._has_room(frame):
+            self._make_room(port, note)
+        if not self._has_room(frame):
             self.dropped_frames += 1
             return
-        self.unsent.extend(frame)
+        queue = self._queue
+        queue.add(frame)
+        if queue is not self._queue:  # another thread has forgotten it meanwhile
+            self.dropped_frames += queue.forget()
         self.flush(port, note)
+
+    def _has_room(self, frame: bytes) -> bool:
+        return len(self.unsent) + len(frame) <= self._max_unsent
+
+    def _make_room(self, port: Any, note: Callable[[bool], Any]) -> None:
+        try:
+            self.flush(port, note)
+        except OSError:
+            self.dropped_frames += 1  # the frame that waits for room
+            raise
 
     def flush(self, port: Any, note: Callable[[bool], Any] = bool) -> None:
         """Send as much of the queue as the peer takes now."""
-        while self._sending.acquire(blocking=False):
+        # A fork may put another lock in place of the one that is to be released.
+        while (turn := self._sending).acquire(blocking=False):
             try:
                 goes_on = self._send_some(port)
             finally:
                 note(bool(self.unsent))
-                self._sending.release()
+                turn.release()
             # Looked at after the lock was released: what came in between is nobody else's.
             if not (goes_on and self.unsent):
                 return
 
     def _send_some(self, port: Any) -> bool:
         """Send from the head of the queue; whether the peer may take more."""
-        queue = self.unsent
-        if not queue:
+        queue = self._queue
+        if not queue.data:
             return True
         try:
             # A copy, because others append to the queue meanwhile.
-            sent = port.send(bytes(queue[:SEND_SIZE]))
+            sent = port.send(bytes(queue.data[:SEND_SIZE]))
         except (BlockingIOError, InterruptedError):
             return False
-        del queue[:sent]
+        queue.take_off(sent)
+        self.bytes_sent += sent
         return True
 
     def clear(self, note: Callable[[bool], Any] = bool) -> None:
-        """Forget the queue: the connection it was meant for is gone."""
+        """Drop and count what is queued: the connection it was meant for is gone."""
         # Replaced, not emptied: a thread that is sending still uses up the old one.
-        self.unsent = bytearray()
-        if self._sending.acquire(blocking=False):  # or that thread tells
+        queue, self._queue = self._queue, _Queue()
+        self.dropped_frames += queue.forget()
+        turn = self._sending
+        if turn.acquire(blocking=False):  # or that thread tells
             try:
                 note(bool(self.unsent))
             finally:
-                self._sending.release()
+                turn.release()
+
+    def _renew(self) -> None:
+        """A thread that did not come along was sending: what it was at is finished where it runs. What merely
+        waits may be finished by this process, if the connection is its."""
+        if self._sending.locked():
+            self._sending = allocate_lock()
+            self._queue = _Queue()
 
 
 class StreamLink(ChunkedLink):
@@ -104,7 +188,7 @@ class StreamLink(ChunkedLink):
             self._writer.flush(port, self._note_unsent)
 
     def _forget_unsent(self) -> None:
-        """Forget the queue: the connection it was meant for is gone."""
+        """Drop and count what is queued: the connection it was meant for is gone."""
         self._writer.clear(self._note_unsent)
 
     def _note_unsent(self, waits: bool) -> None:

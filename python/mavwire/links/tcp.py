@@ -71,9 +71,8 @@ class mavtcp(ReconnectingLink):
     def _install(self, port: Any) -> None:
         port.setblocking(False)
         set_close_on_exec(port.fileno())
-        self.port = port
-        self.fd = port.fileno()
         self.portdead = False
+        self.port, self.fd = port, port.fileno()
 
     def close(self) -> None:
         """Close the link for good. What was recorded reaches the file."""

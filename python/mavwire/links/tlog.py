@@ -13,6 +13,7 @@ import time
 from mavwire._native import LogLink
 
 from .mavfile import link_dict, mavfile
+from .recording import open_recording
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -55,7 +56,9 @@ class mavlogfile(LogLink, mavfile):
         self.writeable = write
         self.robust_parsing = robust_parsing
         self.planner_format = planner_format
-        self.f: Any = open(filename, mode=("ab" if append else "wb") if write else "rb")
+        self.f: Any = (
+            open_recording(filename, "ab" if append else "wb") if write else open(filename, "rb")
+        )
         self.filesize = os.path.getsize(filename)
         super().__init__(
             None, filename, source_system=source_system, source_component=source_component,

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class mavuds(mavtcp):
-    """`device` is the path of a listening stream socket."""
+    """`device` is the path of a listening stream socket; the rest is as with `mavtcp`."""
 
     def __init__(
         self,
@@ -20,11 +20,13 @@ class mavuds(mavtcp):
         source_component: int = 0,
         retries: int = 6,
         use_native: bool = False,
+        reconnect_delay: float = 1,
     ) -> None:
         if not device:
             raise ValueError("Unix domain socket path must be specified")
         self.destination_addr = device
-        self._open(f"uds:{device}", autoreconnect, retries, 1, source_system, source_component)
+        self._open(f"uds:{device}", autoreconnect, retries, reconnect_delay,
+                   source_system, source_component)  # fmt: skip
 
     def _connect(self) -> Any:
         import socket

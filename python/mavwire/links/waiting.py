@@ -13,19 +13,17 @@ MAX_PORT = 65535
 
 
 def wait_readable(fd: Any, timeout: float) -> bool:
-    """Whether `fd` becomes readable within `timeout` seconds; False when it cannot be watched."""
+    """Whether `fd` becomes readable within `timeout` seconds; OSError, ValueError or TypeError when it cannot be
+    watched."""
     import select
 
-    try:
-        if hasattr(select, "poll"):
-            # Unlike select(), poll() takes descriptors beyond 1023: a bridge may hold many links.
-            poller = select.poll()
-            poller.register(fd, select.POLLIN)
-            return bool(poller.poll(max(timeout, 0.0) * 1000.0))
-        readable, _, _ = select.select([fd], [], [], max(timeout, 0.0))
-        return bool(readable)
-    except (OSError, ValueError, TypeError):
-        return False
+    if hasattr(select, "poll"):
+        # Unlike select(), poll() takes descriptors beyond 1023: a bridge may hold many links.
+        poller = select.poll()
+        poller.register(fd, select.POLLIN)
+        return bool(poller.poll(max(timeout, 0.0) * 1000.0))
+    readable, _, _ = select.select([fd], [], [], max(timeout, 0.0))
+    return bool(readable)
 
 
 def wait_writable(fd: int, timeout: float) -> bool:

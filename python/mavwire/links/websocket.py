@@ -6,12 +6,15 @@ The protocol itself is wsproto's, which is loaded when the first such link is op
 from __future__ import annotations
 
 import errno
+import os
 
 from .chunked import READ_SIZE
+from .forks import Turn
 from .names import connect_to
 from .one_client import OneClientLink, listen_on
 from .reconnecting import ReconnectingLink
 from .stream import StreamLink, StreamWriter
+from .tls import TlsPort
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
@@ -24,37 +27,6 @@ HANDSHAKE_TIMEOUT = 5.0
 PEER_NOT_UP = frozenset((errno.ECONNREFUSED, errno.EHOSTUNREACH))
 
 
-class _TlsPort:
-    """A TLS connection as a non-blocking socket: waiting for the peer is no error of its own kind,
-    and several threads may use it, which OpenSSL does not allow.
-    """
-
-    def __init__(self, port: Any) -> None:
-        from _thread import RLock
-
-        self._port = port
-        # A signal handler may write in the middle of a read.
-        self._lock = RLock()
-        self.fileno, self.close, self.setblocking = port.fileno, port.close, port.setblocking
-
-    def recv(self, n: int) -> bytes:
-        data: bytes = self._do(self._port.recv, n)
-        return data
-
-    def send(self, data: bytes) -> int:
-        sent: int = self._do(self._port.send, data)
-        return sent
-
-    def _do(self, act: Any, argument: Any) -> Any:
-        from ssl import SSLWantReadError, SSLWantWriteError
-
-        with self._lock:
-            try:
-                return act(argument)
-            except (SSLWantReadError, SSLWantWriteError) as error:
-                raise BlockingIOError(errno.EAGAIN, "TLS waits for the peer") from error
-
-
 class _WebSocketLink(StreamLink):
     """What both ends share: a socket under a wsproto connection."""
 
@@ -65,6 +37,7 @@ class _WebSocketLink(StreamLink):
     ) -> None:
         self.port = self.ws = None
         self._writer = StreamWriter()
+        self._reading = Turn()
         super().__init__(
             fd, address, source_system=source_system, source_component=source_component
         )
@@ -72,8 +45,7 @@ class _WebSocketLink(StreamLink):
     def _start(self, port: Any, ws: Any) -> None:
         port.setblocking(False)
         set_close_on_exec(port.fileno())
-        self.port, self.ws = port, ws
-        self.fd = port.fileno()
+        self.port, self.ws, self.fd = port, ws, port.fileno()
 
     def _idle_fd(self) -> int | None:
         """What to wait on without a connection."""
@@ -97,6 +69,19 @@ class _WebSocketLink(StreamLink):
         """Drop the connection, unless another thread has done it."""
         if ws is not None and self.ws is ws:
             self.close_port()
+
+    def recv(self, n: int | None = None) -> bytes:
+        """What one read brings, whatever `n`; empty without data or peer, and while another thread reads."""
+        turn = self._reading.take()
+        if turn is None:
+            return b""
+        try:
+            return self._read()
+        finally:
+            turn.release()
+
+    def _read(self) -> bytes:
+        raise NotImplementedError
 
     def _receive(self) -> bytes:
         """The payload of the binary messages that one read completes."""
@@ -136,7 +121,8 @@ class _WebSocketLink(StreamLink):
                 received += self._on_event(event)
                 if self.ws is not ws:
                     break
-        except (RemoteProtocolError, LocalProtocolError, OSError):
+        except (RemoteProtocolError, LocalProtocolError, OSError, ValueError):
+            # ValueError: this process was forked while another thread read, which it never ends.
             self._drop(ws)
         return received
 
@@ -219,8 +205,7 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
     def _patience(self) -> float:
         return super()._patience() if self._established() else HANDSHAKE_TIMEOUT
 
-    def recv(self, n: int | None = None) -> bytes:
-        """What one read brings, whatever `n`; empty without data or client."""
+    def _read(self) -> bytes:
         if self.port is None and not self._accept():
             return b""
         return self._receive()
@@ -259,9 +244,10 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
     again until it is there."""
 
     autoreconnect = True
-    reconnect_delay = 1.0
     # What came along with the end of the handshake was not looked at yet.
     _is_fresh = False
+    # The process that connected; one that was forked from it has no say in the end of the connection.
+    _process = 0
 
     def __init__(
         self,
@@ -269,6 +255,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         source_system: int = 255,
         source_component: int = 0,
         use_native: bool = False,
+        reconnect_delay: float = 1,
     ) -> None:
         protocol, address, resource = split_device(device)
         import wsproto  # noqa: F401  (fail now, not in the middle of a session)
@@ -276,6 +263,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         self.secure = protocol == "wss"
         self.destination_addr = split_host_port(address, "WebSocket")
         self.resource = resource
+        self.reconnect_delay = reconnect_delay
         self._begin_unconnected()
         super().__init__(
             None, device, source_system=source_system, source_component=source_component
@@ -308,7 +296,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         except BaseException:
             port.close()
             raise
-        return _TlsPort(port) if self.secure else port, ws
+        return TlsPort(port) if self.secure else port, ws
 
     def _shake_hands(self, port: Any) -> Any:
         """The WebSocket on `port`, which still blocks."""
@@ -345,7 +333,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         return ws
 
     def _install(self, connection: tuple[Any, Any]) -> None:
-        self._is_fresh = True
+        self._is_fresh, self._process = True, os.getpid()
         self._start(*connection)
 
     def _disconnect(self) -> None:
@@ -358,7 +346,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
 
     def _release(self) -> None:
         """Close the connection, telling the server."""
-        if self._established():
+        if self._established() and self._process == os.getpid():
             from contextlib import suppress
 
             from wsproto.events import CloseConnection
@@ -368,8 +356,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
                 self._send_event(CloseConnection(code=1000))
         self.close_port()
 
-    def recv(self, n: int | None = None) -> bytes:
-        """What one read brings, whatever `n`; empty without data or server."""
+    def _read(self) -> bytes:
         self._check_open()
         ws = self.ws
         if ws is None:

@@ -16,6 +16,39 @@ ENVIRONMENT = {
     "PYTHONPATH": os.pathsep.join([str(HERE), str(Path(mavutil.__file__).parents[1])]),
 }
 
+# `child` runs in each fork, and `parent` once they have ended; a child that hangs ends by its alarm. Python's own rule
+# holds: no other thread may be in the middle of an import when a process forks, so what threads do is done once before.
+FORKS = """
+import faulthandler, os, signal, sys, threading
+os.environ["MAVLINK20"] = "1"
+import mavwire
+from mavwire import aio, mavutil
+path = sys.argv[1]
+def connect(device):
+    return mavutil.mavlink_connection(device)
+def udp():
+    link = connect("udpin:127.0.0.1:0")
+    return link, connect(f"udpout:127.0.0.1:{link.port.getsockname()[1]}")
+def count(log):
+    return sum(1 for _ in iter(log.recv_msg, None))
+def forks(child, parent=lambda: None, times=1):
+    for _ in range(times):
+        pid = os.fork()
+        if pid == 0:
+            faulthandler.dump_traceback_later(50)
+            signal.alarm(60)
+            code = 1
+            try:
+                child()
+                code = 0
+            except BaseException:
+                import traceback
+                traceback.print_exc()
+            os._exit(code)
+        assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
+    parent()
+"""
+
 
 def python(program: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Run a program to its end."""

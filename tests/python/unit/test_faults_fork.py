@@ -7,42 +7,9 @@ from pathlib import Path
 
 import pytest
 from mavwire import traffic
-from unit.faults import python
+from unit.faults import FORKS, python
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-
-# `child` runs in each fork, and `parent` once they have ended; a child that hangs ends by its alarm. Python's own rule
-# holds: no other thread may be in the middle of an import when a process forks, so what threads do is done once before.
-HEAD = """
-import faulthandler, os, signal, sys, threading
-os.environ["MAVLINK20"] = "1"
-import mavwire
-from mavwire import aio, mavutil
-path = sys.argv[1]
-def connect(device):
-    return mavutil.mavlink_connection(device)
-def udp():
-    link = connect("udpin:127.0.0.1:0")
-    return link, connect(f"udpout:127.0.0.1:{link.port.getsockname()[1]}")
-def count(log):
-    return sum(1 for _ in iter(log.recv_msg, None))
-def forks(child, parent=lambda: None, times=1):
-    for _ in range(times):
-        pid = os.fork()
-        if pid == 0:
-            faulthandler.dump_traceback_later(50)
-            signal.alarm(60)
-            code = 1
-            try:
-                child()
-                code = 0
-            except BaseException:
-                import traceback
-                traceback.print_exc()
-            os._exit(code)
-        assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
-    parent()
-"""
 
 CASES = {
     "a log by mavutil": """
@@ -161,7 +128,6 @@ forks(child, times=5)
 """,
     "a log that another thread reads": """
 log, other = connect(path), mavwire.open_log(path)
-count(log), list(other)  # PyO3 lets threads run while it makes a name for the first time
 def read():
     while True:
         count(log)
@@ -212,5 +178,5 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_in_use_survives_a_fork(name: str, log: Path) -> None:
-    done = python(HEAD + CASES[name], str(log))
+    done = python(FORKS + CASES[name], str(log))
     assert (done.returncode, done.stderr) == (0, ""), name

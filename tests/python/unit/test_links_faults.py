@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import os
 import signal
 import socket
@@ -263,6 +264,58 @@ def test_a_websocket_under_tls_outlives_silence(tmp_path, monkeypatch):
     listener.close()
 
 
+def test_a_websocket_is_read_by_one_thread_at_a_time():
+    """A second one would find a generator that runs already, and raise."""
+    pytest.importorskip("wsproto")
+    inside, go = threading.Event(), threading.Event()
+    with mavutil.mavlink_connection("wsserver:127.0.0.1:0") as link, watched(WAIT):
+
+        def accept():
+            inside.set()
+            assert go.wait(WAIT)
+            return False
+
+        link._accept = accept
+        threads, raised = in_threads(link.recv_msg)
+        assert inside.wait(WAIT)
+        link._accept = None
+        assert link.recv_msg() is None
+        go.set()
+        join(threads)
+        assert raised == []
+
+
+class Watching:
+    """Time that passes with sleeping alone."""
+
+    now = 0.0
+
+    def monotonic(self):
+        return self.now
+
+    def sleep(self, seconds):
+        self.now += seconds
+
+
+@pytest.mark.parametrize("timeout", [1.0, 0.1, math.nan, -1.0])
+def test_a_descriptor_that_cannot_be_watched_costs_no_processor_time(timeout, monkeypatch):
+    link = Capture()
+    clock = Watching()
+    monkeypatch.setattr("mavwire.links.mavfile.time", clock)
+    for fd in (-1, "none"):
+        link.fd = fd
+        before = clock.now
+        assert link.select(timeout) is False
+        assert clock.now - before == pytest.approx(max(0, min(0.25, timeout)))
+
+
+def test_a_time_that_is_no_number_does_not_wait_for_ever():
+    with socket.socketpair()[0] as port, watched(WAIT):
+        link = Capture()
+        link.fd = port.fileno()
+        assert link.select(math.nan) is False
+
+
 def test_what_is_left_to_send_is_told_by_one_thread_at_a_time():
     """Or the one that knows less could have the last word, and what is left would wait for the next frame."""
     link, peer = connected()
@@ -446,6 +499,21 @@ def test_a_serial_port_that_nobody_reads_stops_no_sender(line, monkeypatch):
         link.mav.heartbeat_send(6, 8, 0, 0, 0)
         assert sequence(end, 1, link.recv_msg) == [sent % 256]
         assert (link.frames_dropped, link._is_stuck) == (dropped, False)
+
+
+def test_a_serial_line_that_another_thread_does_not_stop_sending_on_is_not_waited_for(
+    line, monkeypatch
+):
+    device, end = line
+    monkeypatch.setattr(serial_port_module, "WRITE_TIMEOUT", 0.01)
+    with mavutil.mavlink_connection(device) as link, watched(WAIT):
+        with link._writer._sending:
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert link._is_stuck
+        assert sequence(end, 1, link.recv_msg) == [0]
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert sequence(end, 1) == [1]
+        assert (link.frames_dropped, link._is_stuck) == (0, False)
 
 
 def test_a_sender_that_is_faster_than_the_serial_line_is_slowed_down(line, monkeypatch):

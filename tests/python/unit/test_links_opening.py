@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 import pytest
 from mavwire import mavutil
 from mavwire.links.mcast import mavmcast
+from unit.bridge_tools import wait_until
 from unit.link_tools import free_port, heartbeat
 
 WAIT = 60.0
@@ -54,6 +55,36 @@ def test_a_path_is_a_device_too(tmp_path) -> None:
         mavutil.mavlink_connection(tmp_path / "none.tlog")
     with pytest.raises(TypeError, match="PathLike"):
         mavutil.mavlink_connection(14550)
+
+
+@pytest.mark.parametrize("kind", ["uds", "ws", "serial"])
+def test_connections_are_made_again_after_the_pause_that_was_asked_for(kind: str, tmp_path) -> None:
+    if kind == "uds":
+        listener = socket.socket(socket.AF_UNIX)
+        listener.bind(str(tmp_path / "socket"))
+        listener.listen()
+        device = f"uds:{tmp_path}/socket"
+    elif kind == "ws":
+        pytest.importorskip("wsproto")
+        device = f"ws:127.0.0.1:{free_port()}"
+    else:
+        pytest.importorskip("serial")
+        device = os.ttyname(os.openpty()[1])
+    for asked, pause in (({}, 1), ({"reconnect_delay": 0.25}, 0.25)):
+        with mavutil.mavlink_connection(device, **asked) as link:
+            assert link.reconnect_delay == pause
+
+
+@pytest.mark.parametrize(
+    ("device", "name"),
+    [("uds:x", "mavuds"), ("ws:x:1", "mavwebsocket_client"), ("/dev/ttyS0", "mavserial")],
+)
+def test_classes_of_a_program_are_given_a_pause_when_it_asks_for_one(
+    device: str, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mavutil, name, lambda _, **options: options.get("reconnect_delay"))
+    assert mavutil.mavlink_connection(device) is None
+    assert mavutil.mavlink_connection(device, reconnect_delay=2) == 2
 
 
 def test_a_client_without_a_host_connects_to_this_machine() -> None:
@@ -162,3 +193,7 @@ def test_sending_on_closed_and_unconnected_links(capsys: pytest.CaptureFixture[s
             link.mav.heartbeat_send(6, 8, 0, 0, 0)
         link.mav.heartbeat_send(6, 8, 0, 0, 0)
         assert link.frames_dropped == 2
+        if device.startswith(
+            "ws:"
+        ):  # an attempt to connect looks an address up, which other tests count
+            wait_until("the end of the attempt", lambda: not link._connecting.locked())

@@ -182,7 +182,7 @@ def test_a_link_that_is_closed_during_an_attempt_stays_closed(server):
 def test_a_connection_begins_with_a_whole_frame(server):
     """R63."""
     link, peer = server.link()
-    link._writer.unsent += heartbeat()[5:]
+    link._writer.unsent.extend(heartbeat()[5:])
     link._use(link._connect())
     with server.accept() as second:
         link.write(heartbeat(7))
