@@ -25,16 +25,13 @@ class AheadStore:
 
     def __init__(self, store: Any) -> None:
         self._store = store_of(store)
+        self._claim = getattr(self._store, "_claim", None)
         self._stored = 0
         self._thread: threading.Thread | None = None
 
     def load(self) -> Any:
         """The timestamp to go on from."""
         return self._store.load()
-
-    def _claim(self, link_id: int) -> bool:
-        claim = getattr(self._store, "_claim", None)
-        return claim is None or bool(claim(link_id))
 
     def save(self, timestamp: int) -> None:
         """See to it that `timestamp` or a later one is stored. It waits for the store at first, and after

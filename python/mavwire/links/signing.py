@@ -119,19 +119,21 @@ def _next_link_id() -> int:
     return number
 
 
-def _own_link_id(link_id: int | None, store: Any) -> int:
-    """`link_id`, or the next number that no other process has which shares `store`."""
-    claim = getattr(store, "_claim", None)
-    number = _next_link_id() if link_id is None else link_id
-    while claim is not None and not claim(number):
-        if link_id is not None or number == MAX_LINK_ID:
-            import logging
-
-            reason = "another process signs with link id %d, too: only one of both will be believed"
-            logging.getLogger("mavwire.mavutil").warning(reason, number)
-            break
-        number = _next_link_id()
+def _own_link_id(claim: Callable[[int], bool] | None) -> int:
+    """The next number, of those that `claim` says no other process has which shares the store."""
+    number = _next_link_id()
+    if claim is not None:
+        # Not 0, which would follow the target's link id to one that another process may have.
+        while number == 0 or (number < MAX_LINK_ID and not claim(number)):
+            number = _next_link_id()
     return number
+
+
+def _say_shared(number: int) -> None:
+    import logging
+
+    reason = "another process signs with link id %d, too: only one of both will be believed"
+    logging.getLogger("mavwire.mavutil").warning(reason, number)
 
 
 def prepared(
@@ -156,7 +158,10 @@ def prepared(
         store = store_of(timestamp_store)
         timestamp = max(timestamp, stored_timestamp(store))
         keep = keeper(store, timestamp)
-    number = _own_link_id(None if link_id is None else tried.link_id, store)
+    claim = getattr(store, "_claim", None)
+    number = _own_link_id(claim) if link_id is None else tried.link_id
+    if claim is not None and not claim(number):
+        _say_shared(number)
     return (
         tried.secret_key, tried.sign_outgoing, allow_unsigned_callback,
         number, timestamp, follows_clock, keep,

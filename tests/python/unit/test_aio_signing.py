@@ -123,10 +123,10 @@ def test_processes_that_share_a_store_have_link_ids_of_their_own(tmp_path, monke
 
     async def main():
         async with udp_link() as (link, _):
-            with open(f"{path}.link0", "wb") as other:
+            with open(f"{path}.link1", "wb") as other:
                 fcntl.flock(other, fcntl.LOCK_EX)
                 await link.setup_signing(KEY, timestamp_store=path)
-            assert link.mav.signing.link_id == 1
+            assert link.mav.signing.link_id == 2
 
     run(main())
 

@@ -13,11 +13,12 @@ from weakref import WeakSet
 
 import pytest
 from mavwire import mavutil
+from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import signing as signing_module
 from mavwire.links import state
 from mavwire.links.link_ids import claim
 from unit.faults import ENVIRONMENT, python
-from unit.link_tools import KEY, Capture, drain, types
+from unit.link_tools import KEY, Capture, drain, signed, types
 
 fcntl = pytest.importorskip("fcntl", reason="without locks nothing is known of other processes")
 
@@ -96,7 +97,16 @@ def test_processes_that_share_a_store_are_all_believed(tmp_path):
     listener.rx += other.frame + sent(ours)
     assert types(drain(listener)) == ["HEARTBEAT"] * 3
     assert listener.mav.signing.badsig_count == 0
-    assert (ours.mav.signing.link_id, other.link_id, other.end()) == (0, 1, "")
+    assert (ours.mav.signing.link_id, other.link_id, other.end()) == (1, 2, "")
+
+
+def test_processes_do_not_follow_the_target_to_one_link_id(tmp_path):
+    """R57 is for a link id of 0, which nobody has who shares a store, unless asked for."""
+    link = Capture()
+    link.setup_signing(KEY, timestamp_store=tmp_path / "timestamps")
+    link.rx += signed(mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3), 1 << 47, link_id=2)
+    assert [msg.get_signed() for msg in drain(link)] == [True]
+    assert (link.target_system, link.mav.signing.link_id) == (1, 1)
 
 
 def test_link_ids_are_free_again_when_a_process_has_ended(tmp_path):
@@ -105,20 +115,20 @@ def test_link_ids_are_free_again_when_a_process_has_ended(tmp_path):
     first = Program(path)
     first.kill()
     second = Program(path)
-    assert (first.link_id, second.link_id, second.end()) == (0, 0, "")
+    assert (first.link_id, second.link_id, second.end()) == (1, 1, "")
 
 
 def test_links_of_this_process_go_round_those_of_others(tmp_path):
     path = tmp_path / "timestamps"
     links = [Capture() for _ in range(4)]
-    with open(f"{path}.link1", "wb") as other:
+    with open(f"{path}.link2", "wb") as other:
         fcntl.flock(other, fcntl.LOCK_EX)
         links[0].setup_signing(KEY, timestamp_store=path)
         links[1].setup_signing(KEY, timestamp_store=path)
         links[2].setup_signing(KEY)
         links[3].setup_signing(KEY, timestamp_store=str(path))
-    assert [link.mav.signing.link_id for link in links] == [0, 2, 3, 4]
-    assert mavutil.global_link_id == 5
+    assert [link.mav.signing.link_id for link in links] == [1, 3, 4, 5]
+    assert mavutil.global_link_id == 6
 
 
 def test_a_link_id_that_two_processes_ask_for_is_warned_of(tmp_path):
@@ -144,10 +154,10 @@ def test_the_last_link_id_is_used_whoever_has_it(tmp_path, caplog):
 
 def test_where_ids_cannot_be_kept_apart_that_is_said(tmp_path, caplog):
     path = tmp_path / "timestamps"
-    (tmp_path / "timestamps.link0").mkdir()
+    (tmp_path / "timestamps.link1").mkdir()
     link = Capture()
     link.setup_signing(KEY, timestamp_store=path)
-    assert (link.mav.signing.link_id, link.mav.signing.secret_key) == (0, KEY)
+    assert (link.mav.signing.link_id, link.mav.signing.secret_key) == (1, KEY)
     assert "give each a link_id" in caplog.text
 
 
