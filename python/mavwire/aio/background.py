@@ -12,7 +12,8 @@ T = TypeVar("T")
 
 
 async def in_background(function: Callable[[], T], discard: Callable[[T], Any] | None = None) -> T:
-    """What `function` returns or raises. If the wait is cancelled, `discard` gets what it returns.
+    """What `function` returns or raises. If the wait is cancelled, `discard` gets what it returns, in a
+    thread too.
 
     The thread ends with the call. It is none of the loop's executor, whose threads stay, and it
     holds up nobody's exit: a connection attempt may take long, and nobody may want it any more.
@@ -26,8 +27,13 @@ async def in_background(function: Callable[[], T], discard: Callable[[T], Any] |
                 future.set_result(result)
             else:
                 future.set_exception(error)
-        elif error is None and discard is not None:
-            discard(result)
+        elif error is None:
+            _start(lambda: drop(result))
+
+    def drop(result: T) -> None:
+        if discard is not None:
+            with suppress(OSError):
+                discard(result)
 
     def call() -> None:
         result: Any = None
@@ -39,9 +45,18 @@ async def in_background(function: Callable[[], T], discard: Callable[[T], Any] |
         try:
             loop.call_soon_threadsafe(deliver, result, error)
         except RuntimeError:  # the loop was closed in the meantime
-            if error is None and discard is not None:
-                with suppress(OSError):
-                    discard(result)
+            if error is None:
+                drop(result)
 
-    threading.Thread(target=call, name="mavwire.aio", daemon=True).start()
-    return await future
+    _start(call)
+    try:
+        return await future
+    except asyncio.CancelledError:
+        # Cancelled after the result had come, and before it was taken.
+        if future.done() and not future.cancelled() and future.exception() is None:
+            _start(lambda: drop(future.result()))
+        raise
+
+
+def _start(function: Callable[[], Any]) -> None:
+    threading.Thread(target=function, name="mavwire.aio", daemon=True).start()

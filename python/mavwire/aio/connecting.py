@@ -8,6 +8,7 @@ from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from .background import in_background
+from .feed import check_backlog
 from .link import BACKLOG, Link
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ class Connecting:
             await self._link.__aexit__(*exc_info)
 
     async def _open(self) -> Link:
+        check_backlog(self._backlog)
         options = dict(self._options)
         delay: float = options.get("reconnect_delay", 1.0)
         attempts = 1
@@ -90,7 +92,7 @@ class Connecting:
         try:
             return Link(sync, backlog=self._backlog, reconnect_delay=delay)
         except BaseException:
-            _close(sync)
+            await in_background(lambda: _close(sync))
             raise
 
     async def _attempt(self, attempts: int, delay: float, options: dict[str, Any]) -> Any:

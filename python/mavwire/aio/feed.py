@@ -26,12 +26,17 @@ class Position:
         self.dropped = 0
 
 
+def check_backlog(backlog: int) -> None:
+    """ValueError for a feed that could keep no message."""
+    if backlog < 1:
+        raise ValueError(f"a backlog of {backlog} messages holds none")
+
+
 class Feed:
     """The newest `backlog` messages, and who waits for more."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, backlog: int) -> None:
-        if backlog < 1:
-            raise ValueError(f"a backlog of {backlog} messages holds none")
+        check_backlog(backlog)
         self.kept: deque[Any] = deque(maxlen=backlog)
         # Messages that were ever put in.
         self.count = 0
@@ -133,6 +138,7 @@ class Reader:
             behind = feed.count - position.at
             if 0 < behind <= len(feed.kept):
                 position.at += 1
+                self._found = None  # by another task, which has not come to take it
                 return feed.kept[-behind]
         self._at, self._found = position.at, None
         return self._taken() if self.look() else None

@@ -5,14 +5,13 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
-import time
 import weakref
 from collections.abc import Callable, Coroutine, Iterable
 from contextlib import suppress
 from typing import Any
 
 from mavwire.links.mavfile import FLUSH_INTERVAL, mavfile
-from mavwire.links.signing import check_key, signing_timestamp
+from mavwire.links.signing import prepared
 from mavwire.links.tlog import mavlogfile
 
 from .background import in_background
@@ -190,19 +189,14 @@ class Link(Parameters):
         link_id: int | None = None,
         timestamp_store: Any = None,
     ) -> None:
-        """What `sync.setup_signing` does, with the same arguments, but a `timestamp_store` does not
-        hold up the loop: it is read and written by threads. ValueError for a key of another length
-        than 32 bytes, OSError for a store that fails."""
-        check_key(secret_key)
-        if timestamp_store is not None:
-            begin = initial_timestamp
-            if begin is None:
-                begin = signing_timestamp(time.time())
-            timestamp_store = await in_background(lambda: AheadStore(timestamp_store, begin))
-        self.sync.setup_signing(
-            secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id,
-            timestamp_store,
-        )  # fmt: skip
+        """What `sync.setup_signing` does, with the same arguments and errors, but a `timestamp_store`
+        does not hold up the loop: it is read and written by threads."""
+        begin = self.sync._begin_signing
+        policy = (secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id)
+        if timestamp_store is None:
+            begin(prepared(*policy))
+        else:
+            begin(await in_background(lambda: prepared(*policy, AheadStore(timestamp_store))))
 
     # -- state
 

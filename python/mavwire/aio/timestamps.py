@@ -10,8 +10,8 @@ import threading
 from contextlib import suppress
 from typing import Any
 
-from mavwire.links.signing import UNITS_PER_SECOND, stored_timestamp
-from mavwire.links.timestamp_store import RESERVE, TimestampStore
+from mavwire.links.signing import UNITS_PER_SECOND
+from mavwire.links.timestamp_store import ahead, store_of
 
 # How far ahead of what a link wants stored is stored, and how little of it may be left.
 AHEAD = 30 * UNITS_PER_SECOND
@@ -20,25 +20,21 @@ LEAST = 25 * UNITS_PER_SECOND
 
 class AheadStore:
     """A timestamp store for `setup_signing`, in front of one that may be slow: `store`, the path of a
-    file or an object with `load` and `save`.
-
-    Making one waits for it: it loads, and stores what lasts from `timestamp` on. Errors are those
-    of the store.
+    file or an object with `load` and `save`. Errors are those of the store.
     """
 
-    def __init__(self, store: Any, timestamp: int) -> None:
-        self._store = store if hasattr(store, "load") else TimestampStore(store)
-        self._loaded = stored_timestamp(self._store)
+    def __init__(self, store: Any) -> None:
+        self._store = store_of(store)
+        self._claim = getattr(self._store, "_claim", None)
         self._stored = 0
         self._thread: threading.Thread | None = None
-        self._save(max(timestamp, self._loaded) + RESERVE)
 
-    def load(self) -> int:
+    def load(self) -> Any:
         """The timestamp to go on from."""
-        return self._loaded
+        return self._store.load()
 
     def save(self, timestamp: int) -> None:
-        """See to it that `timestamp` or a later one is stored. It has to wait for the store only after
+        """See to it that `timestamp` or a later one is stored. It waits for the store at first, and after
         a pause so long that what is stored is used up."""
         if timestamp > self._stored:
             self._save(timestamp)
@@ -57,6 +53,6 @@ class AheadStore:
             self._save(timestamp)
 
     def _save(self, timestamp: int) -> None:
-        mark = timestamp + AHEAD
+        mark = ahead(timestamp, AHEAD)
         self._store.save(mark)
         self._stored = max(self._stored, mark)

@@ -88,30 +88,12 @@ class DatagramClient(Transport):
             self._looking.cancel()
 
 
-class StreamClient(Transport):
-    """TCP and Unix domain sockets."""
+class Client(Transport):
+    """Clients that connect, of which the link does not: it does so when somebody calls `recv`."""
 
     def __init__(self, sync: Any) -> None:
         super().__init__(sync)
         self.reconnects = sync.autoreconnect
-        sync.autoreconnect = False
-        # Which would print: programs of asyncio look at `link.connected` or at the log.
-        sync.handle_eof = sync.handle_disconnect = sync._lost
-
-    def is_there(self) -> bool:
-        return self.sync.port is not None
-
-    async def reopen(self) -> None:
-        self.sync._use(await in_background(self.sync._connect, _close))
-
-
-class WebSocketClient(Transport):
-    """WebSocket clients always reconnect, as in mavutil."""
-
-    reconnects = True
-
-    def __init__(self, sync: Any) -> None:
-        super().__init__(sync)
         sync.autoreconnect = False
 
     def is_there(self) -> bool:
@@ -119,12 +101,30 @@ class WebSocketClient(Transport):
 
     async def reopen(self) -> None:
         try:
-            connected = await in_background(self.sync.connect, lambda _: self.sync.close_port())
+            self.sync._use(await in_background(self.sync._connect, self._discard))
         except OSError as error:
             self.sync._note_failure(error)
             raise
-        if not connected:
-            raise ConnectionRefusedError(f"{self.sync.address} is not up")
+
+    def _discard(self, connection: Any) -> None:
+        connection.close()
+
+
+class StreamClient(Client):
+    """TCP and Unix domain sockets."""
+
+    def __init__(self, sync: Any) -> None:
+        super().__init__(sync)
+        # Which would print.
+        sync.handle_eof = sync.handle_disconnect = sync._lost
+
+
+class WebSocketClient(Client):
+    """WebSocket clients, which always reconnect."""
+
+    def _discard(self, connection: Any) -> None:
+        port, _ = connection
+        port.close()
 
 
 class SerialPort(Transport):
@@ -134,6 +134,7 @@ class SerialPort(Transport):
         super().__init__(sync)
         self.reconnects = sync.autoreconnect
         sync.autoreconnect = False
+        sync._say = _say_nothing
 
     def sender(self) -> Sender:
         if os.name != "posix":
@@ -188,5 +189,5 @@ def transport_of(sync: Any) -> Transport:
     return Transport(sync)
 
 
-def _close(port: Any) -> None:
-    port.close()
+def _say_nothing(text: str) -> None:
+    """In place of what links print: programs of asyncio look at `link.connected` or at the log."""

@@ -48,11 +48,15 @@ def listen_on(address: tuple[str, int]) -> Any:
     return listener
 
 
+class AcceptError(OSError):
+    """The client who waits cannot be accepted now: there is no descriptor for it, or no memory."""
+
+
 class OneClientLink(StreamLink):
     """A server for one client at a time; `listen` is its listening socket."""
 
     listen: Any
-    # Whether reading takes a moment where there is no descriptor for a client, or says so.
+    # Whether reading takes a moment where a client cannot be accepted, or raises AcceptError.
     waits_for_descriptors = True
     # Clients that had to go.
     clients_replaced = 0
@@ -69,8 +73,10 @@ class OneClientLink(StreamLink):
         except (BlockingIOError, InterruptedError, ConnectionError):
             return None
         except OSError as error:
-            if error.errno in CLOSED or not self.waits_for_descriptors:
+            if error.errno in CLOSED:
                 raise
+            if not self.waits_for_descriptors:
+                raise AcceptError(error.errno, error.strerror) from error
             self._say_why(error)
             sleep(ACCEPT_PAUSE)
             return None

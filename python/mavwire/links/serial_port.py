@@ -164,8 +164,11 @@ class mavserial(StreamLink):
 
     def _say_dead(self) -> None:
         if not self.portdead:
-            print(f"Device {self.device} is dead")
+            self._say(f"Device {self.device} is dead")
         self.portdead = True
+
+    def _say(self, text: str) -> None:
+        print(text)
 
     def write(self, buf: bytes) -> Any:
         """Send one frame whole, or drop it whole when nobody reads; -1 when the port is dead, which is
@@ -256,5 +259,5 @@ class mavserial(StreamLink):
         if self._closed:  # meanwhile
             self._release()
             return False
-        print(f"Device {self.device} reopened OK")
+        self._say(f"Device {self.device} reopened OK")
         return True

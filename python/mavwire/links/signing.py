@@ -6,7 +6,11 @@ replayed on another.
 
 from __future__ import annotations
 
+import os
 import time
+from _thread import RLock
+
+from mavwire._native import Signing as SigningState
 
 from . import state
 
@@ -28,6 +32,18 @@ RADIO_MESSAGES = frozenset((109, 166))
 
 # The signing states that have a key, weakly held.
 _with_key: Any = None
+# For them, and for the number of the next link. What runs when an object goes may set up signing, too.
+_lock = RLock()
+
+
+def _renew_lock() -> None:
+    """In a forked process: who held the lock may not be here to give it back."""
+    global _lock
+    _lock = RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_renew_lock)
 
 
 def signing_timestamp(unix_seconds: float) -> int:
@@ -42,8 +58,12 @@ def check_key(secret_key: bytes) -> None:
 
 
 def _check_number(name: str, value: int, largest: int) -> None:
-    """OverflowError unless a signature has room for the value."""
-    if not 0 <= value <= largest:
+    """OverflowError unless a signature has room for the value, TypeError if it is no number."""
+    try:
+        fits = 0 <= value <= largest
+    except TypeError:
+        raise TypeError(f"{name} is a number, not {value!r}") from None
+    if not fits:
         raise OverflowError(f"{name} is 0 to {largest}, not {value}")
 
 
@@ -72,17 +92,80 @@ def _share(signing: Any) -> None:
     _with_key.add(signing)
 
 
-def _opened(store: Any, timestamp: int) -> tuple[Callable[[int], int] | None, int]:
-    """What keeps timestamps in `store`, a path or an object, and the one to begin with: the later
-    one of `timestamp` and what is in there. Whatever the store raises if it cannot be used."""
-    if store is None:
-        return None, timestamp
-    from .timestamp_store import TimestampStore, keeper
+def _tried(
+    secret_key: bytes,
+    sign_outgoing: object,
+    allow_unsigned_callback: Any,
+    timestamp: int,
+    link_id: int | None,
+) -> SigningState:
+    """A signing state of no link that was set up with these, so that they can be used on a link.
+    ValueError, OverflowError or TypeError."""
+    check_key(secret_key)
+    number = state.global_link_id if link_id is None else link_id
+    _check_number("link_id", number, MAX_LINK_ID)
+    _check_number("initial_timestamp", timestamp, MAX_TIMESTAMP)
+    tried = SigningState()
+    tried._set_up(
+        secret_key, sign_outgoing, allow_unsigned_callback, number, timestamp, False, None
+    )
+    return tried
 
-    if not hasattr(store, "load"):
-        store = TimestampStore(store)
-    timestamp = max(timestamp, stored_timestamp(store))
-    return keeper(store, timestamp), timestamp
+
+def _next_link_id() -> int:
+    with _lock:
+        number = state.global_link_id
+        state.global_link_id = min(number + 1, MAX_LINK_ID)
+    return number
+
+
+def _own_link_id(claim: Callable[[int], bool] | None) -> int:
+    """The next number, of those that `claim` says no other process has which shares the store."""
+    number = _next_link_id()
+    if claim is not None:
+        # Not 0, which would follow the target's link id to one that another process may have.
+        while number == 0 or (number < MAX_LINK_ID and not claim(number)):
+            number = _next_link_id()
+    return number
+
+
+def _say_shared(number: int) -> None:
+    import logging
+
+    reason = "another process signs with link id %d, too: only one of both will be believed"
+    logging.getLogger("mavwire.mavutil").warning(reason, number)
+
+
+def prepared(
+    secret_key: bytes,
+    sign_outgoing: bool = True,
+    allow_unsigned_callback: Callable[[Any, int], bool] | None = None,
+    initial_timestamp: int | None = None,
+    link_id: int | None = None,
+    timestamp_store: Any = None,
+) -> tuple[Any, ...]:
+    """What `_begin_signing` needs, from the arguments of `setup_signing`, with its errors; as slow as
+    the store is. All is checked before anything is touched, and the store is the last that may fail.
+    """
+    follows_clock = initial_timestamp is None
+    if initial_timestamp is None:
+        initial_timestamp = signing_timestamp(time.time())
+    tried = _tried(secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id)
+    store, keep, timestamp = None, None, tried.timestamp
+    if timestamp_store is not None:
+        from .timestamp_store import keeper, store_of
+
+        store = store_of(timestamp_store)
+        timestamp = max(timestamp, stored_timestamp(store))
+        keep = keeper(store, timestamp)
+    claim = getattr(store, "_claim", None)
+    number = _own_link_id(claim) if link_id is None else tried.link_id
+    if claim is not None and not claim(number):
+        _say_shared(number)
+    return (
+        tried.secret_key, tried.sign_outgoing, allow_unsigned_callback,
+        number, timestamp, follows_clock, keep,
+    )  # fmt: skip
 
 
 class Signing:
@@ -107,33 +190,25 @@ class Signing:
         without one they are rejected. `initial_timestamp` is in 10 us units since 2015-01-01
         and defaults to now, and then follows the clock. Links without a `link_id` are numbered in
         order, process-wide. `timestamp_store`, the path of a file or an object with `load` and
-        `save`, keeps timestamps rising over restarts whatever the clock does. ValueError for a key
-        of another length; OverflowError for numbers that a signature has no room for; OSError, or
-        what the object raises, for a store that cannot be used. Nothing is changed by an error.
+        `save`, keeps timestamps rising over restarts whatever the clock does; links of processes
+        that share a file are numbered differently. ValueError for a key of another length;
+        OverflowError for numbers that a signature has no room for; TypeError for what is no number or
+        key; OSError, or what the object raises, for a store that cannot be used. Nothing is
+        changed by an error.
         """
-        # All is checked before anything is changed: half a set-up would send with timestamps used before.
-        check_key(secret_key)
-        if link_id is not None:
-            _check_number("link_id", link_id, MAX_LINK_ID)
-        follows_clock = initial_timestamp is None
-        if initial_timestamp is None:
-            initial_timestamp = signing_timestamp(time.time())
-        _check_number("initial_timestamp", initial_timestamp, MAX_TIMESTAMP)
-        keep, timestamp = _opened(timestamp_store, initial_timestamp)
-        number = state.global_link_id if link_id is None else link_id
+        self._begin_signing(
+            prepared(
+                secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id,
+                timestamp_store,
+            )
+        )  # fmt: skip
+
+    def _begin_signing(self, arguments: tuple[Any, ...]) -> None:
+        """Use what was `prepared`, which cannot fail: half a set-up would send with timestamps used before."""
         signing = self.mav.signing
-        signing._set_up(
-            secret_key,
-            sign_outgoing,
-            allow_unsigned_callback,
-            number,
-            timestamp,
-            follows_clock,
-            keep,
-        )
-        _share(signing)
-        if link_id is None:
-            state.global_link_id = min(number + 1, MAX_LINK_ID)
+        with _lock:
+            signing._set_up(*arguments)
+            _share(signing)
 
     def send_signing_key(self, secret_key: bytes, initial_timestamp: int | None = None) -> None:
         """Send the target a SETUP_SIGNING with `secret_key`, which it will sign with from then on.
@@ -155,6 +230,7 @@ class Signing:
     def disable_signing(self) -> None:
         """Forget the key and send unsigned; counters and known streams stay."""
         signing = self.mav.signing
-        signing._set_up(None, False, None, 0, 0, False, None)
-        if _with_key is not None:
-            _with_key.discard(signing)
+        with _lock:
+            signing._set_up(None, False, None, 0, 0, False, None)
+            if _with_key is not None:
+                _with_key.discard(signing)

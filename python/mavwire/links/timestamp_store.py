@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import os
 
+from .signing import MAX_TIMESTAMP
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,6 +55,17 @@ class TimestampStore:
         finally:
             os.close(fd)
 
+    def _claim(self, link_id: int) -> bool:
+        """Whether `link_id` is this process's until it ends, as far as all others use this file."""
+        from .link_ids import claim
+
+        return claim(self.path, link_id)
+
+
+def store_of(given: Any) -> Any:
+    """The store that is meant by a path of a file or an object with `load` and `save`."""
+    return given if hasattr(given, "load") else TimestampStore(given)
+
 
 def _lock(fd: int) -> None:
     """Keep others out until `fd` is closed, where the platform can: two that overwrite the same
@@ -84,13 +97,18 @@ def _unpacked(slot: bytes) -> int:
     return timestamp if slot == _packed(timestamp) else 0
 
 
+def ahead(timestamp: int, lead: int) -> int:
+    """`timestamp` and `lead`, within the 48 bits: what lies beyond could not be loaded again."""
+    return min(timestamp + lead, MAX_TIMESTAMP)
+
+
 def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
     """A function that stores a timestamp ahead of the one given and returns it.
 
     `timestamp` is the first one, which is stored now: a store that fails at once raises what it
     likes. One that fails later does not stop the link; it is reported once.
     """
-    mark = timestamp + RESERVE
+    mark = ahead(timestamp, RESERVE)
     store.save(mark)
     failed = False
 
@@ -98,7 +116,7 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
         nonlocal mark, failed
         if timestamp < mark:
             return mark
-        mark = timestamp + RESERVE
+        mark = ahead(timestamp, RESERVE)
         try:
             store.save(mark)
         except Exception as error:  # a store of the user's own fails in ways of its own

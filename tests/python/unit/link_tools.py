@@ -19,6 +19,43 @@ T0 = 1_600_000_000_000_000
 KEY = bytes(range(32))
 
 
+class Undecided:
+    """What is neither true nor false."""
+
+    def __bool__(self) -> bool:
+        raise ValueError("undecided")
+
+
+# Arguments that `setup_signing` refuses, each alone among good ones.
+WRONG_SIGNING: list[dict[str, Any]] = [
+    {"link_id": 300},
+    {"link_id": -1},
+    {"link_id": 1.5},
+    {"link_id": "x"},
+    {"initial_timestamp": -1},
+    {"initial_timestamp": 1 << 48},
+    {"initial_timestamp": float("nan")},
+    {"initial_timestamp": "x"},
+    {"secret_key": b"short"},
+    {"secret_key": "a text of thirty-two characters."},
+    {"secret_key": None},
+    {"sign_outgoing": Undecided()},
+]
+
+
+def signing_state(link: Any) -> tuple[Any, ...]:
+    """What `setup_signing` sets: of `link`, and of all links."""
+    signing = link.mav.signing
+    return (
+        signing.secret_key,
+        signing.sign_outgoing,
+        signing.link_id,
+        signing.timestamp,
+        signing.allow_unsigned_callback,
+        mavutil.global_link_id,
+    )
+
+
 class Capture(mavutil.mavfile):
     """A link that receives what is put into `rx` and keeps what is sent in `tx`."""
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import os
+import socket
 import sys
+import threading
 from pathlib import Path
 
 import pytest
-from mavwire import aio, traffic
+from mavwire import aio, mavutil, traffic
+from mavwire.aio.background import in_background
 from mavwire.aio.deadline import deadline_after
-from unit.aio_tools import LOOPS, run, udp_link
+from unit.aio_tools import LOOPS, WAIT, attitude, eventually, run, udp_link
 from unit.faults import python
 from unit.link_tools import KEY
 
@@ -126,3 +130,123 @@ asyncio.run(main())
 """
     done = python(program)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+class Refusing:
+    """A listening socket that accepts nobody."""
+
+    def __init__(self, listen, number):
+        self._listen = listen
+        self._number = number
+        self.attempts = 0
+
+    def accept(self):
+        self.attempts += 1
+        raise OSError(self._number, os.strerror(self._number))
+
+    def __getattr__(self, name):
+        return getattr(self._listen, name)
+
+
+@pytest.mark.parametrize("name", ["ENOBUFS", "ENOMEM", "EPERM", "EMFILE"])
+@pytest.mark.parametrize("kind", ["tcpin", "wsserver"])
+def test_a_client_that_cannot_be_accepted_is_left_alone_whoever_sends(kind, name, monkeypatch):
+    if kind == "wsserver":
+        pytest.importorskip("wsproto")
+    monkeypatch.setattr("mavwire.aio.pump.ACCEPT_PAUSE", 3600)
+
+    async def main():
+        failures = []
+        asyncio.get_running_loop().set_exception_handler(lambda _, found: failures.append(found))
+        async with aio.connect(f"{kind}:127.0.0.1:0") as link:
+            listen = link.sync.listen = Refusing(link.sync.listen, getattr(errno, name))
+            with socket.create_connection(listen.getsockname()):
+                await eventually(lambda: failures)
+                for _ in range(50):
+                    link.mav.heartbeat_send(6, 8, 0, 0, 0)
+                    link._live._look()
+                    await asyncio.sleep(0)
+            assert (listen.attempts, len(failures)) == (1, 1)
+            assert failures[0]["exception"].errno == getattr(errno, name)
+
+    run(main())
+
+
+def test_errors_of_hooks_do_not_stop_reading(monkeypatch):
+    monkeypatch.setattr("mavwire.aio.pump.ACCEPT_PAUSE", 3600)
+
+    def hook(link, msg):
+        raise OSError(errno.EMFILE, "no file for a log")
+
+    async def main():
+        failures = []
+        asyncio.get_running_loop().set_exception_handler(lambda _, found: failures.append(found))
+        async with udp_link() as (link, peer):
+            link.sync.message_hooks.append(hook)
+            for number in range(5):
+                peer.send(attitude(number))
+                await eventually(lambda number=number: len(failures) > number)
+
+    run(main())
+
+
+def test_what_nobody_takes_is_discarded_beside_the_loop(monkeypatch):
+    async def main():
+        loop = asyncio.get_running_loop()
+        threads, go_on = [], threading.Event()
+
+        def discard(result):
+            threads.append((result, threading.get_ident()))
+
+        early = asyncio.create_task(in_background(lambda: go_on.wait(WAIT), discard))
+        await asyncio.sleep(0)
+        early.cancel()
+        go_on.set()
+        await eventually(lambda: threads)
+
+        call = loop.call_soon_threadsafe
+
+        def call_and_cancel(callback, *arguments):
+            # Between the result and the task that waits for it.
+            call(lambda: (callback(*arguments), late.cancel()))
+
+        monkeypatch.setattr(loop, "call_soon_threadsafe", call_and_cancel)
+        late = asyncio.create_task(in_background(lambda: "late", discard))
+        with pytest.raises(asyncio.CancelledError):
+            await late
+        await eventually(lambda: len(threads) == 2)
+        assert [result for result, _ in threads] == [True, "late"]
+        assert threading.get_ident() not in [thread for _, thread in threads]
+
+    run(main())
+
+
+def test_a_link_that_cannot_be_had_is_closed_beside_the_loop(monkeypatch):
+    closed = []
+
+    class Sync:
+        def close(self):
+            closed.append(threading.get_ident())
+
+    monkeypatch.setattr(mavutil, "mavlink_connection", lambda *_, **__: Sync())
+    monkeypatch.setattr("mavwire.aio.connecting.Link", None)
+
+    async def main():
+        with pytest.raises(TypeError):
+            await aio.connect("exec:vehicle")
+        assert len(closed) == 1
+        assert threading.get_ident() not in closed
+
+    run(main())
+
+
+def test_a_backlog_that_holds_nothing_is_refused_before_anything_is_opened(monkeypatch):
+    opened = []
+    monkeypatch.setattr(mavutil, "mavlink_connection", lambda *_, **__: opened.append(1))
+
+    async def main():
+        with pytest.raises(ValueError, match="backlog of 0"):
+            await aio.connect("exec:vehicle", backlog=0)
+        assert opened == []
+
+    run(main())

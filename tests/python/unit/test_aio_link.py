@@ -233,6 +233,31 @@ def test_several_tasks_share_a_stream():
     run(main())
 
 
+def test_a_task_that_comes_first_takes_a_message_from_one_that_was_woken():
+    async def main():
+        async with udp_link() as (link, peer):
+            stream = link.stream()
+            told, found = asyncio.Event(), []
+            link.sync.message_hooks.append(lambda link, msg: told.set())
+
+            async def take_next():
+                found.append(number(await anext(stream)))
+
+            async def take_when_told():
+                await told.wait()  # which comes before who waits for a message hears of it
+                await take_next()
+
+            tasks = [asyncio.create_task(task()) for task in (take_next, take_when_told)]
+            await asyncio.sleep(0)
+            peer.attitudes(1)
+            await eventually(lambda: found)
+            peer.attitudes(2)
+            await asyncio.wait_for(asyncio.gather(*tasks), WAIT)
+            assert found == [1, 2]
+
+    run(main())
+
+
 def test_filters_by_sender():
     async def main():
         async with udp_link() as (link, peer):

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 
 import pytest
 from mavwire.aio.timestamps import AheadStore
-from mavwire.links.signing import UNITS_PER_SECOND
+from mavwire.links import state
+from mavwire.links.signing import MAX_TIMESTAMP, UNITS_PER_SECOND
 from mavwire.links.timestamp_store import RESERVE, TimestampStore
-from unit.aio_tools import eventually, run, udp_link
-from unit.link_tools import KEY
+from unit.aio_tools import WAIT, eventually, run, udp_link
+from unit.link_tools import KEY, WRONG_SIGNING, signing_state
 
 HOUR = 3600 * UNITS_PER_SECOND
 
@@ -82,22 +84,85 @@ def test_timestamps_go_on_from_what_was_stored(tmp_path):
 def test_what_cannot_be_set_up_changes_nothing(tmp_path):
     async def main():
         async with udp_link() as (link, _):
+            state = signing_state(link)
             with pytest.raises(FileNotFoundError):
                 await link.setup_signing(KEY, timestamp_store=tmp_path / "missing" / "stamps")
-            with pytest.raises(ValueError, match="32 bytes"):
-                await link.setup_signing(KEY[1:], timestamp_store=tmp_path / "stamps")
-            assert link.mav.signing.secret_key is None
-            assert not (tmp_path / "stamps").exists()
+            for wrong in WRONG_SIGNING:
+                for store in (tmp_path / "stamps", None):
+                    arguments = {"secret_key": KEY, "timestamp_store": store, **wrong}
+                    with pytest.raises((OverflowError, TypeError, ValueError)):
+                        await link.setup_signing(**arguments)
+            assert signing_state(link) == state
+            assert list(tmp_path.iterdir()) == []
             await link.setup_signing(KEY)
             assert link.mav.signing.secret_key == KEY
 
     run(main())
 
 
+def test_a_store_is_good_to_the_last_timestamp(tmp_path):
+    """R51."""
+    path = tmp_path / "stamps"
+
+    async def main():
+        async with udp_link() as (link, _):
+            near = MAX_TIMESTAMP - 1000
+            await link.setup_signing(KEY, initial_timestamp=near, timestamp_store=path)
+            assert link.mav.signing.timestamp == near
+            assert TimestampStore(path).load() == MAX_TIMESTAMP
+            await link.setup_signing(KEY, timestamp_store=path)
+            assert link.mav.signing.timestamp == MAX_TIMESTAMP
+
+    run(main())
+
+
+def test_processes_that_share_a_store_have_link_ids_of_their_own(tmp_path, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+    monkeypatch.setattr(state, "global_link_id", 0)
+    path = tmp_path / "stamps"
+
+    async def main():
+        async with udp_link() as (link, _):
+            with open(f"{path}.link1", "wb") as other:
+                fcntl.flock(other, fcntl.LOCK_EX)
+                await link.setup_signing(KEY, timestamp_store=path)
+            assert link.mav.signing.link_id == 2
+
+    run(main())
+
+
+def test_a_set_up_that_was_cancelled_does_not_come_later():
+    begun, go_on = threading.Event(), threading.Event()
+
+    class Slow(Memory):
+        def load(self):
+            begun.set()
+            assert go_on.wait(WAIT)
+            return super().load()
+
+    async def main():
+        async with udp_link() as (link, _):
+            store = Slow()
+            task = asyncio.create_task(link.setup_signing(KEY, timestamp_store=store))
+            await eventually(begun.is_set)
+            task.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await task
+            go_on.set()
+            await eventually(
+                lambda: "mavwire.aio" not in [one.name for one in threading.enumerate()]
+            )
+            assert store.stored
+            assert link.mav.signing.secret_key is None
+
+    run(main())
+
+
 def test_a_store_that_begins_to_fail_is_met_when_the_rest_is_used_up():
     memory = Memory(stored=5 * HOUR)
-    store = AheadStore(memory, HOUR)
+    store = AheadStore(memory)
     assert store.load() == 5 * HOUR
+    store.save(6 * HOUR)
     last = memory.stored
     memory.error = OSError("the disk is full")
     store.save(last)

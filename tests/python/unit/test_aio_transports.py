@@ -118,7 +118,7 @@ def test_unix_domain_sockets(loop, tmp_path):
     run(main(), loop)
 
 
-def test_a_serial_port_is_unplugged_and_plugged_in_again(loop, tmp_path):
+def test_a_serial_port_is_unplugged_and_plugged_in_again(loop, tmp_path, capsys):
     pytest.importorskip("serial")
     pytest.importorskip("tty")
     device = tmp_path / "port"
@@ -147,6 +147,7 @@ def test_a_serial_port_is_unplugged_and_plugged_in_again(loop, tmp_path):
             os.close(end)
 
     run(main(), loop)
+    assert capsys.readouterr().out == ""
 
 
 def plug_in(device):
@@ -270,6 +271,33 @@ def test_a_tcp_connection_that_breaks_is_made_again(loop):
     run(main(), loop)
 
 
+def test_why_a_connection_does_not_come_back_is_told(caplog):
+    """Once for each reason, as with links of mavutil."""
+
+    async def main():
+        server = Server()
+        await server.up()
+        options = {"autoreconnect": True, "reconnect_delay": 0.01}
+        async with aio.connect(f"tcp:127.0.0.1:{server.port}", **options) as link:
+            await eventually(lambda: server.writer)
+            assert link.sync.connect_error is None
+            await server.down()
+            await eventually(lambda: link.sync.connect_error)
+            first = link.sync.connect_error
+            assert isinstance(first, ConnectionRefusedError)
+            await eventually(lambda: link.sync.connect_error is not first)
+            await server.up()
+            await eventually(lambda: link.connected)
+            assert link.sync.connect_error is None
+            await eventually(lambda: server.writer)
+            await server.down()
+
+    run(main())
+    told = [one.getMessage() for one in caplog.records if one.name == "mavwire.mavutil"]
+    assert told[0].endswith("trying again")
+    assert len(told) <= 2  # the connection was lost twice
+
+
 def test_a_peer_that_only_hangs_up_is_left_in_peace(monkeypatch):
     """Each attempt waits longer, though connecting itself succeeds."""
     pauses = []
@@ -391,10 +419,12 @@ def test_a_websocket_server_may_come_later():
     async def main():
         async with aio.connect(f"ws:127.0.0.1:{port}", reconnect_delay=0.01) as client:
             assert not client.connected
+            assert isinstance(client.sync.connect_error, ConnectionRefusedError)
             client.mav.heartbeat_send(6, 8, 0, 0, 0)
             assert client.frames_dropped == 1
             async with aio.connect(f"wsserver:127.0.0.1:{port}") as server:
                 await eventually(lambda: client.connected)
+                assert client.sync.connect_error is None
                 await converse(server, client)
 
     run(main())

@@ -10,8 +10,19 @@ import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import signing as signing_module
+from mavwire.links import state as state_module
 from mavwire.links.timestamp_store import RESERVE, TimestampStore
-from unit.link_tools import KEY, Capture, drain, heartbeat, pack, signed, types
+from unit.link_tools import (
+    KEY,
+    WRONG_SIGNING,
+    Capture,
+    drain,
+    heartbeat,
+    pack,
+    signed,
+    signing_state,
+    types,
+)
 
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
 SETUP = mavlink.MAVLink_setup_signing_message(1, 1, list(KEY[::-1]), 99)
@@ -180,13 +191,22 @@ def test_a_store_that_is_shared_keeps_the_latest(tmp_path):
     assert (100).to_bytes(8, "little") in content, "the one before is there, should a write be cut"
 
 
+def test_a_store_is_good_to_the_last_timestamp(tmp_path):
+    """R51."""
+    path, last = tmp_path / "timestamps", signing_module.MAX_TIMESTAMP
+    link = link_with_key(initial_timestamp=last - 1, timestamp_store=path)
+    assert [sent_timestamp(link), sent_timestamp(link)] == [last - 1, last]
+    assert TimestampStore(path).load() == last
+    assert sent_timestamp(link_with_key(timestamp_store=path)) == last
+
+
 @pytest.mark.parametrize("name", [".", "missing/timestamps"])
 def test_a_store_that_cannot_be_read_or_written_changes_nothing(tmp_path, name):
     link = Capture()
+    state = signing_state(link)
     with pytest.raises(OSError):
         link.setup_signing(KEY, timestamp_store=tmp_path / name)
-    signing = link.mav.signing
-    assert (signing.secret_key, signing.sign_outgoing, signing.timestamp) == (None, False, 0)
+    assert signing_state(link) == state
 
 
 def test_a_store_may_fail_in_any_way(caplog):
@@ -238,41 +258,30 @@ def test_a_peer_years_ahead_moves_us_a_day_at_most(tmp_path):
 # -- all or nothing
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"link_id": 300},
-        {"link_id": -1},
-        {"initial_timestamp": -1},
-        {"initial_timestamp": 1 << 48},
-        {"secret_key": b"short"},
-    ],
-    ids=str,
-)
+REFUSED = (OverflowError, TypeError, ValueError)
+
+
+@pytest.mark.parametrize("wrong", WRONG_SIGNING, ids=str)
 @pytest.mark.parametrize("before", [None, KEY], ids=["unsigned", "signed"])
 def test_a_set_up_that_is_refused_changes_nothing(wrong, before, tmp_path):
     link = Capture()
     if before:
         link.setup_signing(before, initial_timestamp=5, link_id=7)
     state = signing_state(link)
-    number = mavutil.global_link_id
-    store = tmp_path / "timestamps"
-    with pytest.raises((OverflowError, ValueError)):
-        link.setup_signing(**{"secret_key": bytes(32), "timestamp_store": store, **wrong})
+    arguments = {"secret_key": bytes(32), "timestamp_store": tmp_path / "timestamps", **wrong}
+    with pytest.raises(REFUSED):
+        link.setup_signing(**arguments)
     assert signing_state(link) == state
-    assert mavutil.global_link_id == number
-    assert not store.exists()
+    assert list(tmp_path.iterdir()) == []
 
 
-def signing_state(link: Capture):
-    signing = link.mav.signing
-    return (
-        signing.secret_key,
-        signing.sign_outgoing,
-        signing.link_id,
-        signing.timestamp,
-        signing.allow_unsigned_callback,
-    )
+def test_a_number_of_links_that_is_none_is_refused(monkeypatch, tmp_path):
+    """`global_link_id` is for programs to assign, too."""
+    for wrong in (300, None):
+        monkeypatch.setattr(state_module, "global_link_id", wrong)
+        with pytest.raises(REFUSED, match="link_id is"):
+            link_with_key(timestamp_store=tmp_path / "timestamps")
+    assert list(tmp_path.iterdir()) == []
 
 
 class Interrupting:

@@ -1,0 +1,51 @@
+"""Link ids that processes share out among themselves, by way of the timestamp store that they share.
+
+To who hears them, two processes with one link id are one stream, and that takes only what is later
+than all before: the process whose timestamps lie behind would be mute. So beside the store there is
+an empty file for each id in use, locked by the process that signs with it. The system unlocks it when
+the process ends, whatever ended it, and the next one takes the same ids: receivers have room for few
+streams, ArduPilot for 16, and ids that only ever rise would soon be too many.
+"""
+
+from __future__ import annotations
+
+import os
+
+# The locked file of each id -> its descriptor, which is open until the process ends.
+_held: dict[str, int] = {}
+
+
+def claim(store: str | os.PathLike[str], link_id: int) -> bool:
+    """Whether no other process uses `link_id` with the timestamp store at the path `store`; none will
+    until this one has ended. True, too, where that cannot be known, which is logged if it could be
+    on this system.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        return True
+    path = f"{os.path.realpath(os.fsdecode(store))}.link{link_id}"
+    if path in _held:
+        return True
+    try:
+        fd = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+    except OSError as error:
+        _warn(error)
+        return True
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        os.close(fd)
+        if isinstance(error, BlockingIOError):
+            return False
+        _warn(error)
+        return True
+    _held[path] = fd
+    return True
+
+
+def _warn(error: OSError) -> None:
+    import logging
+
+    reason = "link ids of processes are not kept apart, give each a link_id: %s"
+    logging.getLogger("mavwire.mavutil").warning(reason, error)

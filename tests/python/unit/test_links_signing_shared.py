@@ -1,0 +1,286 @@
+"""Signing that is set up from several threads and processes: each link is a stream of its own, and all streams of a key
+are known to each link."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from weakref import WeakSet
+
+import pytest
+from mavwire import mavutil
+from mavwire.dialects.v20 import all as mavlink
+from mavwire.links import signing as signing_module
+from mavwire.links import state
+from mavwire.links.link_ids import claim
+from unit.faults import ENVIRONMENT, python
+from unit.link_tools import KEY, Capture, drain, signed, types
+
+fcntl = pytest.importorskip("fcntl", reason="without locks nothing is known of other processes")
+
+WAIT = 60
+
+# Says its link id and what it sends, and stays until its standard input ends.
+PROGRAM = """
+import sys
+from mavwire import mavutil
+path, link_id = sys.argv[1:]
+class Link(mavutil.mavfile):
+    def write(self, frame):
+        print(self.mav.signing.link_id, frame.hex(), flush=True)
+link = Link(None, "output")
+link.setup_signing(bytes(range(32)), timestamp_store=path, link_id=None if link_id == "-" else int(link_id))
+link.mav.heartbeat_send(6, 8, 0, 0, 0)
+sys.stdin.read()
+"""
+
+
+class Program:
+    """Another process that signs."""
+
+    def __init__(self, store: object, link_id: str = "-") -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", PROGRAM, str(store), link_id],
+            env={**ENVIRONMENT, "MAVLINK20": "1"},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        assert self.process.stdout is not None
+        number, frame = self.process.stdout.readline().split()
+        self.link_id, self.frame = int(number), bytes.fromhex(frame)
+
+    def kill(self) -> None:
+        self.process.kill()
+        self.process.communicate(timeout=WAIT)
+
+    def end(self) -> str:
+        """What it said on standard error."""
+        said: str = self.process.communicate(timeout=WAIT)[1]
+        return said
+
+
+@pytest.fixture(autouse=True)
+def first_link(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """As in a process that has set up no link yet."""
+    monkeypatch.setattr(state, "global_link_id", 0)
+    mavutil.set_wire_protocol("2.0")
+    mavutil.set_dialect("all")
+    yield
+    mavutil.set_wire_protocol(None)
+    mavutil.set_dialect("all")
+
+
+def sent(link: Capture) -> bytes:
+    """The next frame of a link."""
+    link.tx.clear()
+    link.mav.heartbeat_send(6, 8, 0, 0, 0)
+    return bytes(link.tx)
+
+
+# -- processes
+
+
+def test_processes_that_share_a_store_are_all_believed(tmp_path):
+    """R39: with one link id the first would be mute until its clock has passed what the second began with."""
+    path = tmp_path / "timestamps"
+    ours, listener = Capture(), Capture()
+    listener.setup_signing(KEY, link_id=9)
+    ours.setup_signing(KEY, timestamp_store=path)
+    listener.rx += sent(ours)
+    other = Program(path)
+    listener.rx += other.frame + sent(ours)
+    assert types(drain(listener)) == ["HEARTBEAT"] * 3
+    assert listener.mav.signing.badsig_count == 0
+    assert (ours.mav.signing.link_id, other.link_id, other.end()) == (1, 2, "")
+
+
+def test_processes_do_not_follow_the_target_to_one_link_id(tmp_path):
+    """R57 is for a link id of 0, which nobody has who shares a store, unless asked for."""
+    link = Capture()
+    link.setup_signing(KEY, timestamp_store=tmp_path / "timestamps")
+    link.rx += signed(mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3), 1 << 47, link_id=2)
+    assert [msg.get_signed() for msg in drain(link)] == [True]
+    assert (link.target_system, link.mav.signing.link_id) == (1, 1)
+
+
+def test_link_ids_are_free_again_when_a_process_has_ended(tmp_path):
+    """Receivers have room for few streams."""
+    path = tmp_path / "timestamps"
+    first = Program(path)
+    first.kill()
+    second = Program(path)
+    assert (first.link_id, second.link_id, second.end()) == (1, 1, "")
+
+
+def test_links_of_this_process_go_round_those_of_others(tmp_path):
+    path = tmp_path / "timestamps"
+    links = [Capture() for _ in range(4)]
+    with open(f"{path}.link2", "wb") as other:
+        fcntl.flock(other, fcntl.LOCK_EX)
+        links[0].setup_signing(KEY, timestamp_store=path)
+        links[1].setup_signing(KEY, timestamp_store=path)
+        links[2].setup_signing(KEY)
+        links[3].setup_signing(KEY, timestamp_store=str(path))
+    assert [link.mav.signing.link_id for link in links] == [1, 3, 4, 5]
+    assert mavutil.global_link_id == 6
+
+
+def test_a_link_id_that_two_processes_ask_for_is_warned_of(tmp_path):
+    path = tmp_path / "timestamps"
+    Capture().setup_signing(KEY, timestamp_store=path, link_id=7)
+    Capture().setup_signing(KEY, timestamp_store=path, link_id=7)
+    other = Program(path, "7")
+    assert other.link_id == 7
+    assert "another process signs with link id 7, too" in other.end()
+
+
+def test_the_last_link_id_is_used_whoever_has_it(tmp_path, caplog):
+    path = tmp_path / "timestamps"
+    mavutil.global_link_id = 254
+    link = Capture()
+    with open(f"{path}.link254", "wb") as one, open(f"{path}.link255", "wb") as other:
+        for file in (one, other):
+            fcntl.flock(file, fcntl.LOCK_EX)
+        link.setup_signing(KEY, timestamp_store=path)
+    assert (link.mav.signing.link_id, mavutil.global_link_id) == (255, 255)
+    assert "another process signs with link id 255" in caplog.text
+
+
+def test_where_ids_cannot_be_kept_apart_that_is_said(tmp_path, caplog):
+    path = tmp_path / "timestamps"
+    (tmp_path / "timestamps.link1").mkdir()
+    link = Capture()
+    link.setup_signing(KEY, timestamp_store=path)
+    assert (link.mav.signing.link_id, link.mav.signing.secret_key) == (1, KEY)
+    assert "give each a link_id" in caplog.text
+
+
+def test_a_file_system_without_locks_is_no_obstacle(tmp_path, caplog, monkeypatch):
+    def refuse(fd, how):
+        raise OSError(37, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    assert claim(tmp_path / "timestamps", 3)
+    assert "No locks available" in caplog.text
+
+
+# -- threads
+
+
+def at_once(work) -> None:
+    """Run `work(0)` to `work(5)` in threads that start together."""
+    start = threading.Barrier(6)
+    failures: list[BaseException] = []
+
+    def run(number: int) -> None:
+        start.wait()
+        try:
+            work(number)
+        except BaseException as error:
+            failures.append(error)
+
+    threads = [threading.Thread(target=run, args=(number,)) for number in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(WAIT)
+    assert not failures
+    assert not any(thread.is_alive() for thread in threads)
+
+
+class Dawdling:
+    """Stands for the state of all links, where reading a number takes a moment."""
+
+    number = 0
+
+    @property
+    def global_link_id(self) -> int:
+        number = self.number
+        time.sleep(0.001)
+        return number
+
+    @global_link_id.setter
+    def global_link_id(self, number: int) -> None:
+        self.number = number
+
+
+def test_links_that_threads_set_up_have_different_ids(monkeypatch):
+    monkeypatch.setattr(signing_module, "state", Dawdling())
+    links = [[Capture() for _ in range(5)] for _ in range(6)]
+    at_once(lambda number: [link.setup_signing(KEY) for link in links[number]])
+    numbers = [link.mav.signing.link_id for own in links for link in own]
+    assert sorted(numbers) == list(range(30))
+
+
+class Guarded(WeakSet):
+    """The links with a key, which one thread at a time may look through or change."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.users = 0
+        self.most = 0
+
+    def __iter__(self):
+        self.users += 1
+        self.most = max(self.most, self.users)
+        time.sleep(0.002)
+        yield from list(super().__iter__())
+        self.users -= 1
+
+    def add(self, item) -> None:
+        self.most = max(self.most, self.users + 1)
+        super().add(item)
+
+    discard = add
+
+
+def test_threads_wait_for_each_other_to_share_streams(monkeypatch):
+    """R42b."""
+    guarded = Guarded()
+    monkeypatch.setattr(signing_module, "_with_key", guarded)
+    links = [Capture() for _ in range(6)]
+
+    def work(number: int) -> None:
+        for _ in range(5):
+            links[number].setup_signing(KEY)
+            links[number].disable_signing()
+        links[number].setup_signing(KEY)
+
+    at_once(work)
+    assert guarded.most == 1
+    listened = [link.mav.signing.stream_timestamps for link in links]
+    links[0].mav.signing.stream_timestamps = {(1, 2, 3): 4}
+    assert listened == [{}] * 6
+    assert [link.mav.signing.stream_timestamps for link in links] == [{(1, 2, 3): 4}] * 6
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_fork_while_another_thread_sets_up_a_link(tmp_path):
+    program = """
+import os, signal, sys, threading
+from mavwire.links import signing
+from unit.link_tools import KEY, Capture
+link, held = Capture(), threading.Event()
+def hold():
+    with signing._lock:
+        held.set()
+        threading.Event().wait()
+threading.Thread(target=hold, daemon=True).start()
+held.wait()
+pid = os.fork()
+if pid == 0:
+    signal.alarm(60)
+    link.setup_signing(KEY, timestamp_store=sys.argv[1])
+    link.disable_signing()
+    os._exit(0)
+assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
+os._exit(0)
+"""
+    done = python(program, str(tmp_path / "timestamps"))
+    assert (done.returncode, done.stderr) == (0, "")
