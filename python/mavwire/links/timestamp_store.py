@@ -7,6 +7,7 @@ writing now and then is enough (MAVLink guide, Message Signing: at least once a 
 
 from __future__ import annotations
 
+import errno
 import os
 
 from .signing import MAX_TIMESTAMP
@@ -32,13 +33,14 @@ class TimestampStore:
         self.path = path
 
     def load(self) -> int:
-        """The timestamp to go on from; 0 where nothing was stored. OSError if it cannot be read."""
+        """The timestamp to go on from; 0 where nothing was stored. OSError if it cannot be read, or is
+        another kind of file."""
         try:
             fd = os.open(self.path, os.O_RDONLY | _BINARY)
         except FileNotFoundError:
             return 0
         try:
-            return max(_slots(fd))
+            return max(self._slots(fd))
         finally:
             os.close(fd)
 
@@ -47,13 +49,24 @@ class TimestampStore:
         fd = os.open(self.path, os.O_RDWR | os.O_CREAT | _BINARY, 0o600)
         try:
             _lock(fd)
-            slots = _slots(fd)
+            slots = self._slots(fd)
             if timestamp > max(slots):
                 os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
                 os.write(fd, _packed(timestamp))
                 os.fsync(fd)
         finally:
             os.close(fd)
+
+    def _slots(self, fd: int) -> list[int]:
+        """What the slots hold; 0 for one that was never written, or not to its end."""
+        os.lseek(fd, 0, os.SEEK_SET)
+        content = os.read(fd, SLOT_OFFSETS[-1] + SLOT)
+        slots = [_unpacked(content[start : start + SLOT]) for start in SLOT_OFFSETS]
+        # What a first write that was cut short may leave is shorter, or nothing yet.
+        if not any(slots) and len(content) >= SLOT and any(content):
+            reason = "is no timestamp store: name a file of its own, or remove this one"
+            raise OSError(errno.EINVAL, reason, os.fspath(self.path))
+        return slots
 
     def _claim(self, link_id: int) -> bool:
         """Whether `link_id` is this process's until it ends, as far as all others use this file."""
@@ -76,13 +89,6 @@ def _lock(fd: int) -> None:
     except ImportError:
         return
     fcntl.flock(fd, fcntl.LOCK_EX)
-
-
-def _slots(fd: int) -> list[int]:
-    """What the slots hold; 0 for one that was never written, or not to its end."""
-    os.lseek(fd, 0, os.SEEK_SET)
-    content = os.read(fd, SLOT_OFFSETS[-1] + SLOT)
-    return [_unpacked(content[start : start + SLOT]) for start in SLOT_OFFSETS]
 
 
 def _packed(timestamp: int) -> bytes:

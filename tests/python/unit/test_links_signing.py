@@ -181,6 +181,18 @@ def test_two_slots_take_turns_and_half_a_write_is_not_believed(tmp_path):
     assert store.path.stat().st_mode & 0o077 == 0
 
 
+def test_another_file_is_no_store_and_stays_as_it_is(tmp_path):
+    path = tmp_path / "key"
+    path.write_bytes(bytes(range(32)))
+    for use in (TimestampStore(path).load, lambda: TimestampStore(path).save(7)):
+        with pytest.raises(OSError, match="no timestamp store") as caught:
+            use()
+        assert caught.value.filename == str(path)
+    with pytest.raises(OSError, match="no timestamp store"):
+        link_with_key(timestamp_store=path)
+    assert path.read_bytes() == bytes(range(32))
+
+
 def test_a_store_that_is_shared_keeps_the_latest(tmp_path):
     """R36."""
     slow, quick = (TimestampStore(tmp_path / "timestamps") for _ in range(2))
