@@ -25,6 +25,9 @@ class Undecided:
     def __bool__(self) -> bool:
         raise ValueError("undecided")
 
+    def __repr__(self) -> str:
+        return "Undecided()"
+
 
 # Arguments that `setup_signing` refuses, each alone among good ones.
 WRONG_SIGNING: list[dict[str, Any]] = [
