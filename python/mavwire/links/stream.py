@@ -56,10 +56,11 @@ class _Queue:
         """So many bytes were sent."""
         del self.data[:sent]
         sent += self._begun
+        lengths = self._lengths
         try:
-            while sent >= self._lengths[0]:
-                sent -= self._lengths.popleft()
-        except IndexError:  # all were sent, or another thread has just counted them
+            while lengths and sent >= lengths[0]:
+                sent -= lengths.popleft()
+        except IndexError:  # another thread has just counted them
             pass
         self._begun = sent
 
@@ -100,19 +101,16 @@ class StreamWriter:
         Here and below, `note` is told whether something is left in the queue. One thread at a
         time does so, and the last one knows best.
         """
-        if not self._has_room(frame):
+        if len(self._queue.data) + len(frame) > self._max_unsent:
             self._make_room(port, note)
-        if not self._has_room(frame):
-            self.dropped_frames += 1
-            return
+            if len(self._queue.data) + len(frame) > self._max_unsent:
+                self.dropped_frames += 1
+                return
         queue = self._queue
         queue.add(frame)
         if queue is not self._queue:  # another thread has forgotten it meanwhile
             self.dropped_frames += queue.forget()
         self.flush(port, note)
-
-    def _has_room(self, frame: bytes) -> bool:
-        return len(self.unsent) + len(frame) <= self._max_unsent
 
     def _make_room(self, port: Any, note: Callable[[bool], Any]) -> None:
         try:
@@ -128,20 +126,21 @@ class StreamWriter:
             try:
                 goes_on = self._send_some(port)
             finally:
-                note(bool(self.unsent))
+                note(bool(self._queue.data))
                 turn.release()
             # Looked at after the lock was released: what came in between is nobody else's.
-            if not (goes_on and self.unsent):
+            if not (goes_on and self._queue.data):
                 return
 
     def _send_some(self, port: Any) -> bool:
         """Send from the head of the queue; whether the peer may take more."""
         queue = self._queue
-        if not queue.data:
+        data = queue.data
+        if not data:
             return True
         try:
             # A copy, because others append to the queue meanwhile.
-            sent = port.send(bytes(queue.data[:SEND_SIZE]))
+            sent = port.send(bytes(data[:SEND_SIZE]))
         except (BlockingIOError, InterruptedError):
             return False
         queue.take_off(sent)
@@ -156,7 +155,7 @@ class StreamWriter:
         turn = self._sending
         if turn.acquire(blocking=False):  # or that thread tells
             try:
-                note(bool(self.unsent))
+                note(bool(self._queue.data))
             finally:
                 turn.release()
 

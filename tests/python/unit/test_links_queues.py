@@ -93,7 +93,7 @@ def test_a_frame_that_comes_while_the_queue_is_forgotten_is_counted() -> None:
 
         def __len__(self) -> int:
             self.calls += 1
-            if self.calls == 3:
+            if self.calls == 2:
                 writer.clear()
             return super().__len__()
 
