@@ -48,6 +48,8 @@ class Tables:
         """Append a message to the table of its type; other fields make another table."""
         values = msg.to_dict()
         kind = values.pop("mavpackettype")
+        if kind == "FMT":  # of dataflash logs: not what was measured
+            return
         key = kind, tuple(values)
         columns = self._columns.get(key)
         if columns is None:

@@ -85,7 +85,7 @@ def test_the_file_that_mavproxy_keeps(
         ([], "needs --vehicle or --param-xml", 2),
         (["--param-xml", "missing.xml"], "missing.xml: No such file", 1),
         (["--param-xml", "two.parm"], "two.parm:1:1: not well-formed", 1),
-        (["--param-xml", "bomb.xml"], "bomb.xml:1:11: a document type declaration", 1),
+        (["--param-xml", "bomb.xml"], ": a document type declaration", 1),
     ],
 )
 def test_documents_that_cannot_be_read(
