@@ -21,10 +21,11 @@ from mavwire.mavftp_op import (
 )
 
 from . import log
-from .channel import MAX_PAYLOAD, OPERATIONS, Channel, Pending, answers, decode_result
+from .channel import OPERATIONS, Channel, Pending, answers, decode_result
 from .listing import MAX_ENTRIES, InvalidEntry, parse_entries, split_entries, writable
 from .result import DirectoryEntry, FtpError, MAVFTPReturn
 from .settings import DEFAULTS, MAVFTPSettings
+from .wire import MAX_PAYLOAD
 
 POLL_SECONDS = 0.1
 

@@ -139,11 +139,11 @@ def _column(values: list[Any]) -> bytes:
     if all(isinstance(value, (int, float)) for value in values):
         return _numbers(values, (1, len(values)))
     if all(_is_row(value) for value in values):
-        lengths = {len(value) for value in values}
-        if len(lengths) == 1 and lengths != {0}:
+        width = len(values[0])
+        if width and all(len(value) == width for value in values):
             bytewise = all(isinstance(value, (bytes, bytearray)) for value in values)
             flat = list(chain.from_iterable(zip(*values, strict=True)))
-            return _numbers(flat, (len(values), *lengths), _UINT8_CLASS if bytewise else None)
+            return _numbers(flat, (len(values), width), _UINT8_CLASS if bytewise else None)
     return _matrix(_CELL_CLASS, (len(values), 1), b"".join(map(_cell, values)))
 
 

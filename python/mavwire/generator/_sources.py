@@ -19,8 +19,8 @@ from mavwire.generator._xml_reader import Element, base_name
 from mavwire.generator.mavparse import MAVXML
 
 # Not of `xml.sax.saxutils`, which loads the whole of `urllib`.
-_TEXT_ESCAPES = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"}
-_ATTRIBUTE_ESCAPES = {**_TEXT_ESCAPES, '"': "&quot;", "\n": "&#10;", "\t": "&#9;"}
+_TEXT_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"})
+_ATTRIBUTE_ESCAPES = _TEXT_ESCAPES | str.maketrans({'"': "&quot;", "\n": "&#10;", "\t": "&#9;"})
 
 
 def canonical_sources(xml: list[MAVXML]) -> tuple[dict[str, str], str]:
@@ -96,5 +96,5 @@ def _quoted(element: Element, name: str, value: str) -> str:
     return f'"{_escaped(value, _ATTRIBUTE_ESCAPES)}"'
 
 
-def _escaped(text: str, escapes: dict[str, str] = _TEXT_ESCAPES) -> str:
-    return text.translate(str.maketrans(escapes))
+def _escaped(text: str, escapes: dict[int, str] = _TEXT_ESCAPES) -> str:
+    return text.translate(escapes)
