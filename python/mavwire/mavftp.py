@@ -11,7 +11,6 @@ ftp.process_ftp_reply("get").display_message()
 
 from __future__ import annotations
 
-from ._ftp.channel import HDR_LEN, MAX_PAYLOAD
 from ._ftp.cli import (
     auto_connect,
     auto_detect_serial,
@@ -24,6 +23,7 @@ from ._ftp.download import BURST_REPLY_SEQUENCE_WINDOW, MAX_READ_GAPS
 from ._ftp.params import ParamData
 from ._ftp.result import DirectoryEntry, FtpError, MAVFTPReturn
 from ._ftp.settings import MAVFTPSetting, MAVFTPSettings
+from ._ftp.wire import HEADER, MAX_PAYLOAD
 from .mavftp_op import (
     FTP_OP,
     OP_Ack,
@@ -46,7 +46,7 @@ from .mavftp_op import (
     OP_WriteFile,
 )
 
-HDR_Len = HDR_LEN
+HDR_Len = HEADER.size
 MAX_Payload = MAX_PAYLOAD
 
 __all__ = [

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Generator
 from typing import Any
+
+from ._ftp.wire import HEADER as _HEADER
 
 OP_None = 0
 OP_TerminateSession = 1
@@ -24,8 +25,6 @@ OP_CalcFileCRC32 = 14
 OP_BurstReadFile = 15
 OP_Ack = 128
 OP_Nack = 129
-
-_HEADER = struct.Struct("<HBBBBBBI")
 
 
 class FTP_OP:

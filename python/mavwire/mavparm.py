@@ -171,7 +171,7 @@ class MAVParmDict(dict[str, Any]):
         """Print where the file, in the first column, differs from these parameters, in the second.
 
         `show_only1` and `show_only2` include what only the file or only the dictionary has;
-        `value_info(name, value)` explains a value in a comment.
+        `value_info(name, value)` explains a value in a comment; None is no explanation.
         """
         other = MAVParmDict()
         if not other.load(filename, use_excludes=use_excludes):
@@ -207,8 +207,9 @@ def _comment(name: str, first: Any, second: Any, value_info: ValueInfo | None) -
     if value_info is None:
         return ""
     sides = (("FILE1", first), ("FILE2", second))
-    told = [f"{side}={value_info(name, value)}" for side, value in sides if value is not None]
-    return " # " + " ".join(told)
+    infos = ((side, value_info(name, value)) for side, value in sides if value is not None)
+    told = [f"{side}={info}" for side, info in infos if info is not None]
+    return f" # {' '.join(told)}" if told else ""
 
 
 def _number(text: str) -> float:

@@ -66,6 +66,12 @@ class DFReader_binary(DFReader):
         latched = self._latched()
         return None if latched is None else [self._layouts[index].type for index in latched]
 
+    @property
+    def unpackers(self) -> dict[int, Callable[[Any], tuple[Any, ...]]]:
+        """Type -> what takes the body of such a record apart, for the types of which there are some."""
+        used = (fmt for fmt in self._layouts if self.counts[fmt.type])
+        return {fmt.type: struct.Struct(fmt.msg_struct).unpack for fmt in used}
+
     # -- making records
 
     def find_unused_format(self) -> int | None:

@@ -6,14 +6,13 @@ import random
 import time
 from typing import Any
 
-from mavwire.mavftp_op import _HEADER, FTP_OP, OP_Ack, OP_Nack
+from mavwire.mavftp_op import FTP_OP, OP_Ack, OP_Nack
 
 from . import log
 from .result import LAST_REMOTE_ERROR, FtpError, MAVFTPReturn
 from .settings import MAVFTPSettings
+from .wire import HEADER, MAX_PAYLOAD
 
-HDR_LEN = 12
-MAX_PAYLOAD = 239
 # Opcode of a request -> how results name it.
 OPERATIONS = dict(
     enumerate(
@@ -51,7 +50,7 @@ class Channel:
             log.info("FTP: > %s", op)
         if random.randrange(100) < self.settings.pkt_loss_tx:
             return
-        payload = bytes(op.pack()).ljust(HDR_LEN + MAX_PAYLOAD, b"\0")
+        payload = bytes(op.pack()).ljust(HEADER.size + MAX_PAYLOAD, b"\0")
         self.master.mav.file_transfer_protocol_send(self.network, *self.target, payload)
 
     def receive(self, timeout: float) -> FTP_OP | None:
@@ -80,12 +79,12 @@ class Channel:
 def parse(msg: Any) -> FTP_OP | None:
     """The packet in a message, without its padding; None when its size is none."""
     payload = bytes(msg.payload)
-    if len(payload) < HDR_LEN:
+    if len(payload) < HEADER.size:
         return None
-    seq, session, opcode, size, request, complete, _, offset = _HEADER.unpack_from(payload)
+    seq, session, opcode, size, request, complete, _, offset = HEADER.unpack_from(payload)
     if size > MAX_PAYLOAD:
         return None
-    data = payload[HDR_LEN : HDR_LEN + size]
+    data = payload[HEADER.size : HEADER.size + size]
     return FTP_OP(seq, session, opcode, size, request, complete, offset, data)
 
 

@@ -14,8 +14,9 @@ from typing import IO, Any
 
 from mavwire.mavftp_op import FTP_OP, OP_Ack, OP_BurstReadFile, OP_OpenFileRO, OP_ReadFile
 
-from .channel import MAX_PAYLOAD, Channel, Pending, answers, decode_result
+from .channel import Channel, Pending, answers, decode_result
 from .result import FtpError, MAVFTPReturn
+from .wire import MAX_PAYLOAD
 
 MAX_READ_GAPS = 4096
 BURST_REPLY_SEQUENCE_WINDOW = 4096

@@ -7,8 +7,9 @@ from typing import IO, Any
 
 from mavwire.mavftp_op import FTP_OP, OP_Ack, OP_CreateFile, OP_WriteFile
 
-from .channel import MAX_PAYLOAD, Channel, Pending, answers, decode_result
+from .channel import Channel, Pending, answers, decode_result
 from .result import FtpError, MAVFTPReturn
+from .wire import MAX_PAYLOAD
 
 MAX_RETRIES = 20
 

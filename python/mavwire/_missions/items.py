@@ -284,6 +284,10 @@ class _Starts:
 class MAVWPLoader(MissionItemProtocol):
     """The items of a mission."""
 
+    if TYPE_CHECKING:
+
+        def load(self, filename: str) -> int: ...  # None is for fences
+
     def wp_is_loiter(self, i: int) -> bool:
         """Whether item `i` loiters; without end, for turns, for a time or to an altitude."""
         return self.wpoints[i].command in (17, 18, 19, 31)

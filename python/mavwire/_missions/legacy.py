@@ -118,14 +118,27 @@ class MAVFenceLoader:
     """FENCE_POINT messages; the first is where the vehicle returns to, the others are the polygon."""
 
     def __init__(self, target_system: int = 0, target_component: int = 0) -> None:
-        self.points: list[ReceivedMessage] = []
+        self._points: list[ReceivedMessage] = []
+        self._grown = False
         self.target_system = target_system
         self.target_component = target_component
         self.last_change: float = 0
 
+    @property
+    def points(self) -> list[ReceivedMessage]:
+        """The points, each with its number and how many there are."""
+        if self._grown:
+            self._number()
+        return self._points
+
+    @points.setter
+    def points(self, points: list[ReceivedMessage]) -> None:
+        self._points = points
+        self._grown = False
+
     def count(self) -> int:
         """How many points there are."""
-        return len(self.points)
+        return len(self._points)
 
     def point(self, i: int) -> ReceivedMessage:
         """Point `i`, counted from 0."""
@@ -133,16 +146,25 @@ class MAVFenceLoader:
 
     def add(self, p: Any) -> None:
         """Append a FENCE_POINT."""
-        self.points.append(p)
-        self.reindex()
+        self._points.append(p)
+        self._address(p, len(self._points) - 1)
+        self._grown = True  # all others are told when somebody looks: one by one it is quadratic
+        self.last_change = time.time()
 
     def reindex(self) -> None:
         """Number the points from 0, and address them to the vehicle."""
-        for index, point in enumerate(self.points):
-            point.target_system, point.target_component = self.target_system, self.target_component
-            point.idx = index
-            point.count = len(self.points)
+        self._number()
         self.last_change = time.time()
+
+    def _number(self) -> None:
+        self._grown = False
+        for index, point in enumerate(self._points):
+            self._address(point, index)
+
+    def _address(self, point: Any, index: int) -> None:
+        point.target_system, point.target_component = self.target_system, self.target_component
+        point.idx = index
+        point.count = len(self._points)
 
     def add_latlon(self, lat: float, lon: float) -> None:
         """Append a point in degrees."""

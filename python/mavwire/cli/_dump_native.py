@@ -26,6 +26,7 @@ def options_fit(args: Namespace) -> bool:
     """Whether the native loop knows everything that is asked for."""
     return (
         not any(getattr(args, name) for name in SLOW_OPTIONS)
+        and args.format != "mat"
         and args.condition is None
         and args.reduce_rate <= 0
         and not (args.parms and args.output)

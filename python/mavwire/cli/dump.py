@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
     from typing import Any
 
+    from mavwire.cli._dump_mat import Tables
+
 DEFAULT_DIALECT = "ardupilotmega"
 
 
@@ -79,18 +81,16 @@ def _add_output(group: Any) -> None:
     add("-q", "--quiet", action="store_true", help="print no messages")
     add("-o", "--output", metavar="FILE", help="write the matching messages to a log of their own")
     add("-p", "--parms", action="store_true", help="keep all parameters in the output of -o")
-    add("--mat_file", metavar="FILE", help="not supported")
-    add("-c", "--compress", action="store_true", help="not supported")
+    add(
+        "--mat_file",
+        metavar="FILE",
+        help="mat: the MATLAB file to write, a structure for each type",
+    )
+    add("-c", "--compress", action="store_true", help="mat: compress the file")
 
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    if args.format == "mat":
-        raise CommandError(
-            "MATLAB files are not written; use --format csv --types TYPE, which MATLAB's readtable"
-            " reads, or --format json",
-            exit_code=2,
-        )
     writer = Writer()
     with ExitStack() as stack:
         stack.enter_context(definitions(args.dialect, "1.0" if args.mav10 else "2.0"))
@@ -100,11 +100,12 @@ def main(args: Namespace) -> int:
             args.log = stack.enter_context(standard_input())
         if args.profile:
             stack.enter_context(_profiled())
+        tables = _tables(args, stack)
         if not os.path.isfile(args.log):  # what a link has to say must not be among the messages
             stack.enter_context(redirect_stdout(sys.stderr))
         log = stack.enter_context(_open(args, writer))
         _check_possible(args, log.link)
-        _dump(args, log, writer, _recorder(args, stack))
+        _dump(args, log, writer, _recorder(args, stack), tables)
     return 0
 
 
@@ -140,6 +141,14 @@ def _check_possible(args: Namespace, log: Any) -> None:
     for option in (name for name, wanted in asked.items() if wanted):
         kind = kind_of(log)
         raise CommandError(f"{option}: {args.log} is a {kind} log; this is for telemetry only")
+
+
+def _tables(args: Namespace, stack: ExitStack) -> Tables | None:
+    if args.format != "mat":
+        return None
+    from mavwire.cli._dump_mat import mat_file
+
+    return stack.enter_context(mat_file(args))
 
 
 def _recorder(args: Namespace, stack: ExitStack) -> Callable[[bytes], Any] | None:
@@ -189,7 +198,11 @@ class Writer:
 
 
 def _dump(
-    args: Namespace, log: Reading, writer: Writer, record: Callable[[bytes], Any] | None
+    args: Namespace,
+    log: Reading,
+    writer: Writer,
+    record: Callable[[bytes], Any] | None,
+    tables: Tables | None,
 ) -> None:
     link = log.link
     shape = _dump_format.formatter(args, link)
@@ -201,7 +214,8 @@ def _dump(
     if _dump_native.fits(args, link):
         _dump_native.dump(args, link, selection, shape, writer.write, record, log.progress.update)
     else:
-        _dump_messages(args, log, selection, Sink(args, link, shape, writer, record))
+        sink = Sink(args, link, shape, writer, record, tables)
+        _dump_messages(args, log, selection, sink)
     writer.flush()
 
 
@@ -224,7 +238,7 @@ def _dump_messages(args: Namespace, log: Reading, selection: Selection, sink: Si
 
 
 class Sink:
-    """Where messages go: lines to standard output, records to a log of their own."""
+    """Where messages go: lines to standard output or tables, records to a log of their own."""
 
     def __init__(
         self,
@@ -233,8 +247,10 @@ class Sink:
         shape: Any,
         writer: Writer,
         record: Callable[[bytes], Any] | None,
+        tables: Tables | None = None,
     ) -> None:
         self.writer = writer
+        self._tables = tables
         self._log = log
         self._shape = shape
         self._record = record
@@ -258,6 +274,9 @@ class Sink:
     def show(self, msg: Any) -> None:
         """Print the message, and how many were lost since the one before."""
         if self._silent:
+            return
+        if self._tables is not None:
+            self._tables.add(msg)
             return
         if self._shows:
             self.writer.line(self._shape.line(msg))

@@ -1,6 +1,6 @@
 """Give the tools the names of pymavlink's scripts: `mavlogdump.py`, `mavparms.py` and so on.
 
-The scripts go to the environment's own folder of scripts. A file there that is not mavwire's, such
+The scripts go to DIR, or to the environment's own folder of scripts. A file there that is not mavwire's, such
 as pymavlink's own script, is left alone; --uninstall removes what --install wrote and nothing else.
 """
 
@@ -29,6 +29,9 @@ MOST_SHEBANG = 120
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Options of the subcommand."""
+    parser.add_argument(
+        "folder", metavar="DIR", nargs="?", help="(default: the environment's folder of scripts)"
+    )
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--install", action="store_true", help="write the scripts")
     what.add_argument("--uninstall", action="store_true", help="remove them")
@@ -37,7 +40,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand; 1 if a script could not be written because another file is there."""
-    folder = sysconfig.get_path("scripts")
+    folder = args.folder or sysconfig.get_path("scripts")
     if args.install:
         return _install(folder)
     if args.uninstall:

@@ -19,9 +19,8 @@ from mavwire.generator._xml_reader import Element, base_name
 from mavwire.generator.mavparse import MAVXML
 
 # Not of `xml.sax.saxutils`, which loads the whole of `urllib`.
-_IN_TEXT = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"}
-_TEXT_ESCAPES = str.maketrans(_IN_TEXT)
-_ATTRIBUTE_ESCAPES = str.maketrans({**_IN_TEXT, '"': "&quot;", "\n": "&#10;", "\t": "&#9;"})
+_TEXT_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"})
+_ATTRIBUTE_ESCAPES = _TEXT_ESCAPES | str.maketrans({'"': "&quot;", "\n": "&#10;", "\t": "&#9;"})
 
 
 def canonical_sources(xml: list[MAVXML]) -> tuple[dict[str, str], str]:

@@ -41,7 +41,7 @@ class Element:
         return next((child for child in self.children if child.tag == tag), None)
 
 
-def read_xml(filename: str) -> Element:
+def read_xml(filename: str, max_elements: int = MAX_ELEMENTS) -> Element:
     """The root element of a file. Raises OSError, or :class:`MAVSyntaxError` with file, line and
     column.
     """
@@ -49,12 +49,13 @@ def read_xml(filename: str) -> Element:
         data = file.read(MAX_FILE_SIZE + 1)
     if len(data) > MAX_FILE_SIZE:
         raise MAVParseError(f"{filename}: larger than {MAX_FILE_SIZE} bytes, not a definition file")
-    return _TreeBuilder(filename).build(data)
+    return _TreeBuilder(filename, max_elements).build(data)
 
 
 class _TreeBuilder:
-    def __init__(self, filename: str) -> None:
+    def __init__(self, filename: str, max_elements: int) -> None:
         self._filename = filename
+        self._max_elements = max_elements
         self._stack: list[Element] = []
         self._texts: list[list[str]] = []
         self._root: Element | None = None
@@ -82,8 +83,8 @@ class _TreeBuilder:
         self._count += 1
         if len(self._stack) == MAX_DEPTH:
             self._refuse(f"elements nested deeper than {MAX_DEPTH}")
-        if self._count > MAX_ELEMENTS:
-            self._refuse(f"more than {MAX_ELEMENTS} elements")
+        if self._count > self._max_elements:
+            self._refuse(f"more than {self._max_elements} elements")
         line, column = self._parser.CurrentLineNumber, self._parser.CurrentColumnNumber + 1
         element = Element(tag, attributes, line, column)
         if self._stack:

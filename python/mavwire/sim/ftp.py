@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from mavwire._ftp.wire import HEADER, MAX_PAYLOAD
 from mavwire.dialects.v20 import all as mavlink
 
 from .files import MAX_FILE, Files, parameter_file
@@ -20,9 +21,6 @@ from .service import Address, Handler, Service, sender
 if TYPE_CHECKING:
     from .vehicle import Vehicle
 
-# seq, session, opcode, size, request's opcode, burst complete, padding, offset; then data.
-HEADER = struct.Struct("<HBBBBBBI")
-MAX_DATA = 239
 MAX_SESSIONS = 4
 BURST_PACKETS = 500
 PACKETS_PER_TICK = 4
@@ -59,7 +57,7 @@ class Packet(NamedTuple):
             self.seq & 0xFFFF, self.session, self.opcode, self.size, self.request,
             self.burst_complete, 0, self.offset,
         )  # fmt: skip
-        return list((head + self.data).ljust(HEADER.size + MAX_DATA, b"\0"))
+        return list((head + self.data).ljust(HEADER.size + MAX_PAYLOAD, b"\0"))
 
 
 class FtpError(Exception):
@@ -145,7 +143,7 @@ class Ftp(Service):
         try:
             if operation is None:
                 raise FtpError(mavlink.MAV_FTP_ERR_UNKNOWNCOMMAND)
-            if packet.size > MAX_DATA:
+            if packet.size > MAX_PAYLOAD:
                 raise FtpError(mavlink.MAV_FTP_ERR_INVALIDDATASIZE)
             return operation(packet, to)
         except FtpError as failed:
@@ -204,13 +202,13 @@ class Ftp(Service):
             raise FtpError(mavlink.MAV_FTP_ERR_EOF)
         data = b""
         for entry in entries[packet.offset :]:
-            if len(data) + len(entry) + 1 > MAX_DATA:
+            if len(data) + len(entry) + 1 > MAX_PAYLOAD:
                 break
             data += entry + b"\0"
         return _reply(packet, data)
 
     def _open(self, packet: Packet, to: Address) -> Packet:
-        data = self.files.read(packet.text, MAX_DATA)
+        data = self.files.read(packet.text, MAX_PAYLOAD)
         if data is None:
             raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
         number = self._add_session(packet, Session(packet.text, bytearray(data)))
@@ -218,7 +216,7 @@ class Ftp(Service):
 
     def _block(self, packet: Packet) -> int:
         """How much to read at once; a file that is made is laid out for the first size asked."""
-        session, size = self._session(packet), packet.size or MAX_DATA
+        session, size = self._session(packet), packet.size or MAX_PAYLOAD
         if not session.writing and session.block == 0:
             session.block = size
             session.data = bytearray(self.files.read(session.path, size) or session.data)
@@ -264,7 +262,7 @@ class Ftp(Service):
         return not end
 
     def _crc(self, packet: Packet, to: Address) -> Packet:
-        data = self.files.read(packet.text, MAX_DATA)
+        data = self.files.read(packet.text, MAX_PAYLOAD)
         if data is None:
             raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
         return _reply(packet, struct.pack("<I", _crc32(data)))
@@ -276,7 +274,7 @@ class Ftp(Service):
             raise FtpError(mavlink.MAV_FTP_ERR_FILEPROTECTED)
         old = b""
         if packet.opcode == mavlink.MAV_FTP_OPCODE_OPENFILEWO:
-            old = self.files.read(packet.text, MAX_DATA) or b""
+            old = self.files.read(packet.text, MAX_PAYLOAD) or b""
         number = self._add_session(packet, Session(packet.text, bytearray(old), writing=True))
         self.files.write(packet.text, old)
         return _reply(packet, struct.pack("<I", len(old)), session=number)

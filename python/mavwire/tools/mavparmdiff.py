@@ -8,6 +8,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
+    from ._param_docs import ParameterDocs
+
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavparmdiff.py's options."""
@@ -18,12 +20,30 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--full-diff", action="store_true", help="volatile and similar parameters as well")
     add("--hide-only1", action="store_true", help="not what only FILE1 has")
     add("--hide-only2", action="store_true", help="not what only FILE2 has")
+    add("--param-docs", action="store_true", help="what values mean; needs one of these two:")
+    add(
+        "--vehicle",
+        help="MAVProxy's 'param download' for Plane, Copter, Rover, Sub, Blimp, Heli...",
+    )
+    add("--param-xml", metavar="FILE", help="ArduPilot's apm.pdef.xml")
+
+
+def _documents(args: Namespace) -> ParameterDocs:
+    from ._param_docs import ParameterDocs, downloaded
+
+    if args.param_xml is not None:
+        print(f"param: using xml_filepath={args.param_xml}")
+        return ParameterDocs(args.param_xml)
+    if args.vehicle is None:
+        raise CommandError("--param-docs needs --vehicle or --param-xml", exit_code=2)
+    return ParameterDocs(downloaded(args.vehicle))
 
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
     from mavwire.mavparm import MAVParmDict
 
+    value_info = _documents(args).meaning if args.param_docs else None
     parameters = MAVParmDict()
     try:
         parameters.load(args.file2, use_excludes=not args.full_diff)
@@ -36,6 +56,7 @@ def main(args: Namespace) -> int:
             show_only1=not args.hide_only1,
             show_only2=not args.hide_only2,
             header=True,
+            value_info=value_info,
         )
     except ValueError as error:
         raise CommandError(str(error)) from error

@@ -52,7 +52,8 @@ d = mavparm.MAVParmDict(("A", 1.0), ("B", 2.5), ("D", 16.0), ("E", 7.5), ("FORMA
 for k in ({}, dict(wildcard="a*"), dict(wildcard="[BC]"), dict(use_excludes=False), dict(use_tabs=True),
           dict(show_only1=False), dict(show_only2=False), dict(header=True),
           dict(header=True, use_tabs=True), dict(value_info=lambda name, value: (name, value)),
-          dict(value_info=lambda *a: "x", use_tabs=True)):
+          dict(value_info=lambda *a: "x", use_tabs=True), dict(value_info=lambda *a: None),
+          dict(value_info=lambda name, value: "" if value > 3 else None)):
     print(sorted(k))
     d.diff("d", **k)
 d.diff("missing")

@@ -165,6 +165,42 @@ def test_parameter_files(options: str, tmp_path: Path, oracle: str) -> None:
     assert len(lines) > 5
 
 
+def test_parameter_files_with_what_values_mean(tmp_path: Path, oracle: str) -> None:
+    """pymavlink's script has the definitions read by MAVProxy."""
+    pytest.importorskip("MAVProxy.modules.lib.param_help")
+    one, other = tmp_path / "one.parm", tmp_path / "other.parm"
+    docs = tmp_path / "docs.xml"
+    docs.write_text(PARAMETER_DOCS)
+    names = "VALUE MASK NEW BOTH RANGE LIB VALUE_2 NONE".split()
+    for number, (first, second) in enumerate([(1, 2), (-1, 99), (2.5, 3), (0, 6), (1.7, -5)]):
+        one.write_text("".join(f"{name} {first}\n" for name in names) + "ONE 1\n")
+        other.write_text("".join(f"{name} {second}\n" for name in names) + "MASK_2 1\n")
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        options = "--param-docs --param-xml"
+        compare("mavparmdiff", "parmdiff", options, folder, docs, one, other)
+
+
+PARAMETER_DOCS = """<?xml version="1.0" encoding="utf-8"?>
+<paramfile><vehicles><parameters name="ArduCopter">
+  <param humanName="A" name="ArduCopter:VALUE" documentation="a"><values>
+    <value code="1">One</value><value code="-1">Less</value><value code="2.5"> x </value></values></param>
+  <param humanName="A" name="ArduCopter:VALUE_2" documentation="a"><values>
+    <value code="1">One</value><value code="-5">Five less</value></values></param>
+  <param humanName="M" name="ArduCopter:MASK" documentation="a">
+    <field name="Bitmask">0:All,1:Barometer, 5 : Spaced </field></param>
+  <param humanName="M" name="ArduCopter:MASK_2" documentation="a"><field name="Bitmask">0:All</field></param>
+  <param humanName="N" name="ArduCopter:NEW" documentation="a">
+    <bitmask><bit code="0">Zero</bit><bit code="3">Three</bit></bitmask></param>
+  <param humanName="B" name="ArduCopter:BOTH" documentation="a"><values><value code="1">One</value></values>
+    <field name="Bitmask">0:All,1:Two</field></param>
+  <param humanName="R" name="ArduCopter:RANGE" documentation="a"><field name="Range">0 1</field></param>
+</parameters></vehicles><libraries><parameters name="L_">
+  <param humanName="L" name="LIB" documentation="a"><values><value code="1">of a library</value></values></param>
+  <param humanName="V" name="VALUE" documentation="a"><values><value code="2">Two</value></values></param>
+</parameters></libraries></paramfile>"""
+
+
 def test_parameters_that_are_not_at_their_defaults(tmp_path: Path, oracle: str) -> None:
     defaults, flown = tmp_path / "defaults.parm", tmp_path / "flown.parm"
     defaults.write_text("A 1\nB 2\nC 3\nMIS_TOTAL 5\nA_NAME_THAT_IS_LONG 3\nSAME 1\nD 0\nE 0\n")

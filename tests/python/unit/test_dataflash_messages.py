@@ -134,6 +134,15 @@ def test_records_can_be_written_for_the_log(log: Any) -> None:
     assert log.make_msgbuf(fmt, (1, 2, 3.5)) == record(254, "QBf", 1, 2, 3.5)
 
 
+def test_unpackers_take_records_apart(log: Any) -> None:
+    """Of the types of which there are records, as pymavlink's."""
+    assert set(log.unpackers) == {number for number in range(256) if log.counts[number]}
+    start = log.offsets[162][0] + 3
+    body = log.data_map[start : start + log.formats[162].len - 3]
+    first = log.recv_match(type="IMU")
+    assert log.unpackers[162](body)[:2] == (first.TimeUS, first.I)
+
+
 def test_seeking(log: Any) -> None:
     log.offset = log.offsets[162][1]
     assert log.recv_msg().I == 1

@@ -134,7 +134,7 @@ def test_output_of_the_last_time_there_is(
         (["missing.tlog"], ["no such log", "missing.tlog"], 1),
         ([str(Path(__file__).parent)], ["cannot open", "directory", "udpin:"], 1),
         (["--dialect", "klingon", "LOG"], ["no dialect 'klingon'", "MDEF"], 1),
-        (["--format", "mat", "LOG"], ["MATLAB", "--format csv"], 2),
+        (["--format", "mat", "LOG"], ["--mat_file FILE"], 2),
         (["--format", "csv", "LOG"], ["--types ATTITUDE"], 1),
         (["--format", "csv", "--types", "ATT*", "LOG"], ["no message type 'ATT*'", "exact"], 1),
         (["--format", "csv", "--types", "heartbeat", "LOG"], ["'heartbeat'"], 1),

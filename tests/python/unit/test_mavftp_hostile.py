@@ -165,7 +165,7 @@ def test_what_is_logged_of_a_listing_can_be_written(
 
 
 def test_an_endless_directory_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    from mavwire._ftp import client as module
+    from mavwire._ftp import commands as module
 
     monkeypatch.setattr(module, "MAX_ENTRIES", 500)
     assert listing.MAX_ENTRIES >= 65_536
@@ -209,7 +209,7 @@ def test_a_block_far_ahead_makes_no_list_of_what_is_missing(tmp_path: Path) -> N
 
 
 def test_a_file_in_memory_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    from mavwire._ftp import client as module
+    from mavwire._ftp import transfers as module
 
     monkeypatch.setattr(module, "MAX_IN_MEMORY", 10_000)
 

@@ -243,3 +243,39 @@ def test_a_file_in_the_format_without_a_definition_is_named(tmp_path: Path) -> N
     path.write_text("QGC WPL PB 110\n")
     with pytest.raises(mavwp.MAVWPError, match=r"mission\.txt"):
         mavwp.MAVWPLoader().load(str(path))
+
+
+class _Counted:
+    """A fence point that counts what is written to it."""
+
+    writes = 0
+
+    def __setattr__(self, name: str, value: int) -> None:
+        type(self).writes += 1
+        super().__setattr__(name, value)
+
+
+def test_fence_points_are_added_in_linear_time() -> None:
+    loader = mavwp.MAVFenceLoader(1, 2)
+    points = [_Counted() for _ in range(500)]
+    for number, point in enumerate(points):
+        loader.add(point)
+        assert (point.idx, point.count, point.target_system) == (number, number + 1, 1)
+    assert [vars(point) for point in loader.points] == [
+        {"target_system": 1, "target_component": 2, "idx": number, "count": 500}
+        for number in range(500)
+    ]
+    assert _Counted.writes <= 8 * 500
+
+
+def test_a_fence_that_grew_keeps_its_numbers_when_points_go() -> None:
+    """As after a renumbering at each `add`: `remove` leaves numbers and counts alone."""
+    loader = mavwp.MAVFenceLoader()
+    for lat in range(5):
+        loader.add_latlon(lat, lat)
+    loader.remove(2)
+    assert [(one.idx, one.count) for one in loader.points] == [(0, 5), (1, 5), (3, 5), (4, 5)]
+    loader.points = loader.points[:2]
+    assert loader.count() == 2 and loader.point(1).count == 5
+    loader.reindex()
+    assert [(one.idx, one.count) for one in loader.points] == [(0, 2), (1, 2)]

@@ -8,9 +8,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from mavwire._ftp.wire import MAX_PAYLOAD
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.sim import Vehicle
-from mavwire.sim.ftp import MAX_DATA, Packet
+from mavwire.sim.ftp import Packet
 from unit.sim_tools import Station
 
 ACK, NAK = mavlink.MAV_FTP_OPCODE_ACK, mavlink.MAV_FTP_OPCODE_NAK
@@ -111,7 +112,7 @@ def test_a_file_is_read_in_any_order(client: Client) -> None:
 def test_a_burst_brings_the_file(client: Client, size: int) -> None:
     session = client.done(OPEN, b"/data.bin").session
     packets = client.ask(BURST, size=size, session=session, dt=0.5)
-    step = size or MAX_DATA
+    step = size or MAX_PAYLOAD
     assert [p.offset for p in packets] == list(range(0, len(CONTENT), step))
     assert b"".join(p.data[: p.size] for p in packets) == CONTENT
     assert [p.burst_complete for p in packets] == [0] * (len(packets) - 1) + [1]

@@ -40,6 +40,17 @@ def test_install_writes_every_script_and_uninstall_removes_them(folder: Path) ->
     assert names(folder) == set()
 
 
+def test_another_folder(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    other = tmp_path / "bin"
+    assert cli.main(["tools", "--install", str(other)]) == 0
+    assert names(other) == set(tools.scripts())
+    assert not folder.exists()
+    assert cli.main(["tools", "--status", str(other)]) == 0
+    assert "not there" not in capsys.readouterr().out
+    assert cli.main(["tools", "--uninstall", str(other)]) == 0
+    assert names(other) == set()
+
+
 def test_a_script_does_what_its_subcommand_does(folder: Path, tmp_path: Path) -> None:
     log = tmp_path / "flight.tlog"
     traffic.generate(log, 300)

@@ -38,6 +38,7 @@ CASES: dict[str, str | None] = {
     "reveal_type(mav.attitude_encode(1, 0, 0, 0, 0, 0, 0).yaw)": '"float"',
     "reveal_type(mav.battery_status_encode(0, 0, 0, 0, [], 0, 0, 0, 0).voltages)": "list[int]",
     "reveal_type(mav.parse_char(b''))": "MAVLink_message | None",
+    "reveal_type(mavwp.MAVWPLoader().load(''))": '"int"',
     "reveal_type(ardupilotmega.MAV_TYPE_QUADROTOR)": '"int"',
     "reveal_type(ardupilotmega.COPTER_MODE_LOITER)": '"int"',
     "minimal.MAVLink_attitude_message": 'has no attribute "MAVLink_attitude_message"',
