@@ -6,7 +6,6 @@ use std::sync::Arc;
 use mavwire_columns::reader::Reader;
 use mavwire_columns::scan::Framing;
 use mavwire_link::bridge::{FrameInfo, Frames, Hub};
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyIterator, PyList};
 
