@@ -3,8 +3,10 @@
 from collections.abc import Iterator
 from typing import Any, final
 
-from mavwire._native import Dialect, Message
+from mavwire._native import Dialect, LogColumns, Message
 from mavwire.bridge.options import Link, Recording, Settings
+from mavwire.logs.query import Query
+from mavwire.logs.table import Table
 
 class BridgeError(RuntimeError):
     """A bridge that cannot do what it was asked for: a name twice, no such link, stopped."""
@@ -80,6 +82,14 @@ class FrameBatch:
 
     def frames(self) -> list[bytes]:
         """The bytes of each frame."""
+
+    def tables(self, *, units: str | None = None, enums: str | None = None) -> dict[str, Table]:
+        """A table for each message type, as `mavwire.read` gives of a log; ValueError for another
+        word than its `units` and `enums` have.
+        """
+
+    def columns(self, query: Query) -> LogColumns:
+        """The frames as a run over a log, for `tables`."""
 
     def messages(self) -> list[Message]:
         """A message object for each frame, its time in `_timestamp`."""

@@ -60,11 +60,12 @@ def border_from(
     }
     for name in ("verify_in", "sign_out"):
         if flags[name] and key is None:
-            raise ConfigError(f"{name} needs signing_key or signing_key_file")
+            raise ConfigError(f"{name} needs signing_key or signing_key_file", name)
     if flags["sign_out"] and version == 1:
-        raise ConfigError("sign_out needs version 2: frames of version 1 carry no signature")
+        reason = "sign_out needs version 2: frames of version 1 carry no signature"
+        raise ConfigError(reason, "sign_out")
     if flags["sign_out"] and flags["strip_out"]:
-        raise ConfigError("sign_out and strip_out exclude each other")
+        raise ConfigError("sign_out and strip_out exclude each other", "strip_out")
     unsigned = options.get("allow_unsigned_in")
     return Border(
         version=version,
@@ -93,15 +94,15 @@ def _key(options: Mapping[str, Any]) -> bytes | None:
     name = "signing_key"
     if path is not None:
         if key is not None:
-            raise ConfigError("say signing_key or signing_key_file, not both")
+            raise ConfigError("say signing_key or signing_key_file, not both", "signing_key")
         name = "signing_key_file"
         if not isinstance(path, str | os.PathLike):
-            raise ConfigError(f"{name} must be a path, not {path!r}")
+            raise ConfigError(f"{name} must be a path, not {path!r}", name)
         try:
             with open(path, "rb") as file:
                 key = file.read(1024)
         except OSError as error:
-            raise ConfigError(f"{name}: {path}: {error.strerror or error}") from None
+            raise ConfigError(f"{name}: {path}: {error.strerror or error}", name) from None
     if key is None:
         return None
     if isinstance(key, bytes | bytearray) and len(key) == KEY_LENGTH:
@@ -112,5 +113,5 @@ def _key(options: Mapping[str, Any]) -> bytes | None:
     except ValueError:
         decoded = b""
     if len(decoded) != KEY_LENGTH:
-        raise ConfigError(f"{name} must be 32 bytes, or 64 hexadecimal digits")
+        raise ConfigError(f"{name} must be 32 bytes, or 64 hexadecimal digits", name)
     return decoded

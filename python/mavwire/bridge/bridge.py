@@ -6,7 +6,7 @@ import dataclasses
 import os
 from typing import NamedTuple
 
-from .checks import listed, whole
+from .checks import listed, seconds, text, whole
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches
@@ -86,12 +86,18 @@ class Bridge:
         try:
             bridge = cls(record=config.recording, dialect=config.dialect, **config.settings)
         except ConfigError as error:
-            raise ConfigError(f"{config.path}: {error}" if config.path else str(error)) from None
+            place = config.places.get(("", error.option), config.path)
+            raise (error.at(place) if place else error) from None
+        names = set()
         for where, endpoint, options in config.links:
             try:
-                bridge._links.append(bridge._link(endpoint, options))
+                link = bridge._link(endpoint, options)
+                if "name" in options and link.name in names:
+                    raise ConfigError(f"another link is called {link.name!r} too", "name")
             except ConfigError as error:
-                raise ConfigError(f"{where}: {error}") from None
+                raise error.at(config.places.get((where, error.option), where)) from None
+            bridge._links.append(link)
+            names.add(link.name)
         return bridge
 
     # -- running
@@ -154,8 +160,8 @@ class Bridge:
         if isinstance(endpoint, Link):
             link = endpoint
         else:
-            if isinstance(endpoint, str):
-                endpoint = parse_endpoint(endpoint)
+            if not isinstance(endpoint, Endpoint):
+                endpoint = parse_endpoint(text("a link", endpoint))
             link = link_from(endpoint, options, self._message_id)
         if link.group is not None and link.group not in self._groups:
             self._groups.append(link.group)
@@ -165,10 +171,12 @@ class Bridge:
 
     def send(self, message: Any) -> None:
         """Send to whom it is meant for: whole frames in bytes, which leave as they are, or a
-        message, which is packed as from `source_system`.
+        message, which is packed as from `source_system`. TypeError for anything else.
         """
         if isinstance(message, bytes | bytearray | memoryview):
             frames = bytes(message)
+        elif not hasattr(message, "pack"):
+            raise TypeError(f"a message or the bytes of frames can be sent, not {message!r}")
         else:
             frames = bytes(message.pack(self._mav))
             self._mav.seq = (self._mav.seq + 1) % 256
@@ -178,6 +186,9 @@ class Bridge:
         self, type: str | int, system: int | None = None, component: int | None = None
     ) -> Any:
         """The newest message of a type, from a system and component or from any; None if none came."""
+        for name, value in (("system", system), ("component", component)):
+            if value is not None:
+                whole(name, value, 255)
         return self._running().latest(self._message_id(type), system, component)
 
     def frames(
@@ -190,8 +201,11 @@ class Bridge:
     ) -> FrameBatches:
         """The frames from now on in batches, of some types and systems or of all.
 
-        Frames that `send` sent are among them; duplicates and what a filter stopped are not.
+        A batch has up to `max_batch` frames, which waited up to `max_latency` seconds for it to
+        fill. Frames that `send` sent are among them; duplicates and what a filter stopped are not.
         """
+        whole("max_batch", max_batch, 2**31, least=1)
+        seconds("max_latency", max_latency)
         messages = (
             None if types is None else [self._message_id(one) for one in listed("types", types)]
         )
@@ -268,4 +282,4 @@ def _module(dialect: str | ModuleType) -> Any:
     try:
         return dialect_module(dialect)
     except ValueError as error:
-        raise ConfigError(f"dialect: {error}") from None
+        raise ConfigError(f"dialect: {error}", "dialect") from None

@@ -14,7 +14,7 @@ MAX_LISTED = 65_536
 def number(name: str, value: object) -> float:
     """A finite number."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ConfigError(f"{name} must be a number, not {value!r}")
+        raise ConfigError(f"{name} must be a number, not {value!r}", name)
     return float(value)
 
 
@@ -22,14 +22,14 @@ def seconds(name: str, value: object, least: float = 0.0) -> float:
     """A number of seconds, `least` or more and less than some centuries."""
     time = number(name, value)
     if not least <= time <= 1e10:
-        raise ConfigError(f"{name} must be {least:g} seconds or more, not {value!r}")
+        raise ConfigError(f"{name} must be {least:g} seconds or more, not {value!r}", name)
     return time
 
 
 def whole(name: str, value: object, most: int, least: int = 0) -> int:
     """A whole number in a range."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise ConfigError(f"{name} must be a number from {least} to {most}, not {value!r}")
+        raise ConfigError(f"{name} must be a number from {least} to {most}, not {value!r}", name)
     return value
 
 
@@ -39,29 +39,29 @@ def rate(name: str, value: object) -> float | None:
         return None
     each = number(name, value)
     if each <= 0:
-        raise ConfigError(f"{name} must be more than 0 a second, not {value!r}")
+        raise ConfigError(f"{name} must be more than 0 a second, not {value!r}", name)
     return each
 
 
 def flag(name: str, value: object) -> bool:
     """True or false."""
     if not isinstance(value, bool):
-        raise ConfigError(f"{name} must be true or false, not {value!r}")
+        raise ConfigError(f"{name} must be true or false, not {value!r}", name)
     return value
 
 
 def text(name: str, value: object) -> str:
     """A text that is not empty."""
     if not isinstance(value, str) or not value:
-        raise ConfigError(f"{name} must be a text, not {value!r}")
+        raise ConfigError(f"{name} must be a text, not {value!r}", name)
     return value
 
 
 def listed(name: str, values: object) -> Iterator[object]:
     """The items of a list, one after the other: who gives an endless one is told so."""
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-        raise ConfigError(f"{name} must be a list, not {values!r}")
+        raise ConfigError(f"{name} must be a list, not {values!r}", name)
     for count, value in enumerate(values):
         if count == MAX_LISTED:
-            raise ConfigError(f"{name} has more than {MAX_LISTED:,} items")
+            raise ConfigError(f"{name} has more than {MAX_LISTED:,} items", name)
         yield value

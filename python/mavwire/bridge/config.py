@@ -10,6 +10,7 @@ from mavwire._wording import did_you_mean
 from .endpoints import parse_endpoint
 from .errors import ConfigError
 from .options import Recording, Settings
+from .toml_lines import key_lines
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ class Config:
 
     links: list[tuple[str, Endpoint, dict[str, Any]]] = field(default_factory=list)
     """Where it stands, endpoint, options."""
+    places: dict[tuple[str, str], str] = field(default_factory=dict)
+    """Where an option stands, by where its link stands, or "" if it is of none, and its name."""
     settings: dict[str, Any] = field(default_factory=dict)
     recording: Recording | None = None
     dialect: str = "all"
@@ -37,7 +40,7 @@ class Config:
 def load_config(path: str | os.PathLike[str]) -> Config:
     """Read a file: TOML if its name ends so, else mavlink-router's format.
 
-    ConfigError (a ValueError) names the file, and line or link; OSError if it cannot be read.
+    ConfigError (a ValueError) names the file and the line; OSError if it cannot be read.
     """
     name = os.fspath(path)
     with open(name, "rb") as file:
@@ -45,7 +48,7 @@ def load_config(path: str | os.PathLike[str]) -> Config:
     if len(data) > MAX_SIZE:
         raise ConfigError(f"{name}: longer than {MAX_SIZE} bytes")
     try:
-        text = data.decode("utf-8")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ConfigError(f"{name}: not text, at byte {error.start}") from None
     if name.lower().endswith(".toml"):
@@ -56,56 +59,91 @@ def load_config(path: str | os.PathLike[str]) -> Config:
 
 
 def _toml(name: str, text: str) -> Config:
+    return _Toml(name, text).config()
+
+
+class _Toml:
+    """A TOML file that is read; what it says of a wrong option starts with where that stands."""
+
+    def __init__(self, name: str, text: str) -> None:
+        self._name = name
+        self._content = _content(name, text)
+        self._lines = key_lines(text)
+
+    def config(self) -> Config:
+        content, config = self._content, Config(path=self._name)
+        known = ("dedup", "max_age", "sniffer_sysid", "dialect", "record", "link")
+        try:
+            _check_names(content, known)
+            for option in ("dedup", "max_age", "sniffer_sysid"):
+                if option in content:
+                    config.settings[option] = content[option]
+            Settings(**config.settings)
+            config.dialect = content.get("dialect", "all")
+            if not isinstance(config.dialect, str):
+                reason = f"dialect must be a text, not {config.dialect!r}"
+                raise ConfigError(reason, "dialect")
+            links = content.get("link", [])
+            if not isinstance(links, list):
+                raise ConfigError("say [[link]], not [link]", "link")
+        except ConfigError as error:
+            raise error.at(self._place(error.option)) from None
+        config.places = {("", option): self._place(option) for option in content}
+        if "record" in content:
+            config.recording = self._recording(content["record"])
+        for number, link in enumerate(links):
+            self._add(config, number, link)
+        return config
+
+    def _place(self, *path: str | int) -> str:
+        """File and line of a key, or of what it is in."""
+        ends = range(len(path), 0, -1)
+        line = next((self._lines[path[:n]] for n in ends if path[:n] in self._lines), None)
+        return self._name if line is None else f"{self._name}:{line}"
+
+    def _recording(self, record: Any) -> Recording:
+        try:
+            if not isinstance(record, dict) or not isinstance(record.get("directory"), str):
+                raise ConfigError("it needs a directory")
+            _check_names(record, ("directory", "max_bytes", "max_age", "flush_interval"))
+            return Recording(**record)
+        except ConfigError as error:
+            raise error.at(f"{self._place('record', error.option)}: record") from None
+
+    def _add(self, config: Config, number: int, link: Any) -> None:
+        title = f"link {number + 1}"
+        if not isinstance(link, dict) or not isinstance(link.get("endpoint"), str):
+            place = self._place("link", number)
+            reason = "it needs an endpoint, such as 'udpin:0.0.0.0:14550'"
+            raise ConfigError(f"{place}: {title}: {reason}")
+        options = {key: value for key, value in link.items() if key != "endpoint"}
+        if isinstance(options.get("name"), str):
+            title += f" ({options['name']!r})"
+        places = {key: f"{self._place('link', number, key)}: {title}" for key in link}
+        try:
+            endpoint = parse_endpoint(link["endpoint"])
+        except ConfigError as error:
+            raise error.at(places["endpoint"]) from None
+        where = f"{self._place('link', number)}: {title}"
+        config.links.append((where, endpoint, options))
+        config.places.update(((where, key), place) for key, place in places.items())
+
+
+def _content(name: str, text: str) -> dict[str, Any]:
     import tomllib
 
     try:
-        content = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ConfigError(f"{name}: nested too deeply") from None
+    except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{name}: {error}") from None
-    _check_names(name, content, ("dedup", "max_age", "sniffer_sysid", "dialect", "record", "link"))
-    config = Config(path=name)
-    for option in ("dedup", "max_age", "sniffer_sysid"):
-        if option in content:
-            config.settings[option] = content[option]
-    try:
-        Settings(**config.settings)
-    except ConfigError as error:
-        raise ConfigError(f"{name}: {error}") from None
-    config.dialect = content.get("dialect", "all")
-    if not isinstance(config.dialect, str):
-        raise ConfigError(f"{name}: dialect must be a text, not {config.dialect!r}")
-    if "record" in content:
-        config.recording = _recording(f"{name}: record", content["record"])
-    links = content.get("link", [])
-    if not isinstance(links, list):
-        raise ConfigError(f"{name}: say [[link]], not [link]")
-    config.links = [_link(f"{name}: link {n}", link) for n, link in enumerate(links, 1)]
-    return config
+    except ValueError:  # what int() says is nothing that a user can act upon
+        raise ConfigError(f"{name}: a number has thousands of digits") from None
 
 
-def _link(where: str, link: Any) -> tuple[str, Endpoint, dict[str, Any]]:
-    if not isinstance(link, dict) or not isinstance(link.get("endpoint"), str):
-        raise ConfigError(f"{where}: it needs an endpoint, such as 'udpin:0.0.0.0:14550'")
-    options = {key: value for key, value in link.items() if key != "endpoint"}
-    if isinstance(options.get("name"), str):
-        where += f" ({options['name']!r})"
-    try:
-        return where, parse_endpoint(link["endpoint"]), options
-    except ConfigError as error:
-        raise ConfigError(f"{where}: {error}") from None
-
-
-def _recording(where: str, record: Any) -> Recording:
-    if not isinstance(record, dict) or not isinstance(record.get("directory"), str):
-        raise ConfigError(f"{where}: it needs a directory")
-    _check_names(where, record, ("directory", "max_bytes", "max_age", "flush_interval"))
-    try:
-        return Recording(**record)
-    except ConfigError as error:
-        raise ConfigError(f"{where}: {error}") from None
-
-
-def _check_names(where: str, given: dict[str, Any], known: tuple[str, ...]) -> None:
+def _check_names(given: dict[str, Any], known: tuple[str, ...]) -> None:
     for option in given:
         if option not in known:
-            raise ConfigError(f"{where}: unknown option {option!r}{did_you_mean(option, known)}")
+            reason = f"unknown option {option!r}{did_you_mean(option, known)}"
+            raise ConfigError(reason, option)

@@ -99,12 +99,13 @@ class View:
         entries = self._bridge.dialect.enums.get(message.fieldenums_by_name.get(field))
         if entries is None or not isinstance(value, int):
             return ""
-        if message.fielddisplays_by_name.get(field) == "bitmask":
-            return " | ".join(
-                entry.name for bits, entry in entries.items() if bits and value & bits == bits
-            )
-        entry = entries.get(value)
-        return "" if entry is None else str(entry.name)
+        is_mask = message.fielddisplays_by_name.get(field) == "bitmask"
+        return " | ".join(
+            entry.name
+            for number, entry in entries.items()
+            if (number and value & number == number if is_mask else value == number)
+            and not entry.name.endswith("_ENUM_END")  # which marks the end, and means nothing
+        )
 
 
 def _number(name: str, value: object) -> int:

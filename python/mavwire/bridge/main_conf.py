@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import partial
 
 from mavwire._wording import did_you_mean
 
@@ -20,30 +21,30 @@ if TYPE_CHECKING:
 DEFAULT_TCP_PORT = 5760
 FIRST_UDP_PORT = 14550
 _FILTERS = {
-    f"{verb}{theirs}{way}".lower(): f"{verb.lower()}_{ours}_{way.lower()}"
+    f"{verb}{theirs}{way}": f"{verb.lower()}_{ours}_{way.lower()}"
     for verb in ("Allow", "Block")
     for theirs, ours in (("MsgId", "messages"), ("SrcSys", "systems"), ("SrcComp", "components"))
     for way in ("In", "Out")
 }
 # What mavlink-router has and a bridge does otherwise or not at all.
 _NO_EFFECT = {
-    "reportstats": "use --json, --status or --metrics",
-    "debugloglevel": "there are no levels",
-    "mavlinkdialect": "all dialects are known",
-    "logmode": "telemetry is recorded always",
-    "logsystemid": "telemetry of all systems is recorded",
-    "minfreespace": "logs are not deleted",
-    "maxlogfiles": "logs are not deleted",
+    "ReportStats": "use --json, --status or --metrics",
+    "DebugLogLevel": "there are no levels",
+    "MavlinkDialect": "all dialects are known",
+    "LogMode": "telemetry is recorded always",
+    "LogSystemId": "telemetry of all systems is recorded",
+    "MinFreeSpace": "logs are not deleted",
+    "MaxLogFiles": "logs are not deleted",
 }
 _GENERAL = {
-    "tcpserverport", "deduplicationperiod", "sniffersysid", "log", "logtelemetry", *_NO_EFFECT,
+    "TcpServerPort", "DeduplicationPeriod", "SnifferSysid", "Log", "LogTelemetry", *_NO_EFFECT,
 }  # fmt: skip
-_COMMON = {"group", *_FILTERS}
+_COMMON = {"Group", *_FILTERS}
 _KEYS = {
     "general": _GENERAL,
-    "uartendpoint": {"device", "baud", "flowcontrol", *_COMMON},
-    "udpendpoint": {"mode", "address", "port", "filter", *_COMMON},
-    "tcpendpoint": {"address", "port", "retrytimeout", *_COMMON},
+    "uartendpoint": {"Device", "Baud", "FlowControl", *_COMMON},
+    "udpendpoint": {"Mode", "Address", "Port", "Filter", *_COMMON},
+    "tcpendpoint": {"Address", "Port", "RetryTimeout", *_COMMON},
 }
 
 
@@ -53,15 +54,19 @@ class _Section:
     name: str
     where: str
     entries: dict[str, tuple[str, str]] = field(default_factory=dict)
-    """Key -> value, and where it stands."""
+    """Key, as it is in `_KEYS` -> value, and where it stands."""
 
     def get(self, key: str) -> str | None:
         return self.entries[key][0] if key in self.entries else None
 
-    def need(self, key: str, shown: str) -> str:
+    def place(self, key: str) -> str:
+        """Where a key stands, or else its section."""
+        return self.entries[key][1] if key in self.entries else self.where
+
+    def need(self, key: str) -> str:
         value = self.get(key)
-        if value is None:
-            raise ConfigError(f"{self.where}: [{self.name}] lacks {shown}")
+        if not value:
+            raise ConfigError(f"{self.place(key)}: [{self.name}] lacks {key}")
         return value
 
     def read(self, key: str, default: Any, convert: Callable[[str, str], Any]) -> Any:
@@ -116,42 +121,43 @@ def _sections(name: str, text: str) -> list[_Section]:
 
 def _enter(section: _Section, key: str, value: str, where: str) -> None:
     known = _KEYS[section.kind]
-    if key.lower() not in known:
-        hint = did_you_mean(key.lower(), known)
-        raise ConfigError(f"{where}: unknown option {key!r}{hint}")
-    section.entries[key.lower()] = (value, where)
+    name = next((one for one in known if one.lower() == key.lower()), None)
+    if name is None:
+        raise ConfigError(f"{where}: unknown option {key!r}{did_you_mean(key, known)}")
+    section.entries[name] = (value, where)
 
 
 def _apply_general(config: Config, general: _Section) -> None:
     for key, why in _NO_EFFECT.items():
         if key in general.entries:
-            config.warnings.append(f"{general.entries[key][1]}: no effect here: {why}")
-    period = general.read("deduplicationperiod", None, _whole)
+            config.warnings.append(f"{general.place(key)}: no effect here: {why}")
+    period = general.read("DeduplicationPeriod", None, _whole)
     if period is not None:
         config.settings["dedup"] = period / 1000
-    sniffer = general.read("sniffersysid", None, lambda key, text: _whole(key, text, 255))
+    sniffer = general.read("SnifferSysid", None, lambda key, text: _whole(key, text, 255))
     if sniffer is not None:
         config.settings["sniffer_sysid"] = sniffer
-    port = general.read("tcpserverport", DEFAULT_TCP_PORT, _port)
+    port = general.read("TcpServerPort", DEFAULT_TCP_PORT, _port)
     if port:
-        where = general.entries.get("tcpserverport", ("", general.where))[1]
-        config.links.append((where, Endpoint("tcpin", "0.0.0.0", port), {}))
-    directory, telemetry = general.get("log"), general.read("logtelemetry", False, _flag)
+        config.links.append(
+            (general.place("TcpServerPort"), Endpoint("tcpin", "0.0.0.0", port), {})
+        )
+    directory, telemetry = general.get("Log"), general.read("LogTelemetry", False, _flag)
     if directory and telemetry:
         config.recording = Recording(directory)
     elif directory:
         config.warnings.append(
-            f"{general.entries['log'][1]}: no effect here without LogTelemetry = true: "
+            f"{general.place('Log')}: no effect here without LogTelemetry = true: "
             "flight stack logs are not stored"
         )
 
 
 def _add(config: Config, section: _Section, ports: Any) -> None:
     options: dict[str, Any] = {"name": section.name}
-    if section.get("group"):
-        options["group"] = section.get("group")
+    if section.get("Group"):
+        options["group"] = section.get("Group")
     for key, option in _FILTERS.items():
-        ids = section.read(key, [], _ids)
+        ids = section.read(key, [], _msgids if "MsgId" in key else _ids)
         if ids:
             options[option] = ids
     endpoint = {"uartendpoint": _uart, "udpendpoint": _udp, "tcpendpoint": _tcp}[section.kind]
@@ -159,54 +165,60 @@ def _add(config: Config, section: _Section, ports: Any) -> None:
 
 
 def _uart(config: Config, section: _Section, options: dict[str, Any], ports: Any) -> Endpoint:
-    bauds = section.read("baud", [DEFAULT_BAUD], _ids)
+    bauds = section.read("Baud", [DEFAULT_BAUD], _bauds)
     if len(bauds) > 1:
-        where = section.entries["baud"][1]
-        config.warnings.append(f"{where}: only the first speed is used: {bauds[0]}")
-    flow_control = section.read("flowcontrol", False, _flag)
-    device = section.need("device", "Device")
+        place = section.place("Baud")
+        config.warnings.append(f"{place}: only the first speed is used: {bauds[0]}")
+    flow_control = section.read("FlowControl", False, _flag)
+    device = section.need("Device")
     return Endpoint("serial", device, baud=(bauds or [DEFAULT_BAUD])[0], flow_control=flow_control)
 
 
 def _udp(config: Config, section: _Section, options: dict[str, Any], ports: Any) -> Endpoint:
-    mode = section.need("mode", "Mode").lower()
-    address = section.need("address", "Address").strip("[]")
-    allowed = section.read("filter", [], _ids)
+    mode = section.need("Mode").lower()
+    address = section.need("Address").strip("[]")
+    allowed = section.read("Filter", [], _msgids)
     if allowed:  # an older name of AllowMsgIdOut
         options.setdefault("allow_messages_out", allowed)
     if mode == "normal":
-        port = section.read("port", None, _port) or next(ports)
+        port = section.read("Port", None, _port) or next(ports)
         return Endpoint("udpout", address, port)
     if mode not in ("server", "eavesdropping"):
-        where = section.entries["mode"][1]
-        raise ConfigError(f"{where}: Mode must be Normal or Server, not {mode!r}")
-    section.need("port", "Port")
-    return Endpoint("udpin", address, section.read("port", 0, _port))
+        reason = f"Mode must be Normal or Server, not {mode!r}"
+        raise ConfigError(f"{section.place('Mode')}: {reason}")
+    section.need("Port")
+    return Endpoint("udpin", address, section.read("Port", 0, _port))
 
 
 def _tcp(config: Config, section: _Section, options: dict[str, Any], ports: Any) -> Endpoint:
-    address = section.need("address", "Address").strip("[]")
-    section.need("port", "Port")
-    options["retry"] = section.read("retrytimeout", 5, _whole)
-    return Endpoint("tcp", address, section.read("port", 0, _port))
+    address = section.need("Address").strip("[]")
+    section.need("Port")
+    options["retry"] = section.read("RetryTimeout", 5, _whole)
+    return Endpoint("tcp", address, section.read("Port", 0, partial(_port, least=1)))
 
 
 # -- values
 
 
-def _whole(key: str, text: str, most: int = 2**31 - 1) -> int:
+def _whole(key: str, text: str, most: int = 2**31 - 1, least: int = 0) -> int:
     # The length is looked at first: numbers with thousands of digits take time to read.
     if len(text) > 20 or not text.isascii() or not text.isdecimal():
         raise ConfigError(f"{key} must be a number, not {text[:40]!r}")
-    return whole(key, int(text), most)
+    return whole(key, int(text), most, least=least)
 
 
-def _port(key: str, text: str) -> int:
-    return _whole(key, text, 65535)
+def _port(key: str, text: str, least: int = 0) -> int:
+    return _whole(key, text, 65535, least)
 
 
-def _ids(key: str, text: str) -> list[int]:
-    return [_whole(key, part.strip()) for part in text.split(",") if part.strip()]
+def _several(key: str, text: str, most: int, least: int = 0) -> list[int]:
+    parts = (part.strip() for part in text.split(","))
+    return [_whole(key, part, most, least) for part in parts if part]
+
+
+_ids = partial(_several, most=255)
+_msgids = partial(_several, most=2**24 - 1)
+_bauds = partial(_several, most=2**31, least=1)
 
 
 def _flag(key: str, text: str) -> bool:

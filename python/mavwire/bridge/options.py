@@ -135,7 +135,7 @@ def link_from(
     }  # fmt: skip
     for option in options:
         if option not in known:
-            raise ConfigError(f"unknown option {option!r}{did_you_mean(option, known)}")
+            raise ConfigError(f"unknown option {option!r}{did_you_mean(option, known)}", option)
 
     def message_ids(name: str, values: object) -> list[int]:
         return [_named(name, message_id, value) for value in listed(name, values)]
@@ -194,16 +194,18 @@ def _rates(
     if rates is None:
         return []
     if not hasattr(rates, "items"):
-        raise ConfigError(f"rates must map messages to numbers, not {rates!r}")
-    pairs = ((_named("rates", message_id, name), name, each) for name, each in rates.items())
-    return [(msgid, rate(f"rates: {name}", each) or 0.0) for msgid, name, each in pairs]
+        raise ConfigError(f"rates must map messages to numbers, not {rates!r}", "rates")
+    try:
+        return [(message_id(name), rate(str(name), each) or 0.0) for name, each in rates.items()]
+    except ConfigError as error:
+        raise error.within("rates") from None
 
 
 def _named(option: str, message_id: Callable[[object], int], value: object) -> int:
     try:
         return message_id(value)
     except ConfigError as error:
-        raise ConfigError(f"{option}: {error}") from None
+        raise error.within(option) from None
 
 
 def _retry(value: object) -> float | None:

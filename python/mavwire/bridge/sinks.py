@@ -131,8 +131,10 @@ def _mqtt(text: str) -> tuple[Publisher, str]:
     except ValueError as error:
         raise ConfigError(f"a sink's address is wrong: {error}") from None
     prefix = url.path.strip("/") or DEFAULT_PREFIX
-    if not url.hostname or url.query or "#" in text or "+" in prefix:
+    if not url.hostname or url.query:
         raise ConfigError(f"no address of an MQTT broker; say {FORMS}")
+    if "#" in text or "+" in prefix:
+        raise ConfigError("topics that MQTT publishes to have neither # nor +")
     secure = url.scheme == "mqtts"
     user = None if url.username is None else unquote(url.username)
     password = None if url.password is None else unquote(url.password)
@@ -182,7 +184,11 @@ def _zenoh(endpoint: str) -> Publisher:
 
     config = zenoh.Config()
     if endpoint:
-        config.insert_json5("connect/endpoints", json.dumps([endpoint]))
+        try:
+            config.insert_json5("connect/endpoints", json.dumps([endpoint]))
+        except zenoh.ZError:
+            reason = f"{endpoint!r} is no endpoint of Zenoh; say tcp/HOST:PORT"
+            raise ConfigError(f"zenoh: {reason}") from None
         config.insert_json5("scouting/multicast/enabled", "false")
         # One that does not answer yet is tried again, in the background.
         config.insert_json5("connect/exit_on_failure", "false")

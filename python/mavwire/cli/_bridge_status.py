@@ -11,6 +11,17 @@ if TYPE_CHECKING:
     from mavwire.bridge import Bridge
 
 
+LINK_COLUMNS = (
+    "link", "state", "in/s", "out/s", "p99 ms", "dropped", "overrun", "duplicates", "junk bytes",
+)  # fmt: skip
+COMPONENT_COLUMNS = ("system", "component", "in/s", "lost", "duplicates", "age", "links")
+# Shown only where there is something: a terminal of 80 columns has no room for zeros.
+IF_ANY = ("overrun", "duplicates", "junk bytes")
+
+# What udpout:255.255.255.255:14550 takes.
+ENDPOINT_WIDTH = 28
+
+
 class StatusTable:
     """Links and components with their rates since the last look; call it to bring it up to date."""
 
@@ -33,22 +44,40 @@ class StatusTable:
 
     def _tables(self, stats: dict[str, Any]) -> Any:
         from rich.console import Group
-        from rich.table import Column, Table
 
-        names = [Column(name, overflow="fold") for name in ("link", "peer", "state")]
-        counts = ("in/s", "out/s", "p99 ms", "dropped", "overrun", "duplicates", "junk bytes")
-        links = Table(*names, *(Column(name, justify="right", overflow="fold") for name in counts))
-        components = Table("system", "component", "in/s", "lost", "duplicates", "age", "links")
-        for row in link_rows(stats, self._before):
-            links.add_row(*row)
-        for row in component_rows(stats, self._before):
-            components.add_row(*row)
-        self._before = stats
-        return Group(links, components)
+        before, self._before = self._before, stats
+        return Group(
+            _table(LINK_COLUMNS, link_rows(stats, before), 2),
+            _table(COMPONENT_COLUMNS, component_rows(stats, before), 0),
+        )
+
+
+def _table(columns: tuple[str, ...], rows: list[list[str]], first_number: int) -> Any:
+    """A table without the columns of `IF_ANY` in which no row has anything."""
+    from rich import box
+    from rich.table import Table
+
+    shown = [
+        n
+        for n, name in enumerate(columns)
+        if name not in IF_ANY or any(row[n] not in ("", "0") for row in rows)
+    ]
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for n in shown:
+        is_number = n >= first_number and columns[n] != "links"
+        table.add_column(
+            columns[n],
+            justify="right" if is_number else "left",
+            overflow="fold",
+            min_width=ENDPOINT_WIDTH if columns[n] == "link" else None,
+        )
+    for row in rows:
+        table.add_row(*(row[n] for n in shown))
+    return table
 
 
 def link_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[str]]:
-    """A row for each link, with rates since `before`."""
+    """A row for each link and each peer of one, with rates since `before`."""
     span = max(stats["uptime"] - before["uptime"], 1e-3)
     known = {(one["name"], one["peer"]): one for one in before["links"]}
     rows = []
@@ -59,7 +88,7 @@ def link_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[str]]:
         late = one["latency"]["p99"]
         counts = [one[key] for key in ("dropped", "overrun", "duplicates", "junk_bytes")]
         rows.append([
-            one["name"], one["peer"] or "", state, *(f"{rate:.0f}" for rate in rates),
+            f"  {one['peer']}" if one["peer"] else one["name"], state, *(f"{rate:.0f}" for rate in rates),
             "" if late is None else f"{late * 1e3:.2f}",
             *("" if count is None else str(count) for count in counts),
         ])  # fmt: skip

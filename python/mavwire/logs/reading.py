@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from datetime import datetime
     from types import ModuleType
 
+    from mavwire._native import FrameBatch
+
     from .sources import Source
 
 BATCH_ROWS = 65_536
@@ -84,6 +86,13 @@ def read(
     found = with_empty(joined(run, query), module, native, query)
     check_records(run, path)
     return tables_of(found, path, wide)
+
+
+def tables_of_batch(batch: FrameBatch, units: str | None, enums: str | None) -> dict[str, Table]:
+    """What `FrameBatch.tables` gives: the native class calls this."""
+    query = Query.of(None, units=units, enums=enums)
+    found = joined(batch.columns(query), query)
+    return {name: tidy(name, batches) for name, batches in sorted(found.items())}
 
 
 def joined(run: LogColumns, query: Query) -> dict[str, RecordBatches]:

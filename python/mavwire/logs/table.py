@@ -292,7 +292,7 @@ class Table:
         write_table(self._batches, target, kind, compression)
 
 
-def tidy(name: str, batches: RecordBatches, path: str) -> Table:
+def tidy(name: str, batches: RecordBatches, path: str | None = None) -> Table:
     """A whole table: the raw bytes of texts only where some text is not UTF-8."""
     raw = [column for column, kind in batches.types().items() if kind == "Binary"]
     return Table(name, batches.without_empty(raw) if raw else batches, path)

@@ -35,14 +35,8 @@ fn frames(registry: &Registry, senders: usize) -> Vec<Frame> {
         };
         let entry = registry.lookup(msgid);
         let header = Header {
-            version: WireVersion::V2,
             payload_len: payload.len() as u8,
-            incompat_flags: 0,
-            compat_flags: 0,
-            seq: (n / senders) as u8,
-            sysid,
-            compid,
-            msgid,
+            ..Header::new(WireVersion::V2, (n / senders) as u8, sysid, compid, msgid)
         };
         let mut bytes = Vec::new();
         frame::encode(&mut bytes, header, &payload, entry.map_or(0, |entry| entry.crc_extra))

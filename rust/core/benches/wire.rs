@@ -48,16 +48,7 @@ fn noise(len: usize) -> Vec<u8> {
 }
 
 fn header(msgid: u32, seq: u8) -> Header {
-    Header {
-        version: WireVersion::V2,
-        payload_len: 0,
-        incompat_flags: 0,
-        compat_flags: 0,
-        seq,
-        sysid: 1,
-        compid: 1,
-        msgid,
-    }
+    Header::new(WireVersion::V2, seq, 1, 1, msgid)
 }
 
 fn corpus(registry: &Registry) -> Vec<Vec<u8>> {

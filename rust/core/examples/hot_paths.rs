@@ -49,14 +49,8 @@ impl Frames {
             let entry = registry.lookup(msgid).ok_or("the mix has a message the dialect lacks")?;
             let payload: Vec<u8> = (1..=len).map(|at| at.wrapping_mul(37) | 1).collect();
             let header = Header {
-                version: WireVersion::V2,
-                payload_len: 0,
                 incompat_flags: if key.is_some() { IFLAG_SIGNED } else { 0 },
-                compat_flags: 0,
-                seq: n as u8,
-                sysid: 1,
-                compid: 1,
-                msgid,
+                ..Header::new(WireVersion::V2, n as u8, 1, 1, msgid)
             };
             let mut frame = Vec::new();
             frame::encode(&mut frame, header, &payload, entry.crc_extra)?;

@@ -122,6 +122,20 @@ pub struct Header {
 }
 
 impl Header {
+    /// A header to encode a frame with: no flags, and a length that is filled in when the payload is known.
+    pub const fn new(version: WireVersion, seq: u8, sysid: u8, compid: u8, msgid: u32) -> Self {
+        Self {
+            version,
+            payload_len: 0,
+            incompat_flags: 0,
+            compat_flags: 0,
+            seq,
+            sysid,
+            compid,
+            msgid,
+        }
+    }
+
     /// Reads the header at the front of `bytes`; `None` where they are too few or do not start with STX.
     #[inline]
     pub fn parse(bytes: &[u8]) -> Option<Self> {

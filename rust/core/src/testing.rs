@@ -134,16 +134,7 @@ pub(crate) fn registry() -> Registry {
 
 /// A header from system 1, component 1.
 pub(crate) fn header(version: WireVersion, msgid: u32, seq: u8) -> Header {
-    Header {
-        version,
-        payload_len: 0,
-        incompat_flags: 0,
-        compat_flags: 0,
-        seq,
-        sysid: 1,
-        compid: 1,
-        msgid,
-    }
+    Header::new(version, seq, 1, 1, msgid)
 }
 
 /// A frame with a right checksum; an id that the dialect lacks gets `crc_extra` 77.

@@ -24,16 +24,7 @@ fn frames(registry: &Registry) -> Result<Vec<u8>, Box<dyn Error>> {
     let entry = registry.lookup(ATTITUDE).ok_or("the dialect lacks ATTITUDE")?;
     let mut bytes = Vec::new();
     for seq in 0..BLOCK as u8 {
-        let header = Header {
-            version: WireVersion::V2,
-            payload_len: 0,
-            incompat_flags: 0,
-            compat_flags: 0,
-            seq,
-            sysid: 1,
-            compid: 1,
-            msgid: ATTITUDE,
-        };
+        let header = Header::new(WireVersion::V2, seq, 1, 1, ATTITUDE);
         frame::encode(&mut bytes, header, &[seq | 1; 28], entry.crc_extra)?;
     }
     Ok(bytes)

@@ -1,11 +1,19 @@
 //! `FrameBatch`: frames of a bridge in one object. Bytes and messages are made when they are asked for.
 
+use std::io::Cursor;
+use std::sync::Arc;
+
+use mavwire_columns::reader::Reader;
+use mavwire_columns::scan::Framing;
 use mavwire_link::bridge::{FrameInfo, Frames, Hub};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyIterator, PyList};
 
+use crate::calling::{Calling, import};
+use crate::columns::{LogColumns, Query};
 use crate::dialect::Dialect;
 use crate::frame_bytes::FrameBytes;
+use crate::table::columns_error;
 
 /// Frames in the order they came. Iterating gives messages.
 #[pyclass(frozen, module = "mavwire._native")]
@@ -36,6 +44,12 @@ impl FrameBatch {
         of: impl Fn(&FrameInfo) -> T,
     ) -> PyResult<Bound<'py, PyList>> {
         PyList::new(py, self.frames.infos.iter().map(of))
+    }
+
+    /// The frames that the dialect knows, as a telemetry log has them: each behind the time when it arrived.
+    fn records(&self) -> Vec<u8> {
+        let known = self.frames.iter().filter(|(info, _)| info.index.is_some());
+        known.flat_map(|(info, frame)| [&info.time.to_be_bytes()[..], frame].concat()).collect()
     }
 }
 
@@ -71,6 +85,32 @@ impl FrameBatch {
             messages.append(self.dialect.get().stamped(py, info.index, frame, time, 0)?)?;
         }
         Ok(messages)
+    }
+
+    /// A table for each message type, by name.
+    #[pyo3(signature = (*, units=None, enums=None))]
+    fn tables<'py>(
+        slf: &Bound<'py, Self>,
+        units: Option<Bound<'py, PyAny>>,
+        enums: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let module = import(py, intern!(py, "mavwire.logs.reading"))?;
+        module.invoke_method1(intern!(py, "tables_of_batch"), (slf, units, enums))
+    }
+
+    /// The frames as a run over a log, for `tables`.
+    fn columns(&self, py: Python<'_>, query: Query) -> PyResult<LogColumns> {
+        let dialect = self.dialect.get();
+        let open = || {
+            let (records, registry) = (self.records(), Arc::clone(&dialect.registry));
+            let (size, wanted) = (records.len() as u64, query.wanted(dialect));
+            let (framing, source) = (Some(Framing::Stamped), Box::new(Cursor::new(records)));
+            Reader::new(source, framing, registry, wanted, query.options(), query.limits())
+                .map(|reader| reader.with_size(size))
+        };
+        let reader = py.detach(open).map_err(columns_error)?;
+        Ok(LogColumns::new(Box::new(reader)))
     }
 
     /// When each arrived; seconds since 1970.

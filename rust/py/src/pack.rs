@@ -56,14 +56,8 @@ impl<'py> Sender<'py> {
         }
         let signing = self.signing.as_ref().filter(|_| version == WireVersion::V2);
         let header = Header {
-            version,
-            payload_len: 0,
             incompat_flags: if signing.is_some() { IFLAG_SIGNED } else { 0 },
-            compat_flags: 0,
-            seq: self.seq,
-            sysid: self.sysid,
-            compid: self.compid,
-            msgid,
+            ..Header::new(version, self.seq, self.sysid, self.compid, msgid)
         };
         frame
             .encode(header, payload, crc_extra)

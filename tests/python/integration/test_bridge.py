@@ -277,7 +277,7 @@ def test_a_port_that_is_taken_and_a_wrong_line_are_named(
     config = tmp_path / "main.conf"
     config.write_text("[General]\nTcpServerPort = 0\n[UdpEndpoint a]\nMod = Normal\n")
     assert cli.main(["bridge", "--config", str(config)]) == 2
-    assert "main.conf:4: unknown option 'Mod'; did you mean 'mode'?" in capsys.readouterr().err
+    assert "main.conf:4: unknown option 'Mod'; did you mean 'Mode'?" in capsys.readouterr().err
 
 
 def test_a_log_is_replayed_to_whoever_connects(tmp_path: Path) -> None:

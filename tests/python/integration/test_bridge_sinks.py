@@ -147,9 +147,16 @@ def publish_to_a_peer(port: int) -> None:
         ("kafka://x", "is no sink; say mqtt://"),
         ("mqtt:", "no address of an MQTT broker"),
         ("mqtt://host:99999/", "wrong: Port out of range"),
-        ("mqtt://host/a/#", "no address of an MQTT broker"),
+        ("mqtt://host/a/#", r"have neither # nor \+"),
+        ("mqtt://host/a/+/b", r"have neither # nor \+"),
     ],
 )
 def test_wrong_addresses(text: str, wrong: str) -> None:
     with Bridge() as bridge, pytest.raises(ConfigError, match=wrong):
         open_sink(bridge, text)
+
+
+def test_wrong_addresses_of_zenoh() -> None:
+    pytest.importorskip("zenoh", reason="zenoh is not installed: pip install 'mavwire[zenoh]'")
+    with Bridge() as bridge, pytest.raises(ConfigError, match="'x' is no endpoint of Zenoh"):
+        open_sink(bridge, "zenoh:x")

@@ -21,6 +21,22 @@ from unit.link_tools import pack
 HOSTILE = "<img src=x onerror=document.title='bad'>"
 ROW = "[...document.querySelectorAll('.kind')].find(row => row.cells[0].textContent == '{}')"
 OURS = "[...document.querySelectorAll('.kind')].find(row => row.cells[1].textContent == '66/1')"
+# Of two plots, which rise by 1 rad and by 1 m high up: the share of the canvas from their lowest to their highest point.
+HEIGHTS = """(() => {
+  const plots = [["rad", 0, "#ff0000"], ["m", 600, "#0000ff"]];
+  series.clear();
+  for (const [unit, low, colour] of plots)
+    series.set(unit, { unit, colour, points: [[clock - 20, low], [clock - 10, low + 1]] });
+  draw();
+  const { width, height } = byId("plot");
+  const pixels = byId("plot").getContext("2d").getImageData(0, 0, width, height).data;
+  return [0, 2].map((channel) => {
+    const rows = [];
+    for (let at = 0; at < pixels.length; at += 4)
+      if (pixels[at + channel] > 200 && pixels[at + 1] < 50 && pixels[at + 2 - channel] < 50) rows.push(at / 4 / width);
+    return (rows[rows.length - 1] - rows[0]) / height;
+  });
+})()"""
 
 
 @pytest.mark.skipif(executable() is None, reason="no Chromium: apt-get install chromium")
@@ -62,6 +78,9 @@ def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
             assert page.run("document.querySelectorAll('img').length") == 0
             page.screenshot(Path(os.environ.get("MAVWIRE_SCREENSHOT", tmp_path / "page.png")))
 
+            widest = "document.querySelector('.right')"
+            assert page.run(f"{widest}.scrollWidth <= {widest}.clientWidth"), "no column is cut off"
+
             page.run("byId('filter').value = 'attitude, 66/1'; sift()")
             shown = "[...document.querySelectorAll('.kind')].filter(row => !row.hidden).length"
             assert page.run(shown) == 2
@@ -74,3 +93,4 @@ def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
             assert page.run(state) == before
             page.run("byId('pause').click()")
             page.wait_for(f"({state}) != {json.dumps(before)}")
+            assert min(page.run(HEIGHTS)) > 0.2, "metres leave room for radians"

@@ -33,6 +33,21 @@ def test_no_such_row() -> None:
     assert "--only nothing: no such row; there are\n  G1   stream-64k\n" in result.stderr
 
 
+SYSTEMS_OF_A_MIX = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from bridge_worker import frames
+print(*{frame[5] for frame in frames("mix")})
+"""
+
+
+def test_a_mix_is_of_a_vehicle_alone() -> None:
+    """What a station sends the vehicle over the same link goes nowhere, and would be called lost."""
+    command = [sys.executable, "-c", SYSTEMS_OF_A_MIX, str(BENCHES / "python")]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert printed.split() == ["1"]
+
+
 LIVE_LINES = """
 import sys
 sys.path.insert(0, sys.argv[1])

@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 from mavwire import Bridge, open_log
-from mavwire.bridge import BridgeError, FrameBatches, Recording
+from mavwire.bridge import BridgeError, ConfigError, FrameBatches, Recording
 from mavwire.bridge.metrics import MetricsServer, prometheus
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.dialects.v20 import minimal
@@ -123,6 +123,43 @@ def test_batches_have_frames_and_messages() -> None:
         stopper.join()
 
 
+def test_batches_as_tables() -> None:
+    def attitude(seq: int) -> bytes:
+        message = mavlink.MAVLink_attitude_message(seq, seq / 4, 0, 0, 0, 0, 0)
+        return bytes(pack(message, seq, 3))
+
+    with Bridge([UDP]) as bridge, udp_peer(bridge, UDP) as vehicle:
+        batches = bridge.frames(max_batch=3, max_latency=LIMIT)
+        for frame in (attitude(1), heartbeat(sysid=7), attitude(2)):
+            vehicle.send(frame)
+        batch = batches.next()
+        assert batch is not None and len(batch) == 3
+        tables = batch.tables()
+        assert list(tables) == ["ATTITUDE", "HEARTBEAT"]
+        rows = tables["ATTITUDE"].to_numpy()
+        assert list(rows)[:5] == ["timestamp", "sysid", "compid", "seq", "time_boot_ms"]
+        assert [list(rows[name]) for name in ("sysid", "seq", "roll")] == [
+            [3, 3], [1, 2], [0.25, 0.5],
+        ]  # fmt: skip
+        assert [time / 1e6 for time in rows["timestamp"].astype(int)] == [
+            batch.times[0], batch.times[2],
+        ]  # fmt: skip
+        named = batch.tables(enums="names")["HEARTBEAT"].to_numpy()["autopilot"]
+        assert list(named) == ["MAV_AUTOPILOT_ARDUPILOTMEGA"]
+        with pytest.raises(ValueError, match="units must be None or 'si'"):
+            batch.tables(units="feet")
+        nothing = batches.next(0.0)
+        assert nothing is not None and nothing.tables() == {}
+
+
+def test_tables_lack_what_the_dialect_lacks() -> None:
+    with Bridge(dialect=minimal) as bridge, bridge.frames(max_batch=2, max_latency=LIMIT) as some:
+        bridge.send(heartbeat() + pack(mavlink.MAVLink_wind_cov_message(*[1] * 9), 3))
+        batch = some.next()
+        assert batch is not None and len(batch) == 2
+        assert list(batch.tables()) == ["HEARTBEAT"]
+
+
 def test_batches_in_asyncio() -> None:
     async def main() -> list[Any]:
         with Bridge() as bridge, bridge.frames(["HEARTBEAT"]) as batches:
@@ -208,6 +245,8 @@ def test_what_cannot_be_opened_is_an_os_error_that_names_it(tmp_path: Path) -> N
     bridge.start().stop()
     with pytest.raises(FileNotFoundError, match="no-such-device"):
         Bridge(["serial:/dev/no-such-device:57600"]).start()
+    with pytest.raises(OSError, match="serial:/dev/null:57600: this is no serial port"):
+        Bridge(["serial:/dev/null:57600"]).start()
     (tmp_path / "file").write_text("")
     with pytest.raises(OSError, match="file"):
         Bridge(record=tmp_path / "file").start()
@@ -421,6 +460,20 @@ def test_a_bridge_that_is_forgotten_ends() -> None:
     del bridge
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
         again.bind(("127.0.0.1", port))
+
+
+def test_wrong_arguments() -> None:
+    with pytest.raises(ConfigError, match="a link must be a text, not 3"):
+        Bridge([3])  # type: ignore[list-item]
+    with Bridge() as bridge:
+        with pytest.raises(ConfigError, match="max_batch must be a number from 1"):
+            bridge.frames(max_batch=0)
+        with pytest.raises(ConfigError, match="max_latency must be 0 seconds or more"):
+            bridge.frames(max_latency=-1.0)
+        with pytest.raises(ConfigError, match="system must be a number from 0 to 255, not 999"):
+            bridge.latest("ATTITUDE", 999)
+        with pytest.raises(TypeError, match="a message or the bytes of frames can be sent, not 3"):
+            bridge.send(3)
 
 
 @pytest.mark.parametrize("arguments", [(0, 0.0, -1.0), (1, float("nan"), 1.0), (1, -1.0, 1.0)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mavwire import Bridge
 from mavwire.bridge import Config, ConfigError, Endpoint, load_config, parse_endpoint
+from mavwire.bridge.toml_lines import key_lines
 
 
 @pytest.mark.parametrize(
@@ -192,28 +194,41 @@ def test_without_a_word_mavlink_router_listens_on_5760(tmp_path: Path) -> None:
         ("[Genral]", r":1: unknown section \[Genral\]"),
         (
             "[General]\nTcpServerPrt = 1",
-            ":2: unknown option 'TcpServerPrt'; did you mean 'tcpserverp",
+            ":2: unknown option 'TcpServerPrt'; did you mean 'TcpServerP",
         ),
-        ("[General]\nTcpServerPort = 99999", ":2: tcpserverport must be a number from 0 to 65535"),
-        ("[General]\nTcpServerPort = " + "9" * 10_000, ":2: tcpserverport must be a number"),
-        ("[General]\nLogTelemetry = maybe", ":2: logtelemetry must be true or false"),
+        ("[General]\nTcpServerPort = 99999", ":2: TcpServerPort must be a number from 0 to 65535"),
+        ("[General]\nTcpServerPort = " + "9" * 10_000, ":2: TcpServerPort must be a number"),
+        ("[General]\nLogTelemetry = maybe", ":2: LogTelemetry must be true or false"),
         ("[UdpEndpoint a]\nMode = Normal", r":1: \[a\] lacks Address"),
         ("[UdpEndpoint a]\nAddress = ::1\nMode = x", ":3: Mode must be Normal or Server"),
         ("[UdpEndpoint a]\nAddress = h\nMode = server", r":1: \[a\] lacks Port"),
-        ("[UartEndpoint a]\nBaud = fast", ":2: baud must be a number"),
+        ("[UartEndpoint a]\nBaud = fast", ":2: Baud must be a number"),
         ("[UartEndpoint a]", r":1: \[a\] lacks Device"),
         ("[TcpEndpoint a]\nAddress = h", r":1: \[a\] lacks Port"),
         (
             "[TcpEndpoint a]\nAddress = h\nPort = 1\nAllowSrcSysIn = 1,-2",
-            ":4: allowsrcsysin must be",
+            ":4: AllowSrcSysIn must be",
         ),
+        (
+            "[TcpEndpoint a]\nAddress = h\nPort = 1\nBlockSrcCompIn = 256",
+            ":4: BlockSrcCompIn must be",
+        ),
+        ("[TcpEndpoint a]\nAddress = h\nPort = 0", ":3: Port must be a number from 1"),
+        ("[UdpEndpoint a]\nMode = server\nPort = 1\nAddress =", r":4: \[a\] lacks Address"),
+        ("[UartEndpoint a]\nDevice = /dev/null\nBaud = 0", ":3: Baud must be a number from 1"),
+        ("[UartEndpoint a]\nDevice = b\n" * 2, ":3: another link is called 'a'"),
         (b"\xff\xfe", "not text, at byte 0"),
         ("#" * 2_000_000, "longer than"),
     ],
 )
 def test_wrong_lines_are_named(tmp_path: Path, text: str, wrong: str) -> None:
     with pytest.raises(ConfigError, match=r"main\.conf" + wrong if wrong[0] == ":" else wrong):
-        load(tmp_path, "main.conf", text)
+        Bridge.from_options(load(tmp_path, "main.conf", text))
+
+
+def test_editors_may_mark_a_file_as_utf_8(tmp_path: Path) -> None:
+    assert not load(tmp_path, "main.conf", "\ufeff[General]\nTcpServerPort = 0").links
+    assert load(tmp_path, "bridge.toml", "\ufeffmax_age = 3").settings == {"max_age": 3}
 
 
 TOML = """
@@ -252,24 +267,92 @@ def test_toml(tmp_path: Path) -> None:
     ("text", "wrong"),
     [
         ("dedup = x = 1", "at line 1"),
-        ("dedop = 1", "unknown option 'dedop'; did you mean 'dedup'"),
-        ("dedup = -1", "dedup must be 0 seconds or more"),
-        ("dialect = 3", "dialect must be a text"),
-        ("dialect = 'nope'", "dialect: no such dialect"),
-        ("record = 3", "record: it needs a directory"),
-        ("[record]\ndirectory = 'x'\nmax_byte = 1", "record: unknown option 'max_byte'"),
-        ("[record]\ndirectory = 'x'\nmax_bytes = 0", "record: max_bytes must be"),
-        ("[link]\nendpoint = 'udpin::1'", r"say \[\[link\]\]"),
-        ("[[link]]\nname = 'a'", "link 1: it needs an endpoint"),
-        ("[[link]]\nendpoint = 'udpin'", "link 1: 'udpin' is no endpoint"),
-        ("[[link]]\nendpoint = 'udpin::1'\nname='a'\nrat = 1", r"link 1 \('a'\): unknown option"),
-        ("a = " + "[" * 100_000, "bridge.toml"),
+        ("# a\n\ndedop = 1", ":3: unknown option 'dedop'; did you mean 'dedup'"),
+        ("dedup = -1", ":1: dedup must be 0 seconds or more"),
+        ("dialect = 3", ":1: dialect must be a text"),
+        ("max_age = 1\ndialect = 'nope'", ":2: dialect: no such dialect"),
+        ("dedup = " + "9" * 5000, ": a number has thousands of digits"),
+        ("record = 3", ":1: record: it needs a directory"),
+        ("[record]\ndirectory = 'x'\nmax_byte = 1", ":3: record: unknown option 'max_byte'"),
+        ("[record]\ndirectory = 'x'\nmax_bytes = 0", ":3: record: max_bytes must be"),
+        ("\n[link]\nendpoint = 'udpin::1'", r":2: say \[\[link\]\]"),
+        ("[[link]]\nname = 'a'", ":1: link 1: it needs an endpoint"),
+        ("[[link]]\nendpoint = 'udpin'", ":2: link 1: 'udpin' is no endpoint"),
+        (
+            "[[link]]\nendpoint = 'udpin::1'\nname='a'\nrat = 1",
+            r":4: link 1 \('a'\): unknown option",
+        ),
+        (
+            "[[link]]\nendpoint = 'udpin::1'\n[[link]]\nendpoint = 'udpin::2'\n\n[link.rates]\nX=1",
+            ":6: link 2: rates: the dialect has no message 'X'",
+        ),
+        (
+            "[[link]]\nendpoint = 'udpin::1'\nrates.ATTITUDE = 0",
+            ":3: link 1: rates: ATTITUDE must be more than 0",
+        ),
+        (
+            "[[link]]\nendpoint = 'udpin::1'\n  verify_in = true",
+            ":3: link 1: verify_in needs signing_key",
+        ),
+        (
+            "[[link]]\nendpoint = 'udpin::1'\nname = 'a'\n[[link]]\nendpoint = 'tcp:h:1'\nname = 'a'",
+            r":6: link 2 \('a'\): another link is called 'a' too",
+        ),
+        (
+            "link = [{endpoint='udpin::1'},\n{endpoint='udpin::1', rate=0}]",
+            ":1: link 2: rate must be",
+        ),
+        ("a = " + "[" * 100_000, ": nested too deeply"),
     ],
 )
 def test_wrong_toml_is_named(tmp_path: Path, text: str, wrong: str) -> None:
     with pytest.raises(ConfigError, match=wrong) as raised:
         Bridge.from_options(load(tmp_path, "bridge.toml", text))
     assert "bridge.toml" in str(raised.value)
+
+
+AWKWARD_TOML = '''
+# [[link]] in a comment
+a.b = """
+[[link]]\\""" # ["""  # a text of two lines
+"c d" = "[[link]] \\" # ["
+[[link]]
+endpoint = "a"
+allow = [ # ] ]
+  1, "]", { x = "}" },
+]
+  'name' = 'x'
+[[ link ]]
+text = """
+  name = 1 ""\\"
+"""
+name = "y"
+[link.rates]
+X = 1
+'''
+
+
+def test_lines_of_awkward_toml() -> None:
+    tomllib.loads(AWKWARD_TOML)
+    assert key_lines(AWKWARD_TOML) == {
+        ("a",): 3,
+        ("a", "b"): 3,
+        ("c d",): 5,
+        ("link", 0): 6,
+        ("link", 0, "endpoint"): 7,
+        ("link", 0, "allow"): 8,
+        ("link", 0, "name"): 11,
+        ("link", 1): 12,
+        ("link", 1, "text"): 13,
+        ("link", 1, "name"): 16,
+        ("link", 1, "rates"): 17,
+        ("link", 1, "rates", "X"): 18,
+    }
+
+
+@pytest.mark.parametrize("text", ["[a" + ".a" * 100_000 + "]", "a = [" * 50_000, "a='" * 50_000])
+def test_lines_of_hostile_toml_end(text: str) -> None:
+    assert len(key_lines(text)) <= 4
 
 
 @given(st.text(max_size=200))

@@ -55,7 +55,8 @@ def test_a_page_is_told_what_comes_and_the_values_of_what_it_opens(
     bridge: Bridge, inspector: Inspector
 ) -> None:
     with udp_peer(bridge, UDP) as vehicle, PageClient(inspector.port, "/ws") as page:
-        vehicle.send(heartbeat(sysid=7))
+        armed = mavlink.MAVLink_heartbeat_message(2, 3, 217, 0, 4, 3)
+        vehicle.send(pack(armed, 0, 7))
         attitude = mavlink.MAVLink_attitude_message(1, 0.25, math.nan, 0, 0, 0, 0)
         vehicle.send(pack(attitude, 1, 7))
         tables = page.until(lambda told: told.get("kinds") and len(told["kinds"]) == 2 and told)
@@ -68,7 +69,12 @@ def test_a_page_is_told_what_comes_and_the_values_of_what_it_opens(
         assert set(values) == {"7/1/0", "7/1/30"}
         beat_values, angle_values = values["7/1/0"][1], values["7/1/30"][1]
         assert beat_values[0] == [2, "MAV_TYPE_QUADROTOR"]
-        assert "MAV_MODE_FLAG_CUSTOM_MODE_ENABLED" in beat_values[2][1].split(" | ")
+        flags = (
+            "CUSTOM_MODE_ENABLED GUIDED_ENABLED STABILIZE_ENABLED MANUAL_INPUT_ENABLED SAFETY_ARMED"
+        )
+        assert set(beat_values[2][1].split(" | ")) == {
+            f"MAV_MODE_FLAG_{one}" for one in flags.split()
+        }
         assert angle_values[:3] == [[1, ""], [0.25, ""], ["nan", ""]]
         vehicle.send(pack(mavlink.MAVLink_attitude_message(2, 0.5, 0, 0, 0, 0, 0), 2, 7))
         newer = page.until(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from argparse import ArgumentTypeError
 from typing import TYPE_CHECKING, Any, cast
 
@@ -32,14 +33,14 @@ def stats(uptime: float, **changes: Any) -> dict[str, Any]:
 
 def test_rows_show_rates_since_the_last_look() -> None:
     before, now = stats(10.0), stats(12.0, received=300, sent=60, frames=41)
-    assert link_rows(now, before) == [["gcs", "", "up", "100", "5", "1.50", "1", "", "2", "3"]]
+    assert link_rows(now, before) == [["gcs", "up", "100", "5", "1.50", "1", "", "2", "3"]]
     assert component_rows(now, before) == [["1", "1", "0", "4", "6", "0.2 s", "a, b"]]
 
 
 def test_rows_show_what_is_wrong() -> None:
     now = stats(2.0, peer="10.0.0.1:5", state="connecting", error="Connection refused")
     (row,) = link_rows(now, {"uptime": 0.0, "links": [], "components": []})
-    assert row[:5] == ["gcs", "10.0.0.1:5", "connecting: Connection refused", "50", "25"]
+    assert row[:4] == ["  10.0.0.1:5", "connecting: Connection refused", "50", "25"]
 
 
 def test_the_table_is_drawn_where_rich_is() -> None:
@@ -51,6 +52,22 @@ def test_the_table_is_drawn_where_rich_is() -> None:
         table = StatusTable(bridge)
         table()
         table.close()
+
+
+def test_a_narrow_terminal_shows_links_whole_and_no_columns_of_zeros() -> None:
+    pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
+    from mavwire.cli._bridge_status import LINK_COLUMNS, _table
+    from rich.console import Console
+
+    name = "udpout:192.168.120.200:14550"
+    one = stats(2.0, name=name, duplicates=0, junk_bytes=0)
+    one["links"].append({**LINK, "peer": "127.0.0.1:40001", "state": "up", "duplicates": 0})
+    rows = link_rows(one, {"uptime": 0.0, "links": [], "components": []})
+    out = io.StringIO()
+    Console(width=80, file=out).print(_table(LINK_COLUMNS, rows, 2))
+    text = out.getvalue()
+    assert name in text and "  127.0.0.1:40001" in text
+    assert "junk" in text and "duplicates" not in text and "overrun" not in text
 
 
 def test_a_link_that_takes_too_little_is_told_of_once_a_second(

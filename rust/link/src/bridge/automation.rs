@@ -104,16 +104,8 @@ impl Automation {
     }
 
     fn frame(&mut self, msgid: u32, payload: &[u8], crc_extra: u8) -> Option<FrameBuffer> {
-        let header = Header {
-            version: WireVersion::V2,
-            payload_len: 0,
-            incompat_flags: 0,
-            compat_flags: 0,
-            seq: self.seq,
-            sysid: self.options.system,
-            compid: COMPONENT,
-            msgid,
-        };
+        let system = self.options.system;
+        let header = Header::new(WireVersion::V2, self.seq, system, COMPONENT, msgid);
         self.seq = self.seq.wrapping_add(1);
         let mut frame = FrameBuffer::default();
         frame.encode(header, payload, crc_extra).ok().map(|()| frame)
@@ -160,16 +152,7 @@ mod tests {
         let mut automation = automation(None, Some(4));
         let mut ask = |sysid, autopilot, now| {
             let mut frame = FrameBuffer::default();
-            let header = Header {
-                version: WireVersion::V2,
-                payload_len: 0,
-                incompat_flags: 0,
-                compat_flags: 0,
-                seq: 0,
-                sysid,
-                compid: 1,
-                msgid: 0,
-            };
+            let header = Header::new(WireVersion::V2, 0, sysid, 1, 0);
             frame.encode(header, &[0, 0, 0, 0, 2, autopilot], HEARTBEAT_EXTRA).expect("it fits");
             let header = Header::parse(&frame).expect("a frame");
             let asked = automation.requests(&frame, &header, now);

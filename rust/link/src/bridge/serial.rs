@@ -9,12 +9,17 @@ use std::path::Path;
 /// Opens a port raw: 8 data bits, no parity, one stop bit, nothing waited for.
 ///
 /// # Errors
-/// What the operating system says; `InvalidInput` for a speed that the port does not have.
+/// What the operating system says; `InvalidInput` for a speed that the port does not have, and for what is no port.
 pub(super) fn open(path: &Path, baud: u32, flow_control: bool) -> io::Result<File> {
     let flags = libc::O_NONBLOCK | libc::O_NOCTTY;
     let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path)?;
-    configure(&file, baud, flow_control)?;
-    Ok(file)
+    match configure(&file, baud, flow_control) {
+        // "Inappropriate ioctl for device" tells nobody that the path is wrong.
+        Err(error) if error.raw_os_error() == Some(libc::ENOTTY) => {
+            Err(io::Error::new(io::ErrorKind::InvalidInput, "this is no serial port"))
+        }
+        done => done.map(|()| file),
+    }
 }
 
 fn check(result: libc::c_int) -> io::Result<()> {

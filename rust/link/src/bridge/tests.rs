@@ -52,16 +52,7 @@ fn command(target: u8, seq: u8) -> Vec<u8> {
 }
 
 fn frame_of(sysid: u8, msgid: u32, seq: u8, payload: &[u8], crc_extra: u8) -> Vec<u8> {
-    let header = Header {
-        version: WireVersion::V2,
-        payload_len: 0,
-        incompat_flags: 0,
-        compat_flags: 0,
-        seq,
-        sysid,
-        compid: 1,
-        msgid,
-    };
+    let header = Header::new(WireVersion::V2, seq, sysid, 1, msgid);
     let mut out = Vec::new();
     frame::encode(&mut out, header, payload, crc_extra).expect("a valid header");
     out
