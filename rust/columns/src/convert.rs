@@ -18,9 +18,13 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::pool;
 use crate::row_groups::RowGroups;
+use crate::tables::pieces;
 
 /// The first and last time that the text writers can show, microseconds since 1970: the years -262143 and 262142.
 const SHOWN_MICROS: (i64, i64) = (-8_334_601_228_800_000_000, 8_210_266_876_799_999_999);
+
+/// Rows that become text in one go.
+const TEXT_ROWS: usize = 4096;
 
 /// A kind of file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,7 +75,7 @@ pub struct Sink<W: Write + Send> {
 
 enum Writer<W: Write + Send> {
     Parquet(Box<RowGroups<W>>),
-    Csv(Box<arrow::csv::Writer<Squeeze<W>>>, SchemaRef),
+    Csv(Box<Squeeze<W>>, SchemaRef),
     JsonLines(Box<LineDelimitedWriter<Squeeze<W>>>),
     Arrow(Box<FileWriter<W>>),
 }
@@ -92,12 +96,10 @@ impl<W: Write + Send> Sink<W> {
                 Writer::Parquet(Box::new(RowGroups::new(out, Arc::clone(schema), compression)))
             }
             Format::Csv => {
-                let out = Squeeze::new(out, compression)?;
-                let flat = flat_schema(schema);
-                let mut writer = CsvBuilder::new().with_header(true).build(out);
+                let (mut out, flat) = (Squeeze::new(out, compression)?, flat_schema(schema));
                 // The header stands there even if no row follows.
-                writer.write(&RecordBatch::new_empty(Arc::clone(&flat)))?;
-                Writer::Csv(Box::new(writer), flat)
+                write_lines(&mut out, &RecordBatch::new_empty(Arc::clone(&flat)), true)?;
+                Writer::Csv(Box::new(out), flat)
             }
             Format::JsonLines => {
                 let out = Squeeze::new(out, compression)?;
@@ -120,7 +122,7 @@ impl<W: Write + Send> Sink<W> {
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
         match &mut self.writer {
             Writer::Parquet(writer) => writer.write(batch)?,
-            Writer::Csv(writer, schema) => writer.write(&flat(batch, schema)?)?,
+            Writer::Csv(out, schema) => write_lines(out, &flat(batch, schema)?, false)?,
             Writer::JsonLines(writer) => writer.write(&with_plain_times(batch)?)?,
             Writer::Arrow(writer) => writer.write(batch)?,
         }
@@ -135,7 +137,7 @@ impl<W: Write + Send> Sink<W> {
     pub fn finish(self) -> Result<W, Error> {
         Ok(match self.writer {
             Writer::Parquet(writer) => writer.finish()?,
-            Writer::Csv(writer, _) => writer.into_inner().finish()?,
+            Writer::Csv(out, _) => out.finish()?,
             Writer::JsonLines(mut writer) => {
                 writer.finish()?;
                 writer.into_inner().finish()?
@@ -157,6 +159,17 @@ pub fn write_all<W: Write + Send>(
         batches.into_iter().try_for_each(|one| sink.write(one))
     };
     pool::run(|| each.try_for_each(write))
+}
+
+/// Writes rows as lines of CSV. They are made in memory: the writer of arrow does not say why it cannot write to a file.
+fn write_lines(out: &mut impl Write, rows: &RecordBatch, header: bool) -> Result<(), Error> {
+    let mut text = Vec::new();
+    for rows in pieces(rows, TEXT_ROWS) {
+        text.clear();
+        CsvBuilder::new().with_header(header).build(&mut text).write(&rows)?;
+        out.write_all(&text)?;
+    }
+    Ok(())
 }
 
 /// A schema without lists: a column for each element.

@@ -22,7 +22,7 @@ use crate::tables::Tables;
 /// When a table's rows become a record batch.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
-    /// Rows of a batch at most; a table waits until it has as many, except at the end. 0 for those of each block.
+    /// Rows of a batch at most; a table waits until another block would bring more, or the end. 0 for those of each block.
     pub rows: usize,
     /// Bytes that all growing tables may hold together; beyond that the largest is taken.
     pub bytes: usize,

@@ -1,7 +1,7 @@
 //! Parquet files: a row group for each batch, its columns encoded on all processors.
 
-use std::io::Write;
-use std::sync::Arc;
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use arrow::array::{ArrayRef, RecordBatch};
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef};
@@ -34,20 +34,35 @@ const FEW_BYTES: usize = 1024;
 pub(crate) struct RowGroups<W: Write + Send> {
     schema: SchemaRef,
     compression: Compression,
+    out: Shared<W>,
     state: State<W>,
+}
+
+/// The output: parquet's writer, asked to give it back, does not say why it cannot write what is left.
+struct Shared<W>(Arc<Mutex<W>>);
+
+impl<W: Write> Write for Shared<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).flush()
+    }
 }
 
 enum State<W: Write + Send> {
     /// The first batch tells how its columns are best written.
-    New(W),
-    Open(Box<SerializedFileWriter<W>>, ArrowRowGroupWriterFactory),
+    New,
+    Open(Box<SerializedFileWriter<Shared<W>>>, ArrowRowGroupWriterFactory),
     /// After an error.
     Broken,
 }
 
 impl<W: Write + Send> RowGroups<W> {
     pub(crate) fn new(out: W, schema: SchemaRef, compression: Compression) -> Self {
-        Self { schema, compression, state: State::New(out) }
+        let out = Shared(Arc::new(Mutex::new(out)));
+        Self { schema, compression, out, state: State::New }
     }
 
     /// Writes a batch as a row group, or as some of about one size.
@@ -78,18 +93,23 @@ impl<W: Write + Send> RowGroups<W> {
 
     /// Writes the end of the file.
     pub(crate) fn finish(mut self) -> Result<W, Error> {
-        let (file, _) = self.open(0)?;
-        Ok(file.into_inner()?)
+        let (mut file, _) = self.open(0)?;
+        file.finish()?;
+        drop(file);
+        let lost = || ParquetError::General("the output is in use".to_owned());
+        let out = Arc::into_inner(self.out.0).ok_or_else(lost)?;
+        Ok(out.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
     #[allow(clippy::type_complexity)] // the two that belong together
     fn open(
         &mut self,
         rows: usize,
-    ) -> Result<(Box<SerializedFileWriter<W>>, ArrowRowGroupWriterFactory), Error> {
+    ) -> Result<(Box<SerializedFileWriter<Shared<W>>>, ArrowRowGroupWriterFactory), Error> {
         match std::mem::replace(&mut self.state, State::Broken) {
             State::Open(file, factory) => Ok((file, factory)),
-            State::New(out) => {
+            State::New => {
+                let out = Shared(Arc::clone(&self.out.0));
                 let properties = properties(&self.schema, self.compression, rows)?;
                 let schema = Arc::clone(&self.schema);
                 let writer = ArrowWriter::try_new(out, schema, Some(properties))?;

@@ -20,6 +20,8 @@ pub struct TableBuilder {
     rows: usize,
     /// Rows that there is room for.
     room: usize,
+    /// Rows that room was asked for last.
+    recent: usize,
 }
 
 impl TableBuilder {
@@ -27,7 +29,7 @@ impl TableBuilder {
     pub fn new(layout: Arc<Layout>) -> Self {
         let stamped = layout.framing.lead() > 0;
         let columns = layout.columns.iter().map(|column| Growing::new(column, stamped)).collect();
-        Self { layout, columns, rows: 0, room: 0 }
+        Self { layout, columns, rows: 0, room: 0, recent: 0 }
     }
 
     /// Its columns.
@@ -38,6 +40,11 @@ impl TableBuilder {
     /// Rows so far.
     pub fn rows(&self) -> usize {
         self.rows
+    }
+
+    /// Whether it has so many rows, or would with as many more as came last.
+    pub(crate) fn is_full(&self, most: usize) -> bool {
+        self.rows.saturating_add(self.recent) > most
     }
 
     /// Bytes held; none without rows, though an empty text column has an offset.
@@ -51,6 +58,7 @@ impl TableBuilder {
     /// Makes room for more rows, and for those that are to be expected: `growth` times what there is then, but no more
     /// than `most` rows or `most_bytes`. Memory that is never touched costs nothing, growing step by step does.
     pub(crate) fn reserve(&mut self, more: usize, growth: f64, most: usize, most_bytes: usize) {
+        self.recent = more;
         let needed = self.rows + more;
         if needed <= self.room {
             return;
@@ -111,5 +119,31 @@ impl TableBuilder {
         self.room = 0;
         let options = arrow::array::RecordBatchOptions::new().with_row_count(Some(rows));
         RecordBatch::try_new_with_options(Arc::clone(&self.layout.schema), arrays, &options)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::Framing;
+    use arrow::datatypes::Schema;
+
+    #[test]
+    fn a_table_is_full_before_the_rows_of_another_block_are_too_many() {
+        let (columns, schema) = (Vec::new(), Arc::new(Schema::empty()));
+        let (message, framing) = (String::new(), Framing::Raw);
+        let layout = Layout { message, max_len: 0, framing, columns, schema };
+        let mut table = TableBuilder::new(Arc::new(layout));
+        let mut full = Vec::new();
+        for _ in 0..6 {
+            table.reserve(20, 1.0, 70, usize::MAX);
+            table.append(&Rows { times: &[0; 20], bytes: &[], stride: 1 });
+            full.push(table.is_full(70));
+            if table.is_full(70) {
+                assert_eq!(table.take().expect("rows").num_rows(), 60);
+            }
+        }
+        assert_eq!(full, [false, false, true, false, false, true]);
+        assert!(table.is_full(0) && !table.is_full(usize::MAX));
     }
 }

@@ -61,7 +61,7 @@ impl Tables {
     /// The batches that are complete.
     pub(crate) fn complete(&mut self) -> Result<Vec<Batch>, Error> {
         let Limits { rows, bytes, table_bytes } = self.limits;
-        let is_full = |table: &TableBuilder| table.rows() >= rows || table.bytes() >= table_bytes;
+        let is_full = |table: &TableBuilder| table.is_full(rows) || table.bytes() >= table_bytes;
         let mut batches = self.take_where(|table| table.rows() > 0 && is_full(table))?;
         loop {
             let sizes = self.builders.iter().flatten().map(TableBuilder::bytes);

@@ -14,18 +14,21 @@ use mavwire_columns::select::Wanted;
 /// More than the block that is read at once.
 const RECORDS: usize = 250_000;
 
-/// Rows, and batches, by message index.
-fn read(limits: Limits) -> BTreeMap<u16, (usize, usize)> {
-    static LOG: LazyLock<Vec<u8>> = LazyLock::new(|| {
-        let mut bytes = log(&registry(), 1, RECORDS, 8);
-        damage(&mut bytes, 2, 50);
-        bytes
-    });
+static LOG: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let mut bytes = log(&registry(), 1, RECORDS, 8);
+    damage(&mut bytes, 2, 50);
+    bytes
+});
+
+fn reader(limits: Limits) -> Reader {
     let (registry, source) = (registry(), Box::new(Cursor::new(&LOG[..])));
     let (wanted, options) = (Wanted::default(), Options::default());
-    let mut reader =
-        Reader::new(source, None, registry, wanted, options, limits).expect("a reader");
-    let mut found = BTreeMap::new();
+    Reader::new(source, None, registry, wanted, options, limits).expect("a reader")
+}
+
+/// Rows, and batches, by message index.
+fn read(limits: Limits) -> BTreeMap<u16, (usize, usize)> {
+    let (mut reader, mut found) = (reader(limits), BTreeMap::new());
     while let Some(batches) = reader.advance().expect("batches") {
         for batch in batches {
             let (rows, count) = found.entry(batch.index).or_insert((0, 0));
@@ -71,5 +74,25 @@ fn reading_ends_with_the_smallest_of_limits() {
     for bytes in [0, 3, 100] {
         let found = read(Limits { bytes, ..Limits::NONE });
         assert_eq!(rows(&found), whole, "{bytes} bytes");
+    }
+}
+
+#[test]
+fn any_number_of_threads_makes_the_same_tables() {
+    let tables = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let (mut reader, mut tables) = (reader(Limits::NONE), Vec::new());
+            while let Some(batches) = reader.advance().expect("batches") {
+                tables.extend(batches.into_iter().map(|batch| (batch.index, batch.rows)));
+            }
+            assert_eq!(reader.position(), LOG.len() as u64);
+            (tables, reader.bad_bytes())
+        })
+    };
+    let (alone, bad) = tables(1);
+    assert!(alone.len() == 3 && bad > 0);
+    for threads in [2, 5] {
+        assert_eq!(tables(threads), (alone.clone(), bad), "{threads} threads");
     }
 }

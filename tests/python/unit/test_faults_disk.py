@@ -87,7 +87,7 @@ print(json.dumps([full, run_all(commands, log, out)]))
         assert f"{tmp_path}/{name}/made.html: File too large" in full[name][1]
     for name in ("cut", "repair", "anonymize", "merge"):
         assert f"{tmp_path}/{name}/made.tlog: File too large" in full[name][1]
-    for name in ("parquet", "jsonl", "arrow", "mcap"):
+    for name in ("parquet", "csv", "jsonl", "arrow", "mcap"):
         assert f"OSError: [Errno {errno.EFBIG}] File too large: " in full[name][1]
     for name, (code, said, made) in again.items():
         assert (code, said) == (0, ""), name
