@@ -24,9 +24,13 @@ TOLERANCE = 0.03
 RUST = ("scan", "scan-rescan", "route", "decode", "encode", "verify", "text", "json")
 BRIDGE = ("forward", "border")
 PYTHON = ("parse", "noise", "recv_match", "filter", "fields", "pack", "send", "verify")
+TABLES = ("columns", "columns-bin", "parquet")
 # How many messages the short and the long run have, and how far memory is moved in the runs.
-LENGTHS = {"rust": (10_000, 40_000), "bridge": (2_000, 12_000), "python": (1_000, 6_000)}
-PADDINGS = {"rust": (0,), "bridge": (0, 0), "python": (0, 1_000, 5_000)}
+LENGTHS = {
+    "rust": (10_000, 40_000), "bridge": (2_000, 12_000), "python": (1_000, 6_000),
+    "tables": (20_000, 60_000),
+}  # fmt: skip
+PADDINGS = {"rust": (0,), "bridge": (0, 0), "python": (0, 1_000, 5_000), "tables": (0, 0)}
 COLLECTED = re.compile(r"Collected\s*:\s*(\d+)")
 
 
@@ -78,6 +82,7 @@ def measure(only: str | None) -> dict[str, float]:
         ("rust", RUST, lambda: build("mavwire-core", "hot_paths")),
         ("bridge", BRIDGE, lambda: build("mavwire-link", "forward")),
         ("python", PYTHON, lambda: hot_loops),
+        ("tables", TABLES, lambda: hot_loops),
     )
     measured = {}
     for language, cases, prepare in programs:

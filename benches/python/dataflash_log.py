@@ -21,6 +21,8 @@ TYPES = (
     ("PARM", "QNff", "TimeUS,Name,Value,Default", 1),
 )
 FIRST_TYPE = 64
+HEAD_LEN = 89 * (1 + len(TYPES))
+"""Bytes of the records that describe the others, which come first."""
 RANGES = {"B": 5, "h": 9000, "H": 9000, "c": 9000, "C": 35999, "I": 9999, "L": 10**9, "e": 99999,
           "M": 7}  # fmt: skip
 

@@ -85,6 +85,46 @@ def log(mavlink: Any, messages: int, **how: Any) -> None:
         opened.close()
 
 
+def flight(mavlink: Any, messages: int) -> bytes:
+    """A telemetry log whose values change."""
+    mav = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+    records = []
+    for number in range(BLOCK):
+        one = number / BLOCK
+        kinds = [
+            mavlink.MAVLink_attitude_message(20 * number, one, -one, 2 * one, one, one, 0.03),
+            mavlink.MAVLink_global_position_int_message(
+                20 * number, 473_977_418 + number, 85_455_939, 500_000, 12_000, 3, -4, 5, number
+            ),
+            mavlink.MAVLink_servo_output_raw_message(20 * number, 0, *range(number, number + 8)),
+            mavlink.MAVLink_statustext_message(6, b"Leg finished, turning"),
+        ]
+        stamp = 1_700_000_000_000_000 + 20_000 * number
+        records.append(stamp.to_bytes(8, "big") + kinds[number % len(kinds)].pack(mav))
+        mav.seq = (mav.seq + 1) % 256
+    return b"".join(records) * (messages // BLOCK)
+
+
+def tables(case: str, mavlink: Any, messages: int) -> None:
+    """A telemetry or dataflash log into tables, or on into Parquet."""
+    import dataflash_log
+    import mavwire
+    from mavwire.logs.conversion import convert
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "flight.log"
+        if case == "columns-bin":
+            dataflash_log.write(path, BLOCK)
+            content, head = path.read_bytes(), dataflash_log.HEAD_LEN
+            path.write_bytes(content[:head] + content[head:] * (messages // BLOCK))
+        else:
+            path.write_bytes(flight(mavlink, messages))
+        if case == "parquet":
+            convert([path], Path(folder) / "out", dialect=mavlink)
+        else:
+            mavwire.read(path, dialect=mavlink)
+
+
 class Sink:
     """A transport that drops everything."""
 
@@ -110,6 +150,8 @@ def run(case: str, messages: int) -> None:
         log(mavlink, messages)
     elif case == "filter":
         log(mavlink, messages, type=["VFR_HUD"])
+    elif case in ("columns", "columns-bin", "parquet"):
+        tables(case, mavlink, messages)
     elif case == "pack":
         message = mavlink.MAVLink_attitude_message(1000, 0.1, -0.2, 1.5, 0.01, 0.02, 0.03)
         for _ in range(messages):

@@ -32,7 +32,12 @@ def test_every_committed_budget_belongs_to_a_path() -> None:
     import json
 
     kept = json.loads(gate.BUDGET.read_text())["instructions"]
-    programs = {"rust": gate.RUST, "bridge": gate.BRIDGE, "python": gate.PYTHON}
+    programs = {
+        "rust": gate.RUST,
+        "bridge": gate.BRIDGE,
+        "python": gate.PYTHON,
+        "tables": gate.TABLES,
+    }
     paths = {f"{language}/{case}" for language, cases in programs.items() for case in cases}
     assert kept.keys() <= paths
     assert {"rust/scan", "python/parse"} <= kept.keys()
