@@ -19,7 +19,7 @@ def parameters(path: str) -> dict[str, float]:
 def mission(path: str) -> int:
     """A mission file."""
     loader = mavwp.MAVWPLoader(target_system=1, target_component=1)
-    assert_type(loader.load(path), int | None)
+    assert_type(loader.load(path), int)
     loader.add_latlonalt(-35.36, 149.16, 20.0)
     assert_type(loader.count(), int)
     try:

@@ -52,7 +52,7 @@ def _write(log: Reading, args: Namespace, file: OutputFile) -> None:
     rows: dict[str, int] = {}
     for msg in log.messages(condition=args.condition):
         kind = msg.get_type()
-        if kind == "BAD_DATA" or kind.startswith("UNKNOWN_"):
+        if kind in ("BAD_DATA", "FMT", "PARM") or kind.startswith("UNKNOWN_"):
             continue
         if types is not None and kind not in types:
             continue

@@ -163,3 +163,12 @@ def test_a_disk_that_is_full(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     traffic.generate(log, 50)
     assert cli.main(["dump", "--format", "mat", "--mat_file", "/dev/full", str(log)]) == 1
     assert "--mat_file /dev/full: No space left" in capsys.readouterr().err
+
+
+def test_scripts_hold_no_types_and_parameters_of_dataflash_logs(tmp_path: Path) -> None:
+    """As mavtomfile.py's."""
+    log = tmp_path / "log.bin"
+    sample().write(log)
+    assert cli.main(["tomfile", str(log)]) == 0
+    text = (tmp_path / "log.m").read_text()
+    assert "FMT." not in text and "PARM." not in text and "IMU.columns" in text
