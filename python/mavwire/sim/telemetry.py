@@ -37,6 +37,8 @@ POSITION_SENSORS = (
     | mavlink.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
 )
 PREARM = mavlink.MAV_SYS_STATUS_PREARM_CHECK
+# No fence is breached; without this, ground stations say that one is, even where there is none.
+FENCE_KEPT = mavlink.MAV_SYS_STATUS_GEOFENCE
 # Filter flags while there is no position: attitude, vertical, and a constant position.
 NO_POSITION = 0x01 | 0x04 | 0x20 | 0x80
 WITH_POSITION = 0x33F
@@ -57,7 +59,7 @@ def heartbeat(v: Vehicle) -> Any:
 
 def sys_status(v: Vehicle) -> Any:
     present = SENSORS | POSITION_SENSORS | PREARM
-    health = SENSORS
+    health = SENSORS | FENCE_KEPT
     if v.autopilot.position_ok:
         health |= POSITION_SENSORS
     if v.autopilot.armed or not v.personality.arming_failures(v.autopilot):

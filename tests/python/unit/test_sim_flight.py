@@ -261,6 +261,7 @@ def test_health_and_prearm_follow_the_position() -> None:
     station.step(1)
     early = station.last("SYS_STATUS")
     assert not early.onboard_control_sensors_health & (prearm | mavlink.MAV_SYS_STATUS_SENSOR_GPS)
+    assert early.onboard_control_sensors_health & mavlink.MAV_SYS_STATUS_GEOFENCE
     assert station.last("EKF_STATUS_REPORT").flags & mavlink.EKF_CONST_POS_MODE
     assert station.last("GPS_RAW_INT").fix_type < 3
     station.step(4)
