@@ -8,6 +8,8 @@ import shutil
 import socket
 import struct
 import subprocess
+import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ from mavwire.dialects.v20 import all as mavlink
 
 T0 = 1_600_000_000_000_000
 KEY = bytes(range(32))
+THREADS = 8
 
 
 class Undecided:
@@ -165,3 +168,24 @@ def make_certificate(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     path.write_bytes(path.read_bytes() + made.read_bytes())
     monkeypatch.setenv("SSL_CERT_FILE", str(path))
     return path
+
+
+def at_once(work: Callable[[int], None], count: int = THREADS) -> None:
+    """Run `work(0)` to `work(count - 1)` in threads that start together."""
+    start = threading.Barrier(count)
+    failures: list[BaseException] = []
+
+    def run(number: int) -> None:
+        start.wait()
+        try:
+            work(number)
+        except BaseException as error:
+            failures.append(error)
+
+    threads = [threading.Thread(target=run, args=(number,)) for number in range(count)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+    assert not failures
+    assert not any(thread.is_alive() for thread in threads)

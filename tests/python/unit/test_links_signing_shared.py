@@ -6,7 +6,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from weakref import WeakSet
@@ -18,7 +17,7 @@ from mavwire.links import signing as signing_module
 from mavwire.links import state
 from mavwire.links.link_ids import claim
 from unit.faults import ENVIRONMENT, python
-from unit.link_tools import KEY, Capture, drain, signed, types
+from unit.link_tools import KEY, Capture, at_once, drain, signed, types
 
 fcntl = pytest.importorskip("fcntl", reason="without locks nothing is known of other processes")
 
@@ -173,27 +172,6 @@ def test_a_file_system_without_locks_is_no_obstacle(tmp_path, caplog, monkeypatc
 # -- threads
 
 
-def at_once(work) -> None:
-    """Run `work(0)` to `work(5)` in threads that start together."""
-    start = threading.Barrier(6)
-    failures: list[BaseException] = []
-
-    def run(number: int) -> None:
-        start.wait()
-        try:
-            work(number)
-        except BaseException as error:
-            failures.append(error)
-
-    threads = [threading.Thread(target=run, args=(number,)) for number in range(6)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(WAIT)
-    assert not failures
-    assert not any(thread.is_alive() for thread in threads)
-
-
 class Dawdling:
     """Stands for the state of all links, where reading a number takes a moment."""
 
@@ -213,7 +191,7 @@ class Dawdling:
 def test_links_that_threads_set_up_have_different_ids(monkeypatch):
     monkeypatch.setattr(signing_module, "state", Dawdling())
     links = [[Capture() for _ in range(5)] for _ in range(6)]
-    at_once(lambda number: [link.setup_signing(KEY) for link in links[number]])
+    at_once(lambda number: [link.setup_signing(KEY) for link in links[number]], len(links))
     numbers = [link.mav.signing.link_id for own in links for link in own]
     assert sorted(numbers) == list(range(30))
 
@@ -252,7 +230,7 @@ def test_threads_wait_for_each_other_to_share_streams(monkeypatch):
             links[number].disable_signing()
         links[number].setup_signing(KEY)
 
-    at_once(work)
+    at_once(work, len(links))
     assert guarded.most == 1
     listened = [link.mav.signing.stream_timestamps for link in links]
     links[0].mav.signing.stream_timestamps = {(1, 2, 3): 4}

@@ -5,14 +5,13 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import pairwise
 
 import pytest
 from mavwire.dialects.v20 import all as mavlink
-from unit.link_tools import KEY, heartbeat
+from unit.link_tools import KEY, THREADS, at_once, heartbeat
 
-THREADS = 8
 EACH = 400
 
 
@@ -22,27 +21,6 @@ def frequent_switches() -> Iterator[None]:
     sys.setswitchinterval(1e-5)
     yield
     sys.setswitchinterval(before)
-
-
-def at_once(work: Callable[[int], None], count: int = THREADS) -> None:
-    """Run `work(0)` to `work(count - 1)` in threads that start together."""
-    start = threading.Barrier(count)
-    failures: list[BaseException] = []
-
-    def run(number: int) -> None:
-        start.wait()
-        try:
-            work(number)
-        except BaseException as error:
-            failures.append(error)
-
-    threads = [threading.Thread(target=run, args=(number,)) for number in range(count)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(60)
-    assert not failures
-    assert not any(thread.is_alive() for thread in threads)
 
 
 class Wire:
