@@ -108,6 +108,11 @@ bench-large: ## Read logs of up to 1 GB: time of a message, and memory (BENCH_FL
 	@$(MAKE) --no-print-directory build PROFILE=release
 	@$(BIN)/python benches/large_log.py $(BENCH_FLAGS)
 
+.PHONY: bench-threads
+bench-threads: ## Make tables of logs on one thread and on two
+	@$(MAKE) --no-print-directory build PROFILE=release
+	@$(BIN)/python benches/threads.py $(BENCH_FLAGS)
+
 .PHONY: bench-bridge
 bench-bridge: ## Forward through a bridge at rising rates, to many links, from many components
 	@$(MAKE) --no-print-directory build PROFILE=release
