@@ -126,9 +126,6 @@ def prepare(
     module, native = native_dialect(dialect)
     if format in ONE_FILE and (units is not None or enums is not None):
         raise ValueError(f"{format} has values as they are sent: leave units and enums out")
-    if format == "arrow" and enums is not None:
-        # Names that come later, of a value that has none or of several bits, find no room.
-        raise ValueError("an arrow file has one dictionary for a column: leave enums out")
     query = Query.of(module, types, systems, fields, start, end, units, enums)
     if query.foreign is None and (first is None or not is_dataflash(first)):
         check_tables(module, native, query, fields)

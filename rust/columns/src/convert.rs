@@ -77,7 +77,7 @@ enum Writer<W: Write + Send> {
     Parquet(Box<RowGroups<W>>),
     Csv(Box<Squeeze<W>>, SchemaRef),
     JsonLines(Box<LineDelimitedWriter<Squeeze<W>>>),
-    Arrow(Box<FileWriter<W>>),
+    Arrow(Box<FileWriter<W>>, SchemaRef),
 }
 
 impl<W: Write + Send> Sink<W> {
@@ -105,7 +105,10 @@ impl<W: Write + Send> Sink<W> {
                 let out = Squeeze::new(out, compression)?;
                 Writer::JsonLines(Box::new(LineDelimitedWriter::new(out)))
             }
-            Format::Arrow => Writer::Arrow(Box::new(FileWriter::try_new(out, schema)?)),
+            Format::Arrow => {
+                let plain = with_fields(schema, plain_text);
+                Writer::Arrow(Box::new(FileWriter::try_new(out, &plain)?), plain)
+            }
         };
         Ok(Self { writer, rows: 0 })
     }
@@ -124,7 +127,7 @@ impl<W: Write + Send> Sink<W> {
             Writer::Parquet(writer) => writer.write(batch)?,
             Writer::Csv(out, schema) => write_lines(out, &flat(batch, schema)?, false)?,
             Writer::JsonLines(writer) => writer.write(&with_plain_times(batch)?)?,
-            Writer::Arrow(writer) => writer.write(batch)?,
+            Writer::Arrow(writer, schema) => writer.write(&cast_all(batch, schema)?)?,
         }
         self.rows += batch.num_rows() as u64;
         Ok(())
@@ -142,7 +145,7 @@ impl<W: Write + Send> Sink<W> {
                 writer.finish()?;
                 writer.into_inner().finish()?
             }
-            Writer::Arrow(writer) => writer.into_inner()?,
+            Writer::Arrow(writer, _) => writer.into_inner()?,
         })
     }
 }
@@ -199,25 +202,50 @@ fn plain_time(field: &Field) -> Field {
     }
 }
 
+/// A field of names as texts: an Arrow file has one dictionary for a column, and names may come with each batch.
+fn plain_text(field: &Field) -> Field {
+    match field.data_type() {
+        DataType::Dictionary(_, text) => field.clone().with_data_type((**text).clone()),
+        DataType::FixedSizeList(item, length) => {
+            let list = DataType::FixedSizeList(Arc::new(plain_text(item)), *length);
+            field.clone().with_data_type(list)
+        }
+        _ => field.clone(),
+    }
+}
+
+fn with_fields(schema: &Schema, change: fn(&Field) -> Field) -> SchemaRef {
+    let fields: Vec<Field> = schema.fields().iter().map(|field| change(field)).collect();
+    Arc::new(Schema::new_with_metadata(fields, schema.metadata().clone()))
+}
+
 /// Times by their offset, and none beyond what the text writers can show.
 fn with_plain_times(batch: &RecordBatch) -> Result<RecordBatch, Error> {
-    let fields: Vec<Field> = batch.schema().fields().iter().map(|f| plain_time(f)).collect();
-    let arrays = batch.columns().iter().zip(&fields).map(|(array, field)| {
+    let (schema, mut arrays) = (batch.schema(), batch.columns().to_vec());
+    for array in &mut arrays {
         if let Some(times) = array.as_any().downcast_ref::<TimestampMicrosecondArray>() {
             let shown = times.unary::<_, TimestampMicrosecondType>(|time| {
                 time.clamp(SHOWN_MICROS.0, SHOWN_MICROS.1)
             });
-            return Ok(Arc::new(shown.with_data_type(field.data_type().clone())) as ArrayRef);
+            *array = Arc::new(shown.with_data_type(array.data_type().clone()));
         }
+    }
+    let options = RecordBatchOptions::new().with_row_count(Some(batch.num_rows()));
+    let shown = RecordBatch::try_new_with_options(Arc::clone(&schema), arrays, &options)?;
+    cast_all(&shown, &with_fields(&schema, plain_time))
+}
+
+/// The batch with columns of these types.
+fn cast_all(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, Error> {
+    let arrays = batch.columns().iter().zip(schema.fields()).map(|(array, field)| {
         if array.data_type() == field.data_type() {
-            Ok(Arc::clone(array))
-        } else {
-            cast(array, field.data_type())
+            return Ok(Arc::clone(array));
         }
+        cast(array, field.data_type())
     });
     let arrays = arrays.collect::<Result<Vec<_>, _>>()?;
     let options = RecordBatchOptions::new().with_row_count(Some(batch.num_rows()));
-    Ok(RecordBatch::try_new_with_options(Arc::new(Schema::new(fields)), arrays, &options)?)
+    Ok(RecordBatch::try_new_with_options(Arc::clone(schema), arrays, &options)?)
 }
 
 fn flat(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, Error> {

@@ -4,10 +4,8 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::sync::Arc;
 
-use arrow::array::{Array, ArrayRef, DictionaryArray, Int32Array, RecordBatch, StringArray};
-use arrow::compute::concat;
-use arrow::datatypes::{DataType, Int32Type};
-use arrow::error::ArrowError;
+use arrow::array::{ArrayRef, DictionaryArray, Int32Array, StringArray};
+use arrow::datatypes::Int32Type;
 use mavwire_schema::Enum;
 
 /// The entries of an enum.
@@ -72,36 +70,6 @@ impl Names {
             .into();
         let texts = Arc::new(StringArray::from(texts));
         Arc::new(DictionaryArray::<Int32Type>::new(keys, texts))
-    }
-}
-
-/// Batches of one table with one dictionary for each column: some kinds of files have room for no second one.
-///
-/// # Errors
-/// What arrow says.
-pub fn with_one_dictionary(batches: &[RecordBatch]) -> Result<Vec<RecordBatch>, ArrowError> {
-    let [first, _, ..] = batches else { return Ok(batches.to_vec()) };
-    let mut columns: Vec<Vec<ArrayRef>> =
-        batches.iter().map(|batch| batch.columns().to_vec()).collect();
-    for (place, field) in first.schema_ref().fields().iter().enumerate() {
-        if !is_dictionary(field.data_type()) {
-            continue;
-        }
-        let parts: Vec<&dyn Array> = batches.iter().map(|batch| &**batch.column(place)).collect();
-        let (whole, mut start) = (concat(&parts)?, 0);
-        for (arrays, part) in columns.iter_mut().zip(&parts) {
-            arrays[place] = whole.slice(start, part.len());
-            start += part.len();
-        }
-    }
-    let batch = |(batch, arrays): (&RecordBatch, _)| RecordBatch::try_new(batch.schema(), arrays);
-    batches.iter().zip(columns).map(batch).collect()
-}
-
-fn is_dictionary(data_type: &DataType) -> bool {
-    match data_type {
-        DataType::FixedSizeList(item, _) => is_dictionary(item.data_type()),
-        other => matches!(other, DataType::Dictionary(..)),
     }
 }
 

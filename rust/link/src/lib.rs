@@ -16,3 +16,4 @@ pub mod records;
 mod tally;
 pub mod text_log;
 pub mod window;
+pub mod wording;

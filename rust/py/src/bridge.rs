@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use mavwire_core::router::Settings;
 use mavwire_link::bridge::{Bridge, BridgeError as Error, Kind, Tap, TapFilter};
+use mavwire_link::wording::in_words;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -37,11 +38,7 @@ fn to_python(error: Error) -> PyErr {
     match error {
         Error::Io { link, error } => match error.raw_os_error() {
             // Called with these, OSError makes the subclass that fits.
-            Some(errno) => {
-                let text = error.to_string();
-                let text = text.split(" (os error").next().unwrap_or(&text).to_owned();
-                PyOSError::new_err((errno, text, link))
-            }
+            Some(errno) => PyOSError::new_err((errno, in_words(&error), link)),
             None => PyOSError::new_err(format!("{link}: {error}")),
         },
         other => BridgeError::new_err(other.to_string()),

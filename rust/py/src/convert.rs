@@ -5,7 +5,6 @@ use std::sync::{Mutex, PoisonError};
 
 use mavwire_columns::Error;
 use mavwire_columns::convert::{Compression, Format, Sink};
-use mavwire_columns::enums::with_one_dictionary;
 use mavwire_columns::mcap;
 use mavwire_columns::reader::Decode;
 use mavwire_link::files::Draft;
@@ -169,11 +168,8 @@ fn write_file(
     format: Format,
     compression: Compression,
 ) -> Result<(), Error> {
-    let one =
-        if format == Format::Arrow { with_one_dictionary(table.batches())? } else { Vec::new() };
-    let batches = if format == Format::Arrow { &one } else { table.batches() };
     let mut sink = Sink::new(Draft::create(path)?, table.schema(), format, compression)?;
-    for batch in batches {
+    for batch in table.batches() {
         sink.write(batch)?;
     }
     Ok(sink.finish()?.commit()?)

@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use mavwire_link::files::Unwritten;
+use mavwire_link::wording::in_words;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
@@ -22,8 +23,7 @@ pub(crate) fn file_error(error: &(dyn Error + 'static)) -> Option<PyErr> {
 /// The same for a file whose name is known, with what else there is to say.
 pub(crate) fn of_file(error: &io::Error, path: Option<&Path>, advice: &str) -> Option<PyErr> {
     let code = error.raw_os_error()?;
-    let (text, number) = (error.to_string(), format!(" (os error {code})"));
-    let text = text.strip_suffix(&number).unwrap_or(&text).to_owned() + advice;
+    let text = in_words(error) + advice;
     Some(match path {
         Some(path) => PyOSError::new_err((code, text, path.as_os_str().to_owned())),
         None => PyOSError::new_err((code, text)),

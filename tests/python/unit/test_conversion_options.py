@@ -50,10 +50,16 @@ def test_other_units_and_names_are_other_options(flight, tmp_path):
         assert [convert([flight], tmp_path, **how)[0].skipped for _ in range(2)] == [False, True]
 
 
-def test_an_arrow_file_has_no_room_for_names_that_come_later(flight, tmp_path):
-    with pytest.raises(ValueError, match="leave enums out"):
-        convert([flight], tmp_path / "out", format="arrow", enums="names")
-    assert not (tmp_path / "out").exists()
+def test_names_are_plain_texts_in_an_arrow_file(flight, tmp_path):
+    pa = pytest.importorskip("pyarrow")
+    (row,) = convert([flight], tmp_path, format="arrow", enums="names")
+    assert row.error is None
+    table = mavwire.read(flight, enums="names")["HEARTBEAT"]
+    with pa.OSFile(str(tmp_path / "HEARTBEAT" / "flight.arrow")) as file:
+        found = pa.ipc.open_file(file).read_all()
+    for name in ("type", "base_mode"):
+        assert found.schema.field(name).type == pa.string()
+        assert found[name].to_pylist() == table[name].tolist()
 
 
 @pytest.mark.parametrize("how", [{"units": "si"}, {"enums": "names"}])

@@ -125,4 +125,7 @@ def test_an_arrow_file_of_names_of_several_batches(named, tmp_path):
     with pa.OSFile(str(tmp_path / "names.arrow")) as file:
         table = pa.ipc.open_file(file).read_all()
     assert table["type"].to_pylist() == NAMES
-    assert pa.types.is_dictionary(table.schema.field("type").type)
+    assert table.schema.field("type").type == pa.string()
+    assert table.schema.field("type").metadata == {
+        key.encode(): value.encode() for key, value in named.metadata["type"].items()
+    }

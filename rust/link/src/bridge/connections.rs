@@ -15,6 +15,7 @@ use super::latency::Latency;
 use super::port::Wire;
 use super::stats::Traffic;
 use crate::address::Address;
+use crate::wording::in_words;
 
 /// Peers of a UDP server, and connections to a TCP server.
 const MAX_PEERS: usize = 64;
@@ -159,7 +160,7 @@ impl EventLoop {
         let Some(port) = self.switch.port(id) else { return };
         let Some(link) = self.links.get_mut(&port.link) else { return };
         if let Some(error) = error {
-            link.error = Some(error.to_string());
+            link.error = Some(in_words(&error));
         }
         if let Kind::Dialled(_, dialling) = &mut link.kind {
             port.wire = Wire::Down;
@@ -214,7 +215,7 @@ impl EventLoop {
                 }
             }
             Err(error) => {
-                link.error = Some(error.to_string());
+                link.error = Some(in_words(&error));
                 let longest = link.spec.retry.unwrap_or(FIRST_RETRY);
                 dialling.at = Some(now + dialling.pause.min(longest).as_micros() as u64);
                 dialling.pause = (dialling.pause * 2).min(longest);

@@ -15,6 +15,7 @@ use mavwire_core::log::tlog::{Stamp, recordable};
 
 use super::frames::Frames;
 use crate::clock;
+use crate::wording::in_words;
 
 /// Bytes that wait for the disk at most.
 const MAX_PENDING: usize = 16 << 20;
@@ -189,7 +190,7 @@ impl Writer {
                     }
                     Err(error) => {
                         stats.dropped += count;
-                        stats.error = Some(error.to_string());
+                        stats.error = Some(in_words(&error));
                     }
                 }
             }
