@@ -5,6 +5,10 @@ Importing the package is nearly free; each name below is fetched when it is firs
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from mavwire import aio as aio
+    from mavwire import bridge as bridge
+    from mavwire import fleet as fleet
+    from mavwire import sim as sim
     from mavwire._alias import install_as_pymavlink, uninstall_as_pymavlink
     from mavwire.bridge import Bridge
     from mavwire.logs import LogFormatError, open_log, read, scan, scan_polars
@@ -31,6 +35,8 @@ _LAZY = {
     "uninstall_as_pymavlink": "mavwire._alias",
 }
 """Public name -> the module that has it."""
+_MODULES = ("aio", "bridge", "fleet", "sim")
+"""Modules that need no import of their own."""
 
 
 def __getattr__(name: str) -> object:
@@ -38,6 +44,8 @@ def __getattr__(name: str) -> object:
         value: object = _version()
     elif name in _LAZY:
         value = getattr(__import__(_LAZY[name], fromlist=[name]), name)
+    elif name in _MODULES:
+        value = __import__(f"mavwire.{name}", fromlist=[name])
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
@@ -45,7 +53,7 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_LAZY, "__version__"})
+    return sorted({*globals(), *_LAZY, *_MODULES, "__version__"})
 
 
 def _version() -> str:
