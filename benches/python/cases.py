@@ -268,13 +268,22 @@ def columns(side: Side, corpus: Corpus) -> Job:
     """A whole log as columns by type: the way each package offers, a loop into lists where there is
     none.
     """
+    return _columns(side, corpus.messages, corpus.tlog, "ATTITUDE", "roll")
+
+
+def dataflash_columns(side: Side, corpus: Corpus) -> Job:
+    """The same of a dataflash log."""
+    return _columns(side, corpus.messages, corpus.dataflash, "ATT", "Roll")
+
+
+def _columns(side: Side, messages: int, path: str, kind: str, field: str) -> Job:
     reader = COLUMN_READERS.get(side.package, _columns_by_loop)
 
-    def attitude() -> Any:
-        values = reader(side, corpus.tlog)["ATTITUDE"]["roll"]
+    def one() -> Any:
+        values = reader(side, path)[kind][field]
         return len(values), f"{sum(map(float, values)):.3f}"
 
-    return Job(corpus.messages, lambda _: bool(reader(side, corpus.tlog)), True, attitude)
+    return Job(messages, lambda _: bool(reader(side, path)), True, one)
 
 
 def _columns_by_loop(side: Side, path: str) -> Any:
@@ -422,6 +431,8 @@ CASES: dict[str, Callable[[Side, Corpus], Job]] = {
     "bin-open": dataflash_open,
     "bin-recv_match": dataflash,
     "bin-filter": lambda s, c: dataflash(s, c, type="ATT"),
+    "bin-filter-rare": lambda s, c: dataflash(s, c, type="GPS"),
+    "bin-columns": dataflash_columns,
     "bin-fields": lambda s, c: dataflash(s, c, columns_of),
     "bin-str": lambda s, c: dataflash(s, c, str),
     "pack": pack,

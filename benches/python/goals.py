@@ -66,7 +66,11 @@ ROWS = (
     Row("verify", "G11", "parse_buffer, signed and verified", Goal(74, 2.5), Goal(None, 4)),
     Row("bin-open", "G15", "dataflash: open"),
     Row("bin-recv_match", "G15", "dataflash: recv_match()", Goal(27, 2), Goal(None, 5)),
-    Row("bin-filter", "G15", "dataflash: one type of 10", Goal(None, 15), Goal(None, 30)),
+    Row("bin-filter", "G15", "dataflash: a type, 20% of the log", Goal(None, 15), Goal(None, 30)),
+    Row(
+        "bin-filter-rare", "G15", "dataflash: a type, 4% of the log", Goal(None, 15), Goal(None, 30)
+    ),
+    Row("bin-columns", "G15", "dataflash into columns", Goal(None, 10), Goal(None, 20)),
     Row("bin-fields", "G15", "dataflash: read all columns"),
     Row("bin-str", "G15", "dataflash: read and str()"),
 )

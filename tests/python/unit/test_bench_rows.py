@@ -23,7 +23,7 @@ def rows(only: str) -> list[str]:
 def test_rows_by_number_and_by_case() -> None:
     assert rows("G1") == ["stream-64k", "stream-280", "stream-1", "version1", "corrupt"]
     assert rows("g14") == ["dump-json", "dump-standard"]
-    assert rows("filter") == ["filter-mmap", "filter-stream", "bin-filter"]
+    assert rows("filter") == ["filter-mmap", "filter-stream", "bin-filter", "bin-filter-rare"]
 
 
 def test_no_such_row() -> None:
