@@ -6,9 +6,9 @@ vehicle's state, and which clock the log has.
 
 from __future__ import annotations
 
-import math
 import os
 from contextlib import suppress
+from math import isnan
 
 from mavwire import _native
 from mavwire.links.conditions import evaluate_condition
@@ -29,7 +29,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from types import TracebackType
-    from typing import Any, Self
+    from typing import Any, ClassVar, Self
 
 MAV_TYPE_FIXED_WING = 1
 # What the firmware's greeting contains -> MAV_TYPE. The first that fits.
@@ -296,47 +296,60 @@ class DFReader(_native.DataflashReader):
         """Take a message of a type that tells the state of the vehicle into it; one that has a word
         in the place of a number tells nothing.
         """
-        with suppress(ValueError, OverflowError):  # a mode may be infinite
-            self._take_state(m)
-
-    def _take_state(self, m: Any) -> None:
-        kind, names = m.get_type(), m.get_fieldnames()
-        if kind == "PARM":
-            self._track_parameter(m, names)
-        elif kind == "MODE":
-            self._track_mode(m, names)
-        elif kind == "STAT" and "MainState" in names:
-            self.flightmode = mode_string_px4(m.MainState)
-        elif kind == "MSG" and "Message" in names:
-            self._track_text(m.Message)
-        elif kind == "VER" and "BU" in names:
-            self.mav_type = _VEHICLE_BUILDS.get(m.BU, self.mav_type)
+        take = self._TAKERS.get(m.get_type())
+        if take is None:
+            return
+        try:
+            take(self, m)
+        except (ValueError, OverflowError, TypeError):  # a mode may be infinite, a text a number
+            pass
 
     # For programs that feed messages into a reader.
     _add_msg = _track
 
-    def _track_parameter(self, m: Any, names: list[str]) -> None:
-        if "Name" not in names or "Value" not in names:
-            return
-        self.params[m.Name] = m.Value
-        if "Default" in names and not math.isnan(m.Default):
-            self.param_defaults[m.Name] = m.Default
+    # A column that a log's type has not is None.
 
-    def _track_mode(self, m: Any, names: list[str]) -> None:
-        mode = m.Mode if "Mode" in names else None
+    def _track_parameter(self, m: Any) -> None:
+        name, value = getattr(m, "Name", None), getattr(m, "Value", None)
+        if name is None or value is None:
+            return
+        self.params[name] = value
+        default = getattr(m, "Default", None)
+        if default is not None and not isnan(default):  # NaN says that there is none
+            self.param_defaults[name] = default
+
+    def _track_mode(self, m: Any) -> None:
+        mode, number = getattr(m, "Mode", None), getattr(m, "ModeNum", None)
         if isinstance(mode, str):
             self.flightmode = mode.upper()
-        elif "ModeNum" in names:
+        elif number is not None:
             modes = mode_mapping_bynumber(self.mav_type) or {}
-            self.flightmode = modes.get(m.ModeNum, "UNKNOWN")
+            self.flightmode = modes.get(number, "UNKNOWN")
         elif mode is not None:
             self.flightmode = mode_string_acm(mode)
 
-    def _track_text(self, text: str) -> None:
+    def _track_px4_mode(self, m: Any) -> None:
+        state = getattr(m, "MainState", None)
+        if state is not None:
+            self.flightmode = mode_string_px4(state)
+
+    def _track_text(self, m: Any) -> None:
+        text = getattr(m, "Message", "")
         for word, mav_type in _VEHICLE_TEXTS:
             if word in text:
                 self.mav_type = mav_type
                 return
+
+    def _track_build(self, m: Any) -> None:
+        self.mav_type = _VEHICLE_BUILDS.get(getattr(m, "BU", None), self.mav_type)
+
+    _TAKERS: ClassVar[dict[str, Callable[[Any, Any], None]]] = {
+        "PARM": _track_parameter,
+        "MODE": _track_mode,
+        "STAT": _track_px4_mode,
+        "MSG": _track_text,
+        "VER": _track_build,
+    }
 
     def param(self, name: str, default: Any = None) -> Any:
         """The newest value of a parameter."""

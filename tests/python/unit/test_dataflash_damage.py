@@ -95,6 +95,18 @@ def test_columns_without_a_format_and_the_other_way_round(tmp_path: Path) -> Non
     assert found[-3:] == ["FEW {X : 1}", "MNY {X : 2}", "NON {}"]
 
 
+def test_what_tells_the_state_in_columns_of_other_types_tells_nothing(tmp_path: Path) -> None:
+    log = Log().define("MSG", "B", "Message", 1).define("PARM", "af", "Name,Value", 2)
+    log.define("MODE", "Q", "Hours", 3).define("VER", "N", "BU", 4).define("STAT", "B", "X", 5)
+    log.add("MSG", 1).add("PARM", bytes(64), 1.0).add("MODE", 9).add("VER", b"a").add("STAT", 1)
+    path = tmp_path / "odd.bin"
+    assert len(read(path, bytes(log.data))) == 11
+    with DFReader_binary(str(path)) as reader:
+        while reader.recv_msg() is not None:
+            pass
+        assert (reader.params, reader.flightmode, reader.mav_type) == ({}, "UNKNOWN", 1)
+
+
 def test_a_type_described_again_and_before_it_is_described(tmp_path: Path) -> None:
     data = FMT + record(5, "BB", 1, 2) + fmt(5, "OLD", "BB", "X,Y") + record(5, "BB", 3, 4)
     data += fmt(5, "NEW", "HH", "P,Q") + record(5, "HH", 5, 6)
