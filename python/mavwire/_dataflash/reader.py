@@ -341,7 +341,7 @@ class DFReader(_native.DataflashReader):
                 return
 
     def _track_build(self, m: Any) -> None:
-        self.mav_type = _VEHICLE_BUILDS.get(getattr(m, "BU", None), self.mav_type)
+        self.mav_type = _VEHICLE_BUILDS.get(getattr(m, "BU", -1), self.mav_type)
 
     _TAKERS: ClassVar[dict[str, Callable[[Any, Any], None]]] = {
         "PARM": _track_parameter,
