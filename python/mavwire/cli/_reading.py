@@ -113,6 +113,8 @@ def open_link(path: str, **options: Any) -> Any:
     from mavwire import mavutil
     from mavwire.links.recognise import log_kind
 
+    if ":" in path and os.path.lexists(path) and not os.path.isabs(path):
+        path = os.path.join(os.curdir, path)  # it is a log, even if it is called tcp:HOST:PORT.tlog
     if os.path.isfile(path) and not os.path.getsize(path) and log_kind(path, True) == "dataflash":
         return mavutil.mavmmaplog(path)
     return mavutil.mavlink_connection(path, **options)

@@ -17,6 +17,7 @@ from mavwire.expression.attributes import METHOD_OWNERS, check_name
 from mavwire.expression.comprehension import Clause, Closure, Scope, collect
 from mavwire.expression.limits import (
     BINARY_OPERATORS,
+    CALLED,
     MAX_DEPTH,
     MAX_LENGTH,
     MAX_NODES,
@@ -299,10 +300,11 @@ def _function(node: ast.expr) -> Closure:
 def _known_function(node: ast.Name) -> Closure:
     name, column = node.id, node.col_offset
     check_name(name, column)
+    bounded = CALLED.get(name)
 
     def load(variables: Any) -> Any:
         if name not in variables:
-            return lookup(name, column)
+            return bounded or lookup(name, column)
         if callable(variables[name]):
             raise ExpressionError(f"{name!r} is no function registered for expressions", column)
         return variables[name]

@@ -69,6 +69,37 @@ def check_flat(value: Any) -> None:
         raise ExpressionError("a container of containers, repeated or in a variable")
 
 
+def _check_printed(value: Any) -> None:
+    """Refuse what would be a text of more than MAX_TEXT characters, without making it."""
+    length, left = 0, [value]
+    while left:
+        one = left.pop()
+        if isinstance(one, _CONTAINERS):
+            length += len(one)
+            left.extend(one)
+            if isinstance(one, dict):
+                left.extend(one.values())
+        elif isinstance(one, _TEXT):
+            length += len(one)
+        elif _is_int(one):
+            length += one.bit_length() // 4
+        if length > MAX_TEXT:
+            raise ExpressionError(f"a text of more than {MAX_TEXT} characters")
+
+
+def _printing(function: Callable[..., str]) -> Callable[..., str]:
+    def bounded(*arguments: Any, **keywords: Any) -> str:
+        for value in arguments:
+            _check_printed(value)
+        return function(*arguments, **keywords)
+
+    return bounded
+
+
+CALLED: dict[str, Callable[..., str]] = {one.__name__: _printing(one) for one in (str, repr, ascii)}
+"""What a call of a builtin calls instead; ``str`` is also a class that ``isinstance`` takes."""
+
+
 def power(base: Any, exponent: Any) -> Any:
     """``base ** exponent``, bounded where both are integers."""
     if _is_int(base) and _is_int(exponent) and exponent > 0 and abs(base) > 1:
@@ -120,6 +151,7 @@ def modulo(left: Any, right: Any) -> Any:
         widths = (_NUMBER if "(" in text else _CONVERSION).findall(text)
         if any(_is_too_wide(width) for pair in widths for width in pair):
             raise ExpressionError(f"a format wider than {MAX_WIDTH}: {text[:40]!r}")
+        _check_printed(right)
     return left % right
 
 

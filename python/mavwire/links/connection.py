@@ -213,6 +213,9 @@ def connect(device: str | os.PathLike[str] | bytes, options: Options) -> Any:
 
 
 def _connect(device: str, options: Options) -> Any:
+    if device.startswith("exec:") and os.path.lexists(device):
+        # The name that a stranger gave a log, found in a folder, must not run a program.
+        return _connect_unprefixed(os.path.join(os.curdir, device), options)
     for prefix, open_link in PREFIXES.items():
         if device.startswith(prefix):
             return open_link(device[len(prefix) :], options)

@@ -224,12 +224,11 @@ def vehicle_messages(
     path: str, types: list[str], system: int | None, dialect: str
 ) -> Iterator[tuple[Any, Any]]:
     """The vehicle's messages of some types as mavutil gives them, with the link."""
-    from mavwire import mavutil
-    from mavwire.cli._reading import definitions
+    from mavwire.cli._reading import definitions, open_link
     from mavwire.logs.telemetry import dialect_module
 
     dialect_module(dialect)  # a ValueError names one that there is not
-    with definitions(dialect), closing(mavutil.mavlink_connection(os.fspath(path))) as link:
+    with definitions(dialect), closing(open_link(os.fspath(path))) as link:
         telemetry = hasattr(link, "mav")
         if telemetry and system is not None:
             link.sysid = system

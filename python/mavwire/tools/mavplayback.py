@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+from collections import Counter
 from contextlib import ExitStack
 
 from mavwire.cli._errors import CommandError
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
 OUT = "127.0.0.1:14550"
 FLIGHTGEAR = "127.0.0.1:5503"
+SETUP_SIGNING = 256
+"""Id of the message that has a signing key in it, by whatever name the dialect knows it."""
 # Seconds between looks at the window's controls, at most.
 LONGEST_WAIT = 0.1
 
@@ -69,16 +72,23 @@ def main(args: Namespace) -> int:
             for link in flights:
                 link.write(packet)
 
-        player = Player(_messages(log, args), send, fly, Flight(args.gpsalt), args.speed)
+        keys = Counter[str]()
+        messages = _messages(log, args, keys)
+        player = Player(messages, send, fly, Flight(args.gpsalt), args.speed)
         if args.headless or not _show(player, args.log):
             play(player)
-    print(f"{player.sent} messages", file=sys.stderr)
+    left_out = f", {keys.total()} with a signing key left out" if keys else ""
+    print(f"{player.sent} messages{left_out}", file=sys.stderr)
     return 0
 
 
-def _messages(log: Reading, args: Namespace) -> Iterator[Any]:
-    """What is sent: everything but damaged bytes."""
-    return (msg for msg in log.messages(None, args.condition) if msg.get_type() != "BAD_DATA")
+def _messages(log: Reading, args: Namespace, keys: Counter[str]) -> Iterator[Any]:
+    """What is sent: everything but damaged bytes, and messages that carry a key, which are counted."""
+    for msg in log.messages(None, args.condition):
+        if msg.get_msgId() == SETUP_SIGNING:
+            keys[msg.get_type()] += 1
+        elif msg.get_type() != "BAD_DATA":
+            yield msg
 
 
 def _links(endpoints: list[str], baudrate: int, stack: ExitStack) -> list[Any]:

@@ -159,6 +159,12 @@ TOO_MUCH = [
     "'%%%1000d' % n",
     "('%((a))1000d' % {'(a)': n})",
     "b'%1000d' % n",
+    "str(['a' * 4096] * 1024)",
+    "repr([str(['a' * 2048] * 2)] * 64)",
+    "ascii((['a' * 4000], {'b': 'c' * 4000}))",
+    "str([2**4000] * 1024)",
+    "'%s' % (['a' * 4096] * 2,)",
+    "'%s%s' % ('a' * 4096, 'b')",
     "[[y] for y in [[[1]]]]",
     "[{1: y} for y in [{1: {}}]]",
     "[y for y in [((1,),)]]",
@@ -188,6 +194,14 @@ def test_worst_allowed_loop_ends_soon() -> None:
         evaluate_expression(text.replace("''", "'b'"), MESSAGES)
     with watched():
         assert len(evaluate_expression(text, MESSAGES)) == 1000
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["isinstance(s, str)", "str([1, 'a', {2: 'b'}]) > ''", "repr(s) + ascii(n)", "'%s' % [1]"],
+)
+def test_ordinary_texts_are_allowed(text: str) -> None:
+    assert evaluate_expression(text, MESSAGES)
 
 
 @pytest.mark.parametrize(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 from pathlib import Path
 
 import pytest
 from dataflash_writer import sample
-from mavwire import cli
+from encoder import heartbeat, record
+from mavwire import cli, mavutil
 
 NO_TELEMETRY = "no telemetry log, there is no record in it"
 NO_DATAFLASH = "no dataflash log, there is no record in it"
@@ -60,3 +63,42 @@ def test_a_dataflash_log_behind_noise_is_one(capsys: pytest.CaptureFixture[str])
     printed = capsys.readouterr()
     assert printed.err == ""
     assert "bad      5 bytes in 1 pieces\n" in printed.out
+
+
+PREFIX = ("dump", "info", "parms", "flightmodes", "flighttime", "summarize", "loss", "msgstats", "search",
+          "mission", "togpx", "extract", "tomfile")  # fmt: skip
+
+
+@pytest.fixture
+def named_like_a_program(monkeypatch: pytest.MonkeyPatch) -> Path:
+    """R69. Files of a stranger: a program, and an empty log that is called as who runs it would be."""
+    program = Path("payload.tlog")
+    program.write_text("#!/bin/sh\n: > ran\n")
+    program.chmod(0o755)
+    Path("exec:payload.tlog").write_bytes(b"")
+    Path("exec:.").mkdir()
+    Path("exec:.", "payload.tlog").write_bytes(b"")
+    monkeypatch.setenv("PATH", f".:{os.environ['PATH']}")
+    return Path("ran")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="such names are not allowed there")
+@pytest.mark.parametrize("command", PREFIX)
+def test_the_name_of_a_log_runs_no_program(named_like_a_program: Path, command: str) -> None:
+    """R69."""
+    for name in ("exec:payload.tlog", "exec:./payload.tlog"):
+        with contextlib.suppress(SystemExit):
+            cli.main([command, name])
+        plot = ["plot", name, "ATTITUDE.roll", "--out", "plot.png"]
+        assert cli.main(plot) in (0, 1)
+        with contextlib.suppress(OSError, ValueError):
+            mavutil.mavlink_connection(name).close()
+    assert not named_like_a_program.exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="such names are not allowed there")
+def test_the_name_of_a_log_opens_no_connection(capsys: pytest.CaptureFixture[str]) -> None:
+    name = "udpin:127.0.0.1:0.tlog"
+    Path(name).write_bytes(record(heartbeat(), 10**15))
+    assert cli.main(["dump", name]) == 0
+    assert "HEARTBEAT" in capsys.readouterr().out

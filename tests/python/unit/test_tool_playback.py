@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import encoder
 import pytest
 from mavwire import cli, mavutil
 from mavwire.fgFDM import fgFDM
@@ -93,6 +94,21 @@ def test_the_command_sends_a_log(tmp_path: Path, capsys: pytest.CaptureFixture[s
         assert first == bytes(messages(path)[0].get_msgbuf())
         assert len(gear.recv(1000)) == fgFDM().packet_size()
     assert f"{len(messages(path))} messages" in capsys.readouterr().err
+
+
+def test_keys_stay_in_the_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """R53."""
+    path = tmp_path / "key.tlog"
+    beat = encoder.heartbeat()
+    key = encoder.frame(256, bytes([1, 1, *b"k" * 32, 5]).ljust(42, b"\0"))
+    path.write_bytes(b"".join(encoder.record(one, 10**15) for one in (key, beat)))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
+        station.bind(("127.0.0.1", 0))
+        station.settimeout(60)
+        out = f"127.0.0.1:{station.getsockname()[1]}"
+        assert cli.main(["playback", str(path), "--out", out, "--headless"]) == 0
+        assert station.recv(1000) == beat
+    assert "1 messages, 1 with a signing key left out" in capsys.readouterr().err
 
 
 def test_where_it_cannot_send(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
