@@ -32,10 +32,15 @@ _LAZY = {
 }
 """Public name -> the module that has it."""
 
+# pymavlink's mavutil imports these, so that programs find them in the package without an import.
+_MODULES = frozenset({"generator", "mavexpression", "mavextra", "quaternion", "rotmat"})
+
 
 def __getattr__(name: str) -> object:
     if name == "__version__":
         value: object = _version()
+    elif name in _MODULES:
+        value = __import__(f"{__name__}.{name}", fromlist=[name])
     elif name in _LAZY:
         value = getattr(__import__(_LAZY[name], fromlist=[name]), name)
     else:
