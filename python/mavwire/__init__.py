@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from mavwire.bridge import Bridge
     from mavwire.logs import LogFormatError, open_log, read, scan, scan_polars
 
+    __version__: str
+
 __all__ = [
     "Bridge",
     "LogFormatError",

@@ -6,6 +6,7 @@ that an expression knows. pymavlink runs the file ``extra`` when it is imported 
 """
 
 import os
+from typing import Any
 
 from mavwire import expression as _expression
 from mavwire import mavextra as _mavextra
@@ -23,7 +24,7 @@ extra = os.path.join(home, ".pymavlink", "mavextra.py")
 __all__ = [*_mavextra.__all__, "evaluate_expression", "extra", "home"]  # noqa: PLE0604
 
 
-def __getattr__(name: str) -> object:
+def __getattr__(name: str) -> Any:
     """What an expression knows: the names of mavextra."""
     return getattr(_mavextra, name)
 
