@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from mavwire.bridge import Bridge
     from mavwire.logs import LogFormatError, open_log, read, scan, scan_polars
 
+    __version__: str
+
 __all__ = [
     "Bridge",
     "LogFormatError",
@@ -38,10 +40,15 @@ _LAZY = {
 _MODULES = ("aio", "bridge", "fleet", "sim")
 """Modules that need no import of their own."""
 
+# pymavlink's mavutil imports these, so that programs find them in the package without an import.
+_MODULES = frozenset({"generator", "mavexpression", "mavextra", "quaternion", "rotmat"})
+
 
 def __getattr__(name: str) -> object:
     if name == "__version__":
         value: object = _version()
+    elif name in _MODULES:
+        value = __import__(f"{__name__}.{name}", fromlist=[name])
     elif name in _LAZY:
         value = getattr(__import__(_LAZY[name], fromlist=[name]), name)
     elif name in _MODULES:

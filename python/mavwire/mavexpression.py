@@ -6,11 +6,14 @@ that an expression knows. pymavlink runs the file ``extra`` when it is imported 
 """
 
 import os
-from math import *  # noqa: F403
+from typing import Any
 
 from mavwire import expression as _expression
 from mavwire import mavextra as _mavextra
-from mavwire.mavextra import *  # noqa: F403
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from mavwire.mavextra import *  # noqa: F403
 
 ExpressionError = _expression.ExpressionError
 evaluate_expression = _expression.evaluate_expression
@@ -18,7 +21,13 @@ evaluate_expression = _expression.evaluate_expression
 home = os.path.expanduser("~")
 extra = os.path.join(home, ".pymavlink", "mavextra.py")
 
+__all__ = [*_mavextra.__all__, "evaluate_expression", "extra", "home"]  # noqa: PLE0604
 
-def __getattr__(name: str) -> object:
-    """What mavextra makes on first use or changes: its tables and its state."""
+
+def __getattr__(name: str) -> Any:
+    """What an expression knows: the names of mavextra."""
     return getattr(_mavextra, name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *dir(_mavextra)})

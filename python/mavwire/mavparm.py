@@ -108,7 +108,7 @@ class MAVParmDict(dict[str, Any]):
         try:
             with open(filename, encoding="utf-8-sig", errors="replace") as file:
                 entries = list(_entries(file, filename, wildcard, excluded))
-        except OSError as error:
+        except (OSError, TypeError) as error:
             print(f"Failed to open file '{filename}': {error}")
             return False
         if mav is None:
@@ -244,8 +244,8 @@ def _entries(
 ) -> Iterator[tuple[str, float]]:
     """Names and values of a parameter file; a line that has not two words is printed."""
     for number, line in enumerate(lines, start=1):
-        text = line.strip().replace(",", " ")
-        words = text.split("#", 1)[0].split()
+        text = line.partition("#")[0].strip().replace(",", " ")
+        words = text.split()
         if not words:
             continue
         if len(words) != 2:

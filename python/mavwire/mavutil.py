@@ -84,9 +84,9 @@ __all__ = [
     "mavtcp", "mavtcpin", "mavudp", "mavuds", "mavwebsocket", "mavwebsocket_client",
     "mode_mapping_acm", "mode_mapping_apm", "mode_mapping_blimp", "mode_mapping_byname",
     "mode_mapping_bynumber", "mode_mapping_rover", "mode_mapping_sub", "mode_mapping_tracker",
-    "mode_string_acm", "mode_string_apm", "mode_string_px4", "mode_string_v10", "param_state",
+    "mode_string_acm", "mode_string_apm", "mode_string_px4", "mode_string_v10", "os", "param_state",
     "periodic_event", "px4_map", "set_close_on_exec", "set_dialect", "set_wire_protocol",
-    "u_ord", "x25crc",
+    "sys", "u_ord", "x25crc",
 ]  # fmt: skip
 
 TYPE_CHECKING = False

@@ -40,7 +40,9 @@ def _array(values: Any, shape: tuple[int, ...], what: str) -> np.ndarray:
 
 
 def _euler_to_q(euler: np.ndarray) -> np.ndarray:
-    """The quaternion of roll, pitch, yaw."""
+    """The quaternion of roll, pitch, yaw; NaN where an angle is no number."""
+    if not np.isfinite(euler).all():
+        return np.full(4, np.nan)
     sr, sp, sy = (sin(angle / 2) for angle in euler)
     cr, cp, cy = (cos(angle / 2) for angle in euler)
     w = cr * cp * cy + sr * sp * sy
@@ -97,7 +99,7 @@ def _dcm_to_q(dcm: np.ndarray) -> np.ndarray:
 def _dcm_to_euler(dcm: np.ndarray) -> np.ndarray:
     """Roll, pitch, yaw of a matrix; at gimbal lock roll is 0 and yaw holds the whole turn."""
     m = dcm.tolist()
-    pitch = asin(max(-1.0, min(1.0, -m[2][0])))
+    pitch = asin(min(max(-m[2][0], -1.0), 1.0))
     if abs(abs(pitch) - pi / 2) < _GIMBAL_LOCK:
         up = 1.0 if pitch > 0 else -1.0
         yaw = atan2(up * m[1][2] - m[0][1], up * m[0][2] + m[1][1])

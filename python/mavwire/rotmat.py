@@ -12,8 +12,8 @@ from typing import Any, overload
 
 
 def _clamped(value: float) -> float:
-    """``value`` within [-1, 1]: rounding must not push a cosine out of the domain of acos."""
-    return max(-1.0, min(1.0, value))
+    """``value`` within [-1, 1], for rounding can push a cosine out of the domain of acos; NaN stays."""
+    return min(max(value, -1.0), 1.0)
 
 
 class Vector3:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, assert_type
 
+import mavwire
 from mavwire import mavexpression, mavextra, mavutil
 from mavwire.generator import mavgen, mavparse
 from mavwire.rotmat import Line, Matrix3, Plane, Vector3
@@ -27,7 +28,8 @@ def numbers() -> float:
     """Functions that expressions use."""
     assert_type(mavextra.wrap_180(190.0), float)
     assert_type(mavextra.distance_lat_lon(-35.0, 149.0, -35.1, 149.1), float)
-    return mavextra.kmh(1.0)
+    degrees: float = mavexpression.wrap_360(-10.0)
+    return mavextra.kmh(1.0) + degrees
 
 
 def value(messages: dict[str, Any]) -> bool:
@@ -40,4 +42,6 @@ def generate(path: str) -> bool:
     """A dialect module out of XML."""
     xml = mavparse.MAVXML(path, mavparse.PROTOCOL_2_0)
     assert_type(xml.message_names, dict[int, str])
+    assert_type(mavwire.__version__, str)
+    mavutil.sys.path.insert(0, mavutil.os.path.dirname(path))
     return mavgen.mavgen(mavgen.Opts("mine", wire_protocol="2.0"), [path])

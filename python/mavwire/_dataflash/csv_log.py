@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+from contextlib import suppress
 
 from mavwire.links.conditions import evaluate_condition, evaluate_expression
 
@@ -103,10 +104,19 @@ class CSVReader:
         self.linecount: int | None = None
         self._flightmodes: list[tuple[str, float, float]] = []
         self.f = open(filename, newline="", encoding="utf-8", errors="backslashreplace")
+        self.messages: dict[str, Any] = {"MAV": self}
+        self._look_ahead()
+
+    def _look_ahead(self) -> None:
+        """Keep the first row as the newest, so that there is one before any is read."""
+        self._rewind()
+        with suppress(ValueError, LookupError):  # of this row, and raised again when it is read
+            first = self._parse_next()
+            if first is not None:
+                self._add_msg(first)
         self._rewind()
 
     def _rewind(self) -> None:
-        self.messages: dict[str, Any] = {"MAV": self}
         self.f.seek(0)
         self.reader: Iterator[list[str]] = csv.reader(self.f, delimiter=self.separator)
         try:
@@ -135,7 +145,7 @@ class CSVReader:
         """Count the rows, which rewinds."""
         self._rewind()
         count = sum(1 for _ in self._rows())
-        self._rewind()
+        self._look_ahead()
         return count
 
     @property

@@ -58,7 +58,7 @@ class MAVFTP(Transfers):
                 return MAVFTPReturn("GetParams", FtpError.Fail)
             comments = add_datatype_comments, add_timestamp_comment
             for found, name in zip((data.params, data.defaults), args, strict=False):
-                save_params(extract_params(found or [], sort_type), name, sort_type, *comments)
+                save_params(extract_params(found, sort_type), name, sort_type, *comments)
             return None
 
         query = "?withdefaults=1" if len(args) > 1 else ""

@@ -124,9 +124,9 @@ def missionplanner_sort(item: str) -> tuple[str, ...]:
     return tuple(item.split("_"))
 
 
-def extract_params(pdata: list[Parameter], sort_type: str) -> ByName:
+def extract_params(pdata: list[Parameter] | None, sort_type: str) -> ByName:
     """Parameters by name, sorted as "missionplanner" or "mavproxy" do, or not at all."""
-    found = {name.decode(): (value, ptype) for name, value, ptype in pdata}
+    found = {name.decode(): (value, ptype) for name, value, ptype in pdata or ()}
     if sort_type == "missionplanner":
         return dict(sorted(found.items(), key=lambda item: missionplanner_sort(item[0])))
     if sort_type == "mavproxy":

@@ -102,23 +102,22 @@ class MAVFTPReturn:
         return self.error_code
 
     def display_message(self) -> None:
-        """Log how the operation ended, and the directory listing if there is one."""
+        """Log how the operation ended, and what of a directory was listed, be it before an error."""
         name, code = self.operation_name, self.error_code
         if code == FtpError.Success:
             log.info("%s succeeded", name)
-            self._display_listing()
         elif code in _TEXTS:
             level = logging.WARNING if code in _WARNINGS else logging.ERROR
             log.log(level, "%s failed, %s", name, _TEXTS[FtpError(code)].format_map(vars(self)))
         else:
             log.error("%s failed, unknown error %u in display_message()", name, code)
+        if self.directory_listing:
+            self._display_listing(self.directory_listing)
 
-    def _display_listing(self) -> None:
-        if self.directory_listing is None:
-            return
-        for entry in self.directory_listing:
+    def _display_listing(self, entries: list[DirectoryEntry]) -> None:
+        for entry in entries:
             log.info("   %s/" if entry.is_dir else "   %s\t%u", *_columns(entry))
-        total = sum(entry.size_b for entry in self.directory_listing)
+        total = sum(entry.size_b for entry in entries)
         log.info("Total size %.2f kByte", total / 1024)
 
 

@@ -55,8 +55,9 @@ class MAVRallyLoader:
     ) -> None:
         """Append a rally point: degrees times 1e7, metres, hundredths of a degree."""
         target = self.target_system, self.target_component
-        values = lat, lon, alt, break_alt, land_dir, flags
-        self.append_rally_point(mavutil.mavlink.MAVLink_rally_point_message(*target, 0, 0, *values))
+        whole = [int(value) for value in (lat, lon, alt, break_alt, land_dir)]
+        message = mavutil.mavlink.MAVLink_rally_point_message(*target, 0, 0, *whole, flags)
+        self.append_rally_point(message)
 
     def clear(self) -> None:
         """Remove all points."""

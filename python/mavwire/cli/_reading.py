@@ -151,7 +151,7 @@ class Reading:
         self.path = path
         self.link = link
         self.progress = progress
-        self._text = self._is_text_log()
+        self.is_text = self._is_text_log()
 
     def messages(
         self,
@@ -167,9 +167,9 @@ class Reading:
             return
         wanted = None if types is None else list(types)
         # In a text log it is for `holds` to say what a condition over words gives.
-        checked = None if self._text else condition
+        checked = None if self.is_text else condition
         receive = iter(partial(self.link.recv_match, checked, wanted, blocking), None)
-        if self._text:
+        if self.is_text:
             receive = (msg for msg in receive if self._has_numbers(msg) and self.holds(condition))
         try:
             for first in receive:
@@ -223,7 +223,7 @@ class Reading:
     def _has_words(self) -> bool:
         """Whether one of the newest messages has a word in the place of a number."""
         newest = self.link.messages.values()
-        return self._text and any(_word_in(msg) for msg in newest if hasattr(msg, "to_dict"))
+        return self.is_text and any(_word_in(msg) for msg in newest if hasattr(msg, "to_dict"))
 
     def chunks(self) -> Iterator[Iterator[Any]]:
         """All messages, BAD_DATA and UNKNOWN included, some thousands at a time: for loops in which

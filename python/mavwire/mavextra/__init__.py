@@ -200,8 +200,8 @@ EXPRESSION_NAMES: tuple[str, ...] = (
 
 __all__ = [
     name
-    for name, value in globals().items()
-    if not name.startswith("_") and not isinstance(value, _ModuleType)
+    for name in (*globals(), *_earth_field.TABLES, *_state.SCALARS)
+    if not (name.startswith("_") or isinstance(globals().get(name), _ModuleType))
 ]
 
 

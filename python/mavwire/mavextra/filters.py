@@ -82,8 +82,8 @@ def _second_derivative(var: float, key: Any, weights: tuple[int, ...], scale: fl
     step = now - last_time
     # A value without a weight has no part in it, be it infinite.
     pairs = zip(weights, history, strict=True)
-    weighted = sum_of(weight * value for weight, value in pairs if weight)
-    return float(weighted / (scale * step**2))
+    change: float = sum_of(weight * value for weight, value in pairs if weight) / (scale * step**2)
+    return change
 
 
 def second_derivative_5(var: float, key: Any) -> float:
@@ -116,17 +116,18 @@ def lpalpha(sample_rate_hz: float, cutoff_hz: float) -> float:
 def lowpassHz(var: float, key: Any, sample_rate_hz: float, cutoff_hz: float) -> float:
     """A first order low pass with this cutoff frequency."""
     factor = lpalpha(sample_rate_hz, cutoff_hz)
-    last = state.lowpass_hz_data.get(key)
-    output = var if last is None else factor * last + (1.0 - factor) * var
+    known = key in state.lowpass_hz_data
+    output = factor * state.lowpass_hz_data[key] + (1.0 - factor) * var if known else var
     state.remember(state.lowpass_hz_data, key, output)
     return output
 
 
 def diff(var: float, key: Any) -> float:
     """The change since the last call; 0 at first."""
-    last = state.last_diff.get(key)
+    known = key in state.last_diff
+    change = var - state.last_diff[key] if known else 0
     state.remember(state.last_diff, key, var)
-    return 0 if last is None else var - last
+    return change
 
 
 def _slope(var: float, key: Any, tusec: float | None, change: Callable[..., float]) -> float:

@@ -104,10 +104,15 @@ def mm_curr(
     Mfirst: int,
     Mlast: int,
 ) -> float:
-    """A measure of the current of motors Mfirst to Mlast: the squares of their voltages."""
+    """A measure of the current of motors Mfirst to Mlast: the squares of their voltages.
+
+    0 when RCOU lacks one of them.
+    """
     total = 0.0
     volts = BAT.Volt
     for motor in range(Mfirst, Mlast + 1):
-        throttle = (getattr(RCOU, f"C{motor}") - PWM_MIN) / float(PWM_MAX - PWM_MIN)
-        total += (max(throttle, 0.0) * volts) ** 2
+        pwm = getattr(RCOU, f"C{motor}", None)
+        if pwm is None:
+            return 0.0
+        total += (max(pwm - PWM_MIN, 0.0) * volts / (PWM_MAX - PWM_MIN)) ** 2
     return total

@@ -1,6 +1,7 @@
 """Each stretch of a log that was flown in one mode, as a log beside it (mavextract.py).
 
-A stretch begins with all parameters and mission items that the log told before.
+A stretch begins with all parameters and mission items that the log told before, one of a dataflash
+log with the formats too.
 """
 
 from __future__ import annotations
@@ -8,10 +9,11 @@ from __future__ import annotations
 import os
 from contextlib import ExitStack
 
+from mavwire.cli._errors import CommandError
 from mavwire.cli._output import OutputFile, open_output
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps, add_robust
-from mavwire.tools._telemetry import record, require_telemetry
+from mavwire.tools._telemetry import record
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -21,8 +23,10 @@ if TYPE_CHECKING:
 
     from mavwire.cli._reading import Reading
 
-# What a stretch needs to be understood.
-KEPT = frozenset(("PARAM_VALUE", "MISSION_ITEM", "MISSION_ITEM_INT"))
+MAV_TYPE_GCS = 6
+# What a stretch of a dataflash log needs to be understood; and the text that names the vehicle.
+DATAFLASH_KEPT = frozenset(("FMT", "UNIT", "MULT", "FMTU", "PARM", "CMD"))
+VEHICLE = "Ardu"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -46,13 +50,26 @@ def main(args: Namespace) -> int:
             ) as log,
             ExitStack() as stack,
         ):
-            require_telemetry(log)
-            Extraction(log, args, stack).run()
+            _extraction(log, args)(log, args, stack).run()
     return 0
 
 
+def _extraction(log: Reading, args: Namespace) -> type[Extraction]:
+    """The class for this kind of log; CommandError where there is none."""
+    kind = "text" if log.is_text else kind_of(log.link)
+    if kind == "telemetry":
+        return Extraction
+    if kind == "dataflash" and args.link is None:
+        return DataflashExtraction
+    if kind == "dataflash":
+        raise CommandError(f"--link: {log.path} is a dataflash log, which has no links")
+    raise CommandError(f"{log.path} is a {kind} log; this is for telemetry and dataflash logs")
+
+
 class Extraction:
-    """Writes the stretches of one log."""
+    """Writes the stretches of one telemetry log."""
+
+    suffix = "tlog"
 
     def __init__(self, log: Reading, args: Namespace, stack: ExitStack) -> None:
         self._log = log
@@ -76,17 +93,29 @@ class Extraction:
             if wanted_link is not None and msg._link != wanted_link:
                 continue
             kind = msg.get_type()
-            if kind in KEPT:
-                self._kept.append(record(msg))
-            elif kind == "HEARTBEAT":
+            if self._explains(msg, kind):
+                self._kept.append(self._record(msg))
+            elif self._tells_mode(msg, kind):
                 self._in_mode = self._log.link.flightmode.upper() == self._mode
             if not self._in_mode:
                 self._end()
             elif kind != "BAD_DATA" and (condition is None or self._log.holds(condition)):
                 if self._file is None:
                     self._file = self._begin()
-                self._unwritten.append(record(msg))
+                self._unwritten.append(self._record(msg))
         self._write()
+
+    def _explains(self, msg: Any, kind: str) -> bool:
+        """Whether later stretches need this message to be understood."""
+        return kind in ("PARAM_VALUE", "MISSION_ITEM", "MISSION_ITEM_INT")
+
+    def _tells_mode(self, msg: Any, kind: str) -> bool:
+        """Whether the mode may be another one from here on."""
+        return kind == "HEARTBEAT" and msg.type != MAV_TYPE_GCS
+
+    def _record(self, msg: Any) -> bytes:
+        """A message as it stands in a log."""
+        return record(msg)
 
     def _write(self) -> None:
         """One call for many records: a call for each costs more than making it."""
@@ -107,7 +136,7 @@ class Extraction:
         folder = os.path.dirname(self._log.path)
         while True:
             self._count += 1
-            name = f"{self._log.link.flightmode}{self._count}.tlog"
+            name = f"{self._mode}{self._count}.{self.suffix}"
             path = os.path.join(folder, name)
             if not os.path.lexists(path):
                 return path
@@ -117,3 +146,19 @@ class Extraction:
             self._write()
             self._file.close()
             self._file = None
+
+
+class DataflashExtraction(Extraction):
+    """Writes the stretches of one binary dataflash log."""
+
+    suffix = "bin"
+
+    def _explains(self, msg: Any, kind: str) -> bool:
+        return kind in DATAFLASH_KEPT or (kind == "MSG" and msg.Message.startswith(VEHICLE))
+
+    def _tells_mode(self, msg: Any, kind: str) -> bool:
+        return kind == "MODE"
+
+    def _record(self, msg: Any) -> bytes:
+        frame: bytes = msg.get_msgbuf()
+        return frame

@@ -24,7 +24,8 @@ def value(name, number):
 
 LINES = [
     "V 0X1F", "W 1_0", "Q nan", "R inf", "lower 1", "VERYLONGNAMEOFPARAMETER 4", "A  ,  3", "A,,3",
-    "A ,\\t3", "A  ", " ,A,", "A 3 ", "A 3 extra", "A 3 # 4", "A 3#4", "#A 3", " #A 3", "A", "A,", ",3", "A;3", "A=3",
+    "A ,\\t3", "A  ", " ,A,", "A 3 ", "A 3 extra", "A 3 extra # c", "A #3", "A 3 # 4", "A 3#4",
+    "#A 3", " #A 3", "A", "A,", ",3", "A;3", "A=3",
     "A 3\\x0c", "A 0x10 #c", "A 0x10,", "A 10,", ",A 3", "A 1e400", "A +3", "FORMAT_VERSION", "//x 3",
     "FORMAT_VERSION 3", "U -0x10", "X 0x", "Y 0x1p", "A 0b1", "A 1.5;", "", "A 1\\nA 2\\nB 3",
 ]  # fmt: skip

@@ -57,7 +57,7 @@ def test_a_file_that_is_no_log(
     assert "a gzip file, not a telemetry log" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("verb", ["loss", "extract", "bitmask_change"])
+@pytest.mark.parametrize("verb", ["loss", "bitmask_change"])
 def test_what_only_telemetry_has(
     verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
