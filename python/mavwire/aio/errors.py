@@ -12,6 +12,13 @@ class LinkClosedError(ConnectionError):
     """
 
 
+def again(error: LinkClosedError) -> LinkClosedError:
+    """An error like `error`, for one more who meets it: an error grows whenever it is raised."""
+    same = type(error)(*error.args)
+    same.__cause__ = error.__cause__
+    return same
+
+
 class EndOfLogError(LinkClosedError):
     """The log has been read."""
 

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
+from collections.abc import Callable
 from typing import Any
 
+from .errors import LinkClosedError, again
 from .filters import Wants
 
 
@@ -42,7 +44,7 @@ class Feed:
         self.count = 0
         # Messages that readers came too late for.
         self.dropped = 0
-        self.ended: BaseException | None = None
+        self.ended: LinkClosedError | None = None
         self._loop = loop
         # Readers that wait and have to see each message before the next one is taken.
         self.in_step = 0
@@ -81,21 +83,24 @@ class Feed:
 
     def fail(self, error: BaseException) -> bool:
         """Raise an error that reading brought in whoever waits; whether anybody does."""
+        return self._fail(lambda: error)
+
+    def _fail(self, error: Callable[[], BaseException]) -> bool:
         waiting = [future for future in self._waiting if not future.done()]
         for future in waiting:
-            future.set_exception(error)
+            future.set_exception(error())
         return bool(waiting)
 
-    def end(self, error: BaseException) -> None:
-        """Nothing comes any more: readers get what is left, then `error`."""
+    def end(self, error: LinkClosedError) -> None:
+        """Nothing comes any more: readers get what is left, then errors like `error`."""
         if self.ended is None:
             self.ended = error
-            self.fail(error)
+            self._fail(lambda: again(error))
 
     async def wait(self, reader: Reader, deadline: float | None) -> bool:
         """Wait until `reader` has found a message; False if `deadline` came first."""
         if self.ended is not None:
-            raise self.ended
+            raise again(self.ended)
         future = self._loop.create_future()
         self._waiting[future] = reader
         self.in_step += reader.in_step

@@ -291,9 +291,12 @@ class _Live:
         self.outgoing = Outgoing(
             loop, self._transport.sender(), lambda: self.connected, self._failed, self._written
         )
+        self._reconnect_delay = reconnect_delay
         self._reconnecting = Reconnecting(loop, self._transport.reopen, reconnect_delay)
         sync.mav.file = self.outgoing
         self.connected = False
+        # When the link was connected, and the messages that had come by then.
+        self._connected_at = 0.0
         self._received = 0
         self._look_timer: asyncio.TimerHandle | None = None
         self._flush_timer: asyncio.TimerHandle | None = None
@@ -317,7 +320,7 @@ class _Live:
 
     def _begin(self) -> None:
         self.connected = True
-        self._received = self._feed.count
+        self._connected_at, self._received = self._loop.time(), self._feed.count
         self.pump.start()
 
     def _look_later(self) -> None:
@@ -371,7 +374,8 @@ class _Live:
         address = self._sync.address
         if self._transport.reconnects:
             logger.info("%s: connection lost, connecting again", address)
-            at_once = self._feed.count > self._received
+            has_lasted = self._loop.time() - self._connected_at >= self._reconnect_delay
+            at_once = has_lasted and self._feed.count > self._received
             self._reconnecting.start(at_once, self._reconnected, self._gave_up)
             return
         self._gave_up(error, f"{address}: the other end is gone")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from .errors import EndOfLogError
+from .errors import EndOfLogError, LinkClosedError, again
 from .feed import Position
 from .filters import Wants
 
@@ -24,7 +24,7 @@ class LogFeed:
 
     def __init__(self, loop: asyncio.AbstractEventLoop, sync: Any) -> None:
         self.loop = loop
-        self.ended: BaseException | None = None
+        self.ended: LinkClosedError | None = None
         self._sync = sync
         self._position = Position(0)
         self._left = SLICE
@@ -56,14 +56,14 @@ class LogFeed:
     async def pause(self) -> None:
         """Let others run between two slices. EndOfLogError when there is nothing left to be read."""
         if self.ended is not None:
-            raise self.ended
+            raise again(self.ended)
         if self._at_end:
             self._at_end = False  # it may grow, or be rewound
             raise EndOfLogError("the log has been read")
         await asyncio.sleep(0)
         self._left = SLICE
 
-    def end(self, error: BaseException) -> None:
+    def end(self, error: LinkClosedError) -> None:
         """Nothing is read any more."""
         self.ended = error
 

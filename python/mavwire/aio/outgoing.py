@@ -1,19 +1,19 @@
 """Sending without waiting: what a peer does not take at once is kept and sent when it does.
 
-A link's `mav` writes its frames here. Sockets keep what they cannot send themselves; serial ports and
-child processes, which would block, get a queue. Queues are bounded and drop whole frames.
+A link's `mav` writes its frames here, and the link keeps what cannot be sent yet, up to a bound beyond which
+whole frames are dropped.
 """
 
 from __future__ import annotations
 
 import asyncio
-import os
 from collections.abc import Callable
-from typing import Any
-
-from mavwire.links.stream import StreamWriter
+from typing import TYPE_CHECKING, Any
 
 from .watching import POLL_INTERVAL, Descriptor, descriptor_of, watch
+
+if TYPE_CHECKING:
+    from mavwire.links.stream import DescriptorPort
 
 
 class SocketSender:
@@ -47,36 +47,31 @@ class SocketSender:
         return self._refused + int(getattr(self._sync, "frames_dropped", 0))
 
 
-class DescriptorSender:
-    """A descriptor that takes only so much at a time; `find` says which it is now."""
+class QueueSender(SocketSender):
+    """A link whose `write` may block, or that is written to elsewhere than it is read: by way of the link's own
+    queue. `port` says to what, and `find` which descriptor that is now."""
 
-    def __init__(self, find: Callable[[], Descriptor | None]) -> None:
-        self.descriptor = find
-        self._writer = StreamWriter()
-        self.forget = self._writer.clear
+    def __init__(
+        self,
+        sync: Any,
+        port: Callable[[], DescriptorPort],
+        find: Callable[[], Descriptor | None],
+    ) -> None:
+        super().__init__(sync)
+        self._port = port
+        self._find = find
 
-    def send(self, data: bytes) -> int:
-        """What the writer calls to hand over bytes."""
-        descriptor = self.descriptor()
-        if descriptor is None:
-            raise BrokenPipeError("nobody is there to be written to")
-        return os.write(descriptor[0], data)
+    def descriptor(self) -> Descriptor | None:
+        return self._find()
 
     def write(self, frame: bytes) -> None:
-        self._writer.write(self, frame)
-
-    def unsent(self) -> bool:
-        return bool(self._writer.unsent)
+        self._sync._send_frame(self._port(), frame)
 
     def flush(self) -> None:
-        self._writer.flush(self)
+        self._sync._send_rest(self._port())
 
-    @property
-    def dropped(self) -> int:
-        return self._writer.dropped_frames
-
-
-Sender = SocketSender | DescriptorSender
+    def forget(self) -> None:
+        self._sync._forget_unsent()
 
 
 class Outgoing:
@@ -85,7 +80,7 @@ class Outgoing:
     def __init__(
         self,
         loop: asyncio.AbstractEventLoop,
-        sender: Sender,
+        sender: SocketSender,
         is_connected: Callable[[], bool],
         failed: Callable[[OSError], None],
         written: Callable[[], None],
@@ -98,7 +93,7 @@ class Outgoing:
         self._dropped = 0
         self._watched: Descriptor | None = None
         self._timer: asyncio.TimerHandle | None = None
-        self._drained: list[asyncio.Future[None]] = []
+        self._drained: set[asyncio.Future[None]] = set()
 
     @property
     def dropped(self) -> int:
@@ -116,21 +111,29 @@ class Outgoing:
             self._failed(error)
             return
         self._written()
-        if self._watched is None and self._timer is None and self._sender.unsent():
-            self._watch()
 
     async def drain(self) -> None:
         """Wait until the system has taken everything that was sent."""
-        while self._is_connected() and self._sender.unsent():
+        while True:
+            self.follow()  # which may find out that the connection is gone
+            if not (self._is_connected() and self._sender.unsent()):
+                return
             future = self._loop.create_future()
-            self._drained.append(future)
-            await future
+            self._drained.add(future)
+            try:
+                await future
+            finally:
+                self._drained.discard(future)
 
     def follow(self) -> None:
-        """Watch no descriptor that the link has closed: its number may be another's by now."""
-        if self._watched is not None and self._watched != self._sender.descriptor():
-            self._unwatch()
-            self._flush()
+        """Watch for room while something waits, also what reading or the program has put into the link's queue; and no
+        descriptor that the link has closed: its number may be another's by now."""
+        if self._watched is not None:
+            if self._watched != self._sender.descriptor():
+                self._unwatch()
+                self._flush()
+        elif self._timer is None and self._is_connected() and self._sender.unsent():
+            self._watch()
 
     def stop(self) -> None:
         """The connection is gone, and with it what was meant for it."""
@@ -165,7 +168,6 @@ class Outgoing:
             self._watch()
 
     def _tell(self) -> None:
-        waiting, self._drained = self._drained, []
-        for future in waiting:
+        for future in self._drained:
             if not future.done():
                 future.set_result(None)

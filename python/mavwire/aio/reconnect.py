@@ -30,7 +30,7 @@ class Reconnecting:
         done: Callable[[], None],
         failed: Callable[[BaseException], None],
     ) -> None:
-        """Begin, without a pause if `at_once`: a peer that only ever hangs up gets pauses too."""
+        """Begin, without a pause if `at_once`: a peer that has nothing else to do than to hang up gets pauses too."""
         if at_once:
             self._backoff.reset()
         self._task = self._loop.create_task(self._run(at_once, done, failed))

@@ -11,8 +11,10 @@ import os
 from collections.abc import Callable
 from typing import Any
 
+from mavwire.links.stream import DescriptorPort, StreamWriter
+
 from .background import in_background
-from .outgoing import DescriptorSender, Sender, SocketSender
+from .outgoing import QueueSender, SocketSender
 from .watching import descriptor_of
 
 
@@ -27,7 +29,7 @@ class Transport:
     def __init__(self, sync: Any) -> None:
         self.sync = sync
 
-    def sender(self) -> Sender:
+    def sender(self) -> SocketSender:
         """How frames are sent without blocking."""
         return SocketSender(self.sync)
 
@@ -136,10 +138,15 @@ class SerialPort(Transport):
         sync.autoreconnect = False
         sync._say = _say_nothing
 
-    def sender(self) -> Sender:
+    def sender(self) -> SocketSender:
+        sync = self.sync
         if os.name != "posix":
-            return SocketSender(self.sync)  # pyserial's own writing, which may block
-        return DescriptorSender(lambda: descriptor_of(self.sync))
+            return SocketSender(sync)  # pyserial's own writing, which may block
+        if not sync._writer.unsent:
+            # What nobody waits for may be more.
+            dropped, sync._writer = sync._writer.dropped_frames, StreamWriter()
+            sync._writer.dropped_frames = dropped
+        return QueueSender(sync, lambda: DescriptorPort(sync.port), lambda: descriptor_of(sync))
 
     def is_there(self) -> bool:
         return bool(getattr(self.sync.port, "is_open", False))
@@ -159,9 +166,11 @@ class SerialPort(Transport):
 class Child(Transport):
     """Child processes: gone when they end."""
 
-    def sender(self) -> Sender:
-        pipe = self.sync.child.stdin
-        return DescriptorSender(lambda: None if pipe.closed else (pipe.fileno(), pipe))
+    def sender(self) -> SocketSender:
+        sync, pipe = self.sync, self.sync.child.stdin
+        return QueueSender(
+            sync, lambda: sync._input, lambda: None if pipe.closed else (pipe.fileno(), pipe)
+        )
 
     def is_there(self) -> bool:
         return self.sync.fd is not None

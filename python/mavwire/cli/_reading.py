@@ -37,7 +37,7 @@ def definitions(dialect: str | None = None, wire_protocol: str | None = None) ->
     before = state.wire_protocol, state.mavlink, state.current_dialect, state._given
     try:
         if wire_protocol is not None:
-            state.set_wire_protocol(wire_protocol)
+            state.wire_protocol = wire_protocol
         with _naming_dialect(dialect, dialect or state.current_dialect):
             if dialect is None:
                 state.renew_dialect()

@@ -155,7 +155,6 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         if self.WIRE_PROTOCOL_VERSION != "1.0" or buf[0] != MARKER_V2:
             return b""
         state.set_wire_protocol("2.0")
-        state.renew_dialect()
         self.WIRE_PROTOCOL_VERSION = state.mavlink.WIRE_PROTOCOL_VERSION
         return self._replace_mav()
 

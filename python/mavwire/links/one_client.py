@@ -91,6 +91,13 @@ class OneClientLink(StreamLink):
         self._heard_at, self._heard_count = monotonic(), self.mav_count
         return port
 
+    def _welcome(self) -> bool:
+        """True, for a client who was just taken, unless the link was closed meanwhile: OSError then."""
+        if self._closed:
+            self._drop_client()
+        self._check_open()
+        return True
+
     def _say_why(self, error: OSError) -> None:
         """Log why a client has to wait, unless it is the same as before."""
         reason, last = str(error), self._accept_error

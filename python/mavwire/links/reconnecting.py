@@ -46,7 +46,8 @@ class ReconnectingLink(StreamLink):
     reconnect_delay: float
     # Why the last attempt to connect failed; None when it succeeded.
     connect_error: OSError | None = None
-    # Messages that the link had received when it was connected.
+    # When the link was connected, and the messages that it had received by then.
+    _connected_at = 0.0
     _count_before = 0
 
     def _begin_unconnected(self) -> None:
@@ -75,7 +76,7 @@ class ReconnectingLink(StreamLink):
     def _use(self, connection: Any) -> None:
         """Take over a connection, unless the link was closed while that was made."""
         self._forget_unsent()  # it may end inside a frame that another connection began
-        self._count_before = self.mav_count
+        self._connected_at, self._count_before = monotonic(), self.mav_count
         if self.connect_error is not None:
             self.connect_error = None
         self._install(connection)
@@ -128,8 +129,9 @@ class ReconnectingLink(StreamLink):
         self._next_attempt = monotonic() + self._backoff.next_pause(self.reconnect_delay)
 
     def _connection_ended(self) -> None:
-        """A connection that brought a message is made again at once."""
-        if self.mav_count != self._count_before:
+        """A connection that brought a message and lasted for the first pause is made again at once."""
+        has_lasted = monotonic() - self._connected_at >= self.reconnect_delay
+        if has_lasted and self.mav_count != self._count_before:
             self._count_before = self.mav_count
             self._backoff.reset()
             self._next_attempt = 0.0

@@ -42,15 +42,23 @@ def mavlink20() -> bool:
 
 
 def set_wire_protocol(version: str | None) -> None:
-    """Choose the protocol of all dialects set from now on.
+    """Choose the protocol of the current dialect and of all that are set from now on. Links that are open
+    keep theirs.
 
     `version` is "1.0", "2.0", or None for what MAVLINK20 in the environment says. ValueError
-    for anything else. Call `set_dialect` afterwards to replace the current dialect module.
+    for anything else; FileNotFoundError where the current dialect is from a file that is gone.
     """
     global wire_protocol
     if version not in ("1.0", "2.0", None):
         raise ValueError(f"wire protocol must be '1.0', '2.0' or None, not {version!r}")
-    wire_protocol = version
+    before, wire_protocol = wire_protocol, version
+    if mavlink20() == (getattr(mavlink, "WIRE_PROTOCOL_VERSION", None) == "2.0"):
+        return
+    try:
+        renew_dialect()
+    except BaseException:
+        wire_protocol = before
+        raise
 
 
 def set_dialect(dialect: str | os.PathLike[str] | ModuleType) -> None:
@@ -73,7 +81,7 @@ def set_dialect(dialect: str | os.PathLike[str] | ModuleType) -> None:
 
 
 def renew_dialect() -> None:
-    """Take the current dialect again, after the wire protocol has changed."""
+    """Take the current dialect again, of the wire protocol that is chosen now."""
     set_dialect(_given if _given is not None and _given is mavlink else current_dialect)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from _thread import get_ident
 
 from .chunked import READ_SIZE
 from .names import connect_to
@@ -11,6 +12,7 @@ from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Any
 
 # How long one attempt may take.
@@ -42,6 +44,8 @@ class mavtcp(ReconnectingLink):
         self.retries = retries
         self.reconnect_delay = reconnect_delay
         self.fd: int | None = None
+        # Threads that are telling of an end.
+        self._telling: set[int] = set()
         self._begin_unconnected()
         self.do_connect()
         super().__init__(self.fd, address, source_system=source_system,
@@ -99,11 +103,40 @@ class mavtcp(ReconnectingLink):
         self._lost()
 
     def _lost(self) -> None:
-        self._disconnect()
-        self._drop_partial()
-        self._connection_ended()
-        self.portdead = True
+        """Connect again, and let go of the connection before if it is a program that says that it ended."""
+        port = self.port
+        if port is not None and get_ident() not in self._telling:
+            self._let_go(port)
         self.reconnect()
+
+    def _end(self, port: Any, handle: Callable[[], None]) -> bool:
+        """The end of the connection `port` was noticed: let go of it, and have it handled. False if another thread
+        has done so, as it may be the next connection's turn by then."""
+        thread = get_ident()
+        if not self._let_go(port):
+            return False
+        self._telling.add(thread)
+        try:
+            handle()
+        finally:
+            self._telling.discard(thread)
+        return True
+
+    def _let_go(self, port: Any) -> bool:
+        # Nobody is to connect before the rest of this connection is gone.
+        later = time.monotonic() + self.reconnect_delay
+        if port is not self.port:
+            return False
+        # There is no call since the look at it: threads and signal handlers take their turns in calls.
+        due, self._next_attempt = self._next_attempt, later
+        self.port = self.fd = None
+        self.portdead = True
+        port.close()
+        self._forget_unsent()
+        self._drop_partial()
+        self._next_attempt = due
+        self._connection_ended()
+        return True
 
     def reconnect(self) -> None:
         """Begin to connect again, if asked to and if the last attempt is long enough ago.
@@ -126,14 +159,11 @@ class mavtcp(ReconnectingLink):
         except (BlockingIOError, InterruptedError):
             return b""
         except OSError:  # no ConnectionError if the peer stopped answering
-            if port is not self.port:  # another thread was quicker
-                return b""
-            self.handle_disconnect()
-            if not self.autoreconnect:
+            if self._end(port, self.handle_disconnect) and not self.autoreconnect:
                 raise
             return b""
-        if not data and port is self.port:
-            self.handle_eof()
+        if not data:
+            self._end(port, self.handle_eof)
         return data
 
     def write(self, buf: bytes) -> None:
@@ -146,5 +176,4 @@ class mavtcp(ReconnectingLink):
         try:
             self._send_frame(port, buf)
         except OSError:
-            if port is self.port:  # or another thread has done it
-                self.handle_disconnect()
+            self._end(port, self.handle_disconnect)

@@ -43,7 +43,7 @@ class mavtcpin(OneClientLink):
         if port is None:
             return False
         self.port, self.fd = port, port.fileno()
-        return True
+        return self._welcome()
 
     def _drop_client(self) -> None:
         """Back to listening."""

@@ -31,12 +31,14 @@ class TimestampStore:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = path
+        # Daemons change their folder.
+        self._path = os.path.abspath(os.fsdecode(path))
 
     def load(self) -> int:
         """The timestamp to go on from; 0 where nothing was stored. OSError if it cannot be read, or is
         another kind of file."""
         try:
-            fd = os.open(self.path, os.O_RDONLY | _BINARY)
+            fd = os.open(self._path, os.O_RDONLY | _BINARY)
         except FileNotFoundError:
             return 0
         try:
@@ -46,7 +48,7 @@ class TimestampStore:
 
     def save(self, timestamp: int) -> None:
         """Store `timestamp` for good, unless a later one is; OSError if that fails."""
-        fd = os.open(self.path, os.O_RDWR | os.O_CREAT | _BINARY, 0o600)
+        fd = os.open(self._path, os.O_RDWR | os.O_CREAT | _BINARY, 0o600)
         try:
             _lock(fd)
             slots = self._slots(fd)
@@ -65,14 +67,14 @@ class TimestampStore:
         # What a first write that was cut short may leave is shorter, or nothing yet.
         if not any(slots) and len(content) >= SLOT and any(content):
             reason = "is no timestamp store: name a file of its own, or remove this one"
-            raise OSError(errno.EINVAL, reason, os.fspath(self.path))
+            raise OSError(errno.EINVAL, reason, self._path)
         return slots
 
     def _claim(self, link_id: int) -> bool:
         """Whether `link_id` is this process's until it ends, as far as all others use this file."""
         from .link_ids import claim
 
-        return claim(self.path, link_id)
+        return claim(self._path, link_id)
 
 
 def store_of(given: Any) -> Any:
@@ -122,9 +124,12 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
         nonlocal mark, failed
         if timestamp < mark:
             return mark
-        mark = ahead(timestamp, RESERVE)
+        later = ahead(timestamp, RESERVE)
         try:
-            store.save(mark)
+            store.save(later)
+            while later < mark:  # by which another thread's may have been overwritten, in a store of the user's
+                later = mark
+                store.save(later)
         except Exception as error:  # a store of the user's own fails in ways of its own
             if not failed:
                 import logging
@@ -133,6 +138,8 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
                     "signing timestamps are not stored: %s", error
                 )
             failed = True
+        # Not before: another thread goes on at once with what lies below.
+        mark = max(mark, later)
         return mark
 
     return keep

@@ -139,22 +139,28 @@ class mavudp(ChunkedLink):
         if self.udp_server:
             now = time.time()
             if address in self.clients or self._room_for_client(now):
-                self.clients.add(address)
                 self.clients_last_alive[address] = now
+                self.clients.add(address)
         elif self.broadcast:
             self.broadcast = False
             self.destination_addr = address
             self._found(address)
 
     def _room_for_client(self, now: float) -> bool:
-        if len(self.clients) < MAX_CLIENTS:
+        heard = {} if len(self.clients) < MAX_CLIENTS else self._heard_at()
+        if len(heard) < MAX_CLIENTS:
             return True
-        silent = min(self.clients, key=self.clients_last_alive.__getitem__)
-        if now - self.clients_last_alive[silent] < CLIENT_SILENCE:
+        silent = min(heard, key=heard.__getitem__)
+        if now - heard[silent] < CLIENT_SILENCE:
             self.clients_refused += 1
             return False
         self._forget_client(silent)
         return True
+
+    def _heard_at(self) -> dict[Any, float]:
+        """When each client was heard, as it is now: meanwhile another thread may hear or forget one."""
+        times = self.clients_last_alive.copy()
+        return {address: times.get(address, 0.0) for address in tuple(self.clients)}
 
     def _forget_client(self, address: Any) -> None:
         self.clients.discard(address)
@@ -164,10 +170,11 @@ class mavudp(ChunkedLink):
         """Drop clients silent for `timeout` seconds, but keep the one heard last."""
         if self.timeout <= 0 or len(self.clients) < 2:
             return
-        newest = max(self.clients, key=self.clients_last_alive.__getitem__)
+        heard = self._heard_at()
+        newest = max(heard.values(), default=0.0)
         oldest = time.time() - self.timeout
-        for address in [a for a in self.clients if self.clients_last_alive[a] < oldest]:
-            if address != newest:
+        for address, moment in heard.items():
+            if moment < min(oldest, newest):
                 self._forget_client(address)
 
     def write(self, buf: bytes) -> None:

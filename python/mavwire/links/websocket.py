@@ -197,7 +197,7 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
         if port is None:
             return False
         self._start(port, WSConnection(ConnectionType.SERVER))
-        return True
+        return self._welcome()
 
     def _drop_client(self) -> None:
         self.close_port()

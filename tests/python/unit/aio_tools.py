@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import importlib.util
 import socket
+import traceback
 from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import asynccontextmanager
 from typing import Any
@@ -61,6 +62,17 @@ def run(
             return runner.run(limited())
     finally:
         main.close()  # which was not awaited where the loop could not be made
+
+
+async def refusals(receive: Callable[[], Coroutine[Any, Any, Any]], count: int) -> list[int]:
+    """Through how many calls the error comes that `receive` raises, each time it is called."""
+    lengths = []
+    for _ in range(count):
+        try:
+            await receive()
+        except aio.LinkClosedError as error:
+            lengths.append(len(traceback.extract_tb(error.__traceback__)))
+    return lengths
 
 
 class Peer:

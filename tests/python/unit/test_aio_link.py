@@ -8,7 +8,7 @@ import threading
 import pytest
 from mavwire import aio, mavutil
 from mavwire.dialects.v20 import all as mavlink
-from unit.aio_tools import LOOPS, WAIT, attitude, eventually, number, run, take, udp_link
+from unit.aio_tools import LOOPS, WAIT, attitude, eventually, number, refusals, run, take, udp_link
 from unit.link_tools import heartbeat as heartbeat_frame
 from unit.link_tools import pack
 
@@ -353,6 +353,7 @@ def test_closing_ends_what_waits(loop):
             # This task's place is that of its first call; what came since is still to be had.
             assert [number(msg) async for msg in link] == [1]
             assert [msg async for msg in link] == []
+            assert len(set(await refusals(link.recv_match, 5))) == 1, "errors do not grow"
             link.mav.heartbeat_send(6, 8, 0, 0, 0)
             assert link.frames_dropped == 1
             await link.drain()

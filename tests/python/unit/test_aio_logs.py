@@ -7,7 +7,7 @@ import os
 
 import pytest
 from mavwire import aio, mavutil, traffic
-from unit.aio_tools import attitude, eventually, number, run
+from unit.aio_tools import attitude, eventually, number, refusals, run
 from unit.link_tools import T0, drain, heartbeat, pack, record
 
 
@@ -125,6 +125,7 @@ def test_closing_ends_reading(path):
             assert [msg async for msg in log] == []
             with pytest.raises(aio.LinkClosedError):
                 await log.recv_match()
+            assert len(set(await refusals(log.recv_match, 5))) == 1, "errors do not grow"
 
     run(main())
 

@@ -230,12 +230,14 @@ class Server:
         self.port = free_port()
         self.connections = 0
         self.hangs_up = False
+        self.says = b""
         self.writer = None
 
     def _accept(self, reader, writer):
         self.connections += 1
         self.reader, self.writer = reader, writer
         if self.hangs_up:
+            writer.write(self.says)
             writer.close()
 
     async def up(self):
@@ -298,7 +300,8 @@ def test_why_a_connection_does_not_come_back_is_told(caplog):
     assert len(told) <= 2  # the connection was lost twice
 
 
-def test_a_peer_that_only_hangs_up_is_left_in_peace(monkeypatch):
+@pytest.mark.parametrize("says", [b"", heartbeat()], ids=["nothing", "a message"])
+def test_a_peer_that_only_hangs_up_is_left_in_peace(says, monkeypatch):
     """Each attempt waits longer, though connecting itself succeeds."""
     pauses = []
     sleep = asyncio.sleep
@@ -312,12 +315,12 @@ def test_a_peer_that_only_hangs_up_is_left_in_peace(monkeypatch):
 
     async def main():
         server = Server()
-        server.hangs_up = True
+        server.hangs_up, server.says = True, says
         await server.up()
-        options = {"autoreconnect": True, "reconnect_delay": 1}
+        options = {"autoreconnect": True, "reconnect_delay": 1000}
         async with aio.connect(f"tcp:127.0.0.1:{server.port}", **options):
             await eventually(lambda: len(pauses) >= 7)
-            assert pauses[:7] == [1, 2, 4, 8, 16, 16, 16]
+            assert pauses[:7] == [1000 * factor for factor in (1, 2, 4, 8, 16, 16, 16)]
             assert server.connections >= 2
         server.server.close()
 

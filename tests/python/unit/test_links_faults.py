@@ -14,6 +14,7 @@ import time
 import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.links import one_client
 from mavwire.links import serial_port as serial_port_module
 from unit.link_tools import Capture, heartbeat, make_certificate
 from watchdog import watched
@@ -226,6 +227,21 @@ def test_a_closed_websocket_link_stays_closed():
         link.write(heartbeat())
         with pytest.raises(BlockingIOError):
             server.accept()
+
+
+@pytest.mark.parametrize("kind", ["tcpin", "wsserver"])
+def test_a_server_that_is_closed_while_it_accepts_keeps_no_client(kind, monkeypatch):
+    if kind == "wsserver":
+        pytest.importorskip("wsproto")
+    link = mavutil.mavlink_connection(f"{kind}:127.0.0.1:0")
+    with socket.create_connection(link.listen.getsockname(), WAIT) as client:
+        # Another thread closes it in between.
+        monkeypatch.setattr(one_client, "prepare_tcp", lambda port: link.close())
+        for _ in range(2):
+            with pytest.raises(OSError) as caught:
+                link.recv_msg()
+            assert caught.value.errno == errno.EBADF
+        assert (link.port, link.fd, client.recv(1)) == (None, None, b"")
 
 
 def test_a_websocket_under_tls_outlives_silence(tmp_path, monkeypatch):

@@ -141,6 +141,44 @@ def test_silent_clients_are_dropped_but_never_the_last(server):
     assert server.clients == {("127.0.0.1", 2)}
 
 
+class Shared(tuple):
+    """An address; whoever looks it up in a table is interrupted by another thread, which does `meanwhile`."""
+
+    meanwhile = None
+
+    def __hash__(self):
+        meanwhile, Shared.meanwhile = Shared.meanwhile, None
+        if meanwhile is not None:
+            meanwhile()
+            Shared.meanwhile = meanwhile
+        return super().__hash__()
+
+    __eq__ = tuple.__eq__
+
+
+def test_clients_come_and_go_while_others_are_looked_through(server, monkeypatch):
+    """One thread sends, another one receives."""
+    one, *others = [Shared(("127.0.0.1", port)) for port in range(1, 9)]
+
+    def meanwhile():
+        if others:
+            server._heard(others.pop())
+            server._forget_silent_clients()
+            server._forget_client(one)
+
+    monkeypatch.setattr(udp, "MAX_CLIENTS", 3)
+    server.timeout = 1e-9
+    for address in (one, others.pop(), others.pop()):
+        server._heard(address)
+    monkeypatch.setattr(Shared, "meanwhile", staticmethod(meanwhile))
+    server.write(heartbeat())
+    assert len(server.clients) >= 1
+    monkeypatch.setattr(udp, "CLIENT_SILENCE", 0)
+    others.extend(Shared(("127.0.0.1", port)) for port in range(9, 15))
+    server._heard(Shared(("127.0.0.1", 15)))
+    assert ("127.0.0.1", 15) in server.clients
+
+
 def test_a_datagram_s_messages_come_before_the_next_datagram(server, peer):
     for burst in range(20):
         peer.send(b"".join(heartbeat(burst * 10 + i) for i in range(10)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import socket
 import threading
+import time
 from itertools import pairwise
 
 import pytest
@@ -101,6 +102,7 @@ def test_a_peer_that_sent_a_message_is_connected_to_at_once(server, attempts):
     link, peer = server.link()
     attempts.of(link)
     for seq in range(5):
+        attempts.now += 1
         peer.sendall(heartbeat(seq))
         assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == seq
         peer.close()
@@ -110,7 +112,69 @@ def test_a_peer_that_sent_a_message_is_connected_to_at_once(server, attempts):
         peer = server.accept()
     link.close()
     peer.close()
-    assert attempts.pauses() == [0, 0, 0, 0]
+    assert attempts.pauses() == [1, 1, 1, 1]
+
+
+def test_a_peer_that_sends_a_message_and_hangs_up_is_left_in_peace(server, attempts):
+    link, peer = server.link()
+    attempts.of(link)
+    for seq in range(5):
+        peer.sendall(heartbeat(seq))
+        assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == seq
+        peer.close()
+        with watched(WAIT):
+            while len(attempts.moments) <= seq:
+                assert link.recv_msg() is None
+                attempts.now += 0.0 if link.port else 0.5
+        peer = server.accept()
+    link.close()
+    peer.close()
+    assert attempts.pauses() == [1, 2, 4, 8]
+
+
+def test_an_end_that_two_threads_notice_is_told_once_and_costs_one_connection(server, monkeypatch):
+    """R64."""
+    link, peer = server.link()
+    told, sending, telling = [], threading.Event(), threading.Event()
+
+    class Broken:
+        fileno = link.port.fileno
+        close = link.port.close
+
+        def recv(self, n):
+            return b""
+
+        def send(self, data):
+            sending.set()
+            assert telling.wait(WAIT)
+            raise ConnectionResetError
+
+    def tell(text):
+        if "socket" in text:
+            told.append(text)
+            telling.set()
+            if threading.current_thread() is not writer:
+                writer.join(WAIT)
+                link.reconnect()
+                until_connected()
+
+    def until_connected():
+        with watched(WAIT):
+            while link.port is None:
+                time.sleep(0.001)
+        made.append(link.port)
+
+    made = []
+    monkeypatch.setattr("builtins.print", tell)
+    writer = threading.Thread(target=link.write, args=[heartbeat()])
+    link.port = Broken()
+    writer.start()
+    assert sending.wait(WAIT)
+    assert link.recv() == b""
+    assert len(told) == 1 and told[0].startswith("EOF on")
+    assert [link.port] == made
+    link.close()
+    peer.close()
 
 
 class Held:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import sys
+import threading
 import time
+from pathlib import Path
 
 import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import signing as signing_module
 from mavwire.links import state as state_module
-from mavwire.links.timestamp_store import RESERVE, TimestampStore
+from mavwire.links.timestamp_store import RESERVE, TimestampStore, keeper
 from unit.link_tools import (
     KEY,
     WRONG_SIGNING,
@@ -24,6 +26,7 @@ from unit.link_tools import (
     types,
 )
 
+WAIT = 60
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
 SETUP = mavlink.MAVLink_setup_signing_message(1, 1, list(KEY[::-1]), 99)
 
@@ -150,6 +153,42 @@ def test_timestamps_are_stored_before_they_are_used():
     link.mav.signing.timestamp = 9 * RESERVE
     assert sent_timestamp(link) == 9 * RESERVE
     assert store.saves == 3
+
+
+def test_no_thread_uses_what_another_one_still_stores():
+    class Store:
+        saved = 0
+
+        def load(self):
+            return 0
+
+        def save(self, timestamp):
+            if threading.current_thread() is storing:
+                begun.set()
+                assert go_on.wait(WAIT)
+            self.saved = timestamp
+
+    store, begun, go_on, storing = Store(), threading.Event(), threading.Event(), None
+    keep = keeper(store, 0)
+    storing = threading.Thread(target=keep, args=(2 * RESERVE,))
+    storing.start()
+    assert begun.wait(WAIT)
+    try:
+        assert keep(2 * RESERVE + 1) <= store.saved == 3 * RESERVE + 1
+    finally:
+        go_on.set()
+        storing.join(WAIT)
+    assert store.saved == 3 * RESERVE + 1
+
+
+def test_a_store_stays_where_it_is_when_the_folder_is_changed(tmp_path, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    link = link_with_key(timestamp_store="timestamps")
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    link.mav.signing.timestamp += 2 * RESERVE
+    assert sent_timestamp(link) < TimestampStore(tmp_path / "timestamps").load()
+    assert list(Path().iterdir()) == []
 
 
 def test_a_store_that_fails_later_is_reported_once_and_stops_nothing(tmp_path, caplog):

@@ -65,10 +65,31 @@ def test_set_wire_protocol():
     mavutil.set_dialect("common")
     assert mavutil.mavlink.__name__.endswith("v20.common")
     mavutil.set_wire_protocol("1.0")
-    mavutil.set_dialect("common")
     assert (mavutil.mavlink20(), mavutil.mavlink.WIRE_PROTOCOL_VERSION) == (False, "1.0")
     with pytest.raises(ValueError, match="wire protocol"):
         mavutil.set_wire_protocol("3")
+
+
+def test_a_wire_protocol_that_was_chosen_is_spoken_and_signed():
+    """A program that speaks first: nothing that it hears says which protocol is meant."""
+    mavutil.set_wire_protocol("2.0")
+    link = Capture()
+    link.setup_signing(KEY)
+    link.mav.heartbeat_send(6, 8, 0, 0, 0)
+    assert (link.tx[0], link.tx[2] & 1) == (0xFD, 1)
+    mavutil.set_wire_protocol("1.0")
+    assert Capture().WIRE_PROTOCOL_VERSION == "1.0"
+    assert link.WIRE_PROTOCOL_VERSION == "2.0"
+
+
+def test_a_wire_protocol_that_the_dialect_cannot_follow_is_not_taken(tmp_path):
+    path = tmp_path / "own.xml"
+    path.write_text(XML.format(msgid=200, name="OWN"))
+    mavutil.set_dialect(str(path))
+    path.unlink()
+    with pytest.raises(FileNotFoundError):
+        mavutil.set_wire_protocol("2.0")
+    assert (mavutil.mavlink20(), mavutil.mavlink.WIRE_PROTOCOL_VERSION) == (False, "1.0")
 
 
 def test_mavlink20_follows_the_environment(monkeypatch):
@@ -292,7 +313,6 @@ def test_a_module_as_dialect(tmp_path):
     assert link.recv_match(type="OWN").value == 5
     assert (mavutil.mavlink, mavutil.current_dialect) == (module, "own")
     mavutil.set_wire_protocol("2.0")
-    state.renew_dialect()
     assert mavutil.mavlink is module
     with definitions():
         assert mavutil.mavlink is module
