@@ -60,7 +60,7 @@ class View:
             for kind in shown
         ]
         stats["hidden"] = len(kinds) - len(shown)
-        stats["hidden_components"] = max(0, len(stats["components"]) - MAX_COMPONENTS)
+        stats["hidden_components"] += max(0, len(stats["components"]) - MAX_COMPONENTS)
         del stats["components"][MAX_COMPONENTS:]
         new = {kind.id for kind in shown} - self._described
         stats["types"] = {str(msgid): self._describe(msgid) for msgid in new}

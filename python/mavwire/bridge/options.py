@@ -140,6 +140,9 @@ def link_from(
     def message_ids(name: str, values: object) -> list[int]:
         return [_named(name, message_id, value) for value in listed(name, values)]
 
+    for name in ("heartbeat", "request_streams"):
+        if options.get("silent") and options.get(name) is not None:
+            raise ConfigError(f"silent and {name} exclude each other: nothing leaves there", name)
     urgent = options.get("urgent")
     return Link(
         name=text("name", options.get("name", str(endpoint))),

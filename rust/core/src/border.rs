@@ -12,7 +12,10 @@ use std::sync::Arc;
 use mavwire_schema::WireVersion;
 
 use crate::codec::payload_extended;
-use crate::frame::{FrameBuffer, FrameRef, Header, IFLAG_SIGNED};
+use crate::frame::{
+    CHECKSUM_LEN, FrameBuffer, FrameRef, HEADER_LEN_V1, HEADER_LEN_V2, Header, IFLAG_SIGNED,
+    SIGNATURE_LEN,
+};
 use crate::registry::Entry;
 use crate::signing::{SecretKey, SigningState, Verdict, without_signature};
 use crate::x25;
@@ -43,6 +46,22 @@ impl BorderOptions {
     /// Nothing is verified and nothing changed.
     pub fn is_open(&self) -> bool {
         self.version.is_none() && !(self.verify || self.sign || self.strip_in || self.strip_out)
+    }
+
+    /// Bytes of a frame of `len` bytes once it left; as many as it may have where zeros at its end are cut.
+    pub fn len_outside(&self, len: usize, header: &Header, entry: Option<Entry>) -> usize {
+        let signature = if header.is_signed() { SIGNATURE_LEN } else { 0 };
+        let version = if self.sign { Some(WireVersion::V2) } else { self.version };
+        let bare = match (header.version, version) {
+            (WireVersion::V1, Some(WireVersion::V2)) => len + HEADER_LEN_V2 - HEADER_LEN_V1,
+            (WireVersion::V2, Some(WireVersion::V1)) => {
+                let payload = entry.map_or(0, |entry| usize::from(entry.min_len));
+                HEADER_LEN_V1 + payload + CHECKSUM_LEN
+            }
+            _ if self.sign || self.strip_out => len - signature,
+            _ => len,
+        };
+        bare + if self.sign { SIGNATURE_LEN } else { 0 }
     }
 }
 
@@ -168,7 +187,14 @@ mod tests {
 
     fn leaves(border: &Border, registry: &Registry, frame: &[u8]) -> Option<Vec<u8>> {
         let header = Header::parse(frame).expect("a frame");
-        border.outgoing(frame, registry.lookup(header.msgid), NOW).map(Cow::into_owned)
+        let entry = registry.lookup(header.msgid);
+        let left = border.outgoing(frame, entry, NOW).map(Cow::into_owned);
+        if let Some(left) = &left {
+            let foretold = border.options.len_outside(frame.len(), &header, entry);
+            let spare = foretold.checked_sub(left.len()).expect("at least as many");
+            assert!(spare == 0 || left[0] != frame[0], "{foretold}: {left:?}");
+        }
+        left
     }
 
     fn enters(border: &Border, frame: &[u8]) -> Option<Vec<u8>> {

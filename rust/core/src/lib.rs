@@ -15,6 +15,7 @@ pub mod border;
 pub mod builtin;
 pub mod codec;
 pub mod frame;
+pub mod kind_hash;
 pub mod log;
 pub mod pyfloat;
 pub mod registry;

@@ -11,8 +11,8 @@
 //! 5. Sniffers get every frame. Nothing goes back to a link where its sender lives, or to the source's group.
 //! 6. Outbound filters and limits of each link take their share.
 //!
-//! Frames are never looked into further than to their target, and never altered. A system that restarts, which its
-//! `SYSTEM_TIME` shows, loses its routes. Time is an argument, in microseconds of a clock that does not go back.
+//! Frames are never looked into further than to their target, and never altered. A component that restarts, which its
+//! `SYSTEM_TIME` shows, loses its routes over other links. Time is an argument, in microseconds of a clock that does not go back.
 
 mod dedup;
 mod filter;
@@ -27,6 +27,7 @@ pub use table::ComponentStats;
 
 use std::collections::BTreeMap;
 
+use crate::border::BorderOptions;
 use crate::frame::Header;
 use crate::registry::{Entry, Registry};
 use dedup::Dedup;
@@ -73,6 +74,8 @@ pub struct LinkOptions {
     pub outbound: Filter,
     /// How much may go out.
     pub limits: Limits,
+    /// What frames go through where they leave, which may change how long they are.
+    pub border: BorderOptions,
 }
 
 /// What became of a frame.
@@ -255,7 +258,7 @@ impl Router {
         }
         let group = port.group;
         self.table.advance(now);
-        let home = self.learn(frame, header, group, now);
+        let home = self.learn(frame, header, source, group, now);
         let reached = self.reached(frame, header, entry);
         if reached.is_none() {
             self.count(source, |stats| stats.unroutable += 1);
@@ -264,22 +267,39 @@ impl Router {
         if links.is_empty() && reached.is_none() {
             return Fate::Unroutable;
         }
-        Fate::Forwarded(self.screen(links, frame, header, now))
+        Fate::Forwarded(self.screen(links, frame, header, entry, now))
+    }
+
+    /// Whether a frame may leave over a link that was not routed, as what the link itself has to say: filter and limits
+    /// hold for that too.
+    pub fn admit(
+        &mut self,
+        frame: &[u8],
+        header: &Header,
+        entry: Option<Entry>,
+        link: LinkId,
+        now: u64,
+    ) -> bool {
+        !self.screen(LinkSet::only(link), frame, header, entry, now).is_empty()
     }
 
     /// Notes where the sender is, and whether it was restarted; returns the links it lives at.
     #[inline]
-    fn learn(&mut self, frame: &[u8], header: &Header, links: LinkSet, now: u64) -> LinkSet {
+    fn learn(
+        &mut self,
+        frame: &[u8],
+        header: &Header,
+        source: LinkId,
+        links: LinkSet,
+        now: u64,
+    ) -> LinkSet {
         let &Header { sysid, compid, seq, msgid, .. } = header;
-        if sysid == 0 {
-            return links; // no valid address
-        }
         let home = self.table.hear(Sender { sysid, compid, seq, len: frame.len() }, links, now);
         if msgid == SYSTEM_TIME {
             let boot_ms = [0, 1, 2, 3].map(|n| payload_byte(frame, header, BOOT_MS_OFFSET + n));
-            if self.table.is_reboot(sysid, compid, u32::from_le_bytes(boot_ms)) {
-                self.table.forget_system(sysid);
-                return self.table.learn(sysid, compid, links);
+            if self.table.is_reboot(sysid, compid, source, u32::from_le_bytes(boot_ms)) {
+                self.table.forget_elsewhere(sysid, compid, links);
+                return links;
             }
         }
         home
@@ -313,17 +333,25 @@ impl Router {
 
     /// Those of `links` whose outbound filter and limits let the frame pass.
     #[inline]
-    fn screen(&mut self, links: LinkSet, frame: &[u8], header: &Header, now: u64) -> LinkSet {
+    fn screen(
+        &mut self,
+        links: LinkSet,
+        frame: &[u8],
+        header: &Header,
+        entry: Option<Entry>,
+        now: u64,
+    ) -> LinkSet {
         let mut passed = links;
         for link in (links & self.screened).iter() {
             let Some(port) = &mut self.ports[link.index()] else { continue };
-            let nanoseconds = now.saturating_mul(1000);
             if !port.options.outbound.accept(header) {
                 port.stats.filtered_out += 1;
                 passed.remove(link);
-            } else if let Some(limiter) = &mut port.limiter
-                && !limiter.admit(header, frame.len(), nanoseconds)
-            {
+            } else if let Some(limiter) = &mut port.limiter {
+                let len = port.options.border.len_outside(frame.len(), header, entry);
+                if limiter.admit(header, len, now.saturating_mul(1000)) {
+                    continue;
+                }
                 port.stats.limited += 1;
                 passed.remove(link);
             }

@@ -13,7 +13,7 @@
 //! | `port`, `outbox`, `lane`, `send` | one peer, its queue, many datagrams in a call |
 //! | `automation` | what the bridge says of its own accord |
 //! | `report`, `latency` | what it tells about itself |
-//! | `hub`, `kind_hash`, `tap`, `frames` | the newest frames, and taps for the program around the bridge |
+//! | `hub`, `tap`, `frames` | the newest frames, and taps for the program around the bridge |
 //! | `home` | what a fork must not touch |
 //! | `recorder` | telemetry logs |
 
@@ -24,7 +24,6 @@ mod event_loop;
 mod frames;
 mod home;
 mod hub;
-mod kind_hash;
 mod lane;
 mod latency;
 mod outbox;
@@ -45,7 +44,7 @@ pub use frames::{FrameInfo, Frames};
 pub use hub::{Hub, Kind, Latest};
 pub use recorder::{Recording, RecordingStats};
 pub use stats::{ComponentReport, LinkReport, Stats, Traffic};
-pub use tap::{Tap, TapFilter};
+pub use tap::Tap;
 
 use std::io::{self, Write as _};
 use std::os::unix::net::UnixStream;
@@ -62,6 +61,9 @@ use switch::Switch;
 
 /// Commands that may wait; who has more waits too.
 const MAX_COMMANDS: usize = 1024;
+
+/// The number for what the system has none for: a name that nobody knows, a device that is none.
+pub const NO_SUCH_ADDRESS: i32 = libc::ENXIO;
 
 /// Why a bridge does not do what it was asked for.
 #[derive(Debug, thiserror::Error)]
@@ -201,7 +203,8 @@ impl Bridge {
     /// The bridge has stopped.
     pub fn stats(&self) -> Result<Stats, BridgeError> {
         let (stats, heard) = self.ask(Command::Stats)?;
-        Ok(Stats { components: heard.reports(), ..stats })
+        let (components, hidden_components) = heard.reports();
+        Ok(Stats { components, hidden_components, ..stats })
     }
 
     /// Routes frames as if they came over a link of their own.

@@ -5,8 +5,8 @@
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
-use mavwire_core::router::Settings;
-use mavwire_link::bridge::{Bridge, BridgeError as Error, Kind, Tap, TapFilter};
+use mavwire_core::router::{Filter, Settings};
+use mavwire_link::bridge::{Bridge, BridgeError as Error, Kind, NO_SUCH_ADDRESS, Tap};
 use mavwire_link::wording::in_words;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
@@ -36,11 +36,12 @@ type KindRow = (u32, u8, u8, u64, f64, String);
 
 fn to_python(error: Error) -> PyErr {
     match error {
-        Error::Io { link, error } => match error.raw_os_error() {
-            // Called with these, OSError makes the subclass that fits.
-            Some(errno) => PyOSError::new_err((errno, in_words(&error), link)),
-            None => PyOSError::new_err(format!("{link}: {error}")),
-        },
+        Error::Io { link, error } => {
+            // Called with these, OSError makes the subclass that fits. What has no number is about an address: a name
+            // that nobody knows, a device that is none.
+            let errno = error.raw_os_error().unwrap_or(NO_SUCH_ADDRESS);
+            PyOSError::new_err((errno, in_words(&error), link))
+        }
         other => BridgeError::new_err(other.to_string()),
     }
 }
@@ -141,7 +142,13 @@ impl BridgeCore {
         #[pyo3(from_py_with = optional_list)] messages: Option<Vec<u32>>,
         #[pyo3(from_py_with = optional_list)] systems: Option<Vec<u8>>,
     ) -> PyResult<BridgeTap> {
-        let filter = TapFilter { messages, systems };
+        let mut filter = Filter::default();
+        if let Some(ids) = messages {
+            filter = filter.allow_messages(ids);
+        }
+        if let Some(ids) = systems {
+            filter = filter.allow_systems(ids);
+        }
         let bridge = &slf.get().bridge;
         let tap = slf.py().detach(|| Ok(bridge.hub()?.tap(filter))).map_err(to_python)?;
         Ok(BridgeTap { core: slf.unbind(), tap })

@@ -212,13 +212,13 @@ impl LinkOption {
                 message_rates: self.message_rates,
                 urgent: self.urgent,
             },
+            border: self.border.into_border()?,
         };
         Ok(LinkSpec {
             name: self.name,
             endpoint: self.endpoint.into_endpoint()?,
             port: PortSpec {
                 options,
-                border: self.border.into_border()?,
                 automation: self.automation.into_automation()?,
                 queue: self.queue,
                 datagram: self.datagram,

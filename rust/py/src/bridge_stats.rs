@@ -23,8 +23,13 @@ pub(crate) fn to_dict<'py>(py: Python<'py>, stats: &Stats) -> PyResult<Bound<'py
         components.append(component(py, one)?)?;
     }
     let recording = stats.recording.as_ref().map(|one| recording(py, one)).transpose()?;
-    Ok(dict!(py, "uptime": stats.uptime, "links": links, "components": components,
-        "recording": recording))
+    Ok(dict!(py,
+        "uptime": stats.uptime,
+        "links": links,
+        "components": components,
+        "hidden_components": stats.hidden_components,
+        "recording": recording,
+    ))
 }
 
 fn link<'py>(py: Python<'py>, link: &LinkReport) -> PyResult<Bound<'py, PyDict>> {

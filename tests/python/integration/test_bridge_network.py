@@ -87,6 +87,33 @@ def test_three_hosts_and_two_bridges_in_a_ring() -> None:
         assert receive(flown) == command(1, seq=1)
 
 
+def test_datagrams_find_another_way_when_the_address_changes() -> None:
+    """A lease that ends, a cable that becomes a radio; and a start before there is a network."""
+    with hosts(2) as (near, far), ExitStack() as stack:
+        early = stack.enter_context(bridge_on(near, {"out": "udpout:10.1.0.2:14550"}, retry=0.3))
+        assert report(early, "out")["state"] == "connecting", "nothing leads there yet"
+        cable = Cable(near, far, 1)
+        ground = stack.enter_context(station_on(far))
+        wait_until("a way", lambda: report(early, "out")["state"] == "up")
+        early.send(heartbeat(seq=1))
+        assert receive(ground) == heartbeat(seq=1)
+        near.run("ip", "address", "del", f"{cable.left}/24", "dev", "c1")
+
+        def way_is_gone() -> bool:
+            early.send(heartbeat(seq=2))
+            return bool(report(early, "out")["error"])
+
+        wait_until("an error", way_is_gone)
+        near.run("ip", "address", "add", "10.1.0.77/24", "dev", "c1")
+        wait_until("another way", lambda: report(early, "out")["state"] == "up")
+        early.send(heartbeat(seq=3))
+        ground_got, where = ground.recvfrom(300)
+        assert (ground_got, where[0]) == (heartbeat(seq=3), "10.1.0.77")
+        assert report(early, "out")["connections"] == 2
+        ground.sendto(heartbeat(seq=4, sysid=9), where)
+        assert wait_until("it", lambda: early.latest("HEARTBEAT", 9)).get_seq() == 4
+
+
 def test_a_host_that_vanishes_is_missed_and_found_again() -> None:
     """Without a word of goodbye: either side gives the connection up, and makes it again."""
     with hosts(2) as (near, far), ExitStack() as stack:

@@ -87,9 +87,15 @@ impl Filter {
     /// Whether a frame may pass.
     #[inline]
     pub fn accept(&self, header: &Header) -> bool {
-        self.messages.accept(header.msgid)
-            && self.systems.accept(header.sysid.into())
-            && self.components.accept(header.compid.into())
+        self.admits(header.msgid, header.sysid, header.compid)
+    }
+
+    /// Whether a message from a system and component may pass.
+    #[inline]
+    pub fn admits(&self, msgid: u32, sysid: u8, compid: u8) -> bool {
+        self.messages.accept(msgid)
+            && self.systems.accept(sysid.into())
+            && self.components.accept(compid.into())
     }
 }
 

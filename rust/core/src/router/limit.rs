@@ -3,10 +3,16 @@
 //! Both count with the generic cell rate algorithm: one number, the time at which the stream would be back in its
 //! pace. What comes a little early passes, so that a stream at its limit loses nothing to jitter, and the mean rate is kept.
 
-use crate::frame::Header;
+use std::collections::HashMap;
 
-/// Streams whose pace is remembered; with more at a time, one that shares its slot passes unlimited now and then.
-const SLOTS: usize = 1024;
+use crate::frame::Header;
+use crate::kind_hash::KindHash;
+
+/// Streams whose pace is remembered: message types times components. Only made-up addresses are more than that, and what
+/// finds no room does not pass.
+const MAX_STREAMS: usize = 1 << 16;
+/// Those that are through with their last message are looked for no more often than this.
+const SWEEP_INTERVAL: u64 = 100_000_000;
 /// Bytes may run ahead of their rate by this long.
 const BURST: u64 = 250_000_000;
 /// Those of urgent messages by this long, at the expense of what follows.
@@ -34,13 +40,6 @@ impl Limits {
     }
 }
 
-/// One message type from one component.
-#[derive(Debug, Clone, Copy)]
-struct Stream {
-    key: u64,
-    due: u64,
-}
-
 /// Keeps the limits of a link. Times are in nanoseconds.
 #[derive(Debug, Clone)]
 pub(super) struct Limiter {
@@ -51,7 +50,10 @@ pub(super) struct Limiter {
     /// Shortest mean interval by message id, sorted.
     intervals: Box<[(u32, u64)]>,
     interval: Option<u64>,
-    streams: Box<[Stream]>,
+    /// When each message type from each component may send again.
+    streams: HashMap<u64, u64, KindHash>,
+    /// When streams may be swept again.
+    sweep_at: u64,
     urgent: Box<[u32]>,
 }
 
@@ -74,14 +76,13 @@ impl Limiter {
         let mut intervals: Vec<(u32, u64)> =
             limits.message_rates.iter().map(|&(msgid, rate)| (msgid, interval(rate))).collect();
         intervals.sort_by_key(|&(msgid, _)| msgid);
-        let limits_types = limits.message_rate.is_some() || !intervals.is_empty();
-        let slots = if limits_types { SLOTS } else { 0 };
         Self {
             byte_time: limits.bytes_per_second.map(|rate| SECOND / rate.max(1e-9)),
             bytes_due: 0,
             intervals: intervals.into(),
             interval: limits.message_rate.map(interval),
-            streams: vec![Stream { key: u64::MAX, due: 0 }; slots].into(),
+            streams: HashMap::default(),
+            sweep_at: 0,
             urgent: limits.urgent.as_slice().into(),
         }
     }
@@ -108,12 +109,25 @@ impl Limiter {
         };
         let Header { msgid, sysid, compid, .. } = *header;
         let key = u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid);
-        let slot = key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 54;
-        let stream = &mut self.streams[slot as usize % SLOTS];
-        if stream.key != key {
-            *stream = Stream { key, due: 0 };
+        if let Some(due) = self.streams.get_mut(&key) {
+            return pass(due, now, interval, interval / 2);
         }
-        pass(&mut stream.due, now, interval, interval / 2)
+        if self.streams.len() >= MAX_STREAMS {
+            self.sweep(now);
+        }
+        let has_room = self.streams.len() < MAX_STREAMS;
+        if has_room {
+            self.streams.insert(key, now.saturating_add(interval));
+        }
+        has_room
+    }
+
+    /// Forgets the streams that may send again, which are as good as new.
+    fn sweep(&mut self, now: u64) {
+        if now >= self.sweep_at {
+            self.sweep_at = now.saturating_add(SWEEP_INTERVAL);
+            self.streams.retain(|_, due| *due > now);
+        }
     }
 }
 
@@ -153,12 +167,26 @@ mod tests {
     fn each_component_has_a_rate_of_its_own() {
         let limits = Limits { message_rate: Some(1.0), ..Limits::default() };
         let mut limiter = Limiter::new(&limits);
-        for sysid in 1..=100 {
-            let header = Header { sysid, ..header(V2, 30, 0) };
-            assert!(limiter.admit(&header, 50, 0));
+        for time in [0, 100, 400] {
+            for (sysid, msgid) in (1..=255).flat_map(|sysid| (0..20).map(move |id| (sysid, id))) {
+                let header = Header { sysid, ..header(V2, msgid, 0) };
+                assert_eq!(limiter.admit(&header, 50, time * MS), time == 0, "{sysid}: {msgid}");
+            }
         }
-        assert!(!limiter.admit(&header(V2, 30, 1), 50, MS));
-        assert!(limiter.admit(&header(V2, 31, 1), 50, MS));
+    }
+
+    #[test]
+    fn streams_that_are_too_many_do_not_pass_and_make_room_with_time() {
+        let limits = Limits { message_rate: Some(1.0), ..Limits::default() };
+        let mut limiter = Limiter::new(&limits);
+        let mut passed = |msgid, time: u64| {
+            let addresses = (0..=u8::MAX).flat_map(|sysid| (0..=u8::MAX).map(move |c| (sysid, c)));
+            let headers =
+                addresses.map(|(sysid, compid)| Header { sysid, compid, ..header(V2, msgid, 0) });
+            headers.filter(|header| limiter.admit(header, 50, time * MS)).count()
+        };
+        let counts = [passed(0, 0), passed(30, 400), passed(0, 400), passed(30, 1_000)];
+        assert_eq!(counts, [MAX_STREAMS, 0, 0, MAX_STREAMS]);
     }
 
     #[test]

@@ -99,9 +99,10 @@ proptest! {
     #[test]
     fn without_duplicate_suppression_frames_still_come_to_rest(
         (tree, loops) in (prop::collection::vec(0..100_usize, 1..4), prop::collection::vec((0..100_usize, 0..100_usize), 0..3)),
+        sysid in prop_oneof![Just(0), any::<u8>()],
     ) {
         let mut graph = Graph::new(&tree, &loops, 0);
-        let copies = graph.send(0, &heartbeat(1, 1, 0), 0);
+        let copies = graph.send(0, &heartbeat(sysid, 1, 0), 0);
         prop_assert!(copies.is_some_and(|copies| copies.iter().skip(1).all(|&count| count >= 1)));
     }
 

@@ -39,6 +39,23 @@ impl Route {
         self.current = self.current - links;
         self.previous = self.previous - links;
     }
+
+    fn keep(&mut self, links: LinkSet) {
+        self.current = self.current & links;
+        self.previous = self.previous & links;
+    }
+
+    /// Adds the links of another one, as old as they are there.
+    fn join(&mut self, other: &Self, epoch: u32) {
+        match epoch.wrapping_sub(other.epoch) {
+            0 => {
+                self.current = self.current | other.current;
+                self.previous = self.previous | other.previous;
+            }
+            1 => self.previous = self.previous | other.current,
+            _ => {}
+        }
+    }
 }
 
 /// What was heard from a component.
@@ -61,8 +78,8 @@ struct Component {
     route: Route,
     stats: ComponentStats,
     next_seq: u8,
-    /// `time_boot_ms` of its last `SYSTEM_TIME`.
-    boot_ms: u32,
+    /// `time_boot_ms` of its last `SYSTEM_TIME` over each link: there may be two that have the same address.
+    boots: Vec<(LinkId, u32)>,
 }
 
 #[derive(Debug, Clone)]
@@ -119,16 +136,7 @@ impl Table {
         (&mut system.route, component)
     }
 
-    /// Notes that a system and component are heard over `links`; returns all the links the component lives at.
-    pub(super) fn learn(&mut self, sysid: u8, compid: u8, links: LinkSet) -> LinkSet {
-        let epoch = self.epoch;
-        let (system, component) = self.entries(sysid, compid);
-        system.learn(links, epoch);
-        component.route.learn(links, epoch);
-        component.route.links(epoch)
-    }
-
-    /// The same for a frame, which is counted, and what is missing before it.
+    /// Notes that a frame is heard over `links`, and what is missing before it; returns all the links its sender lives at.
     #[inline]
     pub(super) fn hear(&mut self, sender: Sender, links: LinkSet, now: u64) -> LinkSet {
         let epoch = self.epoch;
@@ -174,25 +182,35 @@ impl Table {
         if links.is_empty() { system.route.links(epoch) } else { links }
     }
 
-    /// Notes the time since boot that a component gives; true if that means that it was restarted.
-    pub(super) fn is_reboot(&mut self, sysid: u8, compid: u8, boot_ms: u32) -> bool {
+    /// Notes the time since boot that a component gives over a link; true if that means that it was restarted.
+    pub(super) fn is_reboot(
+        &mut self,
+        sysid: u8,
+        compid: u8,
+        source: LinkId,
+        boot_ms: u32,
+    ) -> bool {
         /// Frames may overtake each other by this much.
         const SLACK_MS: u32 = 5_000;
-        let system = self.systems[usize::from(sysid)].as_mut();
-        let component = system.and_then(|system| system.components[usize::from(compid)].as_mut());
-        component.is_some_and(|component| {
-            let before = std::mem::replace(&mut component.boot_ms, boot_ms);
-            boot_ms < before.saturating_sub(SLACK_MS)
-        })
+        let (_, component) = self.entries(sysid, compid);
+        let Some((_, last)) = component.boots.iter_mut().find(|(link, _)| *link == source) else {
+            component.boots.push((source, boot_ms));
+            return false;
+        };
+        let before = std::mem::replace(last, boot_ms);
+        boot_ms < before.saturating_sub(SLACK_MS)
     }
 
-    /// Forgets all routes to a system.
-    pub(super) fn forget_system(&mut self, sysid: u8) {
-        if let Some(system) = &mut self.systems[usize::from(sysid)] {
-            system.route = Route::default();
-            for component in system.components.iter_mut().flatten() {
-                component.route = Route::default();
-            }
+    /// Forgets the routes to a component over other links than these; those to the rest of its system stay.
+    pub(super) fn forget_elsewhere(&mut self, sysid: u8, compid: u8, links: LinkSet) {
+        let epoch = self.epoch;
+        let Some(system) = &mut self.systems[usize::from(sysid)] else { return };
+        if let Some(component) = &mut system.components[usize::from(compid)] {
+            component.route.keep(links);
+        }
+        system.route = Route { epoch, ..Route::default() };
+        for component in system.components.iter().flatten() {
+            system.route.join(&component.route, epoch);
         }
     }
 
@@ -203,6 +221,7 @@ impl Table {
             system.route.forget(links);
             for component in system.components.iter_mut().flatten() {
                 component.route.forget(links);
+                component.boots.retain(|&(other, _)| other != link);
             }
         }
     }
@@ -231,6 +250,12 @@ mod tests {
     use super::*;
 
     const AGE: u64 = 1_000;
+
+    impl Table {
+        fn learn(&mut self, sysid: u8, compid: u8, links: LinkSet) -> LinkSet {
+            self.hear(Sender { sysid, compid, seq: 0, len: 0 }, links, 0)
+        }
+    }
 
     fn link(n: u8) -> LinkSet {
         LinkSet::only(LinkId(n))
@@ -283,25 +308,37 @@ mod tests {
     #[test]
     fn a_restart_shows_in_the_time_since_boot() {
         let mut table = Table::new(AGE);
-        assert!(!table.is_reboot(1, 1, 90_000), "nobody knows it");
-        table.learn(1, 1, link(0));
         for (boot_ms, restarted) in
             [(60_000, false), (61_000, false), (60_500, false), (900, true), (1_000, false)]
         {
-            assert_eq!(table.is_reboot(1, 1, boot_ms), restarted, "{boot_ms}");
+            assert_eq!(table.is_reboot(1, 1, LinkId(0), boot_ms), restarted, "{boot_ms}");
+            let twin = table.is_reboot(1, 1, LinkId(1), 100_000 + boot_ms);
+            assert_eq!(twin, restarted, "another one of that address: {boot_ms}");
         }
+        table.forget_link(LinkId(0));
+        assert!(!table.is_reboot(1, 1, LinkId(0), 0), "a new link of the old number");
     }
 
     #[test]
-    fn systems_and_links_are_forgotten() {
+    fn what_a_component_leaves_behind_is_forgotten_and_no_more() {
         let mut table = Table::new(AGE);
-        for sysid in 1..=2 {
-            table.learn(sysid, 1, link(0));
-            table.learn(sysid, 1, link(1));
-        }
-        table.forget_system(1);
+        table.learn(1, 1, link(0));
+        table.learn(1, 2, link(2));
+        table.advance(1_500);
+        table.learn(1, 1, link(1));
+        table.forget_elsewhere(1, 1, link(1));
+        assert_eq!((table.component(1, 1), table.component(1, 2)), (link(1), link(2)));
+        assert_eq!(table.system(1), link(1) | link(2));
+        table.advance(2_000);
+        assert_eq!(table.system(1), link(1), "as old as before");
+    }
+
+    #[test]
+    fn links_are_forgotten() {
+        let mut table = Table::new(AGE);
+        table.learn(2, 1, link(0));
+        table.learn(2, 1, link(1));
         table.forget_link(LinkId(0));
-        assert_eq!(table.component(1, 1), LinkSet::EMPTY);
         assert_eq!((table.system(2), table.component(2, 1)), (link(1), link(1)));
     }
 }

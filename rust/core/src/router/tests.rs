@@ -167,7 +167,7 @@ fn r53_keys_stay_where_they_are() {
 }
 
 #[test]
-fn a_restart_forgets_the_routes() {
+fn a_restart_forgets_where_the_component_was() {
     let time = |boot_ms: u32| [&[1; 8][..], &boot_ms.to_le_bytes()].concat();
     let mut net = Net::plain(3);
     net.send(0, (1, 1), SYSTEM_TIME, &time(90_000));
@@ -176,7 +176,18 @@ fn a_restart_forgets_the_routes() {
     assert_eq!(net.command(2, (255, 190), (1, 1)), to(&[0, 1]));
     net.send(0, (1, 1), SYSTEM_TIME, &time(0)); // zeros at the end do not travel
     assert_eq!(net.command(2, (255, 190), (1, 1)), to(&[0]));
-    assert_eq!(net.command(2, (255, 190), (1, 100)), to(&[0]));
+    assert_eq!(net.command(2, (255, 190), (1, 100)), to(&[1]), "the camera was not restarted");
+}
+
+#[test]
+fn two_stations_of_one_address_leave_each_other_alone() {
+    let time = |boot_ms: u32| [&[1; 8][..], &boot_ms.to_le_bytes()].concat();
+    let mut net = Net::plain(3);
+    for second in 1..5 {
+        net.send(0, (255, 190), SYSTEM_TIME, &time(900_000 + second * 1_000));
+        net.send(1, (255, 190), SYSTEM_TIME, &time(60_000 + second * 1_000));
+        assert_eq!(net.command(2, (1, 1), (255, 190)), to(&[0, 1]), "{second}");
+    }
 }
 
 #[test]
@@ -233,6 +244,38 @@ fn filters_and_limits_take_their_share() {
     assert_eq!(net.send(0, (2, 1), HEARTBEAT, &[1; 9]), to(&[1]), "too soon for link 2");
     let counts = |link| net.router.link_stats(LinkId(link)).expect("it is there");
     assert_eq!((counts(0).filtered_in, counts(1).filtered_out, counts(2).limited), (1, 1, 1));
+}
+
+#[test]
+fn bytes_are_counted_as_they_leave_and_those_of_the_link_itself_too() {
+    let link = |sign| LinkOptions {
+        limits: Limits { bytes_per_second: Some(3_400.0), ..Limits::default() },
+        outbound: Filter::default().block_messages([30]),
+        border: BorderOptions { sign, ..BorderOptions::default() },
+        ..LinkOptions::default()
+    };
+    let mut net = Net::new(&[LinkOptions::default(), link(false), link(true)], Settings::new(1));
+    let mut passed = [0; 3];
+    for _ in 0..10_000 {
+        net.now += 1_000;
+        if let Fate::Forwarded(links) = net.send(0, (1, 1), HEARTBEAT, &[1; 9]) {
+            links.iter().for_each(|link| passed[link.index()] += 1);
+        }
+    }
+    // 34,000 bytes in 10 seconds, and a quarter of a second's ahead; frames of 21 bytes, and of 34 with a signature.
+    assert!((1_619..=1_663).contains(&passed[1]) && (1_000..=1_027).contains(&passed[2]));
+    let mut own = |msgid| {
+        let frame = net.frame((125, 240), msgid, &[1; 9]);
+        let header = Header::parse(&frame).expect("a frame");
+        let entry = net.registry.lookup(msgid);
+        (0..10_000).filter(|_| net.router.admit(&frame, &header, entry, LinkId(2), net.now)).count()
+    };
+    assert_eq!((own(30), own(HEARTBEAT)), (0, 0), "stopped, and too many");
+    net.now += 10_000_000;
+    let frame = net.frame((125, 240), HEARTBEAT, &[1; 9]);
+    let header = Header::parse(&frame).expect("a frame");
+    let admit = |_: &i32| net.router.admit(&frame, &header, None, LinkId(2), net.now);
+    assert!((25..=27).contains(&(0..10_000).filter(admit).count()));
 }
 
 #[test]

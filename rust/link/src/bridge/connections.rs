@@ -9,8 +9,8 @@ use std::time::Duration;
 use mavwire_core::router::LinkId;
 
 use super::BridgeError;
-use super::endpoint::{LinkSpec, Opened, Stream};
-use super::event_loop::{Command, EventLoop, PROGRAM_NAME, TICK};
+use super::endpoint::{Connection, LinkSpec, Opened, Stream};
+use super::event_loop::{Command, EventLoop, PROGRAM_NAME, TICK, TURNS};
 use super::latency::Latency;
 use super::port::Wire;
 use super::stats::Traffic;
@@ -19,8 +19,8 @@ use crate::wording::in_words;
 
 /// Peers of a UDP server, and connections to a TCP server.
 const MAX_PEERS: usize = 64;
-/// The first pause before a connection is tried again; doubled up to the limit of the link.
-const FIRST_RETRY: Duration = Duration::from_millis(250);
+/// The first pause before a connection is tried again, doubled up to the limit of the link; microseconds.
+const FIRST_RETRY: u64 = 250_000;
 /// A peer that needs a signature has this long to send one before another may have its place; microseconds.
 const TIME_TO_PROVE: u64 = 1_000_000;
 
@@ -32,20 +32,62 @@ pub(super) enum Kind {
     Dialled(LinkId, Dialling),
 }
 
-/// The state of a connection that is made again.
-#[derive(Default)]
+/// The state of a connection that is made again. Times are in microseconds.
+#[derive(Debug)]
 pub(super) struct Dialling {
     /// When to try again; `None` while connected, being connected, or given up.
     pub(super) at: Option<u64>,
-    pause: Duration,
     pub(super) under_way: bool,
     pub(super) connections: u64,
+    /// When the last connection came about.
+    since: u64,
+    /// The next pause, and the longest; `None` to give up after the first connection.
+    pause: u64,
+    longest: Option<u64>,
+}
+
+impl Dialling {
+    fn new(longest: Option<Duration>) -> Self {
+        let longest = longest.map(|longest| longest.as_micros() as u64);
+        Self {
+            at: Some(0),
+            under_way: false,
+            connections: 0,
+            since: 0,
+            pause: FIRST_RETRY,
+            longest,
+        }
+    }
+
+    fn connected(&mut self, now: u64) {
+        (self.at, self.since) = (None, now);
+        self.connections += 1;
+    }
+
+    fn failed(&mut self, now: u64) {
+        let longest = self.longest.unwrap_or(FIRST_RETRY);
+        self.at = Some(now + self.pause.min(longest));
+        self.pause = (self.pause * 2).min(longest);
+    }
+
+    /// A connection has ended over which a good frame came last when it was `heard`. One that was good for something is
+    /// made again soon; one that always ends at once is a failure like any other.
+    fn ended(&mut self, now: u64, heard: u64) {
+        if heard > self.since || now - self.since > self.pause {
+            self.pause = FIRST_RETRY;
+        }
+        if self.longest.is_some() {
+            self.failed(now);
+        }
+    }
 }
 
 pub(super) struct Link {
     pub(super) spec: LinkSpec,
     pub(super) kind: Kind,
     pub(super) refused: u64,
+    /// Peers that a server got so far.
+    pub(super) welcomed: u64,
     pub(super) error: Option<String>,
     /// Of the peers that left.
     pub(super) departed: Traffic,
@@ -77,6 +119,7 @@ impl EventLoop {
             spec,
             kind,
             refused: 0,
+            welcomed: 0,
             error: None,
             departed: Traffic::default(),
             departed_latency: Latency::default(),
@@ -87,23 +130,23 @@ impl EventLoop {
     }
 
     fn kind(&mut self, number: u32, spec: &LinkSpec, opened: Opened) -> Result<Kind, BridgeError> {
+        let now = self.switch.moment.now;
         let mut add =
             |wire| self.switch.add(number, wire, &spec.port).ok_or(BridgeError::TooManyLinks);
         Ok(match opened {
             Opened::Datagrams(socket, to) => {
                 let socket = Rc::new(socket);
-                let wire = Wire::Datagrams(Rc::clone(&socket), to.map(Address::from));
+                let wire = Wire::Datagrams(Rc::clone(&socket), Some(to.into()));
                 Kind::Datagrams(socket, add(wire)?)
             }
             Opened::DatagramServer(socket) => Kind::DatagramServer(Rc::new(socket), HashMap::new()),
             Opened::Listener(listener) => Kind::Listener(listener),
-            Opened::Dialled(stream) => {
-                let mut dialling = Dialling { pause: FIRST_RETRY, ..Dialling::default() };
-                match stream {
-                    Some(_) => dialling.connections = 1,
-                    None => dialling.at = Some(0),
+            Opened::Dialled(connection) => {
+                let mut dialling = Dialling::new(spec.retry);
+                if connection.is_some() {
+                    dialling.connected(now);
                 }
-                let wire = stream.map_or(Wire::Down, Wire::Stream);
+                let wire = connection.map_or(Wire::Down, Wire::from);
                 Kind::Dialled(add(wire)?, dialling)
             }
         })
@@ -123,6 +166,27 @@ impl EventLoop {
         Ok(())
     }
 
+    /// Takes the connections that wait at a server.
+    pub(super) fn accept(&mut self, number: u32) {
+        for _ in 0..TURNS {
+            let Some(link) = self.links.get_mut(&number) else { return };
+            let Kind::Listener(listener) = &link.kind else { return };
+            let (stream, from) = match listener.accept() {
+                Ok(accepted) => accepted,
+                Err(error) => {
+                    use io::ErrorKind::{ConnectionAborted, Interrupted, WouldBlock};
+                    let passing = [ConnectionAborted, Interrupted, WouldBlock];
+                    link.resting = !passing.contains(&error.kind());
+                    return;
+                }
+            };
+            let patience = link.spec.peer_timeout;
+            if let Ok(stream) = Stream::tcp(stream, patience) {
+                self.welcome(number, Wire::Stream(stream), from); // else dropped, which closes it
+            }
+        }
+    }
+
     /// A port for a new peer of a server; `None` if there is no room for it.
     pub(super) fn welcome(&mut self, number: u32, wire: Wire, from: SocketAddr) -> Option<LinkId> {
         let count = self.switch.ports().filter(|port| port.link == number).count();
@@ -134,6 +198,7 @@ impl EventLoop {
             return None;
         };
         port.peer = Some(from.to_string());
+        link.welcomed += 1;
         Some(port.id)
     }
 
@@ -155,7 +220,7 @@ impl EventLoop {
         true
     }
 
-    /// A stream has ended. A server's port goes with it; what is dialled is dialled again.
+    /// A connection has ended. A server's port goes with it; what is dialled is dialled again.
     pub(super) fn hang_up(&mut self, id: LinkId, error: Option<io::Error>) {
         let Some(port) = self.switch.port(id) else { return };
         let Some(link) = self.links.get_mut(&port.link) else { return };
@@ -170,8 +235,8 @@ impl EventLoop {
             if let Some(stream) = &mut port.stream {
                 stream.clear();
             }
-            let pause = dialling.pause.as_micros() as u64;
-            dialling.at = link.spec.retry.map(|_| self.switch.moment.now + pause);
+            let heard = port.heard;
+            dialling.ended(self.switch.moment.now, heard);
         } else {
             link.part_with(self.switch.remove(id));
         }
@@ -199,26 +264,22 @@ impl EventLoop {
     }
 
     /// What became of an attempt to connect.
-    pub(super) fn dialled(&mut self, number: u32, result: io::Result<Stream>) {
+    pub(super) fn dialled(&mut self, number: u32, result: io::Result<Connection>) {
         let now = self.switch.moment.now;
         let Some(link) = self.links.get_mut(&number) else { return };
         let Kind::Dialled(id, dialling) = &mut link.kind else { return };
         dialling.under_way = false;
         match result {
-            Ok(stream) => {
-                (dialling.pause, dialling.at) = (FIRST_RETRY, None);
-                dialling.connections += 1;
+            Ok(connection) => {
+                dialling.connected(now);
                 link.error = None;
                 if let Some(port) = self.switch.port(*id) {
-                    port.peer = stream.peer().map(|peer| peer.to_string());
-                    port.wire = Wire::Stream(stream);
+                    port.connect(connection);
                 }
             }
             Err(error) => {
                 link.error = Some(in_words(&error));
-                let longest = link.spec.retry.unwrap_or(FIRST_RETRY);
-                dialling.at = Some(now + dialling.pause.min(longest).as_micros() as u64);
-                dialling.pause = (dialling.pause * 2).min(longest);
+                dialling.failed(now);
             }
         }
     }
@@ -242,5 +303,44 @@ impl EventLoop {
                 link.part_with(self.switch.remove(id));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pauses_grow_until_a_connection_was_good_for_something() {
+        let mut dialling = Dialling::new(Some(Duration::from_secs(1)));
+        let mut pause = |now, heard: Option<u64>, lasted: Option<u64>| {
+            let end = now + lasted.unwrap_or(0);
+            if lasted.is_some() {
+                dialling.connected(now);
+                dialling.ended(end, heard.unwrap_or(0));
+            } else {
+                dialling.failed(end);
+            }
+            dialling.at.map(|at| (at - end) / 1_000)
+        };
+        let (second, at_once) = (1_000_000, Some(0));
+        let refused = [10, 20, 30, 40].map(|now| pause(now * second, None, None));
+        assert_eq!(refused, [250, 500, 1_000, 1_000].map(Some));
+        let hung_up = [50, 60].map(|now| pause(now * second, None, at_once));
+        assert_eq!(hung_up, [1_000, 1_000].map(Some), "accepted, and that was all");
+        assert_eq!(pause(70 * second, Some(70 * second + 1), Some(2)), Some(250), "a frame came");
+        let hung_up = [80, 90].map(|now| pause(now * second, Some(70 * second + 1), at_once));
+        assert_eq!(hung_up, [500, 1_000].map(Some));
+        assert_eq!(pause(100 * second, None, Some(5 * second)), Some(250), "it lasted");
+    }
+
+    #[test]
+    fn without_retry_the_first_connection_is_the_last() {
+        let mut dialling = Dialling::new(None);
+        dialling.failed(7);
+        assert_eq!(dialling.at, Some(7 + FIRST_RETRY), "there was none yet");
+        dialling.connected(9);
+        dialling.ended(10, 0);
+        assert_eq!(dialling.at, None);
     }
 }

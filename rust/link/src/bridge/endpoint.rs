@@ -9,7 +9,6 @@ use std::os::fd::{AsRawFd, RawFd};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use mavwire_core::border::BorderOptions;
 use mavwire_core::router::LinkOptions;
 
 use super::automation::AutomationOptions;
@@ -113,8 +112,6 @@ pub struct LinkSpec {
 pub struct PortSpec {
     /// How it takes part in routing.
     pub options: LinkOptions,
-    /// What frames go through there.
-    pub border: BorderOptions,
     /// What the bridge sends of its own accord.
     pub automation: AutomationOptions,
     /// Bytes that may wait to leave.
@@ -161,6 +158,23 @@ impl Stream {
     }
 }
 
+/// What dialling comes to.
+#[derive(Debug)]
+pub(super) enum Connection {
+    Stream(Stream),
+    /// A socket with a peer, and with the address of this machine that leads there.
+    Datagrams(UdpSocket),
+}
+
+impl Connection {
+    pub(super) fn peer(&self) -> Option<SocketAddr> {
+        match self {
+            Self::Stream(stream) => stream.peer(),
+            Self::Datagrams(_) => None,
+        }
+    }
+}
+
 impl AsRawFd for Stream {
     fn as_raw_fd(&self) -> RawFd {
         match self {
@@ -173,13 +187,13 @@ impl AsRawFd for Stream {
 /// What adding a link opens.
 #[derive(Debug)]
 pub(super) enum Opened {
-    /// A socket with one port of the router behind it, and where its datagrams go if it has no peer.
-    Datagrams(UdpSocket, Option<SocketAddr>),
+    /// A socket with one port of the router behind it, and where its datagrams go.
+    Datagrams(UdpSocket, SocketAddr),
     /// A socket with a port for each peer.
     DatagramServer(UdpSocket),
     Listener(TcpListener),
-    /// To be dialled; a serial port that is there already.
-    Dialled(Option<Stream>),
+    /// To be dialled; what is there already.
+    Dialled(Option<Connection>),
 }
 
 impl Opened {
@@ -206,17 +220,16 @@ impl Endpoint {
 
     fn opened(&self) -> io::Result<Opened> {
         match self {
-            Self::UdpClient { host, port } => {
-                let to = resolve(host, *port)?;
-                let socket = prepared(UdpSocket::bind(any(to))?)?;
-                socket.connect(to)?;
-                Ok(Opened::Datagrams(socket, None))
-            }
+            // A network that is not there yet is no mistake.
+            Self::UdpClient { host, port } => match connect_datagrams(host, *port) {
+                Err(error) if is_way_gone(&error) => Ok(Opened::Dialled(None)),
+                done => Ok(Opened::Dialled(Some(Connection::Datagrams(done?)))),
+            },
             Self::UdpBroadcast { host, port } => {
-                let to = resolve(host, *port)?;
+                let to = resolve(host, *port)?[0];
                 let socket = prepared(UdpSocket::bind(any(to))?)?;
                 socket.set_broadcast(true)?;
-                Ok(Opened::Datagrams(socket, Some(to)))
+                Ok(Opened::Datagrams(socket, to))
             }
             Self::UdpServer { host, port } => {
                 Ok(Opened::DatagramServer(prepared(UdpSocket::bind((host.as_str(), *port))?)?))
@@ -233,35 +246,66 @@ impl Endpoint {
             }
             Self::Serial { path, baud, flow_control } => {
                 let file = serial::open(path, *baud, *flow_control)?;
-                Ok(Opened::Dialled(Some(Stream::Serial(file))))
+                Ok(Opened::Dialled(Some(Connection::Stream(Stream::Serial(file)))))
             }
         }
     }
 
     /// Connects, however long that takes; `patience` as for [`Stream::tcp`].
-    pub(super) fn dial(&self, patience: Duration) -> io::Result<Stream> {
+    pub(super) fn dial(&self, patience: Duration) -> io::Result<Connection> {
         match self {
             Self::Serial { path, baud, flow_control } => {
                 serial::open(path, *baud, *flow_control).map(Stream::Serial)
             }
-            Self::TcpClient { host, port } => {
-                let mut last = io::ErrorKind::AddrNotAvailable.into();
-                for address in (host.as_str(), *port).to_socket_addrs()? {
-                    match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
-                        Ok(stream) => return Stream::tcp(stream, patience),
-                        Err(error) => last = error,
-                    }
-                }
-                Err(last)
+            Self::TcpClient { host, port } => first_of(host, *port, |address| {
+                let stream = TcpStream::connect_timeout(&address, CONNECT_TIMEOUT)?;
+                Stream::tcp(stream, patience)
+            }),
+            Self::UdpClient { host, port } => {
+                return connect_datagrams(host, *port).map(Connection::Datagrams);
             }
             _ => Err(io::ErrorKind::Unsupported.into()),
         }
+        .map(Connection::Stream)
     }
 }
 
-fn resolve(host: &str, port: u16) -> io::Result<SocketAddr> {
-    let first = (host, port).to_socket_addrs()?.next();
-    first.ok_or_else(|| io::ErrorKind::AddrNotAvailable.into())
+/// The addresses of a host, one at least. Those of IPv4 come first, which is what MAVLink programs listen on.
+fn resolve(host: &str, port: u16) -> io::Result<Vec<SocketAddr>> {
+    let mut addresses: Vec<SocketAddr> = (host, port).to_socket_addrs()?.collect();
+    addresses.sort_by_key(SocketAddr::is_ipv6);
+    if addresses.is_empty() { Err(io::ErrorKind::AddrNotAvailable.into()) } else { Ok(addresses) }
+}
+
+/// What works with the first of a host's addresses that it works with.
+fn first_of<T>(
+    host: &str,
+    port: u16,
+    connect: impl Fn(SocketAddr) -> io::Result<T>,
+) -> io::Result<T> {
+    let mut last = io::ErrorKind::AddrNotAvailable.into();
+    for address in resolve(host, port)? {
+        match connect(address) {
+            Ok(done) => return Ok(done),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+fn connect_datagrams(host: &str, port: u16) -> io::Result<UdpSocket> {
+    first_of(host, port, |to| {
+        let socket = prepared(UdpSocket::bind(any(to))?)?;
+        socket.connect(to)?;
+        Ok(socket)
+    })
+}
+
+/// Whether an error says that no datagram leaves by this socket any more: the address that it has is no longer one of
+/// this machine, or no network leads there. A new socket may find another way.
+pub(super) fn is_way_gone(error: &io::Error) -> bool {
+    let codes = [libc::EINVAL, libc::EADDRNOTAVAIL, libc::ENETUNREACH, libc::ENETDOWN];
+    error.raw_os_error().is_some_and(|code| codes.contains(&code))
 }
 
 /// Any address of the same family, and any port.
@@ -286,7 +330,8 @@ mod tests {
         let port = listener.local_addr().unwrap().port();
         let endpoint = Endpoint::TcpClient { host: "127.0.0.1".into(), port };
         for (patience, expected) in [(60_000, [60_000, 30, 10]), (250, [250, 1, 1])] {
-            let stream = endpoint.dial(Duration::from_millis(patience)).unwrap();
+            let connection = endpoint.dial(Duration::from_millis(patience)).unwrap();
+            let Connection::Stream(stream) = connection else { panic!("{connection:?}") };
             let option = |name| {
                 let (mut value, mut len) = (0, size_of::<libc::c_int>() as libc::socklen_t);
                 let place: *mut libc::c_int = &raw mut value;

@@ -17,7 +17,7 @@ use mavwire_core::router::{LinkId, LinkSet};
 
 use super::automation::Automation;
 use super::connections::{Kind, Link};
-use super::endpoint::{LinkSpec, Opened, Stream};
+use super::endpoint::{Connection, LinkSpec, Opened};
 use super::hub::Hub;
 use super::pace::Pace;
 use super::port::Wire;
@@ -35,7 +35,7 @@ use crate::readiness::poll;
 /// What the link is called that frames of the program around the bridge come over.
 pub(super) const PROGRAM_NAME: &str = "program";
 /// Batches of datagrams that are read from one socket in a round, and connections that are taken.
-const TURNS: usize = 8;
+pub(super) const TURNS: usize = 8;
 /// Bytes after which no further batch is read.
 const ROUND_BYTES: usize = 256 * 1024;
 /// What is routed at a time before queues are looked at: a burst is no reason to drop what a link would take.
@@ -52,7 +52,7 @@ pub(super) enum Command {
     Stats(SyncSender<(Stats, Heard)>),
     Send(Vec<u8>),
     /// A thread that dials has an answer.
-    Dialled(u32, io::Result<Stream>),
+    Dialled(u32, io::Result<Connection>),
     Stop,
 }
 
@@ -185,8 +185,8 @@ impl EventLoop {
             }
         }
         for port in self.switch.ports() {
-            if let Wire::Stream(stream) = &port.wire {
-                add(stream.as_raw_fd(), libc::POLLIN, Token::Port(port.id));
+            if let Some(fd) = port.own_fd() {
+                add(fd, libc::POLLIN, Token::Port(port.id));
             }
             if let Some(fd) = port.blocked_fd() {
                 add(fd, libc::POLLOUT, Token::Writable(port.id));
@@ -289,30 +289,18 @@ impl EventLoop {
         Some(id)
     }
 
-    fn accept(&mut self, number: u32) {
-        for _ in 0..TURNS {
-            let Some(link) = self.links.get_mut(&number) else { return };
-            let Kind::Listener(listener) = &link.kind else { return };
-            let (stream, from) = match listener.accept() {
-                Ok(accepted) => accepted,
-                Err(error) => {
-                    use io::ErrorKind::{ConnectionAborted, Interrupted, WouldBlock};
-                    let passing = [ConnectionAborted, Interrupted, WouldBlock];
-                    link.resting = !passing.contains(&error.kind());
-                    return;
-                }
-            };
-            let patience = link.spec.peer_timeout;
-            if let Ok(stream) = Stream::tcp(stream, patience) {
-                self.welcome(number, Wire::Stream(stream), from); // else dropped, which closes it
-            }
-        }
-    }
-
-    /// Reads once: that is some thousand frames, and what is left comes in the next round.
+    /// Reads from what is a port's own. A stream is read once: that is some thousand frames, and what is left comes in
+    /// the next round.
     fn read_port(&mut self, id: LinkId) {
         let Some(port) = self.switch.port(id) else { return };
-        let Wire::Stream(stream) = &mut port.wire else { return };
+        let stream = match &mut port.wire {
+            Wire::Stream(stream) => stream,
+            Wire::Datagrams(socket, None) => {
+                let socket = Rc::clone(socket);
+                return self.read_datagrams(&socket, |_, _, _| Some(id));
+            }
+            Wire::Datagrams(..) | Wire::Down | Wire::Program => return,
+        };
         let mut buffer = std::mem::take(&mut self.buffer);
         match stream.read(&mut buffer) {
             Ok(0) => self.hang_up(id, None),
@@ -380,7 +368,7 @@ impl EventLoop {
                 }
                 Command::Send(bytes) => {
                     self.feed(self.switch.program(), &bytes);
-                    self.switch.end_send();
+                    self.switch.end(self.switch.program());
                 }
                 Command::Dialled(number, result) => self.dialled(number, result),
                 Command::Stop => return false,

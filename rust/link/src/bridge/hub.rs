@@ -4,13 +4,15 @@
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex};
 
+use mavwire_core::kind_hash::KindHash;
+use mavwire_core::router::Filter;
+
 use super::frames::{FrameInfo, Frames};
 use super::home::{Home, lock};
-use super::kind_hash::KindHash;
-use super::tap::{Tap, TapFilter, TapShared};
+use super::tap::{Tap, TapShared};
 
-/// Kinds of frames whose newest is kept: message ids times components.
-const MAX_LATEST: usize = 16_384;
+/// Kinds of frames whose newest is kept: message ids times components. A thousand components of 65 types are half of that.
+const MAX_LATEST: usize = 1 << 17;
 /// Removed links whose names are kept, for frames that came over them.
 const MAX_RETIRED: usize = 1024;
 
@@ -54,6 +56,14 @@ fn key(msgid: u32, sysid: u8, compid: u8) -> u64 {
     u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid)
 }
 
+/// Makes room for as many kinds again as a tenth of those that there are, so that the cost for each stays small.
+fn forget_oldest(latest: &mut HashMap<u64, Latest, KindHash>) {
+    let mut orders: Vec<u64> = latest.values().map(|one| one.order).collect();
+    let tenth = orders.len() / 10;
+    let (_, &mut last, _) = orders.select_nth_unstable(tenth);
+    latest.retain(|_, one| one.order > last);
+}
+
 /// What event loop and program share.
 #[derive(Debug)]
 pub struct Hub {
@@ -85,7 +95,7 @@ impl Hub {
                 latest.frame.extend_from_slice(bytes);
             } else {
                 if state.latest.len() >= MAX_LATEST {
-                    state.latest.clear(); // someone makes up addresses; what is real comes again
+                    forget_oldest(&mut state.latest); // someone makes up addresses
                 }
                 state
                     .latest
@@ -143,7 +153,7 @@ impl Hub {
     }
 
     /// A tap for what comes from now on.
-    pub fn tap(&self, filter: TapFilter) -> Tap {
+    pub fn tap(&self, filter: Filter) -> Tap {
         let mut state = lock(&self.state);
         let tap = Arc::new(TapShared::new(self.home, filter, state.stopped));
         if !state.stopped {
@@ -169,6 +179,25 @@ mod tests {
         let named = |number| hub.link_name(number).is_some();
         assert_eq!((named(0), named(1), named(2_000)), (true, false, true));
         assert_eq!(lock(&hub.state).link_names.len(), MAX_RETIRED + 1);
+    }
+
+    #[test]
+    fn where_there_are_too_many_kinds_the_oldest_go() {
+        let hub = Hub::new();
+        let mut made_up = frames((0..MAX_LATEST).map(|_| 7));
+        for (n, info) in (0_u32..).zip(&mut made_up.infos) {
+            [info.sysid, info.compid] = [n as u8, (n >> 8) as u8];
+            info.msgid = 1_000 + (n >> 16);
+        }
+        hub.deliver(&frames([30]));
+        hub.deliver(&made_up);
+        hub.deliver(&frames([30, 31]));
+        let kinds = hub.kinds();
+        assert!((MAX_LATEST * 8 / 10..MAX_LATEST).contains(&kinds.len()), "{}", kinds.len());
+        assert!(hub.latest(31, None, None).is_some(), "what came last is there");
+        let newest = made_up.infos.last().expect("it is not empty");
+        let known = |info: &FrameInfo| hub.latest(info.msgid, Some(info.sysid), Some(info.compid));
+        assert!(known(newest).is_some() && known(&made_up.infos[1]).is_none());
     }
 
     #[test]

@@ -14,7 +14,7 @@ use mavwire_core::signing::timestamp_from_unix_micros;
 use mavwire_core::stream::FrameStream;
 
 use super::automation::Automation;
-use super::endpoint::{PortSpec, Stream};
+use super::endpoint::{Connection, PortSpec, Stream, is_way_gone};
 use super::outbox::Outbox;
 use super::send::{self, cannot_group, send_batch};
 use super::stats::Traffic;
@@ -27,10 +27,19 @@ pub(super) enum Wire {
     /// Nothing now.
     Down,
     Stream(Stream),
-    /// A socket, and the peer's address if the socket has no peer of its own.
+    /// A socket, and the peer's address if the socket has no peer of its own; one that has is dialled again.
     Datagrams(Rc<UdpSocket>, Option<Address>),
     /// Nowhere: frames of the program around the bridge come in here.
     Program,
+}
+
+impl From<Connection> for Wire {
+    fn from(connection: Connection) -> Self {
+        match connection {
+            Connection::Stream(stream) => Self::Stream(stream),
+            Connection::Datagrams(socket) => Self::Datagrams(Rc::new(socket), None),
+        }
+    }
 }
 
 /// A peer, its half-read frame and its queue.
@@ -96,12 +105,14 @@ impl Port {
         entry: Option<Entry>,
         moment: Moment,
     ) {
-        if self.muted || matches!(self.wire, Wire::Down) {
-            self.outbox.dropped += 1;
-            return;
-        }
-        if matches!(self.wire, Wire::Program) {
-            return;
+        match self.wire {
+            Wire::Program => return,
+            _ if self.muted => return, // nothing is meant for it yet
+            Wire::Down => {
+                self.outbox.dropped += 1;
+                return;
+            }
+            Wire::Stream(_) | Wire::Datagrams(..) => {}
         }
         let urgent = self.urgent.contains(&header.msgid);
         let since = moment.now as u32;
@@ -121,6 +132,15 @@ impl Port {
         matches!(self.wire, Wire::Stream(_) | Wire::Datagrams(..)) && !self.muted
     }
 
+    /// The descriptor that only this port reads from.
+    pub(super) fn own_fd(&self) -> Option<RawFd> {
+        match &self.wire {
+            Wire::Stream(stream) => Some(stream.as_raw_fd()),
+            Wire::Datagrams(socket, None) => Some(socket.as_raw_fd()),
+            Wire::Datagrams(..) | Wire::Down | Wire::Program => None,
+        }
+    }
+
     /// The descriptor to wait for until the port takes more, if it is blocked.
     pub(super) fn blocked_fd(&self) -> Option<RawFd> {
         match &self.wire {
@@ -133,7 +153,8 @@ impl Port {
     /// Sends what is queued, as far as it goes without waiting. `clock` tells the time in microseconds.
     ///
     /// # Errors
-    /// A stream is broken. What goes wrong with datagrams is counted, and nothing else.
+    /// A stream is broken, or there is no way for the datagrams of a socket that has a peer. What else goes wrong with
+    /// datagrams is counted.
     pub(super) fn flush(&mut self, clock: impl Fn() -> u32) -> io::Result<()> {
         match &mut self.wire {
             Wire::Stream(stream) => {
@@ -141,7 +162,7 @@ impl Port {
             }
             Wire::Datagrams(socket, to) => {
                 let (socket, to) = (Rc::clone(socket), *to);
-                self.blocked = !self.flush_datagrams(&socket, to, clock);
+                self.blocked = !self.flush_datagrams(&socket, to, clock)?;
             }
             Wire::Down | Wire::Program => {}
         }
@@ -154,7 +175,7 @@ impl Port {
         socket: &UdpSocket,
         to: Option<Address>,
         clock: impl Fn() -> u32,
-    ) -> bool {
+    ) -> io::Result<bool> {
         let mut refused = false;
         while !self.outbox.is_empty() {
             let grouped = self.grouped;
@@ -163,13 +184,14 @@ impl Port {
             };
             match self.outbox.send_with(send::BATCH, send, &clock) {
                 Ok(()) => refused = false,
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => return false,
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(false),
                 Err(error) if grouped && cannot_group(&error) => self.grouped = false,
-                // What the socket says may be about an earlier datagram, which nobody wanted: this one is tried again.
-                Err(_) if !refused => {
+                Err(error) if to.is_none() && is_way_gone(&error) => {
                     self.traffic.send_errors += 1;
-                    refused = true;
+                    return Err(error);
                 }
+                // What the socket says may be about an earlier datagram, which nobody wanted: this one is tried again.
+                Err(_) if !refused => refused = true,
                 Err(_) => {
                     self.traffic.send_errors += 1;
                     self.outbox.drop_front();
@@ -177,7 +199,21 @@ impl Port {
                 }
             }
         }
-        true
+        Ok(true)
+    }
+
+    /// Has a connection that came about.
+    pub(super) fn connect(&mut self, connection: Connection) {
+        self.peer = connection.peer().map(|peer| peer.to_string());
+        self.grouped = true;
+        self.wire = connection.into();
+    }
+
+    /// What came in datagrams so far ends with something that may be the beginning of a frame.
+    #[inline]
+    pub(super) fn waits_for_datagram(&self) -> bool {
+        matches!(self.wire, Wire::Datagrams(..))
+            && self.stream.as_ref().is_some_and(|stream| stream.buffered() > 0)
     }
 
     /// It takes more, and has half of what may wait.

@@ -50,7 +50,7 @@ pub struct RecordingStats {
     pub bytes: u64,
     /// Records that were not written.
     pub dropped: u64,
-    /// Why, for the last of them, until writing works again.
+    /// Why, for the last of them, or why no new log could be begun; until that works again.
     pub error: Option<String>,
 }
 
@@ -75,7 +75,7 @@ impl Shared {
     }
 }
 
-/// A recording under way; dropping it writes what is left.
+/// A recording under way; dropping it writes what is left, and leaves no log behind that has nothing in it.
 #[derive(Debug)]
 pub(super) struct Recorder {
     shared: Arc<Shared>,
@@ -166,6 +166,12 @@ impl Log {
         self.len += records.len() as u64;
         Ok(())
     }
+
+    fn discard_if_empty(&self) {
+        if self.len == 0 {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
 }
 
 struct Writer {
@@ -179,23 +185,22 @@ impl Writer {
         loop {
             let (records, count, stopping) = self.wait();
             if !records.is_empty() {
-                let written = self.rotate().and_then(|()| self.log.write(&records));
+                // Where no new log can be begun, the old one goes on, and the next records try again.
+                let rotated = self.rotate();
+                let written = self.log.write(&records);
                 let stats = &mut self.shared.state().stats;
                 stats.path.clone_from(&self.log.path);
-                match written {
+                match &written {
                     Ok(()) => {
                         stats.records += count;
                         stats.bytes += records.len() as u64;
-                        stats.error = None;
                     }
-                    Err(error) => {
-                        stats.dropped += count;
-                        stats.error = Some(in_words(&error));
-                    }
+                    Err(_) => stats.dropped += count,
                 }
+                stats.error = written.and(rotated).err().map(|error| in_words(&error));
             }
             if stopping {
-                return;
+                return self.log.discard_if_empty();
             }
         }
     }

@@ -8,9 +8,12 @@ use mavwire_core::router::{ComponentStats, LinkSet};
 use super::connections::{Kind, Link};
 use super::event_loop::{EventLoop, PROGRAM_NAME};
 use super::latency::Latency;
-use super::port::Wire;
+use super::port::{Port, Wire};
 use super::recorder::Recorder;
 use super::stats::{ComponentReport, LinkReport, Stats};
+
+/// Components that are told of: those that were heard last.
+const MAX_COMPONENTS: usize = 4_096;
 
 /// Who was heard, as it stands in the router: thousands, if someone makes up addresses. Who asks turns it into reports, so
 /// that frames do not wait for that.
@@ -22,14 +25,22 @@ pub(super) struct Heard {
 }
 
 impl Heard {
-    /// A report on each component.
-    pub(super) fn reports(&self) -> Vec<ComponentReport> {
+    /// A report on each component, and how many there are besides: who makes up addresses does not make every look at the
+    /// numbers slow for ever after.
+    pub(super) fn reports(mut self) -> (Vec<ComponentReport>, usize) {
+        let hidden = self.components.len().saturating_sub(MAX_COMPONENTS);
+        if hidden > 0 {
+            let heard = |(.., stats, _): &(u8, u8, ComponentStats, LinkSet)| stats.heard;
+            self.components.select_nth_unstable_by_key(hidden, heard);
+            self.components.drain(..hidden);
+            self.components.sort_unstable_by_key(|&(sysid, compid, ..)| (sysid, compid));
+        }
         let report = |&(sysid, compid, stats, links): &(u8, u8, ComponentStats, LinkSet)| {
             let names = links.iter().filter_map(|id| self.names.get(id.index())?.as_deref());
             let age = self.now.saturating_sub(stats.heard) as f64 / 1e6;
             ComponentReport { sysid, compid, stats, age, links: unique(names) }
         };
-        self.components.iter().map(report).collect()
+        (self.components.iter().map(report).collect(), hidden)
     }
 }
 
@@ -48,6 +59,7 @@ impl EventLoop {
             uptime: now as f64 / 1e6,
             links: links.chain([program]).collect(),
             components: Vec::new(),
+            hidden_components: 0,
             recording: self.recorder.as_ref().map(Recorder::stats),
         };
         let components = self.switch.router().components(now).collect();
@@ -72,7 +84,6 @@ impl EventLoop {
             endpoint: link.spec.endpoint.to_string(),
             refused: link.refused,
             error: link.error.clone(),
-            overrun: link.overrun(),
             ..LinkReport::default()
         };
         let ports = self.switch.ports().filter(|port| port.link == number);
@@ -83,17 +94,23 @@ impl EventLoop {
                 traffic: self.switch.traffic(port.id),
                 queued: port.outbox.queued(),
                 latency: percentiles(&port.outbox.latency),
+                overrun: link.socket(port).and_then(overrun),
                 ..report.clone()
             })
             .collect();
         match &link.kind {
             Kind::DatagramServer(..) | Kind::Listener(_) => {
                 for peer in &mut reports {
-                    (peer.refused, peer.error, peer.overrun) = (0, None, None);
+                    (peer.refused, peer.error) = (0, None);
                 }
-                let latency = percentiles(&link.departed_latency);
-                let (state, traffic) = ("listening", link.departed);
-                let own = LinkReport { state, traffic, latency, ..report };
+                let own = LinkReport {
+                    state: "listening",
+                    traffic: link.departed,
+                    latency: percentiles(&link.departed_latency),
+                    overrun: link.server_socket().and_then(overrun),
+                    connections: link.welcomed,
+                    ..report
+                };
                 reports.insert(0, own);
             }
             Kind::Dialled(_, dialling) => {
@@ -108,15 +125,22 @@ impl EventLoop {
 }
 
 impl Link {
-    /// Datagrams that the system dropped because they were not read in time.
-    fn overrun(&self) -> Option<u64> {
-        match &self.kind {
-            Kind::Datagrams(socket, _) | Kind::DatagramServer(socket, _) => overrun(socket),
-            Kind::Listener(_) | Kind::Dialled(..) => None,
+    /// The socket that all peers of a UDP server share.
+    fn server_socket(&self) -> Option<&UdpSocket> {
+        if let Kind::DatagramServer(socket, _) = &self.kind { Some(socket) } else { None }
+    }
+
+    /// The socket of a port that shares it with no other.
+    fn socket<'a>(&self, port: &'a Port) -> Option<&'a UdpSocket> {
+        match (&self.kind, &port.wire) {
+            (Kind::DatagramServer(..), _) => None,
+            (_, Wire::Datagrams(socket, _)) => Some(socket.as_ref()),
+            _ => None,
         }
     }
 }
 
+/// Datagrams that the system dropped because they were not read in time.
 #[cfg(target_os = "linux")]
 fn overrun(socket: &UdpSocket) -> Option<u64> {
     /// Numbers that tell of a socket's memory (`SK_MEMINFO_VARS`), the last of which counts what was dropped.
@@ -162,5 +186,27 @@ fn state_of(wire: &Wire, kind: &Kind) -> &'static str {
         }
         (Wire::Down, _) => "down",
         _ => "up",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_too_many_components_those_are_told_of_that_were_heard_last() {
+        let heard = |count: u64| {
+            let stats = |n| ComponentStats { heard: n, ..ComponentStats::default() };
+            let one =
+                |n: u64| ((n >> 8) as u8, n as u8, stats((n + 5_000) % count), LinkSet::EMPTY);
+            let components = (0..count).map(one).collect();
+            Heard { now: count, components, names: Vec::new() }.reports()
+        };
+        let (all, hidden) = heard(4_096);
+        assert_eq!((all.len(), hidden), (4_096, 0));
+        let (some, hidden) = heard(65_536);
+        assert_eq!((some.len(), hidden), (4_096, 65_536 - 4_096));
+        assert!(some.iter().all(|one| one.stats.heard >= 65_536 - 4_096));
+        assert!(some.is_sorted_by_key(|one| (one.sysid, one.compid)));
     }
 }

@@ -11,8 +11,10 @@ pub struct Stats {
     pub uptime: f64,
     /// Its links, the peers of those that have several, and last the program around the bridge.
     pub links: Vec<LinkReport>,
-    /// Everyone who was heard.
+    /// Everyone who was heard, up to some thousands that were heard last.
     pub components: Vec<ComponentReport>,
+    /// Components that are not among these.
+    pub hidden_components: usize,
     /// What is recorded.
     pub recording: Option<RecordingStats>,
 }
@@ -95,7 +97,7 @@ pub struct LinkReport {
     pub overrun: Option<u64>,
     /// Peers that were turned away because there were too many.
     pub refused: u64,
-    /// Connections that came about.
+    /// Connections that came about; peers that a server got so far.
     pub connections: u64,
     /// Why the last attempt to connect failed.
     pub error: Option<String>,

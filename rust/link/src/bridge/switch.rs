@@ -82,7 +82,8 @@ impl Switch {
     /// Adds a port; `None` if there is no number left for it.
     pub(super) fn add(&mut self, link: u32, wire: Wire, spec: &PortSpec) -> Option<LinkId> {
         let id = self.router.add_link(spec.options.clone())?;
-        let border = (!spec.border.is_open()).then(|| self.border(link, &spec.border));
+        let options = &spec.options.border;
+        let border = (!options.is_open()).then(|| self.border(id, options));
         if self.ports.len() <= id.index() {
             self.ports.resize_with(id.index() + 1, || None);
         }
@@ -94,13 +95,13 @@ impl Switch {
     pub(super) fn add_peer(&mut self, link: u32, wire: Wire, spec: &PortSpec) -> Option<&mut Port> {
         let id = self.add(link, wire, spec)?;
         let port = self.port(id)?;
-        port.muted = spec.border.verify;
+        port.muted = spec.options.border.verify;
         Some(port)
     }
 
-    /// A border with the signing state of its key. Links have signatures with link ids of their own.
-    fn border(&mut self, link: u32, options: &BorderOptions) -> Border {
-        let options = BorderOptions { link_id: link as u8, ..options.clone() };
+    /// A border with the signing state of its key. No two ports have signatures with the same link id.
+    fn border(&mut self, id: LinkId, options: &BorderOptions) -> Border {
+        let options = BorderOptions { link_id: id.0, ..options.clone() };
         let state = match &options.key {
             Some(key) => self.signing_state(key),
             None => Rc::default(),
@@ -159,6 +160,12 @@ impl Switch {
         Traffic { routed, ..port.map(Port::traffic).unwrap_or_default() }
     }
 
+    /// Whether a datagram begins with a good frame that the dialect knows.
+    fn begins_with_frame(&self, bytes: &[u8]) -> bool {
+        let found = Scanner::new(Resync::Rescan).next(bytes, &self.registry);
+        matches!(found, Found::Frame { entry: Some(_), .. })
+    }
+
     /// Whether a datagram has a good frame in it that the dialect knows.
     pub(super) fn is_mavlink(&self, bytes: &[u8]) -> bool {
         let mut scanner = Scanner::new(Resync::Rescan);
@@ -176,6 +183,10 @@ impl Switch {
 
     /// Routes what arrived at a port.
     pub(super) fn feed(&mut self, id: LinkId, bytes: &[u8]) {
+        let waits = self.port(id).is_some_and(|port| port.waits_for_datagram());
+        if waits && self.begins_with_frame(bytes) {
+            self.end(id); // what waits for the rest of a frame is none
+        }
         let Some(mut stream) = self.port(id).and_then(|port| port.stream.take()) else { return };
         let registry = Arc::clone(&self.registry);
         let mut tally = Tally::default();
@@ -195,10 +206,8 @@ impl Switch {
         }
     }
 
-    /// Routes what is left of frames that the program around the bridge sent. Half a frame is junk: what is sent next has
-    /// nothing to do with it.
-    pub(super) fn end_send(&mut self) {
-        let id = self.program;
+    /// Routes what is left of frames at a port. Half a frame is junk: what comes next has nothing to do with it.
+    pub(super) fn end(&mut self, id: LinkId) {
         let Some(mut stream) = self.port(id).and_then(|port| port.stream.take()) else { return };
         let registry = Arc::clone(&self.registry);
         let mut tally = Tally::default();
@@ -235,7 +244,7 @@ impl Switch {
             let due =
                 port.automation.as_mut().and_then(|automation| automation.heartbeat(moment.now));
             if let Some(frame) = due {
-                send_own(port, &frame, &self.registry, moment);
+                send_own(port, &mut self.router, &frame, &self.registry, moment);
                 self.dirty.insert(port.id);
             }
         }
@@ -248,7 +257,7 @@ impl Switch {
         let Some(automation) = &mut port.automation else { return };
         let requests = automation.requests(frame, header, moment.now);
         for request in &requests {
-            send_own(port, request, &self.registry, moment);
+            send_own(port, &mut self.router, request, &self.registry, moment);
             self.dirty.insert(id);
         }
     }
@@ -311,9 +320,17 @@ impl Switch {
     }
 }
 
-/// Queues a frame of the bridge itself at a port.
-fn send_own(port: &mut Port, frame: &FrameBuffer, registry: &Registry, moment: Moment) {
-    if let Some(header) = Header::parse(frame) {
-        port.push(frame, &header, registry.lookup(header.msgid), moment);
+/// Queues a frame of the bridge itself at a port, if it may leave there.
+fn send_own(
+    port: &mut Port,
+    router: &mut Router,
+    frame: &FrameBuffer,
+    registry: &Registry,
+    moment: Moment,
+) {
+    let Some(header) = Header::parse(frame) else { return };
+    let entry = registry.lookup(header.msgid);
+    if router.admit(frame, &header, entry, port.id, moment.now) {
+        port.push(frame, &header, entry, moment);
     }
 }

@@ -3,27 +3,13 @@
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use mavwire_core::router::Filter;
+
 use super::frames::{FrameInfo, Frames};
 use super::home::{Home, lock};
 
 /// Bytes that a tap holds for a program that does not fetch them.
 pub(super) const TAP_BYTES: usize = 16 << 20;
-
-/// Which frames a tap gets; `None` for all.
-#[derive(Debug, Clone, Default)]
-pub struct TapFilter {
-    /// Message ids.
-    pub messages: Option<Vec<u32>>,
-    /// System ids.
-    pub systems: Option<Vec<u8>>,
-}
-
-impl TapFilter {
-    fn wants(&self, info: &FrameInfo) -> bool {
-        self.messages.as_ref().is_none_or(|ids| ids.contains(&info.msgid))
-            && self.systems.as_ref().is_none_or(|ids| ids.contains(&info.sysid))
-    }
-}
 
 #[derive(Debug, Default)]
 struct Waiting {
@@ -63,7 +49,7 @@ impl Waiting {
 #[derive(Debug)]
 pub(super) struct TapShared {
     home: Home,
-    filter: TapFilter,
+    filter: Filter,
     waiting: Mutex<Waiting>,
     arrived: Condvar,
 }
@@ -73,7 +59,7 @@ pub(super) struct TapShared {
 pub struct Tap(pub(super) Arc<TapShared>);
 
 impl TapShared {
-    pub(super) fn new(home: Home, filter: TapFilter, closed: bool) -> Self {
+    pub(super) fn new(home: Home, filter: Filter, closed: bool) -> Self {
         let waiting = Waiting { closed, ..Waiting::default() };
         Self { home, filter, waiting: Mutex::new(waiting), arrived: Condvar::new() }
     }
@@ -87,7 +73,8 @@ impl TapShared {
         if waiting.closed {
             return;
         }
-        for (info, bytes) in frames.iter().filter(|(info, _)| self.filter.wants(info)) {
+        let wants = |info: &FrameInfo| self.filter.admits(info.msgid, info.sysid, info.compid);
+        for (info, bytes) in frames.iter().filter(|(info, _)| wants(info)) {
             if waiting.frames.bytes.len() - waiting.taken_bytes + bytes.len() > TAP_BYTES {
                 // The older half, so that the cost for each frame stays small.
                 let count = waiting.len().div_ceil(2);
@@ -182,7 +169,7 @@ mod tests {
     #[test]
     fn a_tap_gets_what_it_wants_in_batches_until_the_end() {
         let hub = Hub::new();
-        let wanted = TapFilter { messages: Some((0..100).collect()), systems: Some(vec![1]) };
+        let wanted = Filter::default().allow_messages(0..100).allow_systems([1]);
         let tap = hub.tap(wanted);
         assert!(!tap.wait(1, Duration::ZERO));
         assert_eq!(tap.take(10).map(|frames| ids(&frames)), Some(vec![]));
@@ -198,13 +185,13 @@ mod tests {
         assert!(tap.wait(2, LONG), "nothing will come any more");
         assert_eq!(tap.take(40).map(|frames| ids(&frames)), Some(vec![7]));
         assert!(tap.take(40).is_none());
-        assert!(hub.tap(TapFilter::default()).take(1).is_none());
+        assert!(hub.tap(Filter::default()).take(1).is_none());
     }
 
     #[test]
     fn a_tap_that_nobody_reads_keeps_the_newest() {
         let hub = Hub::new();
-        let tap = hub.tap(TapFilter::default());
+        let tap = hub.tap(Filter::default());
         for _ in 0..100 {
             hub.deliver(&frames(0..10_000));
         }
@@ -221,7 +208,7 @@ mod tests {
     #[test]
     fn several_may_wait_for_one_tap() {
         let hub = Hub::new();
-        let tap = Arc::new(hub.tap(TapFilter::default()));
+        let tap = Arc::new(hub.tap(Filter::default()));
         let waiter = |wanted| {
             let (tap, (done, ended)) = (Arc::clone(&tap), std::sync::mpsc::channel());
             std::thread::spawn(move || done.send(tap.wait(wanted, 10 * LONG)));

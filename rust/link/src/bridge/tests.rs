@@ -3,6 +3,7 @@
 use super::*;
 use mavwire_core::builtin;
 use mavwire_core::frame::{self, Header, MAX_FRAME_LEN};
+use mavwire_core::router::Filter;
 use mavwire_core::schema::WireVersion;
 use std::io::Read as _;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -328,7 +329,7 @@ fn however_the_loop_ends_its_taps_do() {
     let (signal, wake) = UnixStream::pair().unwrap();
     let waker = Waker { commands, signal: Arc::new(signal) };
     let hub = Arc::new(Hub::new());
-    let tap = hub.tap(TapFilter::default());
+    let tap = hub.tap(Filter::default());
     let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         let switch = Switch::new(registry(), Settings::new(3));
         let _running = EventLoop::new(switch, Arc::clone(&hub), None, receiver, waker, wake);

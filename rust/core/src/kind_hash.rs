@@ -7,7 +7,7 @@ const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// The key of a table.
 #[derive(Debug, Clone)]
-pub(super) struct KindHash(u64);
+pub struct KindHash(u64);
 
 impl Default for KindHash {
     fn default() -> Self {
@@ -26,7 +26,7 @@ impl BuildHasher for KindHash {
 
 /// A hash that is being made.
 #[derive(Debug)]
-pub(super) struct KindHasher(u64);
+pub struct KindHasher(u64);
 
 impl Hasher for KindHasher {
     #[inline]
