@@ -435,6 +435,11 @@ def test_counters_over_http() -> None:
         assert 'mavwire_bridge_link_received_total{link="program",peer=""} 1' in text
         with pytest.raises(urllib.error.HTTPError, match="404"):
             fetch("/etc/passwd")
+        url = f"http://127.0.0.1:{server.port}/stats"
+        for name, value in (("Host", "evil.example"), ("Origin", "http://evil.example")):
+            foreign = urllib.request.Request(url, headers={name: value})
+            with pytest.raises(urllib.error.HTTPError, match="403"):
+                urllib.request.urlopen(foreign, timeout=LIMIT)
         with socket.create_connection(("127.0.0.1", server.port), LIMIT) as hostile:
             hostile.sendall(b"\x00\xff" * 1000 + b"\r\n\r\n")
         bridge.stop()
