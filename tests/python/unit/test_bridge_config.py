@@ -181,6 +181,22 @@ def test_the_format_of_mavlink_router(tmp_path: Path) -> None:
     assert repr(Bridge.from_options(config)) == "<Bridge of 6 links, stopped>"
 
 
+@pytest.mark.parametrize(
+    ("text", "warning"),
+    [
+        ("[General]\nLogTelemetry = true", ":2: no effect without Log"),
+        ("[General]\nLog = a\nLogTelemetry=true\nlog = b", ":2: no effect: Log is given again at"),
+        (
+            "[UdpEndpoint a]\nMode=normal\nAddress=h\nPort=1\nFilter=3\nAllowMsgIdOut=4",
+            ":5: no effect beside AllowMsgIdOut",
+        ),
+    ],
+)
+def test_keys_without_effect_are_told_of(tmp_path: Path, text: str, warning: str) -> None:
+    (told,) = load(tmp_path, "main.conf", text).warnings
+    assert f"main.conf{warning}" in told
+
+
 def test_without_a_word_mavlink_router_listens_on_5760(tmp_path: Path) -> None:
     assert load(tmp_path, "main.conf", "").links[0][1] == Endpoint("tcpin", "0.0.0.0", 5760)
     assert load(tmp_path, "main.conf", "[General]\nTcpServerPort=0").links == []
