@@ -26,7 +26,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, describe_link_error
 from mavwire.cli.sim import duration
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _run(bridge: Bridge, args: Namespace) -> int:
     try:
         bridge.start()
     except OSError as error:
-        raise CommandError(_describe(error)) from None
+        raise CommandError(describe_link_error(error)) from None
     except RuntimeError as error:
         raise CommandError(str(error)) from None
     last = None
@@ -167,11 +167,7 @@ def _bridge(args: Namespace) -> Bridge:
     except ConfigError as error:
         raise CommandError(str(error), 2) from None
     except OSError as error:
-        raise CommandError(_describe(error)) from None
-
-
-def _describe(error: OSError) -> str:
-    return f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        raise CommandError(describe_link_error(error)) from None
 
 
 def _beside(bridge: Bridge, args: Namespace) -> Iterator[HttpServer | Sink]:
