@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from mavwire._native import BridgeCore
 
     from .config import Config
+    from .sinks import Sink
 
 
 class Kind(NamedTuple):
@@ -87,6 +88,8 @@ class Bridge:
         # Frames leave in the order of their numbers, whichever threads send.
         self._renew_lock()
         follow_forks(self, Bridge._renew_lock)
+        self.sinks: list[Sink] = []
+        """Those that are open: `open_sink` puts them there."""
         self._groups: list[str] = []
         self._links = [self._link(link, {}) for link in links]
         self._core: BridgeCore | None = None
@@ -251,8 +254,10 @@ class Bridge:
         ]
 
     def stats(self) -> dict[str, Any]:
-        """Counters of links and components, and of the recording: what docs/bridge.md lists."""
-        return self._running().stats()
+        """Counters of links and components, recording and sinks: what docs/bridge.md lists."""
+        stats = self._running().stats()
+        stats["sinks"] = [sink.stats() for sink in list(self.sinks)]
+        return stats
 
     def __repr__(self) -> str:
         state = "running" if self.running else "stopped"

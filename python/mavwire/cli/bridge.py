@@ -93,7 +93,8 @@ def add_arguments(parser: ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--sink", metavar="ADDRESS", action="append", default=[],
-        help="publish what comes: mqtt://HOST/PREFIX, mqtts://..., zenoh: or zenoh:tcp/HOST:PORT",
+        help="publish what comes: mqtt://HOST/PREFIX, mqtts://..., zenoh:, zenoh:tcp/HOST:PORT, "
+        "or ws://HOST:PORT/PREFIX for others to connect to",
     )  # fmt: skip
     parser.add_argument("--duration", type=duration, metavar="T", help="end after this time")
 
@@ -194,7 +195,8 @@ def _sink(bridge: Bridge, text: str) -> Sink:
     try:
         return open_sink(bridge, text)
     except ImportError as error:
-        extra = text.partition(":")[0].removesuffix("s")
+        word = text.partition(":")[0]
+        extra = {"mqtts": "mqtt"}.get(word, word)
         raise CommandError(f"--sink: {error}: pip install 'mavwire[{extra}]'") from None
     except ConfigError as error:
         raise CommandError(f"--sink: {error}", 2) from None
@@ -240,6 +242,8 @@ def _watch(bridge: Bridge, args: Namespace) -> None:
                 show()
     finally:
         getattr(show, "close", lambda: None)()
+        if not args.status and bridge.running:
+            warn(at_end=True)
 
 
 def _shower(bridge: Bridge, args: Namespace) -> Any:
