@@ -235,6 +235,31 @@ def test_the_command_serves_the_page_where_it_says() -> None:
         assert process.wait(LIMIT) == 0
 
 
+def test_a_file_says_what_runs_beside_the_bridge(tmp_path: Path) -> None:
+    pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
+    config = tmp_path / "bridge.toml"
+    config.write_text(f"""
+json = 3600
+[http]
+listen = ":0"
+names = ["rover.example"]
+[[sink]]
+address = "ws://:0/field"
+[[link]]
+endpoint = "{UDP}"
+""")
+    with mavwire("bridge", "--config", str(config)) as (process, lines):
+        line = lines.get(timeout=LIMIT)
+        url = line.partition("inspector at ")[2].partition(";")[0]
+        request = urllib.request.Request(url, headers={"Host": "rover.example"})
+        with urllib.request.urlopen(request, timeout=LIMIT) as answer:
+            assert b"mavwire bridge" in answer.read()
+        assert "; publishing to ws://127.0.0.1:" in line
+        process.send_signal(signal.SIGTERM)
+        assert process.stdout is not None
+        assert json.loads(process.stdout.read())["sinks"][0]["name"].endswith("/field")
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "wrong"),
     [
@@ -245,6 +270,8 @@ def test_the_command_serves_the_page_where_it_says() -> None:
         ([UDP, UDP], 1, "there is a link called"),
         ([UDP, "--dedup", "soon"], 2, "not a time"),
         ([UDP, "--metrics", "here"], 2, "not [HOST]:PORT"),
+        ([UDP, "--max-age", "0"], 2, "max_age must be 0.001 seconds or more"),
+        ([UDP, "--sniffer-sysid", "256"], 2, "sniffer_sysid must be a number from 0 to 255"),
         ([UDP, "--http", "here"], 2, "not [HOST]:PORT"),
         ([UDP, "--sink", "kafka://x"], 2, "'kafka://x' is no sink; say mqtt://"),
         ([UDP, "--record-size", "1M"], 2, "--record-flush need --record"),
