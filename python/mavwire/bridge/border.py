@@ -61,12 +61,17 @@ def border_from(
     for name in ("verify_in", "sign_out"):
         if flags[name] and key is None:
             raise ConfigError(f"{name} needs signing_key or signing_key_file", name)
+    if key is not None and not (flags["verify_in"] or flags["sign_out"]):
+        name = "signing_key" if "signing_key" in options else "signing_key_file"
+        raise ConfigError(f"{name} does nothing without verify_in or sign_out", name)
     if flags["sign_out"] and version == 1:
         reason = "sign_out needs version 2: frames of version 1 carry no signature"
         raise ConfigError(reason, "sign_out")
     if flags["sign_out"] and flags["strip_out"]:
         raise ConfigError("sign_out and strip_out exclude each other", "strip_out")
     unsigned = options.get("allow_unsigned_in")
+    if unsigned is not None and not flags["verify_in"]:
+        raise ConfigError("allow_unsigned_in does nothing without verify_in", "allow_unsigned_in")
     return Border(
         version=version,
         key=key,
@@ -80,9 +85,13 @@ def border_from(
 
 def automation_from(options: Mapping[str, Any]) -> Automation:
     """What the bridge says at a link of its own accord. ConfigError."""
+    system = whole("own_system", options.get("own_system", DEFAULT_SYSTEM), 255, least=1)
     heartbeat, rate = options.get("heartbeat"), options.get("request_streams")
+    if "own_system" in options and heartbeat is None and rate is None:
+        reason = "own_system does nothing without heartbeat or request_streams"
+        raise ConfigError(reason, "own_system")
     return Automation(
-        system=whole("own_system", options.get("own_system", DEFAULT_SYSTEM), 255, least=1),
+        system=system,
         heartbeat=None if heartbeat is None else seconds("heartbeat", heartbeat, least=0.01),
         stream_rate=None if rate is None else whole("request_streams", rate, 1000, least=1),
     )

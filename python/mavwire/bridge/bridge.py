@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import atexit
 import dataclasses
 import os
+import threading
 from typing import NamedTuple
+from weakref import WeakSet
+
+from mavwire.links.forks import follow_forks
 
 from .checks import listed, seconds, text, whole
 from .endpoints import parse_endpoint
@@ -21,6 +26,7 @@ if TYPE_CHECKING:
     from mavwire._native import BridgeCore
 
     from .config import Config
+    from .sinks import Sink
 
 
 class Kind(NamedTuple):
@@ -33,6 +39,16 @@ class Kind(NamedTuple):
     frames: int
     time: float
     link: str
+
+
+# To be stopped at the end of the program: a thread inside one would keep it, and the end of its recording.
+_running_bridges: WeakSet[Bridge] = WeakSet()
+
+
+@atexit.register
+def _stop_all() -> None:
+    for bridge in list(_running_bridges):
+        bridge.stop()
 
 
 class Bridge:
@@ -69,6 +85,11 @@ class Bridge:
             whole("source_system", source_system, 255, least=1),
             whole("source_component", source_component, 255, least=1),
         )
+        # Frames leave in the order of their numbers, whichever threads send.
+        self._renew_lock()
+        follow_forks(self, Bridge._renew_lock)
+        self.sinks: list[Sink] = []
+        """Those that are open: `open_sink` puts them there."""
         self._groups: list[str] = []
         self._links = [self._link(link, {}) for link in links]
         self._core: BridgeCore | None = None
@@ -115,10 +136,12 @@ class Bridge:
             core.stop()
             raise
         self._core = core
+        _running_bridges.add(self)
         return self
 
     def stop(self) -> None:
         """Close all links and finish the recording. Does nothing to a bridge that is not running."""
+        _running_bridges.discard(self)
         core, self._core = self._core, None
         if core is not None:
             core.stop()
@@ -174,13 +197,16 @@ class Bridge:
         message, which is packed as from `source_system`. TypeError for anything else.
         """
         if isinstance(message, bytes | bytearray | memoryview):
-            frames = bytes(message)
-        elif not hasattr(message, "pack"):
+            self._running().send(bytes(message))
+            return
+        if not hasattr(message, "pack"):
             raise TypeError(f"a message or the bytes of frames can be sent, not {message!r}")
-        else:
-            frames = bytes(message.pack(self._mav))
+        with self._sending:
+            self._running().send(bytes(message.pack(self._mav)))
             self._mav.seq = (self._mav.seq + 1) % 256
-        self._running().send(frames)
+
+    def _renew_lock(self) -> None:
+        self._sending = threading.Lock()
 
     def latest(
         self, type: str | int, system: int | None = None, component: int | None = None
@@ -228,8 +254,10 @@ class Bridge:
         ]
 
     def stats(self) -> dict[str, Any]:
-        """Counters of links and components, and of the recording: what docs/bridge.md lists."""
-        return self._running().stats()
+        """Counters of links and components, recording and sinks: what docs/bridge.md lists."""
+        stats = self._running().stats()
+        stats["sinks"] = [sink.stats() for sink in list(self.sinks)]
+        return stats
 
     def __repr__(self) -> str:
         state = "running" if self.running else "stopped"

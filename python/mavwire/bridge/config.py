@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 from mavwire._wording import did_you_mean
 
+from .beside import Listen, SinkOptions, listen_from, sink_from
+from .checks import seconds
 from .endpoints import parse_endpoint
 from .errors import ConfigError
 from .options import Recording, Settings
@@ -33,6 +35,11 @@ class Config:
     settings: dict[str, Any] = field(default_factory=dict)
     recording: Recording | None = None
     dialect: str = "all"
+    json: float | None = None
+    """Seconds between two lines of counters that `mavwire bridge` prints."""
+    http: Listen | None = None
+    metrics: Listen | None = None
+    sinks: list[SinkOptions] = field(default_factory=list)
     path: str = ""
     warnings: list[str] = field(default_factory=list)
 
@@ -72,7 +79,10 @@ class _Toml:
 
     def config(self) -> Config:
         content, config = self._content, Config(path=self._name)
-        known = ("dedup", "max_age", "sniffer_sysid", "dialect", "record", "link")
+        known = (
+            "dedup", "max_age", "sniffer_sysid", "dialect", "record", "json", "http", "metrics",
+            "sink", "link",
+        )  # fmt: skip
         try:
             _check_names(content, known)
             for option in ("dedup", "max_age", "sniffer_sysid"):
@@ -83,15 +93,20 @@ class _Toml:
             if not isinstance(config.dialect, str):
                 reason = f"dialect must be a text, not {config.dialect!r}"
                 raise ConfigError(reason, "dialect")
-            links = content.get("link", [])
-            if not isinstance(links, list):
-                raise ConfigError("say [[link]], not [link]", "link")
+            if "json" in content:
+                config.json = seconds("json", content["json"], least=1e-3)
+            for option in ("link", "sink"):
+                if not isinstance(content.get(option, []), list):
+                    raise ConfigError(f"say [[{option}]], not [{option}]", option)
         except ConfigError as error:
             raise error.at(self._place(error.option)) from None
         config.places = {("", option): self._place(option) for option in content}
         if "record" in content:
             config.recording = self._recording(content["record"])
-        for number, link in enumerate(links):
+        config.http = self._listen("http")
+        config.metrics = self._listen("metrics")
+        config.sinks = [self._sink(*item) for item in enumerate(content.get("sink", []))]
+        for number, link in enumerate(content.get("link", [])):
             self._add(config, number, link)
         return config
 
@@ -109,6 +124,19 @@ class _Toml:
             return Recording(**record)
         except ConfigError as error:
             raise error.at(f"{self._place('record', error.option)}: record") from None
+
+    def _listen(self, name: str) -> Listen | None:
+        try:
+            return listen_from(self._content[name]) if name in self._content else None
+        except ConfigError as error:
+            raise error.at(f"{self._place(name, error.option)}: {name}") from None
+
+    def _sink(self, number: int, table: Any) -> SinkOptions:
+        title = f"sink {number + 1}"
+        try:
+            return sink_from(table, f"{self._place('sink', number, 'address')}: {title}")
+        except ConfigError as error:
+            raise error.at(f"{self._place('sink', number, error.option)}: {title}") from None
 
     def _add(self, config: Config, number: int, link: Any) -> None:
         title = f"link {number + 1}"

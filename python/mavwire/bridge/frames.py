@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import threading
+import weakref
+from contextlib import suppress
+from queue import SimpleQueue
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from asyncio import Future
+    from concurrent.futures import Future
     from typing import Self
 
     from mavwire._native import BridgeTap, FrameBatch
-
-# How long a thread of asyncio's waits at a time: one that a cancelled task leaves behind ends then.
-ASYNC_SLICE = 0.2
 
 
 class FrameBatches:
@@ -24,6 +26,7 @@ class FrameBatches:
         self._tap = tap
         self._max_batch = max_batch
         self._max_latency = max_latency
+        self._fetcher: _Fetcher | None = None
         self._fetching: Future[FrameBatch | None] | None = None
 
     def next(self, timeout: float | None = None) -> FrameBatch | None:
@@ -54,25 +57,71 @@ class FrameBatches:
     async def __anext__(self) -> FrameBatch:
         import asyncio
 
-        loop = asyncio.get_running_loop()
         while True:
             fetching = self._fetching
-            if fetching is None or not (fetching.done() or fetching.get_loop() is loop):
-                fetching = self._fetching = loop.run_in_executor(None, self.next, ASYNC_SLICE)
+            if fetching is None or not (fetching.done() or self._has_fetcher()):
+                fetching = self._fetching = self._fetch()
             if not fetching.done():
                 # Who is cancelled here leaves what is fetched to whoever comes next.
-                await asyncio.wait([fetching])
+                with suppress(Exception):  # which `result` raises
+                    await asyncio.wrap_future(fetching)
             if self._fetching is not fetching:
                 continue  # another task was quicker
             self._fetching = None
             batch = fetching.result()
             if batch is None:
                 raise StopAsyncIteration
-            if len(batch):
-                return batch
+            return batch
+
+    def _has_fetcher(self) -> bool:
+        """A forked child has none, whatever it was doing."""
+        return self._fetcher is not None and self._fetcher.is_alive()
+
+    def _fetch(self) -> Future[FrameBatch | None]:
+        if not self._has_fetcher():
+            self._fetcher = _Fetcher(self._tap, self._max_batch, self._max_latency)
+            weakref.finalize(self, self._fetcher.end).atexit = False
+        assert self._fetcher is not None
+        return self._fetcher.fetch()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+class _Fetcher(threading.Thread):
+    """Waits for batches, where an event loop must not. One of asyncio's own threads would be missing elsewhere, and
+    be waited for at the end of `asyncio.run`.
+    """
+
+    def __init__(self, tap: BridgeTap, max_batch: int, max_latency: float) -> None:
+        super().__init__(name="mavwire-frames", daemon=True)
+        self._tap = tap
+        self._max_batch = max_batch
+        self._max_latency = max_latency
+        self._wanted: SimpleQueue[Future[FrameBatch | None] | None] = SimpleQueue()
+        self.start()
+
+    def fetch(self) -> Future[FrameBatch | None]:
+        """The next batch, once it is there."""
+        from concurrent.futures import Future
+
+        wanted: Future[FrameBatch | None] = Future()
+        wanted.set_running_or_notify_cancel()  # so that cancelling a wait for it leaves it alone
+        self._wanted.put(wanted)
+        return wanted
+
+    def run(self) -> None:
+        """Fetch what is asked for, one after the other."""
+        while (wanted := self._wanted.get()) is not None:
+            try:
+                wanted.set_result(self._tap.next(self._max_batch, self._max_latency, None))
+            except BaseException as error:
+                wanted.set_exception(error)
+
+    def end(self) -> None:
+        """Nobody asks any more."""
+        self._wanted.put(None)
+        self._tap.close()

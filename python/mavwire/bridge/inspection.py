@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ class View:
             [kind.system, kind.component, kind.id, kind.frames, kind.time, kind.link]
             for kind in shown
         ]
+        stats["time"] = time.time()
         stats["hidden"] = len(kinds) - len(shown)
         stats["hidden_components"] += max(0, len(stats["components"]) - MAX_COMPONENTS)
         del stats["components"][MAX_COMPONENTS:]
@@ -79,7 +81,7 @@ class View:
             if message is not None:
                 fields = self._fields(message)
                 found[f"{system}/{component}/{msgid}"] = [message._timestamp, fields]
-        return json.dumps({"values": found})
+        return json.dumps({"time": time.time(), "values": found})
 
     def _describe(self, msgid: int) -> dict[str, Any]:
         """Name and fields of a message: name, type and unit of each."""

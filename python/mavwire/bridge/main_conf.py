@@ -85,7 +85,7 @@ def parse_main_conf(name: str, text: str) -> Config:
     config = Config(path=name)
     general = _Section("general", "General", name)
     endpoints: list[_Section] = []
-    for section in _sections(name, text):
+    for section in _sections(name, text, config.warnings):
         if section.kind == "general":
             general.entries.update(section.entries)
         else:
@@ -97,7 +97,7 @@ def parse_main_conf(name: str, text: str) -> Config:
     return config
 
 
-def _sections(name: str, text: str) -> list[_Section]:
+def _sections(name: str, text: str, warnings: list[str]) -> list[_Section]:
     sections: list[_Section] = []
     for number, raw in enumerate(text.splitlines(), 1):
         line, where = raw.strip(), f"{name}:{number}"
@@ -115,15 +115,17 @@ def _sections(name: str, text: str) -> list[_Section]:
             raise ConfigError(f"{where}: neither [Section] nor Key = Value: {line!r}")
         if not sections:
             raise ConfigError(f"{where}: stands before the first [Section]")
-        _enter(sections[-1], key.strip(), value.strip(), where)
+        _enter(sections[-1], key.strip(), value.strip(), where, warnings)
     return sections
 
 
-def _enter(section: _Section, key: str, value: str, where: str) -> None:
+def _enter(section: _Section, key: str, value: str, where: str, warnings: list[str]) -> None:
     known = _KEYS[section.kind]
     name = next((one for one in known if one.lower() == key.lower()), None)
     if name is None:
         raise ConfigError(f"{where}: unknown option {key!r}{did_you_mean(key, known)}")
+    if name in section.entries:
+        warnings.append(f"{section.place(name)}: no effect: {name} is given again at {where}")
     section.entries[name] = (value, where)
 
 
@@ -150,6 +152,9 @@ def _apply_general(config: Config, general: _Section) -> None:
             f"{general.place('Log')}: no effect here without LogTelemetry = true: "
             "flight stack logs are not stored"
         )
+    elif telemetry:
+        place = general.place("LogTelemetry")
+        config.warnings.append(f"{place}: no effect without Log, which says where to")
 
 
 def _add(config: Config, section: _Section, ports: Any) -> None:
@@ -178,8 +183,10 @@ def _udp(config: Config, section: _Section, options: dict[str, Any], ports: Any)
     mode = section.need("Mode").lower()
     address = section.need("Address").strip("[]")
     allowed = section.read("Filter", [], _msgids)
-    if allowed:  # an older name of AllowMsgIdOut
-        options.setdefault("allow_messages_out", allowed)
+    if allowed and "allow_messages_out" in options:
+        config.warnings.append(f"{section.place('Filter')}: no effect beside AllowMsgIdOut")
+    elif allowed:  # an older name of it
+        options["allow_messages_out"] = allowed
     if mode == "normal":
         port = section.read("Port", None, _port) or next(ports)
         return Endpoint("udpout", address, port)

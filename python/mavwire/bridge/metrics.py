@@ -46,6 +46,12 @@ RECORDING_COUNTERS = {
     "dropped": "records that could not be written",
     "files": "logs begun",
 }
+# Key of an entry of `Bridge.stats()["sinks"]` -> what it counts.
+SINK_COUNTERS = {
+    "published": "frames published",
+    "failed": "frames that did not leave whole",
+    "dropped": "frames or messages dropped because an end was too slow",
+}
 
 
 def prometheus(stats: dict[str, Any]) -> str:
@@ -84,6 +90,9 @@ def prometheus(stats: dict[str, Any]) -> str:
     recording = stats["recording"]
     for key, text in RECORDING_COUNTERS.items() if recording else ():
         family(f"recording_{key}_total", "counter", text, [({}, recording[key])])
+    sinks = [({"sink": one["name"]}, one) for one in stats["sinks"]]
+    for key, text in SINK_COUNTERS.items():
+        family(f"sink_{key}_total", "counter", text, [(who, one[key]) for who, one in sinks])
     return "\n".join(lines) + "\n"
 
 

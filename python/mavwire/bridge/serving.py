@@ -2,27 +2,43 @@
 
 from __future__ import annotations
 
+import io
+import ipaddress
+import re
+import socket
+import socketserver
 import threading
+import time
+from collections import Counter
+from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from urllib.parse import urlsplit
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
     from typing import Any, Self
 
     from .bridge import Bridge
+    from .web_socket import WebSocket
 
 MAX_CONNECTIONS = 64
 
 
 class HttpServer:
-    """Answers HTTP requests about a bridge on threads, until it is closed. OSError if the port is taken."""
+    """Answers HTTP requests about a bridge on threads, until it is closed. OSError if the port is taken.
+
+    `names`: by what else than its address it may be asked for, as through a proxy in front of it.
+    """
 
     handler: type[Handler]
     purpose: str
 
-    def __init__(self, bridge: Bridge, host: str, port: int) -> None:
+    def __init__(self, bridge: Bridge, host: str, port: int, names: Iterable[str] = ()) -> None:
         self.bridge = bridge
         self.closing = threading.Event()
+        self._host = host
+        self._names = frozenset(name.lower() for name in names)
         server_class = _ServerV6 if ":" in host else _Server
         self._server = server_class((host, port), self.handler)
         self._server.owner = self
@@ -41,6 +57,32 @@ class HttpServer:
         """What a user is told of it."""
         return f"{self.purpose} on port {self.port}"
 
+    @property
+    def is_local(self) -> bool:
+        """Whether only this machine reaches it."""
+        return is_loopback(self._host)
+
+    @property
+    def shown_address(self) -> str:
+        """Host and port as in a URL that others can open."""
+        host = socket.gethostname() if _is_any(self._host) else self._host
+        return f"{f'[{host}]' if ':' in host else host}:{self.port}"
+
+    def answers_to(self, host: str) -> bool:
+        """Whether a Host header may name this server. On loopback another name is someone's trick."""
+        name = re.sub(r":[0-9]*$", "", host.lower()).strip("[]")
+        return not self.is_local or is_loopback(name) or name in self._names
+
+    def welcomes(self, origin: str, host: str) -> bool:
+        """Whether a page from `origin` may ask who was asked for as `host`: ours may, over a proxy with TLS too."""
+        try:
+            url = urlsplit(origin.lower())
+            return url.scheme in ("http", "https") and (
+                url.netloc == host.lower() or url.hostname in self._names
+            )
+        except ValueError:
+            return False
+
     def close(self) -> None:
         """Answer no more."""
         self.closing.set()
@@ -55,6 +97,28 @@ class HttpServer:
         self.close()
 
 
+class _Places:
+    """So many at once, and three quarters of them from one address: nobody shuts all others out."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._taken: Counter[str] = Counter()
+
+    def take(self, host: str, always: bool = False) -> bool:
+        """Take a place for someone from `host`; False if there is none."""
+        with self._lock:
+            free = self._taken.total() < MAX_CONNECTIONS
+            allowed = always or (free and self._taken[host] < MAX_CONNECTIONS * 3 // 4)
+            self._taken[host] += allowed
+            return allowed
+
+    def leave(self, host: str) -> None:
+        """Someone from `host` goes."""
+        with self._lock:
+            self._taken[host] -= 1
+            self._taken += Counter()  # without those that are gone
+
+
 class _Server(ThreadingHTTPServer):
     daemon_threads = True
     # A client that says nothing is given up after the handler's time, and nobody waits for it.
@@ -62,11 +126,16 @@ class _Server(ThreadingHTTPServer):
     owner: Any
 
     def __init__(self, *arguments: Any) -> None:
-        self._free = threading.BoundedSemaphore(MAX_CONNECTIONS)
+        self._requests, self._talks = _Places(), _Places()
         super().__init__(*arguments)
 
+    def server_bind(self) -> None:
+        """Bind, and ask no name server what this machine is called: there may be none."""
+        socketserver.TCPServer.server_bind(self)
+        self.server_name, self.server_port = str(self.server_address[0]), self.server_address[1]
+
     def process_request(self, request: Any, client_address: Any) -> None:
-        if self._free.acquire(blocking=False):
+        if self._requests.take(client_address[0]):
             super().process_request(request, client_address)
         else:
             self.shutdown_request(request)
@@ -75,16 +144,44 @@ class _Server(ThreadingHTTPServer):
         try:
             super().process_request_thread(request, client_address)
         finally:
-            self._free.release()
+            self._requests.leave(client_address[0])
+
+    def talk(self, host: str, run: Callable[[], None]) -> bool:
+        """Run what takes long, such as a WebSocket, in a place apart from those of requests; False if there is none."""
+        if not self._talks.take(host):
+            return False
+        self._requests.leave(host)
+        try:
+            run()
+        finally:
+            self._talks.leave(host)
+            self._requests.take(host, always=True)
+        return True
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A client that went away or talks nonsense is its own affair."""
 
 
 class _ServerV6(_Server):
-    import socket
-
     address_family = socket.AF_INET6
+
+
+class _InTime(io.RawIOBase):
+    """What comes over a connection up to a deadline: who says a byte now and then is given up too."""
+
+    def __init__(self, connection: socket.socket, seconds: float) -> None:
+        self._connection = connection
+        self._end = time.monotonic() + seconds
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        left = self._end - time.monotonic()
+        if left <= 0:
+            raise TimeoutError
+        self._connection.settimeout(left)
+        return self._connection.recv_into(buffer)
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -96,12 +193,40 @@ class Handler(BaseHTTPRequestHandler):
     sys_version = ""
     protocol_version = "HTTP/1.1"
 
+    def setup(self) -> None:
+        super().setup()
+        self.rfile.close()
+        self.rfile = io.BufferedReader(_InTime(self.connection, self.timeout))
+
     def get(self) -> None:
         """Answer a GET request."""
         raise NotImplementedError
 
     def do_GET(self) -> None:
-        self.get()
+        self.connection.settimeout(self.timeout)
+        if self._is_meant():
+            self.get()
+
+    def _is_meant(self) -> bool:
+        """The names in Host and Origin are ours: no other site's page asks in its visitor's name."""
+        host, origin = self.headers.get("Host", ""), self.headers.get("Origin")
+        owner = self.server.owner
+        if not owner.answers_to(host) or not (origin is None or owner.welcomes(origin, host)):
+            self.send_error(HTTPStatus.FORBIDDEN, "not for this host or origin")
+            return False
+        return True
+
+    def talk(self, run: Callable[[WebSocket], None]) -> None:
+        """Switch to WebSocket, if that is what is asked for, and run a conversation."""
+        from .web_socket import WebSocket
+
+        def accept_and_run() -> None:
+            web = WebSocket.accept(self)
+            if web is not None:
+                run(web)
+
+        if not self.server.talk(self.client_address[0], accept_and_run):
+            self.send_error(HTTPStatus.SERVICE_UNAVAILABLE, "too many others are connected")
 
     def answer(self, content_type: str, body: bytes, headers: dict[str, str] | None = None) -> None:
         """200 with a body."""
@@ -123,3 +248,18 @@ class Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """Nothing: standard error belongs to the program."""
+
+
+def is_loopback(host: str) -> bool:
+    """Whether a name or an address leads to this machine alone."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _is_any(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_unspecified
+    except ValueError:
+        return False

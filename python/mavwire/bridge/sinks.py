@@ -1,4 +1,4 @@
-"""Sinks: what a bridge sees, published to MQTT and Zenoh by a thread on the batch iterator.
+"""Sinks: what a bridge sees, published over MQTT, Zenoh and WebSocket by a thread on the batch iterator.
 
 `PREFIX/out` gets all frames as they are, those of a batch one behind the other, and `PREFIX/SYSTEM/COMPONENT/TYPE` each
 message as JSON. A sink that is slower than the traffic loses batches, which are counted, and slows nothing.
@@ -8,19 +8,27 @@ from __future__ import annotations
 
 import json
 import threading
-from urllib.parse import unquote, urlsplit
+from urllib.parse import SplitResult, unquote, urlsplit
 
 from .errors import ConfigError
 from .inspection import plain
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from typing import Any, Protocol, Self
 
     from .bridge import Bridge
 
     class Publisher(Protocol):
         """Where a sink's bytes go."""
+
+        @property
+        def dropped(self) -> int:
+            """What it dropped because those who get it are too slow."""
+
+        def is_wanted(self) -> bool:
+            """Whether anyone gets it."""
 
         def put(self, key: str, data: bytes) -> None:
             """Publish, OSError if that is not possible now."""
@@ -34,35 +42,61 @@ if TYPE_CHECKING:
 
 DEFAULT_PREFIX = "mavlink"
 MQTT_PORT, MQTTS_PORT = 1883, 8883
-FORMS = "mqtt://HOST/PREFIX, mqtts://USER:PASSWORD@HOST:PORT/PREFIX, zenoh: or zenoh:tcp/HOST:PORT"
+FORMS = (
+    "mqtt://HOST/PREFIX, mqtts://USER:PASSWORD@HOST:PORT/PREFIX, zenoh:, zenoh:tcp/HOST:PORT "
+    "or ws://HOST:PORT/PREFIX"
+)
 MAX_PUBLISHERS = 16_384
 # How long a batch may take to leave before the sink looks whether it shall end.
 FLUSH_TIME = 5.0
 
 
 class Sink:
-    """Publishes until it is closed or the bridge stops. `published` counts messages and `failed` those that
-    got lost on the way, the last time for the reason in `error`.
+    """Publishes until it is closed or the bridge stops. `published` counts frames that left, the unknown ones in
+    `PREFIX/out` alone; `failed` those of batches that did not leave whole, the last time for the reason in `error`.
     """
 
-    def __init__(self, bridge: Bridge, publisher: Publisher, prefix: str, note: str) -> None:
-        self.note = note
+    def __init__(self, bridge: Bridge, publisher: Publisher, prefix: str, name: str) -> None:
+        self.name = name
         self.published = 0
         self.failed = 0
         self.error: str | None = None
         self._publisher = publisher
         self._prefix = prefix
-        self._batches = bridge.frames()
+        try:
+            self._batches = bridge.frames()
+        except BaseException:
+            publisher.close()
+            raise
         self._thread = threading.Thread(target=self._run, name="mavwire-sink", daemon=True)
         self._thread.start()
+        self._listed = bridge.sinks
+        self._listed.append(self)
+
+    @property
+    def note(self) -> str:
+        """What a user is told of it."""
+        return f"publishing to {self.name}"
 
     @property
     def dropped(self) -> int:
-        """Frames that were dropped because the other end was too slow."""
-        return self._batches.dropped
+        """What was dropped because the other end, or this one, was too slow for it."""
+        return self._batches.dropped + self._publisher.dropped
+
+    def stats(self) -> dict[str, Any]:
+        """Its entry in `Bridge.stats()`."""
+        return {
+            "name": self.name,
+            "published": self.published,
+            "failed": self.failed,
+            "dropped": self.dropped,
+            "error": self.error,
+        }
 
     def _run(self) -> None:
         for batch in self._batches:
+            if not self._publisher.is_wanted():
+                continue
             try:
                 self._publisher.put(f"{self._prefix}/out", batch.raw)
                 for message in batch:
@@ -87,6 +121,8 @@ class Sink:
         self._batches.close()
         self._thread.join()
         self._publisher.close()
+        if self in self._listed:
+            self._listed.remove(self)
 
     def __enter__(self) -> Self:
         return self
@@ -107,9 +143,12 @@ def described(message: Any) -> dict[str, Any]:
     }
 
 
-def open_sink(bridge: Bridge, text: str) -> Sink:
-    """A sink as a user writes it: one of FORMS.
+def open_sink(
+    bridge: Bridge, text: str, *, password: str | None = None, names: Iterable[str] = ()
+) -> Sink:
+    """A sink as a user writes it: one of FORMS. `password`: for an address that has only a user.
 
+    `names`: of the hosts whose pages may read over WebSocket, and that a proxy in front of it answers to.
     ConfigError for another text, ImportError if the client library is missing, OSError if it cannot
     be opened. A broker that does not answer yet is tried again and again.
     """
@@ -117,33 +156,51 @@ def open_sink(bridge: Bridge, text: str) -> Sink:
     if word == "zenoh":
         publisher, prefix = _zenoh(text.partition(":")[2]), DEFAULT_PREFIX
     elif word in ("mqtt", "mqtts"):
-        publisher, prefix = _mqtt(text)
+        publisher, prefix = _mqtt(text, password)
+    elif word == "ws":
+        from .web_sink import WebSocketPublisher
+
+        url, port, prefix = _split(text)
+        if port is None or url.query or "@" in url.netloc:
+            raise ConfigError("a WebSocket needs a port to listen on: ws://HOST:PORT/PREFIX")
+        publisher = WebSocketPublisher(bridge, url.hostname or "127.0.0.1", port, prefix, names)
+        return Sink(bridge, publisher, prefix, publisher.url)
     else:
         raise ConfigError(f"{text!r} is no sink; say {FORMS}")
-    shown = text.rpartition("@")[2] if "@" in text else text  # without the password
-    return Sink(bridge, publisher, prefix, f"publishing to {shown}")
+    _, at, place = text.rpartition("@")
+    shown = f"{word}://{place}" if at and word != "zenoh" else text  # without the password
+    return Sink(bridge, publisher, prefix, shown)
 
 
-def _mqtt(text: str) -> tuple[Publisher, str]:
+def _split(text: str) -> tuple[SplitResult, int | None, str]:
+    """An address, its port and the prefix that it names."""
     try:
         url = urlsplit(text)
-        port = url.port
+        return url, url.port, url.path.strip("/") or DEFAULT_PREFIX
     except ValueError as error:
         raise ConfigError(f"a sink's address is wrong: {error}") from None
-    prefix = url.path.strip("/") or DEFAULT_PREFIX
+
+
+def _mqtt(text: str, password: str | None) -> tuple[Publisher, str]:
+    url, port, prefix = _split(text)
     if not url.hostname or url.query:
         raise ConfigError(f"no address of an MQTT broker; say {FORMS}")
     if "#" in text or "+" in prefix:
         raise ConfigError("topics that MQTT publishes to have neither # nor +")
     secure = url.scheme == "mqtts"
     user = None if url.username is None else unquote(url.username)
-    password = None if url.password is None else unquote(url.password)
+    if url.password is not None:
+        password = unquote(url.password)
+    if password is not None and user is None:
+        raise ConfigError("a password needs a user: mqtts://USER@HOST")
     port = port or (MQTTS_PORT if secure else MQTT_PORT)
     return _Mqtt(url.hostname, port, secure, user, password), prefix
 
 
 class _Mqtt:
     """A client of a broker, which connects by itself, again and again."""
+
+    dropped = 0
 
     def __init__(
         self, host: str, port: int, secure: bool, user: str | None, password: str | None
@@ -160,6 +217,10 @@ class _Mqtt:
         self._client.connect_async(host, port)
         self._client.loop_start()
         self._last: Any = None
+
+    def is_wanted(self) -> bool:
+        """A broker may keep what nobody subscribes to."""
+        return True
 
     def put(self, key: str, data: bytes) -> None:
         if not self._client.is_connected():
@@ -202,9 +263,15 @@ def _zenoh(endpoint: str) -> Publisher:
 class _Zenoh:
     """A session with a publisher for each key, of which there are as many as kinds of messages."""
 
+    dropped = 0
+
     def __init__(self, session: Any) -> None:
         self._session = session
         self._publishers: dict[str, Any] = {}
+
+    def is_wanted(self) -> bool:
+        """Someone may come at any time."""
+        return True
 
     def put(self, key: str, data: bytes) -> None:
         import zenoh

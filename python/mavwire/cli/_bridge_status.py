@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mavwire.cli._bridge_warnings import losses
 from mavwire.cli._errors import CommandError
 
 TYPE_CHECKING = False
@@ -44,11 +45,13 @@ class StatusTable:
 
     def _tables(self, stats: dict[str, Any]) -> Any:
         from rich.console import Group
+        from rich.text import Text
 
         before, self._before = self._before, stats
         return Group(
             _table(LINK_COLUMNS, link_rows(stats, before), 2),
             _table(COMPONENT_COLUMNS, component_rows(stats, before), 0),
+            *(Text(loss.line) for loss in losses(stats)),
         )
 
 

@@ -17,3 +17,8 @@ def describe_os_error(error: OSError) -> str:
     """What failed and on which file. Writing standard output fails without a name."""
     reason = error.strerror or str(error)
     return f"{error.filename}: {reason}" if error.filename else f"standard output: {reason}"
+
+
+def describe_link_error(error: OSError) -> str:
+    """What failed and on which link or file; the text of an error without a name says it."""
+    return f"{error.filename}: {error.strerror}" if error.filename else str(error)

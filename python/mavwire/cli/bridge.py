@@ -26,13 +26,14 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, describe_link_error
 from mavwire.cli.sim import duration
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavwire.bridge import Bridge
+    from mavwire.bridge import Bridge, Config
+    from mavwire.bridge.beside import Listen, SinkOptions
     from mavwire.bridge.serving import HttpServer
     from mavwire.bridge.sinks import Sink
 
@@ -65,6 +66,14 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--dedup", type=duration, metavar="T",
         help="drop copies that arrive over another link within this time; 0 for none [default: 500ms]",
     )  # fmt: skip
+    routing.add_argument(
+        "--max-age", type=duration, metavar="T",
+        help="how long a system is known at a link after it was heard there [default: 1m]",
+    )  # fmt: skip
+    routing.add_argument(
+        "--sniffer-sysid", type=int, metavar="SYSTEM",
+        help="links where this system is heard get every frame",
+    )  # fmt: skip
     record = parser.add_argument_group("recording")
     record.add_argument("--record", metavar="DIR", help="record telemetry logs there")
     record.add_argument(
@@ -91,9 +100,14 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="serve a page with all messages, links and plots; HOST is 127.0.0.1 if not given, "
         "and on others the address that is printed has a token",
     )  # fmt: skip
+    show.add_argument(
+        "--http-name", metavar="NAME", action="append", default=[],
+        help="a name that a proxy in front of --http, --metrics or a WebSocket sink answers to; may be repeated",
+    )  # fmt: skip
     parser.add_argument(
         "--sink", metavar="ADDRESS", action="append", default=[],
-        help="publish what comes: mqtt://HOST/PREFIX, mqtts://..., zenoh: or zenoh:tcp/HOST:PORT",
+        help="publish what comes: mqtt://HOST/PREFIX, mqtts://..., zenoh:, zenoh:tcp/HOST:PORT, "
+        "or ws://HOST:PORT/PREFIX for others to connect to",
     )  # fmt: skip
     parser.add_argument("--duration", type=duration, metavar="T", help="end after this time")
 
@@ -102,7 +116,7 @@ def main(args: Namespace) -> int:
     """Run until interrupted or told to terminate, or for `--duration`."""
     before = signal.signal(signal.SIGTERM, _interrupt)
     try:
-        return _run(_bridge(args), args)
+        return _run(*_bridge(args), args)
     finally:
         signal.signal(signal.SIGTERM, before)
 
@@ -112,11 +126,11 @@ def _interrupt(number: int, frame: object) -> None:
     raise KeyboardInterrupt
 
 
-def _run(bridge: Bridge, args: Namespace) -> int:
+def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
     try:
         bridge.start()
     except OSError as error:
-        raise CommandError(_describe(error)) from None
+        raise CommandError(describe_link_error(error)) from None
     except RuntimeError as error:
         raise CommandError(str(error)) from None
     last = None
@@ -124,21 +138,24 @@ def _run(bridge: Bridge, args: Namespace) -> int:
         # Ctrl-C is the usual way to end it.
         with suppress(KeyboardInterrupt), ExitStack() as stack:
             beside: list[HttpServer | Sink] = []
-            for one in _beside(bridge, args):
+            for one in _beside(bridge, config):
                 stack.push(one)
                 beside.append(one)
             print(_announcement(bridge, beside), file=sys.stderr, flush=True)
-            _watch(bridge, args)
+            try:
+                _watch(bridge, args)
+            finally:
+                if args.json is not None:
+                    last = bridge.stats()
     finally:
-        if args.json is not None:
-            last = bridge.stats()
         bridge.stop()
     if last is not None:
         print(json.dumps(last), flush=True)
     return 0
 
 
-def _bridge(args: Namespace) -> Bridge:
+def _bridge(args: Namespace) -> tuple[Bridge, Config]:
+    """The bridge, not running yet, and what the file and the options say together."""
     from mavwire.bridge import Bridge, Config, ConfigError, Recording, load_config, parse_endpoint
 
     try:
@@ -149,8 +166,10 @@ def _bridge(args: Namespace) -> Bridge:
             config.links.append((repr(text), parse_endpoint(text), {}))
         if not config.links:
             raise CommandError("nothing to route: name endpoints, or --config FILE", 2)
-        if args.dedup is not None:
-            config.settings["dedup"] = args.dedup
+        for name in ("dedup", "max_age", "sniffer_sysid"):
+            if getattr(args, name) is not None:
+                config.settings[name] = getattr(args, name)
+        _add_beside(config, args)
         recording = {
             "max_bytes": args.record_size,
             "max_age": args.record_time,
@@ -163,57 +182,67 @@ def _bridge(args: Namespace) -> Bridge:
             config.recording = Recording(args.record, **given)
         elif given:
             raise CommandError("--record-size, --record-time and --record-flush need --record", 2)
-        return Bridge.from_options(config)
+        return Bridge.from_options(config), config
     except ConfigError as error:
         raise CommandError(str(error), 2) from None
     except OSError as error:
-        raise CommandError(_describe(error)) from None
+        raise CommandError(describe_link_error(error)) from None
 
 
-def _describe(error: OSError) -> str:
-    return f"{error.filename}: {error.strerror}" if error.filename else str(error)
+def _add_beside(config: Config, args: Namespace) -> None:
+    """Options say more than the file, or something else."""
+    from mavwire.bridge.beside import Listen, SinkOptions
+
+    names = tuple(args.http_name)
+    for name in ("http", "metrics"):
+        if getattr(args, name) is not None:
+            host, port = getattr(args, name)
+            setattr(config, name, Listen(host, port, names))
+    config.sinks += [SinkOptions(text, None, names, "--sink") for text in args.sink]
+    if args.json is None:
+        args.json = config.json
 
 
-def _beside(bridge: Bridge, args: Namespace) -> Iterator[HttpServer | Sink]:
+def _beside(bridge: Bridge, config: Config) -> Iterator[HttpServer | Sink]:
     """The HTTP servers and sinks that are asked for, opened one by one."""
     from mavwire.bridge.metrics import MetricsServer
 
-    if args.metrics is not None:
-        yield _served("--metrics", MetricsServer, bridge, args.metrics)
-    if args.http is not None:
+    if config.metrics is not None:
+        yield _served("--metrics", MetricsServer, bridge, config.metrics)
+    if config.http is not None:
         from mavwire.bridge.inspector import Inspector
 
         try:
-            yield _served("--http", Inspector, bridge, args.http)
+            yield _served("--http", Inspector, bridge, config.http)
         except ImportError:
             raise CommandError("--http needs wsproto: pip install 'mavwire[ws]'") from None
-    for text in args.sink:
-        yield _sink(bridge, text)
+    for sink in config.sinks:
+        yield _sink(bridge, sink)
 
 
-def _sink(bridge: Bridge, text: str) -> Sink:
+def _sink(bridge: Bridge, options: SinkOptions) -> Sink:
     from mavwire.bridge import ConfigError
     from mavwire.bridge.sinks import open_sink
 
     try:
-        return open_sink(bridge, text)
+        password, names = options.password, options.names
+        return open_sink(bridge, options.address, password=password, names=names)
     except ImportError as error:
-        extra = text.partition(":")[0].removesuffix("s")
-        raise CommandError(f"--sink: {error}: pip install 'mavwire[{extra}]'") from None
+        word = options.address.partition(":")[0]
+        extra = {"mqtts": "mqtt"}.get(word, word)
+        raise CommandError(f"{options.place}: {error}: pip install 'mavwire[{extra}]'") from None
     except ConfigError as error:
-        raise CommandError(f"--sink: {error}", 2) from None
+        raise CommandError(f"{options.place}: {error}", 2) from None
     except OSError as error:
-        raise CommandError(f"--sink: {error}") from None
+        raise CommandError(f"{options.place}: {error}") from None
 
 
-def _served(
-    option: str, server: type[HttpServer], bridge: Bridge, address: tuple[str, int]
-) -> HttpServer:
-    host, port = address
+def _served(option: str, server: type[HttpServer], bridge: Bridge, where: Listen) -> HttpServer:
     try:
-        return server(bridge, host, port)
+        return server(bridge, where.host, where.port, names=where.names)
     except OSError as error:
-        raise CommandError(f"{option} {host}:{port}: {error.strerror or error}") from None
+        address = f"{where.host}:{where.port}"
+        raise CommandError(f"{option} {address}: {error.strerror or error}") from None
 
 
 def _announcement(bridge: Bridge, beside: list[HttpServer | Sink]) -> str:
@@ -244,6 +273,8 @@ def _watch(bridge: Bridge, args: Namespace) -> None:
                 show()
     finally:
         getattr(show, "close", lambda: None)()
+        if not args.status and bridge.running:
+            warn(at_end=True)
 
 
 def _shower(bridge: Bridge, args: Namespace) -> Any:
@@ -272,7 +303,9 @@ def size(text: str) -> int:
 
 def listen_address(text: str) -> tuple[str, int]:
     """[HOST]:PORT."""
-    host, _, port = text.rpartition(":")
-    if not (port.isascii() and port.isdecimal() and len(port) < 6 and int(port) < 65536):
-        raise ArgumentTypeError(f"not [HOST]:PORT: {text!r}")
-    return host.strip("[]") or "127.0.0.1", int(port)
+    from mavwire.bridge import beside
+
+    try:
+        return beside.listen_address(text)
+    except ValueError as error:
+        raise ArgumentTypeError(str(error)) from None

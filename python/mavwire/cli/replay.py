@@ -12,7 +12,7 @@ import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, describe_link_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -54,11 +54,13 @@ def main(args: Namespace) -> int:
         log = TelemetryLog(args.log)
         frames = ((msg._timestamp, bytes(msg.get_msgbuf())) for msg in log.messages(types=types))
         for out in args.out or [DEFAULT_OUT]:
-            # A sniffer gets everything, whoever it was meant for.
-            bridge.add(out, sniffer=True, queue_bytes=QUEUE)
+            # A sniffer gets everything, whoever it was meant for, and what its own system sent where nobody heard it.
+            bridge.add(out, sniffer=True, read_only=True, queue_bytes=QUEUE)
         bridge.start()
     except ConfigError as error:
         raise CommandError(str(error), 2) from None
+    except OSError as error:
+        raise CommandError(describe_link_error(error)) from None
     except (ValueError, RuntimeError) as error:
         raise CommandError(str(error)) from None
     with bridge:
@@ -112,9 +114,10 @@ def wait_for_peers(bridge: Bridge) -> None:
 
 
 def alone(stats: dict[str, Any]) -> list[str]:
-    """Names of the links without anyone at the other end."""
-    up = {one["name"] for one in stats["links"] if one["state"] == "up"}
-    return list(dict.fromkeys(one["name"] for one in stats["links"] if one["name"] not in up))
+    """The links without anyone at the other end, with the ports that they listen on."""
+    links = stats["links"]
+    up = {one["name"] for one in links if one["state"] == "up"}
+    return [one["endpoint"] for one in links if one["name"] not in up and not one["peer"]]
 
 
 def drain(bridge: Bridge) -> int:

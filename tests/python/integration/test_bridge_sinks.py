@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 from mavwire import Bridge
-from mavwire.bridge import ConfigError
+from mavwire.bridge import BridgeError, ConfigError
 from mavwire.bridge.sinks import open_sink
 from unit.bridge_tools import LIMIT, wait_until
 from unit.link_tools import heartbeat
@@ -61,6 +61,8 @@ def test_mqtt(tmp_path: Path) -> None:
         conf.write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
         bridge.send(heartbeat())
         wait_until("the error", lambda: sink.error == "the broker does not answer")
+        (told,) = bridge.stats()["sinks"]
+        assert (told["name"], told["failed"], told["published"]) == (sink.name, 1, 0)
         client = Client(CallbackAPIVersion.VERSION2)
         broker = subprocess.Popen([BROKER, "-c", str(conf)], stderr=subprocess.DEVNULL)
         try:
@@ -149,11 +151,22 @@ def publish_to_a_peer(port: int) -> None:
         ("mqtt://host:99999/", "wrong: Port out of range"),
         ("mqtt://host/a/#", r"have neither # nor \+"),
         ("mqtt://host/a/+/b", r"have neither # nor \+"),
+        ("ws://127.0.0.1/", "needs a port"),
+        ("ws://a@127.0.0.1:1", "needs a port"),
     ],
 )
 def test_wrong_addresses(text: str, wrong: str) -> None:
     with Bridge() as bridge, pytest.raises(ConfigError, match=wrong):
         open_sink(bridge, text)
+
+
+def test_a_sink_of_a_bridge_that_does_not_run() -> None:
+    pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
+    with port_for_a_server() as port:
+        with pytest.raises(BridgeError, match="not running"):
+            open_sink(Bridge(), f"ws://127.0.0.1:{port}")
+        with pytest.raises(OSError):
+            socket.create_connection(("127.0.0.1", port), LIMIT)
 
 
 def test_wrong_addresses_of_zenoh() -> None:

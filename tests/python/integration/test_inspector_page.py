@@ -37,6 +37,19 @@ HEIGHTS = """(() => {
     return (rows[rows.length - 1] - rows[0]) / height;
   });
 })()"""
+# The points of a plot after the bridge's clock was set back.
+CLOCK_SET_BACK = """(() => {
+  const one = { row: { key: "9/9/30" }, field: 0, at: null, unit: "", points: [] };
+  series.clear();
+  series.set("one", one);
+  for (const [time, value] of [[5000, 1], [1000, 2]]) take({ time, values: { "9/9/30": [time, [[value, ""]]] } });
+  return one.points;
+})()"""
+# What is left of messages and links when the bridge has none any more.
+FORGOTTEN = """(() => {
+  take({ time: 0, uptime: 0, kinds: [], links: [], components: [], hidden: 0, hidden_components: 0, recording: null });
+  return [rows.size, sorted.length, rates.size, document.querySelectorAll('.kind').length];
+})()"""
 
 
 @pytest.mark.skipif(executable() is None, reason="no Chromium: apt-get install chromium")
@@ -88,9 +101,14 @@ def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
             state = "byId('state').textContent + series.values().next().value.points.length"
             before, start = page.run(state), bridge.stats()["uptime"]
             with bridge.frames() as batches:
+                bridge.send(pack(mavlink.MAVLink_vibration_message(1, *[0] * 6), 1, 66))
                 while bridge.stats()["uptime"] < start + 1.5:
                     assert batches.next() is not None
             assert page.run(state) == before
-            page.run("byId('pause').click()")
+            page.run("byId('filter').value = ''; byId('pause').click()")
             page.wait_for(f"({state}) != {json.dumps(before)}")
+            page.wait_for(f"!!{ROW.format('VIBRATION')}")
+            page.wait_for("byId('state').textContent.startsWith('up for')")
+            assert page.run(CLOCK_SET_BACK) == [[1000, 2]]
+            assert page.run(FORGOTTEN) == [0, 0, 0, 0]
             assert min(page.run(HEIGHTS)) > 0.2, "metres leave room for radians"

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import socket
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -80,6 +84,17 @@ def read_exactly(stream: socket.socket, count: int) -> bytes:
         assert part, "the stream ended"
         data += part
     return bytes(data)
+
+
+def run_alone(program: str) -> None:
+    """A program in a process of its own, which must end well."""
+    where = str(Path(__file__).parents[1])
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([where, *sys.path])},
+        capture_output=True, text=True, timeout=3 * LIMIT, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
 
 
 def command(target: int, seq: int = 0, component: int = 1) -> bytes:

@@ -31,6 +31,7 @@ from unit.bridge_tools import (
     read_exactly,
     receive,
     report,
+    run_alone,
     udp_peer,
     wait_until,
 )
@@ -180,6 +181,8 @@ def test_a_cancelled_wait_loses_no_batch() -> None:
         def next(self, *limits: object) -> Any:
             assert self.go.wait(LIMIT)
             return self.left.pop(0)
+
+        def close(self) -> None: ...
 
     async def main() -> None:
         tap: Any = Tap()
@@ -387,8 +390,6 @@ def test_a_full_disk_costs_records_and_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A file size limit stands for the full disk; it is a process of its own that has it."""
-    import subprocess
-
     program = f"""
 import resource, signal
 from mavwire import Bridge, open_log
@@ -411,13 +412,7 @@ assert told["records"] + told["dropped"] == 11 and told["dropped"] > 0, told
 log = list(open_log(told["path"]))
 assert len(log) == told["records"] and log[-1].get_seq() == 99, (log, told)
 """
-    where = str(Path(__file__).parents[1])
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([where, *sys.path])},
-        capture_output=True, text=True, timeout=3 * LIMIT, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    run_alone(program)
 
 
 def test_counters_over_http() -> None:
@@ -436,6 +431,11 @@ def test_counters_over_http() -> None:
         assert 'mavwire_bridge_link_received_total{link="program",peer=""} 1' in text
         with pytest.raises(urllib.error.HTTPError, match="404"):
             fetch("/etc/passwd")
+        url = f"http://127.0.0.1:{server.port}/stats"
+        for name, value in (("Host", "evil.example"), ("Origin", "http://evil.example")):
+            foreign = urllib.request.Request(url, headers={name: value})
+            with pytest.raises(urllib.error.HTTPError, match="403"):
+                urllib.request.urlopen(foreign, timeout=LIMIT)
         with socket.create_connection(("127.0.0.1", server.port), LIMIT) as hostile:
             hostile.sendall(b"\x00\xff" * 1000 + b"\r\n\r\n")
         bridge.stop()
@@ -485,8 +485,6 @@ def test_wrong_waits(arguments: tuple[int, float, float]) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
 def test_a_fork_leaves_the_bridge_to_its_parent() -> None:
-    import subprocess
-
     program = """
 import os, warnings
 from mavwire import Bridge
@@ -513,18 +511,11 @@ assert os.waitpid(child, 0)[1] == 0
 assert bridge.stats()["links"][0]["state"] == "listening"
 bridge.stop()
 """
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-        capture_output=True, text=True, timeout=3 * LIMIT, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    run_alone(program)
 
 
 def test_a_fork_waits_for_no_lock_that_the_bridge_holds() -> None:
     """The bridge is busy with its locks while the process forks."""
-    import subprocess
-
     program = """
 import os, threading, warnings
 from mavwire import Bridge
@@ -550,13 +541,7 @@ with Bridge() as bridge:
     done.set()
     sender.join()
 """
-    where = str(Path(__file__).parents[1])
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([where, *sys.path])},
-        capture_output=True, text=True, timeout=3 * LIMIT, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    run_alone(program)
 
 
 def test_two_threads_share_the_frames() -> None:

@@ -191,6 +191,9 @@ def test_latency_and_drops_of_the_system_are_told() -> None:
     [
         ({"version": 3}, "version must be a number from 1 to 2"),
         ({"verify_in": True}, "verify_in needs signing_key"),
+        ({"signing_key": KEY}, "signing_key does nothing without verify_in or sign_out"),
+        ({"allow_unsigned_in": ["RADIO_STATUS"]}, "does nothing without verify_in"),
+        ({"own_system": 9}, "own_system does nothing without heartbeat"),
         ({"sign_out": True}, "sign_out needs signing_key"),
         ({"sign_out": True, "signing_key": KEY, "version": 1}, "carry no signature"),
         ({"sign_out": True, "signing_key": KEY, "strip_out": True}, "exclude each other"),

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mavwire import Bridge
 from mavwire.bridge import Config, ConfigError, Endpoint, load_config, parse_endpoint
+from mavwire.bridge.beside import Listen
 from mavwire.bridge.toml_lines import key_lines
 
 
@@ -181,6 +182,22 @@ def test_the_format_of_mavlink_router(tmp_path: Path) -> None:
     assert repr(Bridge.from_options(config)) == "<Bridge of 6 links, stopped>"
 
 
+@pytest.mark.parametrize(
+    ("text", "warning"),
+    [
+        ("[General]\nLogTelemetry = true", ":2: no effect without Log"),
+        ("[General]\nLog = a\nLogTelemetry=true\nlog = b", ":2: no effect: Log is given again at"),
+        (
+            "[UdpEndpoint a]\nMode=normal\nAddress=h\nPort=1\nFilter=3\nAllowMsgIdOut=4",
+            ":5: no effect beside AllowMsgIdOut",
+        ),
+    ],
+)
+def test_keys_without_effect_are_told_of(tmp_path: Path, text: str, warning: str) -> None:
+    (told,) = load(tmp_path, "main.conf", text).warnings
+    assert f"main.conf{warning}" in told
+
+
 def test_without_a_word_mavlink_router_listens_on_5760(tmp_path: Path) -> None:
     assert load(tmp_path, "main.conf", "").links[0][1] == Endpoint("tcpin", "0.0.0.0", 5760)
     assert load(tmp_path, "main.conf", "[General]\nTcpServerPort=0").links == []
@@ -263,9 +280,50 @@ def test_toml(tmp_path: Path) -> None:
     assert link.outbound.block_messages == [27, 29] and link.inbound.allow_messages is None
 
 
+def test_what_runs_beside_the_bridge(tmp_path: Path) -> None:
+    (tmp_path / "password").write_text("s3cret\n")
+    text = f"""
+json = 10
+http = {{ listen = ":8080", names = ["rover.example"] }}
+[metrics]
+listen = "[::1]:9090"
+[[sink]]
+address = "mqtts://me@broker/field"
+password_file = '{tmp_path / "password"}'
+[[sink]]
+address = "ws://:8765"
+"""
+    config = load(tmp_path, "bridge.toml", text)
+    assert (config.json, config.http) == (10.0, Listen("127.0.0.1", 8080, ("rover.example",)))
+    assert config.metrics == Listen("::1", 9090)
+    first, second = config.sinks
+    assert (first.address, first.password, second.password) == (
+        "mqtts://me@broker/field",
+        "s3cret",
+        None,
+    )
+    assert second.place.endswith("bridge.toml:10: sink 2") and "s3cret" not in repr(config)
+
+
 @pytest.mark.parametrize(
     ("text", "wrong"),
     [
+        ("json = 0", ":1: json must be 0.001 seconds or more"),
+        ("[http]\nlisten = '8080x'", r":2: http: not \[HOST\]:PORT: '8080x'"),
+        ("[http]\nport = 1", ":1: http: it needs listen, such as ':8080'"),
+        ("metrics = ':1'", ":1: metrics: it needs listen"),
+        (
+            "[metrics]\nlisten = ':1'\nname = 'a'",
+            ":3: metrics: unknown option 'name'; did you mean",
+        ),
+        ("[metrics]\nlisten = ':1'\nnames = 'a'", ":3: metrics: names must be a list"),
+        ("[sink]", r":1: say \[\[sink\]\]"),
+        ("[[sink]]", ":1: sink 1: it needs address"),
+        ("sink = [1]", ":1: sink 1: it needs address"),
+        (
+            "[[sink]]\naddress = 'x'\npassword_file = '/no/such'",
+            ":3: sink 1: password_file: /no/such: No such file",
+        ),
         ("dedup = x = 1", "at line 1"),
         ("# a\n\ndedop = 1", ":3: unknown option 'dedop'; did you mean 'dedup'"),
         ("dedup = -1", ":1: dedup must be 0 seconds or more"),

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import socket
+import sys
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +17,10 @@ import pytest
 pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
 
 from mavwire import Bridge, open_log
-from mavwire.bridge import Recording
+from mavwire.bridge import Recording, serving
 from mavwire.bridge.inspection import MAX_COMPONENTS, View, plain
-from mavwire.bridge.inspector import MAX_REQUEST, MAX_UNSEEN, TABLES_INTERVAL, Inspector
+from mavwire.bridge.inspector import MAX_UNSEEN, TABLES_INTERVAL, Inspector
+from mavwire.bridge.web_socket import MAX_REQUEST
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, UDP, udp_peer, wait_until
 from unit.link_tools import heartbeat, pack
@@ -175,8 +178,24 @@ def test_an_origin_of_its_own_is_welcome(inspector: Inspector) -> None:
     origin = {"Origin": f"http://127.0.0.1:{inspector.port}"}
     with PageClient(inspector.port, "/ws", origin) as page:
         assert page.status == 101
+    # A proxy in front that speaks TLS and hands Host on.
+    origin = {"Origin": f"https://127.0.0.1:{inspector.port}"}
+    with PageClient(inspector.port, "/ws", origin) as page:
+        assert page.status == 101
     with PageClient(inspector.port, "/ws", {"Origin": "http://127.0.0.1:1"}) as page:
         assert page.status == 403
+
+
+@pytest.mark.parametrize("origin", ["", "http://[", "ftp://rover.example", "http://evil.example"])
+def test_a_proxy_in_front_has_names_of_its_own(bridge: Bridge, origin: str) -> None:
+    with Inspector(bridge, "127.0.0.1", 0, names=["Rover.example"]) as inspector:
+        asked = {"Host": "rover.example"}
+        assert b"mavwire bridge" in fetch(inspector.port, "/", asked)[1]
+        assert fetch(inspector.port, "/", {**asked, "Origin": "https://rover.example:8443"})
+        with PageClient(inspector.port, "/ws", {"Origin": "http://rover.example"}) as page:
+            assert page.status == 101
+        assert refused(inspector.port, "/", {"Host": "evil.example"}) == 403
+        assert refused(inspector.port, "/", {**asked, "Origin": origin}) == 403
 
 
 def test_other_addresses_than_loopback_need_the_token(bridge: Bridge) -> None:
@@ -201,6 +220,51 @@ def test_the_recording_can_be_downloaded(tmp_path: Path) -> None:
     assert ".tlog" in headers["Content-Disposition"]
     (tmp_path / "copy").write_bytes(log)
     assert [msg.get_seq() for msg in open_log(tmp_path / "copy")] == [9]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="loopback has a second address on Linux")
+def test_idle_connections_of_one_host_do_not_shut_others_out(
+    monkeypatch: pytest.MonkeyPatch, inspector: Inspector
+) -> None:
+    """Neither do pages, which are counted apart."""
+    monkeypatch.setattr(serving, "MAX_CONNECTIONS", 4)
+    with ExitStack() as stack:
+        pages = [stack.enter_context(PageClient(inspector.port, "/ws")) for _ in range(3)]
+        assert [page.status for page in pages] == [101] * 3
+        assert refused(inspector.port, "/ws") == 503
+        where = ("127.0.0.1", inspector.port)
+        for _ in range(8):
+            stack.enter_context(socket.create_connection(where, LIMIT))
+        other = socket.create_connection(where, LIMIT, ("127.0.0.2", 0))
+        stack.enter_context(other)
+        other.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        assert other.recv(15) == b"HTTP/1.1 200 OK"
+
+
+def test_a_request_that_never_ends_is_given_up(
+    monkeypatch: pytest.MonkeyPatch, inspector: Inspector
+) -> None:
+    monkeypatch.setattr(serving.Handler, "timeout", 0.5)
+    with socket.create_connection(("127.0.0.1", inspector.port), LIMIT) as drip:
+        drip.settimeout(0.05)
+
+        def given_up() -> bool:
+            try:
+                drip.sendall(b"G")  # each comes in time
+                return not drip.recv(1)
+            except TimeoutError:
+                return False
+            except OSError:
+                return True
+
+        wait_until("the end", given_up)
+
+
+def test_no_name_server_is_asked(monkeypatch: pytest.MonkeyPatch, bridge: Bridge) -> None:
+    """In the field there may be none, and asking would take its time."""
+    monkeypatch.setattr(socket, "getfqdn", lambda *_: pytest.fail("asked"))
+    with Inspector(bridge, "0.0.0.0", 0) as inspector:
+        assert inspector.port
 
 
 @pytest.mark.parametrize(

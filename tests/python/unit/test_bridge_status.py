@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from argparse import ArgumentTypeError
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
@@ -13,6 +14,7 @@ from mavwire.cli.bridge import listen_address, size
 
 if TYPE_CHECKING:
     from mavwire import Bridge
+    from mavwire.bridge.sinks import Sink
 
 LINK = {
     "name": "gcs", "peer": None, "state": "up", "error": None, "received": 100, "sent": 50,
@@ -43,15 +45,18 @@ def test_rows_show_what_is_wrong() -> None:
     assert row[:4] == ["  10.0.0.1:5", "connecting: Connection refused", "50", "25"]
 
 
-def test_the_table_is_drawn_where_rich_is() -> None:
+def test_the_table_is_drawn_where_rich_is(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
     from mavwire import Bridge
     from mavwire.cli._bridge_status import StatusTable
 
     with Bridge(["udpin:127.0.0.1:0"]) as bridge:
+        lost = {"name": "mqtt://h/x", "failed": 2, "dropped": 5, "error": "no answer"}
+        bridge.sinks.append(cast("Sink", SimpleNamespace(stats=lambda: lost)))
         table = StatusTable(bridge)
         table()
         table.close()
+    assert "mqtt://h/x: 7 frames lost: no answer" in capsys.readouterr().out
 
 
 def test_a_narrow_terminal_shows_links_whole_and_no_columns_of_zeros() -> None:
@@ -76,9 +81,11 @@ def test_a_link_that_takes_too_little_is_told_of_once_a_second(
     class Told:
         def __init__(self) -> None:
             self.links: list[dict[str, Any]] = []
+            self.sinks: list[dict[str, Any]] = []
+            self.recording: dict[str, Any] | None = None
 
         def stats(self) -> dict[str, Any]:
-            return {"links": self.links}
+            return {"links": self.links, "recording": self.recording, "sinks": self.sinks}
 
     now, bridge = [100.0], Told()
     monkeypatch.setattr(_bridge_warnings.time, "monotonic", lambda: now[0])
@@ -96,6 +103,18 @@ def test_a_link_that_takes_too_little_is_told_of_once_a_second(
     assert ": 200 frames dropped" in said(0.2, dropped=900)
     assert said(1.1, dropped=900) == ""
     assert said(1.1, dropped=950, queued_bytes=0) == "", "it is down"
+
+    bridge.recording = {"dropped": 3, "error": "No space left on device"}
+    assert "warning: recording: 3 records lost: No space left" in said(1.1, dropped=950)
+    bridge.recording = {"dropped": 9, "error": "No space left on device"}
+    assert said(59.0, dropped=950) == "", "the same again"
+    assert "warning: recording: 9 records lost: No space left" in said(1.1, dropped=950)
+    bridge.sinks = [{"name": "mqtt://h/x", "failed": 2, "dropped": 5, "error": "no answer"}]
+    assert "warning: mqtt://h/x: 7 frames lost: no answer" in said(1.1, dropped=950)
+    bridge.sinks[0].update(error=None, dropped=6)
+    assert said(1.1, dropped=950) == ""
+    warn(at_end=True)
+    assert "mqtt://h/x: 8 frames lost\n" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,14 @@ from typing import Any
 
 from unit.bridge_tools import LIMIT
 from wsproto import ConnectionType, WSConnection
-from wsproto.events import AcceptConnection, CloseConnection, RejectConnection, Request, TextMessage
+from wsproto.events import (
+    AcceptConnection,
+    BytesMessage,
+    CloseConnection,
+    RejectConnection,
+    Request,
+    TextMessage,
+)
 
 
 class WebSocketClient:
@@ -20,6 +27,7 @@ class WebSocketClient:
         self._socket = socket.create_connection(("127.0.0.1", port), LIMIT)
         self._texts: list[str] = []
         self._part = ""
+        self.binary = b""
         self.status = 0
         self.close_code: int | None = None
         extra = [(name.encode(), value.encode()) for name, value in (headers or {}).items()]
@@ -41,6 +49,8 @@ class WebSocketClient:
                 if event.message_finished:
                     self._texts.append(self._part)
                     self._part = ""
+            elif isinstance(event, BytesMessage):
+                self.binary += event.data
             elif isinstance(event, CloseConnection):
                 self.close_code = self.close_code or event.code
 
