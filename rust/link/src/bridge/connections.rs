@@ -203,11 +203,13 @@ impl EventLoop {
     }
 
     /// Sends away the peer of a server that has waited for longest without proving itself, and had the time for it: those
-    /// without the key do not keep out those who have it.
+    /// without the key, where one is needed, or who never said anything do not keep out those who have something to say.
     fn make_room(&mut self, number: u32) -> bool {
         let now = self.switch.moment.now;
         let unproven = self.switch.ports().filter(|port| {
-            port.link == number && port.muted && now.saturating_sub(port.heard) > TIME_TO_PROVE
+            port.link == number
+                && (port.muted || port.traffic.routed.received == 0)
+                && now.saturating_sub(port.heard) > TIME_TO_PROVE
         });
         let Some(id) = unproven.min_by_key(|port| port.heard).map(|port| port.id) else {
             return false;
