@@ -6,6 +6,7 @@ import json
 import os
 import queue
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -102,23 +103,32 @@ def attack(udp: str, tcp: str) -> None:
 
 
 class Recorder:
-    """A link of mavutil that records, and a thread that compares the logs with the flight."""
+    """A link of mavutil that records, and a process that compares the logs with the flight."""
 
     def __init__(self, folder: str, log_bytes: int) -> None:
         self._folder, self._log_bytes = Path(folder), log_bytes
         self.link: Any = mavutil.mavlink_connection("udpin:127.0.0.1:0", dialect="all")
-        self.received = self.compared = self._logs = 0
-        self.difference: int | None = None
+        self.received = self._logs = 0
+        self._answer: dict[str, Any] = {"compared": 0, "difference": None, "CPU": 0.0}
         self._path = self._next()
-        self._done: queue.Queue[Path | None] = queue.Queue()
-        self._comparing = threading.Thread(target=self._compare)
-        self._comparing.start()
+        # Not a thread: it would take its turns from the link, as no program that can lose nothing lets it.
+        command = [sys.executable, __file__, "compare"]
+        self._comparer = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
 
     def _next(self) -> Path:
         path = self._folder / f"{self._logs}.tlog"
         self._logs += 1
         self.link.setup_logfile(str(path))
         return path
+
+    def _listen(self) -> None:
+        assert self._comparer.stdout is not None
+        for line in self._comparer.stdout:
+            self._answer = json.loads(line)
 
     def receive(self, timeout: float) -> bool:
         """Whether a message came."""
@@ -132,26 +142,36 @@ class Recorder:
 
     def _close_log(self) -> None:
         self.link.logfile.close()
-        self._done.put(self._path)
+        assert self._comparer.stdin is not None
+        self._comparer.stdin.write(f"{self._path}\n")
+        self._comparer.stdin.flush()
 
     def end(self) -> None:
         """Compare the last log too."""
         self._close_log()
-        self._done.put(None)
-        self._comparing.join()
-
-    def _compare(self) -> None:
-        frames = flight()
-        while (path := self._done.get()) is not None:
-            for msg in open_log(path):
-                if self.difference is None and msg.get_msgbuf() != frames[self.compared % FRAMES]:
-                    self.difference = self.compared
-                self.compared += 1
-            path.unlink()
+        assert self._comparer.stdin is not None
+        self._comparer.stdin.close()
+        self._listener.join()
+        self._comparer.wait()
 
     def told(self) -> dict[str, Any]:
-        names = ("received", "compared", "difference")
-        return measured() | {name: getattr(self, name) for name in names}
+        own = measured()
+        own["CPU"] = round(own["CPU"] + self._answer["CPU"], 2)
+        return self._answer | own | {"received": self.received}
+
+
+def compare() -> None:
+    """Tell how many frames of the logs that are named on standard input are those of the flight, and remove them."""
+    frames = flight()
+    compared, difference = 0, None
+    for line in sys.stdin:
+        path = Path(line.rstrip("\n"))
+        for msg in open_log(path):
+            if difference is None and msg.get_msgbuf() != frames[compared % FRAMES]:
+                difference = compared
+            compared += 1
+        path.unlink()
+        tell(compared=compared, difference=difference, CPU=time.process_time())
 
 
 def link(folder: str, log_bytes: str) -> None:

@@ -127,7 +127,9 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
         later = ahead(timestamp, RESERVE)
         try:
             store.save(later)
-            while later < mark:  # by which another thread's may have been overwritten, in a store of the user's
+            while (
+                later < mark
+            ):  # by which another thread's may have been overwritten, in a store of the user's
                 later = mark
                 store.save(later)
         except Exception as error:  # a store of the user's own fails in ways of its own

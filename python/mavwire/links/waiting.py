@@ -76,12 +76,19 @@ RECEIVE_BUFFER = 8 << 20
 def ask_for_room(port: Any) -> None:
     """Let a datagram socket hold more than the usual few hundred datagrams for a busy reader."""
     import socket
+    import sys
     from contextlib import suppress
 
+    if sys.platform.startswith("linux"):
+        with suppress(OSError):  # only the superuser may have more than the limit
+            port.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, RECEIVE_BUFFER)
+            return
     with suppress(OSError):  # some systems refuse instead of giving less
         port.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
 
 
+# Linux: a receive buffer beyond the system's limit.
+_SO_RCVBUFFORCE = 33
 # Linux: memory and drop counters of a socket, nine 32-bit numbers of which the last counts drops.
 _SO_MEMINFO = 55
 _MEMINFO_LEN = 9 * 4

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 import signal
 import socket
@@ -184,3 +185,34 @@ def test_what_runs_until_it_is_told_ends_quietly(number: signal.Signals, flight:
                 process.send_signal(number)
                 assert process.wait(LIMIT) in codes, words
             assert lines.empty(), words
+
+
+@pytest.mark.parametrize("ignored", [False, True])
+def test_a_terminal_that_closes_loses_no_record(tmp_path: Path, ignored: bool) -> None:
+    """Under `nohup` the bridge goes on."""
+    logs = tmp_path / "logs"
+    words = [sys.executable, "-m", "mavwire", "bridge", "udpin:127.0.0.1:0", "--json", "0.1s",
+             "--record", str(logs), "--record-flush", "1h"]  # fmt: skip
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN if ignored else signal.SIG_DFL)
+    try:
+        process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    with process:
+        assert process.stdout is not None
+        lines = (json.loads(line) for line in process.stdout if line.startswith("{"))
+        where = next(lines)["links"][0]["endpoint"].split(":")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+            vehicle.connect((where[1], int(where[2])))
+            for seq in range(100):
+                vehicle.send(heartbeat(seq))
+            while sum(one["received"] for one in next(lines)["links"]) < 100:
+                pass
+        process.send_signal(signal.SIGHUP)
+        if ignored:
+            next(lines)
+            next(lines)
+            process.send_signal(signal.SIGTERM)
+        assert process.wait(LIMIT) == 0
+    (log,) = logs.iterdir()
+    assert sum(1 for _ in open_log(log)) == 100
