@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from beside import assert_same, output
 
+pytest.importorskip("numpy")
+
 COMPANIONS = """
 load("mavutil")
 package = importlib.import_module(pkg)

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from beside import assert_same
 
+pytest.importorskip("numpy")
+
 SETUP = """
 import warnings
 warnings.simplefilter("ignore")
