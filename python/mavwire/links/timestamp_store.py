@@ -54,7 +54,8 @@ class TimestampStore:
             slots = self._slots(fd)
             if timestamp > max(slots):
                 os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
-                os.write(fd, _packed(timestamp))
+                if os.write(fd, _packed(timestamp)) < SLOT:
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self._path)
                 os.fsync(fd)
         finally:
             os.close(fd)
@@ -127,7 +128,9 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
         later = ahead(timestamp, RESERVE)
         try:
             store.save(later)
-            while later < mark:  # by which another thread's may have been overwritten, in a store of the user's
+            while (
+                later < mark
+            ):  # by which another thread's may have been overwritten, in a store of the user's
                 later = mark
                 store.save(later)
         except Exception as error:  # a store of the user's own fails in ways of its own
