@@ -6,7 +6,7 @@ import asyncio
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 T = TypeVar("T")
 
@@ -19,14 +19,12 @@ async def in_background(function: Callable[[], T], discard: Callable[[T], Any] |
     holds up nobody's exit: a connection attempt may take long, and nobody may want it any more.
     """
     loop = asyncio.get_running_loop()
-    future: asyncio.Future[T] = loop.create_future()
+    # An error is a part of the result: futures do not take every exception.
+    future: asyncio.Future[tuple[Any, BaseException | None]] = loop.create_future()
 
     def deliver(result: Any, error: BaseException | None) -> None:
         if not future.done():
-            if error is None:
-                future.set_result(result)
-            else:
-                future.set_exception(error)
+            future.set_result((result, error))
         elif error is None:
             _start(lambda: drop(result))
 
@@ -50,12 +48,18 @@ async def in_background(function: Callable[[], T], discard: Callable[[T], Any] |
 
     _start(call)
     try:
-        return await future
+        result, error = await future
     except asyncio.CancelledError:
         # Cancelled after the result had come, and before it was taken.
-        if future.done() and not future.cancelled() and future.exception() is None:
-            _start(lambda: drop(future.result()))
+        if future.done() and not future.cancelled():
+            deliver(*future.result())
         raise
+    if error is not None:
+        try:
+            raise error
+        finally:
+            del error  # which knows this frame
+    return cast("T", result)
 
 
 def _start(function: Callable[[], Any]) -> None:

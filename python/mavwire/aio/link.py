@@ -294,6 +294,7 @@ class _Live:
         self._reconnect_delay = reconnect_delay
         self._reconnecting = Reconnecting(loop, self._transport.reopen, reconnect_delay)
         sync.mav.file = self.outgoing
+        self._transport.moved = self._follow
         self.connected = False
         # When the link was connected, and the messages that had come by then.
         self._connected_at = 0.0
@@ -331,8 +332,7 @@ class _Live:
     def _look(self) -> None:
         self._look_later()
         self._transport.look()
-        self.outgoing.follow()
-        self.pump.check()
+        self._follow()
 
     def _flush_later(self) -> None:
         if self._flush_timer is None and (self._sync.logfile or self._sync.logfile_raw):
@@ -356,8 +356,12 @@ class _Live:
         if not self._transport.is_there():
             self._lost(None)
         else:
-            self.outgoing.follow()
-            self.pump.check()
+            self._follow()
+
+    def _follow(self) -> None:
+        """Watch the descriptors that the link has now."""
+        self.outgoing.follow()
+        self.pump.check()
 
     def _failed(self, error: Exception) -> None:
         if not self._transport.is_there() or self._transport.broke(error):

@@ -28,6 +28,8 @@ class Transport:
 
     def __init__(self, sync: Any) -> None:
         self.sync = sync
+        # Called when the link may have another descriptor, for another reason than reading or writing.
+        self.moved: Callable[[], None] = lambda: None
 
     def sender(self) -> SocketSender:
         """How frames are sent without blocking."""
@@ -84,6 +86,7 @@ class DatagramClient(Transport):
 
     async def _find(self) -> None:
         self.sync._found(await in_background(self.sync._resolve))
+        self.moved()
 
     def stop(self) -> None:
         if self._looking is not None:

@@ -32,15 +32,17 @@ def claim(store: str | os.PathLike[str], link_id: int) -> bool:
     except OSError as error:
         _warn(error)
         return True
+    if _held.setdefault(path, fd) != fd:  # another thread asks for it as well
+        os.close(fd)
+        return True
     try:
         fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
+        del _held[path]
         os.close(fd)
         if isinstance(error, BlockingIOError):
             return False
         _warn(error)
-        return True
-    _held[path] = fd
     return True
 
 

@@ -40,7 +40,10 @@ def look_up(host: str, number: int, family: int, kind: int) -> list[Any]:
         finally:
             answered.release()
 
-    start_new_thread(answer, ())
+    try:
+        start_new_thread(answer, ())
+    except RuntimeError:  # there is none to be had, as at the end of the program
+        return find()
     # A signal that comes just before the wait begins is seen when it ends.
     while not answered.acquire(timeout=WAIT_SLICE):
         pass

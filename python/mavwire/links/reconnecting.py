@@ -109,7 +109,8 @@ class ReconnectingLink(StreamLink):
 
     def _note_failure(self, error: OSError) -> None:
         """Keep why connecting failed, and log it unless it was the same the last time."""
-        last, self.connect_error = self.connect_error, error
+        # Without the frames it went through, which hold the link and what it has tried.
+        last, self.connect_error = self.connect_error, error.with_traceback(None)
         if str(error) != str(last):
             import logging
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from _thread import _count as count_threads
+from _thread import allocate_lock, start_new_thread
 from contextlib import suppress
 from io import BufferedRandom, BufferedWriter
 
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
 SECRET_FIELD = "secret_key"
 # Files that links record to, weakly held.
 _open_files: Any = None
+# How long a fork and the end of the program wait for a file that another thread is writing, in seconds.
+PATIENCE = 1.0
 
 
 def shown(field: str, value: Any) -> Any:
@@ -33,7 +37,7 @@ def record(file: Any, unix_seconds: float, frame: bytes | bytearray) -> None:
 
 def open_recording(path: str, mode: str) -> Any:
     """Open a file to record to. What is in its buffer is written when the program ends, even if threads still
-    hold the link then, as daemon threads do, and before it forks.
+    hold the link then, as daemon threads do, and before it forks, unless another thread waits for that very file.
     """
     global _open_files
     if _open_files is None:
@@ -51,7 +55,25 @@ def open_recording(path: str, mode: str) -> Any:
 
 
 def _flush_all() -> None:
-    for file in list(_open_files):
+    if not count_threads():
+        _flush_each(list(_open_files))
+        return
+    flushed = allocate_lock()
+    flushed.acquire()
+
+    def flush(files: list[Any]) -> None:
+        try:
+            _flush_each(files)
+        finally:
+            flushed.release()
+
+    with suppress(RuntimeError):  # no thread can be had at the very end
+        start_new_thread(flush, (list(_open_files),))
+        flushed.acquire(timeout=PATIENCE)
+
+
+def _flush_each(files: list[Any]) -> None:
+    for file in files:
         # RuntimeError: by a signal handler, in the middle of a write.
         with suppress(OSError, ValueError, RuntimeError):
             file.flush()

@@ -171,8 +171,8 @@ class mavserial(StreamLink):
         print(text)
 
     def write(self, buf: bytes) -> Any:
-        """Send one frame whole, or drop it whole when nobody reads; -1 when the port is dead, which is
-        printed once, or closed."""
+        """Send one frame whole, or drop it whole when nobody reads: the bytes taken. -1 when the port is dead, which
+        is printed once, or closed."""
         if self._closed:
             self._writer.dropped_frames += 1
             return -1
@@ -198,7 +198,10 @@ class mavserial(StreamLink):
     def _write(self, port: Any, frame: bytes) -> int:
         """Send or queue a frame."""
         line, sent = DescriptorPort(port), self._writer.bytes_sent
+        dropped = self._writer.dropped_frames
         self._send_frame(line, frame)
+        if self._writer.dropped_frames != dropped:
+            return 0
         if self._writer.bytes_sent != sent:
             self._is_stuck = False
         if self._writer.unsent and not self._is_stuck:

@@ -119,14 +119,25 @@ def _next_link_id() -> int:
     return number
 
 
-def _own_link_id(claim: Callable[[int], bool] | None) -> int:
+def _own_link_id(claim: Callable[[int], bool]) -> int:
     """The next number, of those that `claim` says no other process has which shares the store."""
-    number = _next_link_id()
-    if claim is not None:
-        # Not 0, which would follow the target's link id to one that another process may have.
-        while number == 0 or (number < MAX_LINK_ID and not claim(number)):
-            number = _next_link_id()
+    number = 0
+    # Not 0, which would follow the target's link id to one that another process may have.
+    while number == 0 or not claim(number):
+        if number == MAX_LINK_ID:
+            _say_shared(number)
+            break
+        number = _next_link_id()
     return number
+
+
+def _number(link_id: int | None, claim: Callable[[int], bool] | None) -> int:
+    """The link id that was asked for, or the next one."""
+    if link_id is None:
+        return _next_link_id() if claim is None else _own_link_id(claim)
+    if claim is not None and not claim(link_id):
+        _say_shared(link_id)
+    return link_id
 
 
 def _say_shared(number: int) -> None:
@@ -158,10 +169,8 @@ def prepared(
         store = store_of(timestamp_store)
         timestamp = max(timestamp, stored_timestamp(store))
         keep = keeper(store, timestamp)
-    claim = getattr(store, "_claim", None)
-    number = _own_link_id(claim) if link_id is None else tried.link_id
-    if claim is not None and not claim(number):
-        _say_shared(number)
+    asked = None if link_id is None else tried.link_id
+    number = _number(asked, getattr(store, "_claim", None))
     return (
         tried.secret_key, tried.sign_outgoing, allow_unsigned_callback,
         number, timestamp, follows_clock, keep,

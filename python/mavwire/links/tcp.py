@@ -56,7 +56,11 @@ class mavtcp(ReconnectingLink):
         """One connection attempt: a connected, still blocking socket."""
         host, number = self.destination_addr
         port = connect_to(host, number, CONNECT_TIMEOUT)
-        prepare_tcp(port)
+        try:
+            prepare_tcp(port)
+        except BaseException:
+            port.close()
+            raise
         return port
 
     def do_connect(self) -> None:

@@ -54,7 +54,8 @@ class TimestampStore:
             slots = self._slots(fd)
             if timestamp > max(slots):
                 os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
-                os.write(fd, _packed(timestamp))
+                if os.write(fd, _packed(timestamp)) < SLOT:
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self._path)
                 os.fsync(fd)
         finally:
             os.close(fd)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import os
+
 from .names import is_numeric, look_up
 from .recognise import is_serial_name
 
@@ -21,7 +24,10 @@ def wait_readable(fd: Any, timeout: float) -> bool:
         # Unlike select(), poll() takes descriptors beyond 1023: a bridge may hold many links.
         poller = select.poll()
         poller.register(fd, select.POLLIN)
-        return bool(poller.poll(max(timeout, 0.0) * 1000.0))
+        events = poller.poll(max(timeout, 0.0) * 1000.0)
+        if events and events[0][1] & select.POLLNVAL:
+            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+        return bool(events)
     readable, _, _ = select.select([fd], [], [], max(timeout, 0.0))
     return bool(readable)
 
@@ -137,8 +143,6 @@ def interface_index(scope: str) -> int:
     try:
         return socket.if_nametoindex(scope) if scope else 0
     except (OSError, ValueError):
-        import errno
-
         raise OSError(errno.ENODEV, f"there is no network interface {scope!r}") from None
 
 

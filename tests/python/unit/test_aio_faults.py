@@ -221,6 +221,21 @@ def test_what_nobody_takes_is_discarded_beside_the_loop(monkeypatch):
     run(main())
 
 
+@pytest.mark.parametrize("error", [StopIteration(3), KeyError("x"), SystemExit(2)])
+def test_whatever_is_raised_beside_the_loop_comes(error):
+    """Futures refuse StopIteration, which a coroutine cannot raise either."""
+
+    def fail():
+        raise error
+
+    async def main():
+        with pytest.raises((RuntimeError, KeyError, SystemExit)) as caught:
+            await in_background(fail)
+        assert error in (caught.value, caught.value.__cause__)
+
+    run(main())
+
+
 def test_a_link_that_cannot_be_had_is_closed_beside_the_loop(monkeypatch):
     closed = []
 

@@ -146,6 +146,23 @@ def parent():
     assert os.path.getsize(path + "/recorded") == 4 * 29
 forks(child, parent)
 """,
+    "a recording whose reader forks": r"""
+import select
+os.mkfifo(path + "/fifo")
+end = os.open(path + "/fifo", os.O_RDONLY | os.O_NONBLOCK)
+link, out = udp()
+link.setup_logfile(path + "/fifo")
+threading.Thread(target=link.logfile.write, args=[bytes(1 << 18)], daemon=True).start()
+select.select([end], [], [])  # the thread waits until somebody reads
+def child():
+    link.logfile.write(b"another record")
+def parent():
+    os.set_blocking(end, True)
+    left = 1 << 18
+    while left:
+        left -= len(os.read(end, left))
+forks(child, parent)
+""",
     "a recording that another thread writes": r"""
 import select
 os.mkfifo(path + "/fifo")

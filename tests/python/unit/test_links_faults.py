@@ -318,7 +318,9 @@ def test_a_descriptor_that_cannot_be_watched_costs_no_processor_time(timeout, mo
     link = Capture()
     clock = Watching()
     monkeypatch.setattr("mavwire.links.mavfile.time", clock)
-    for fd in (-1, "none"):
+    with socket.socket() as port:
+        closed = port.fileno()
+    for fd in (-1, "none", closed):
         link.fd = fd
         before = clock.now
         assert link.select(timeout) is False
@@ -509,6 +511,7 @@ def test_a_serial_port_that_nobody_reads_stops_no_sender(line, monkeypatch):
         assert len(link._writer.unsent) <= serial_port_module.MAX_UNSENT
         left = sent - link.frames_dropped
         assert 0 < left < sent
+        assert link.write(heartbeat()) == 0
         assert sequence(end, left, link.recv_msg) == [seq % 256 for seq in range(left)]
         # It is waited for again, and loses nothing more.
         dropped = link.frames_dropped

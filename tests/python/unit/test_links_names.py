@@ -68,6 +68,15 @@ def test_ctrl_c_ends_sending_and_the_link_goes_on(names: SlowNames) -> None:
         assert link.write_errors == 1
 
 
+def test_without_a_thread_to_spare_the_caller_looks_a_name_up(monkeypatch) -> None:
+    def refuse(*_: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr("_thread.start_new_thread", refuse)
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_: ["here"])
+    assert look_up("vehicle.test", 1, 0, 0) == ["here"]
+
+
 def test_addresses_and_errors_are_those_of_the_system() -> None:
     for host in ("127.0.0.1", "localhost", ""):
         found = look_up(host, 5760, socket.AF_INET, socket.SOCK_STREAM)

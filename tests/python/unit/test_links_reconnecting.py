@@ -3,6 +3,7 @@ connection begins with."""
 
 from __future__ import annotations
 
+import errno
 import socket
 import threading
 import time
@@ -10,7 +11,7 @@ from itertools import pairwise
 
 import pytest
 from mavwire import mavutil
-from mavwire.links import reconnecting
+from mavwire.links import reconnecting, tcp
 from unit.link_tools import heartbeat
 from watchdog import watched
 
@@ -253,6 +254,23 @@ def test_a_connection_begins_with_a_whole_frame(server):
         assert second.recv(100) == heartbeat(7)
     link.close()
     peer.close()
+
+
+def test_a_connection_that_cannot_be_prepared_is_closed(server, monkeypatch):
+    if not server.device.startswith("tcp"):
+        pytest.skip("there is nothing to prepare")
+
+    def refuse(port):
+        raise OSError(errno.EINVAL, "no such option")
+
+    link, peer = server.link()
+    monkeypatch.setattr(tcp, "prepare_tcp", refuse)
+    lose(link, peer)
+    until(lambda: link.connect_error, link)
+    with server.accept() as second:
+        assert second.recv(1) == b""
+    assert link.connect_error.__traceback__ is None, "which would hold the link"
+    link.close()
 
 
 def test_without_a_thread_to_spare_the_next_attempt_is_later(server, attempts, monkeypatch):

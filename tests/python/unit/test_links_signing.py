@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import sys
 import threading
 import time
@@ -258,6 +260,16 @@ def test_a_store_that_cannot_be_read_or_written_changes_nothing(tmp_path, name):
     with pytest.raises(OSError):
         link.setup_signing(KEY, timestamp_store=tmp_path / name)
     assert signing_state(link) == state
+
+
+def test_half_a_timestamp_is_not_stored(tmp_path, monkeypatch):
+    """The disk is full."""
+    store = TimestampStore(tmp_path / "timestamps")
+    write = os.write
+    monkeypatch.setattr(os, "write", lambda fd, data: write(fd, data[:5]))
+    with pytest.raises(OSError, match="No space") as caught:
+        store.save(7)
+    assert (caught.value.errno, store.load()) == (errno.ENOSPC, 0)
 
 
 def test_a_store_may_fail_in_any_way(caplog):

@@ -157,7 +157,7 @@ def test_where_ids_cannot_be_kept_apart_that_is_said(tmp_path, caplog):
     link = Capture()
     link.setup_signing(KEY, timestamp_store=path)
     assert (link.mav.signing.link_id, link.mav.signing.secret_key) == (1, KEY)
-    assert "give each a link_id" in caplog.text
+    assert caplog.text.count("give each a link_id") == 1
 
 
 def test_a_file_system_without_locks_is_no_obstacle(tmp_path, caplog, monkeypatch):
@@ -170,6 +170,19 @@ def test_a_file_system_without_locks_is_no_obstacle(tmp_path, caplog, monkeypatc
 
 
 # -- threads
+
+
+def test_threads_that_ask_for_one_link_id_are_one_process(tmp_path, monkeypatch):
+    path, lock, answers = tmp_path / "timestamps", fcntl.flock, []
+
+    def meanwhile(fd, how):
+        monkeypatch.setattr(fcntl, "flock", lock)
+        answers.append(claim(path, 7))  # by another thread
+        lock(fd, how)
+
+    monkeypatch.setattr(fcntl, "flock", meanwhile)
+    answers.append(claim(path, 7))
+    assert answers == [True, True]
 
 
 class Dawdling:
