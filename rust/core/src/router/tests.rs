@@ -221,6 +221,8 @@ fn copies_from_another_link_are_dropped_and_teach_nothing() {
     assert_eq!(net.feed(0, &frame), to(&[1, 2]));
     assert_eq!(net.feed(1, &frame), Fate::Duplicate);
     assert_eq!(net.feed(0, &frame), to(&[1, 2]), "the same link may repeat itself");
+    // Or in a ring of bridges nothing would go the second way any more, and nothing arrive when the first is cut.
+    assert_eq!(net.send(0, (1, 1), HEARTBEAT, &[1; 9]), to(&[1, 2]));
     assert_eq!(net.command(2, (255, 190), (1, 1)), to(&[0]));
     let stats = net.router.link_stats(LinkId(1)).expect("it is there");
     assert_eq!((stats.received, stats.received_bytes, stats.duplicates), (1, 21, 1));

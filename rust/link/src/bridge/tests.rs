@@ -1,5 +1,8 @@
 //! A bridge with real sockets on loopback. Waits are for conditions, with a limit far beyond what they take.
 
+mod numbers;
+mod recordings;
+
 use super::*;
 use mavwire_core::builtin;
 use mavwire_core::frame::{self, Header, MAX_FRAME_LEN};
@@ -261,42 +264,6 @@ fn junk_is_counted_and_goes_no_further() {
     let traffic = peer.expect("it is connected").traffic;
     assert_eq!(traffic.junk_bytes, 70_004 + 21);
     assert!(traffic.damaged > 0);
-}
-
-#[test]
-fn recordings_hold_what_passed_without_signatures() {
-    let directory = std::env::temp_dir().join(format!("mavwire-bridge-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&directory);
-    let recording = Recording {
-        directory: directory.clone(),
-        max_bytes: Some(1),
-        max_age: None,
-        flush_interval: Duration::from_millis(1),
-    };
-    let bridge = start(Some(recording));
-    let mut signed = heartbeat(2, 0);
-    signed[2] = frame::IFLAG_SIGNED;
-    let register = mavwire_core::x25::checksum(&signed[1..19]);
-    let checksum = mavwire_core::x25::push(register, 50).to_le_bytes();
-    signed[19..21].copy_from_slice(&checksum);
-    signed.extend([9; 13]);
-    let key = frame_of(255, 256, 0, &[7; 42], 71);
-    for frames in [heartbeat(1, 0), [key, signed].concat()] {
-        let before = bridge.stats().unwrap().recording.unwrap().records;
-        bridge.send(frames).unwrap();
-        wait_for("the record", || bridge.stats().unwrap().recording.unwrap().records > before);
-    }
-    let recorded = bridge.stats().unwrap().recording.unwrap();
-    assert_eq!((recorded.files, recorded.records, recorded.dropped), (2, 2, 0));
-    bridge.stop();
-    let mut logs: Vec<PathBuf> =
-        std::fs::read_dir(&directory).unwrap().map(|entry| entry.unwrap().path()).collect();
-    logs.sort_by_key(|path| (path.to_string_lossy().len(), path.clone()));
-    let mut frames: Vec<Vec<u8>> =
-        logs.iter().map(|path| std::fs::read(path).unwrap()[8..].to_vec()).collect();
-    frames.sort_by_key(|frame| frame[5]);
-    assert_eq!(frames, [heartbeat(1, 0), heartbeat(2, 0)]);
-    std::fs::remove_dir_all(&directory).unwrap();
 }
 
 #[test]
