@@ -17,6 +17,7 @@ from mavwire.fleet.tasks import Recipe
 from mavwire.logs import journal, manifest
 from mavwire.logs.conversion import convert, prepare
 from mavwire.logs.manifest import JOURNAL, MANIFEST, Converted, Manifest
+from mavwire.logs.store import Store
 from unit.link_tools import heartbeat, record
 
 TASK = 2 << 20
@@ -61,6 +62,24 @@ def large(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = folder / "large.tlog"
     path.write_bytes(piece * (13 * TASK // 2 // len(piece)))
     return path
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> list[Path]:
+    path = tmp_path / "small.tlog"
+    path.write_bytes(record(heartbeat()) * 3)
+    return [path]
+
+
+@pytest.fixture(scope="module")
+def inside(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """A cluster without processes of its own."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.Client(
+        processes=False, n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0",
+        local_directory=str(tmp_path_factory.mktemp("dask")), set_as_default=False,
+    ) as client:  # fmt: skip
+        yield client
 
 
 def killed_after(tasks: int, out: str, logs: list[Path], task_bytes: int = TASK) -> None:
@@ -113,17 +132,10 @@ def test_a_log_that_changed_meanwhile_leaves_no_file_of_before(tmp_path, large):
     assert files_of(out) == set(row.files) == {"HEARTBEAT/one.parquet"}
 
 
-def test_a_fleet_that_cuts_otherwise_goes_on_too(tmp_path, large):
-    distributed = pytest.importorskip("distributed")
+def test_a_fleet_that_cuts_otherwise_goes_on_too(tmp_path, large, inside):
     out = tmp_path / "out"
     killed_after(3, str(out), [large])
-    with distributed.Client(
-        processes=False, n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0",
-        local_directory=str(tmp_path / "dask"), set_as_default=False,
-    ) as client:  # fmt: skip
-        (row,) = convert_fleet(
-            large, out, client, types=["HEARTBEAT", "ATTITUDE"], task_bytes=2 * TASK
-        )
+    (row,) = convert_fleet(large, out, inside, types=["HEARTBEAT", "ATTITUDE"], task_bytes=2 * TASK)
     assert files_of(out) == set(row.files)
     assert {"ATTITUDE/large+0000.parquet", "ATTITUDE/large+0001.parquet"} <= set(row.files)
     assert row.rows == convert([large], tmp_path / "whole", types=["HEARTBEAT", "ATTITUDE"])[0].rows
@@ -149,6 +161,27 @@ def test_what_nobody_began_stays(tmp_path, large):
     assert {
         "ATTITUDE/large+0007.parquet", "ATTITUDE/large+0000.csv", "ATTITUDE/other+0000.parquet"
     } < files_of(out)  # fmt: skip
+
+
+def test_one_run_at_a_time(tmp_path, small, inside):
+    """A second one would take what the first is about for what a killed run left."""
+    pytest.importorskip("fcntl")
+    out = tmp_path / "out"
+    with Store(str(out)).locked(), pytest.raises(ValueError, match="another conversion"):
+        convert_fleet(small, out, inside)
+    assert list(out.iterdir()) == []
+    refused = []
+
+    def second(done: int, logs: int) -> None:
+        with pytest.raises(ValueError, match="another conversion"):
+            convert(small, out)
+        refused.append(done)
+
+    (row,) = convert_fleet(small, out, inside, progress=second)
+    assert refused == [1] and row.error is None
+    assert files_of(out) == set(row.files)
+    (again,) = convert(small, out)
+    assert again.skipped
 
 
 def test_on_an_object_store(tmp_path, large):
