@@ -132,6 +132,15 @@ def test_scan_polars_pushes_down(flight):
         ("(ts < b) & (ts > a) & (pl.col('roll') > 0)", "a", "b", None),
         ("(ts < b) | (pl.col('sysid') == 1)", None, None, None),
         ("ts != a", None, None, None),
+        ("ts < pl.lit(a).dt.offset_by('1s')", None, None, None),
+        ("ts > pl.lit(a).dt.truncate('1h')", None, None, None),
+        ("ts <= pl.max_horizontal(pl.lit(a), ts)", None, None, None),
+        ("ts <= pl.coalesce(ts, pl.lit(a))", None, None, None),
+        ("pl.col('sysid') == pl.col('compid') + 0", None, None, None),
+        ("pl.col('sysid') == pl.col('compid') ** 2", None, None, None),
+        ("pl.col('sysid') == pl.col('seq').clip(0)", None, None, None),
+        ("pl.lit(a).dt.offset_by('-1s') < ts", None, None, None),
+        ("ts.is_between(pl.lit(a).dt.offset_by('-1s'), b)", None, "b", None),
     ],
 )
 def test_what_a_filter_says_limits_what_is_decoded(
