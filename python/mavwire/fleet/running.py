@@ -220,6 +220,7 @@ class _Run:
         if len(pieces) > 1:  # one of them may be what ends workers
             return [self._submit(client, [piece]) for piece in pieces]
         error = future.exception()
+        self.manifest.remove_named(pieces[0].path, pieces[0].name)  # it may have ended halfway
         text = f"{type(error).__name__}: {error}"
         self._add(Converted(pieces[0].path, pieces[0].name, error=text))
         return []
@@ -243,6 +244,7 @@ class _Run:
 
     def _add(self, row: Converted) -> None:
         """A log or a part is done; when all parts are, the log is."""
+        self.manifest.remove_files(row.stale)
         parts = self._parts.setdefault(row.path, [])
         parts.append(row)
         self._missing[row.path] -= 1

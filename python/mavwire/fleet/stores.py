@@ -48,7 +48,8 @@ class Remote:
         return self.fs._strip_protocol(self._path(name)) in self._listing()
 
     def names(self) -> Iterator[str]:
-        """The files that there were when this or `exists` was first asked."""
+        """The files that there are."""
+        self._found = None
         root = self.fs._strip_protocol(self._path(""))
         for path in self._listing():
             yield path.removeprefix(root).lstrip("/")

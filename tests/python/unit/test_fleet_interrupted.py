@@ -40,6 +40,18 @@ class Done:
         return self._found
 
 
+class Dies:
+    """A client, and the future of a task that ended the workers which had it."""
+
+    status, key = "error", "task"
+
+    def submit(self, *arguments: Any, pure: bool) -> Dies:
+        return self
+
+    def exception(self) -> Exception:
+        return RuntimeError("no worker is left")
+
+
 class Here:
     """A client that works at once, and is killed before a task."""
 
@@ -163,6 +175,54 @@ def test_what_nobody_began_stays(tmp_path, large):
     } < files_of(out)  # fmt: skip
 
 
+TYPES = ["ATTITUDE", "GPS_RAW_INT", "HEARTBEAT"]
+
+
+@pytest.fixture
+def mixed(tmp_path: Path) -> Path:
+    path = tmp_path / "mixed.tlog"
+    traffic.generate(path, 300)
+    return path
+
+
+def test_half_of_a_log_is_not_published(tmp_path, mixed, inside):
+    out = tmp_path / "out"
+    out.mkdir()
+    in_the_way = out / "HEARTBEAT"
+    in_the_way.write_text("no folder")
+    (row,) = convert_fleet(mixed, out, inside, types=TYPES)
+    assert "HEARTBEAT" in row.error and (row.files, row.rows, row.stale) == ({}, 0, [])
+    assert files_of(out) == set()
+    in_the_way.unlink()
+    (row,) = convert_fleet(mixed, out, inside, types=TYPES)
+    assert row.error is None and files_of(out) == set(row.files)
+    assert {name.split("/")[0] for name in row.files} == set(TYPES)
+
+
+@pytest.mark.parametrize("remote", [False, True])
+def test_what_a_task_that_died_published_is_removed(tmp_path, mixed, remote):
+    fsspec = pytest.importorskip("fsspec")
+    out = "memory://fleet-died" if remote else str(tmp_path / "out")
+    compression, _, query, how = prepare("parquet", None, TYPES, None, None, None, None, "all")
+    store = store_of(out)
+    made = Manifest(store, how, lambda path: (1, 1))
+    recipe = Recipe(out, None, query, "all", "parquet", compression)
+    run = running._Run(store, made, recipe, TASK, None)
+    (todo,) = run.begin({str(mixed): "mixed"}, {str(mixed): (1, 1)})
+    try:
+        assert list(store.names()) == [MANIFEST]
+        run._submit(Dies(), [todo])
+        for name in ("mixed", "other"):
+            (tmp_path / "draft").write_text(name)
+            store.publish(str(tmp_path / "draft"), f"ATTITUDE/{name}.parquet")
+        assert run._completed(None, Dies()) == []
+        assert set(store.names()) - {JOURNAL} == {"ATTITUDE/other.parquet", MANIFEST}
+        assert run.rows[str(mixed)].error == "RuntimeError: no worker is left"
+    finally:
+        if remote:
+            fsspec.filesystem("memory").rm("/fleet-died", recursive=True)
+
+
 def test_one_run_at_a_time(tmp_path, small, inside):
     """A second one would take what the first is about for what a killed run left."""
     pytest.importorskip("fcntl")
@@ -228,12 +288,21 @@ def stored(memory: Any, name: str) -> Any:
 
 @pytest.mark.parametrize("parts", [["../x"], "x", [7], [""]])
 def test_parts_of_a_manifest_of_others(tmp_path, parts):
+    assert_no_manifest(tmp_path, {"parts": parts})
+
+
+@pytest.mark.parametrize("stale", ["x", [7], {}])
+def test_stale_files_of_a_manifest_of_others(tmp_path, stale):
+    assert_no_manifest(tmp_path, {"stale": stale})
+
+
+def assert_no_manifest(out: Path, more: dict[str, Any]) -> None:
     row = {"path": "x", "name": "x", "size": 1, "mtime_ns": 1, "rows": 1, "bad_bytes": 0}
-    log = {**row, "files": {}, "error": manifest.BEGUN, "parts": parts}
+    log = {**row, "files": {}, "error": manifest.BEGUN, **more}
     content = {"version": 1, "options": {}, "logs": [log]}
-    (tmp_path / MANIFEST).write_text(json.dumps(content))
+    (out / MANIFEST).write_text(json.dumps(content))
     with pytest.raises(ValueError, match="is no manifest"):
-        convert([], tmp_path)
+        convert([], out)
 
 
 def test_names_of_many_logs_of_one_name_are_found_without_going_through_them_again():
