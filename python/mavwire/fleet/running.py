@@ -72,7 +72,8 @@ def convert(
     the rows of the whole. A log that is missing or cannot be read is a row with an `error`. What a
     worker that dies had under way is done by another one; nothing is there twice. A run that is
     interrupted goes on where it stopped when it is started again. ImportError where Dask is not
-    installed, OSError where the scheduler is gone, ValueError for an argument that makes no sense.
+    installed, OSError where the scheduler is gone, ValueError for an argument that makes no sense,
+    and while another run writes to the folder `out`.
     """
     logs = expand(paths, storage_options)
     compression, _, query, how = prepare(
@@ -85,9 +86,9 @@ def convert(
     out = os.fsdecode(out).removeprefix("file://")
     known = _statuses(logs, storage_options)
     store = store_of(out, storage_options)
-    manifest = Manifest(store, how, lambda path: _known(known[path]))
-    names = manifest.names(logs)
-    with staging(out) as folder:
+    with store.locked(), staging(out) as folder:
+        manifest = Manifest(store, how, lambda path: _known(known[path]))
+        names = manifest.names(logs)
         options = dict(storage_options or {})
         recipe = Recipe(out, folder, query, dialect, format, compression, options)
         run = _Run(store, manifest, recipe, task_bytes, progress)
@@ -219,6 +220,7 @@ class _Run:
         if len(pieces) > 1:  # one of them may be what ends workers
             return [self._submit(client, [piece]) for piece in pieces]
         error = future.exception()
+        self.manifest.remove_named(pieces[0].path, pieces[0].name)  # it may have ended halfway
         text = f"{type(error).__name__}: {error}"
         self._add(Converted(pieces[0].path, pieces[0].name, error=text))
         return []
@@ -242,6 +244,7 @@ class _Run:
 
     def _add(self, row: Converted) -> None:
         """A log or a part is done; when all parts are, the log is."""
+        self.manifest.remove_files(row.stale)
         parts = self._parts.setdefault(row.path, [])
         parts.append(row)
         self._missing[row.path] -= 1

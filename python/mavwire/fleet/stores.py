@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from mavwire.logs.store import Store
@@ -47,7 +48,8 @@ class Remote:
         return self.fs._strip_protocol(self._path(name)) in self._listing()
 
     def names(self) -> Iterator[str]:
-        """The files that there were when this or `exists` was first asked."""
+        """The files that there are."""
+        self._found = None
         root = self.fs._strip_protocol(self._path(""))
         for path in self._listing():
             yield path.removeprefix(root).lstrip("/")
@@ -79,6 +81,11 @@ class Remote:
         """Copy a local file there, in place of any that has the name."""
         self.fs.makedirs(os.path.dirname(self._path(name)), exist_ok=True)
         self.fs.put_file(draft, self._path(name))
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Nothing: such a place has no locks that end with the process which has them."""
+        yield
 
     def remove_drafts(self, name: str) -> None:
         """Nothing: files appear in a store when they are complete."""

@@ -75,11 +75,19 @@ def _convert(piece: Piece, recipe: Recipe) -> Converted:
 
 
 def publish(folder: str, made: Converted, recipe: Recipe) -> None:
-    """Give the files in a folder their names in `out`."""
+    """Give the files in a folder their names in `out`. Where one cannot have its own, those that
+    have are `stale`: the client removes them, as it alone knows whether another attempt was whole.
+    """
     store = store_of(recipe.out, recipe.storage_options)
-    made.files = {name.replace(os.sep, "/"): rows for name, rows in made.files.items()}
-    for name in made.files:
-        store.publish(os.path.join(folder, *name.split("/")), name)
+    names = {name.replace(os.sep, "/"): rows for name, rows in made.files.items()}
+    try:
+        for name in names:
+            store.publish(os.path.join(folder, *name.split("/")), name)
+            made.stale.append(name)
+    except Exception as error:  # whatever fsspec's file systems raise
+        made.files, made.rows, made.error = {}, 0, f"{type(error).__name__}: {error}"
+    else:
+        made.files, made.stale = names, []
 
 
 @contextmanager

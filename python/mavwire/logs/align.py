@@ -43,7 +43,7 @@ def align(
     if missing:
         raise ValueError(f"there is no table of {missing[0]!r}")
     for one in {*names, *([on] if on else [])}:
-        _check_sender(tables[one])
+        check_sender(tables[one], "align tables of one, {0} as table.sender{1}")
     parts: dict[str, Table] = {}
     for one in names:
         several = by_instance(tables[one])
@@ -83,15 +83,17 @@ def by_instance(table: Table) -> dict[str, Table]:
     return {name: part.select(kept) for name, part in table.instances().items()}
 
 
-def _check_sender(table: Table) -> None:
-    """Rows of several senders side by side make values that nobody sent."""
+def check_sender(table: Table, advice: str) -> None:
+    """ValueError where there are several: their rows side by side make values that nobody sent.
+    `advice` is what else to do, of the name and a sender.
+    """
     senders = sorted(table._batches.senders())
     if len(senders) > 1:
         which = ", ".join(f"{sysid}/{compid}" for sysid, compid in senders[:5])
         more = ", ..." if len(senders) > 5 else ""
         raise ValueError(
             f"{table.name} comes from several senders ({which}{more}): choose one by systems=, or "
-            f"align tables of one, {table.name} as table.sender{senders[0]}"
+            + advice.format(table.name, senders[0])
         )
 
 

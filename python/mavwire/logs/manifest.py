@@ -51,6 +51,10 @@ class Converted:
     """It had been converted before, by an earlier run."""
     parts: list[str] = field(default_factory=list)
     """What files of its parts are called, while it is converted in parts."""
+    stale: list[str] = field(default_factory=list)
+    """Files of before, where this conversion failed: the next one that succeeds replaces or removes
+    them.
+    """
 
 
 class Manifest:
@@ -109,15 +113,19 @@ class Manifest:
 
     def add(self, row: Converted) -> None:
         """Note a log. Files that it had and has no more would be rows of nothing: they are removed,
-        and so are those that a killed run made of it and this one did not.
+        and so are those that a killed run made of it and this one did not. Where it failed they
+        stay, and are `stale`.
         """
-        earlier = self.rows.get(row.path)
-        known = {} if earlier is None else earlier.files
         if row.error != BEGUN:
-            kept = row.files if row.error is None else row.files | known
+            earlier = self.rows.get(row.path)
+            known = [] if earlier is None else [*earlier.files, *earlier.stale]
+            gone = [name for name in dict.fromkeys(known) if name not in row.files]
+            if row.error is None:
+                self.remove_files(gone)
+            else:
+                row.stale = gone
+            kept = {*row.files, *row.stale}
             self._remove_left(self._interrupted.pop(row.path, set()), kept)
-        if row.error is None:
-            self.remove_files(name for name in known if name not in row.files)
         self.rows[row.path] = row
 
     def begun(self, path: str, name: str, parts: Iterable[str] = ()) -> Converted:
@@ -129,7 +137,7 @@ class Manifest:
             earlier, rows=0, error=BEGUN, parts=list(dict.fromkeys([*earlier.parts, *parts]))
         )
 
-    def _remove_left(self, stems: set[str], kept: dict[str, int]) -> None:
+    def _remove_left(self, stems: set[str], kept: set[str]) -> None:
         """Remove what a killed run left of a log."""
         if not stems:
             return
@@ -141,6 +149,13 @@ class Manifest:
                     self._left.setdefault(stem, []).append(name)
         left = (name for stem in stems for name in self._left.pop(stem, ()))
         self.remove_files(name for name in left if name not in kept)
+
+    def remove_named(self, path: str, stem: str) -> None:
+        """Remove the files that are called so, but for those that the log had before."""
+        row = self.rows.get(path)
+        kept = set() if row is None else {*row.files, *row.stale}
+        named = [name for name in self._store.names() if self._stem(name) == stem]
+        self.remove_files(name for name in named if name not in kept)
 
     def remove_files(self, names: Iterable[str]) -> None:
         """Remove files of ours. The manifest may have been written by anyone."""
@@ -169,7 +184,9 @@ class Manifest:
     def stems(self, path: str) -> set[str]:
         """What files of a log are called, without folder and suffix."""
         row = self.rows.get(path)
-        return set() if row is None else {row.name, *row.parts, *map(self._stem, row.files)}
+        if row is None:
+            return set()
+        return {row.name, *row.parts, *map(self._stem, [*row.files, *row.stale])}
 
     def _stem(self, name: str) -> str:
         stem, _, rest = os.path.basename(name).rpartition(FORMATS[self.how["format"]])
@@ -192,13 +209,15 @@ _ROW = {
     "files": dict,
     "error": str | None,
 }
-"""What the manifest holds of `Converted`, and of a log that is being converted its parts."""
+"""What the manifest holds of `Converted`,"""
+_SOME = ("parts", "stale")
+"""and what it holds of those that have any."""
 
 
 def stored_row(row: Converted) -> dict[str, Any]:
     """A row as the manifest and the journal hold it."""
-    parts = {"parts": row.parts} if row.error == BEGUN and row.parts else {}
-    return {key: getattr(row, key) for key in _ROW} | parts
+    some = {key: getattr(row, key) for key in _SOME if row.error is not None}
+    return {key: getattr(row, key) for key in _ROW} | {key: one for key, one in some.items() if one}
 
 
 def _manifest(content: bytes) -> dict[str, Any] | None:
@@ -234,12 +253,14 @@ def _is_head(stored: Any) -> bool:
 
 
 def _is_row(row: Any) -> bool:
-    if not isinstance(row, dict) or row.keys() - {"parts"} != _ROW.keys():
+    if not isinstance(row, dict) or row.keys() - set(_SOME) != _ROW.keys():
         return False
     if not all(isinstance(row[key], kind) for key, kind in _ROW.items()):
         return False
-    parts = row.get("parts", [])
-    return isinstance(parts, list) and all(map(_is_stem, [row["name"], *parts]))
+    parts, stale = (row.get(key, []) for key in _SOME)
+    if not isinstance(parts, list) or not isinstance(stale, list):
+        return False
+    return all(map(_is_stem, [row["name"], *parts])) and all(isinstance(one, str) for one in stale)
 
 
 def _is_stem(name: Any) -> bool:

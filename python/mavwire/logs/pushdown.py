@@ -27,7 +27,7 @@ def narrow(query: Query, predicate: Any) -> None:
         if column == "timestamp" and (seconds := _seconds(literal)) is not None:
             _limit(query, operator, seconds)
         elif column == "sysid" and operator == "Eq":
-            numbers = _integers(literal)
+            numbers = _integers(_literal(literal))
             wanted = numbers[0] if len(numbers) == 1 else -1
             if 0 <= wanted <= MAX_SYSTEM and (query.systems is None or wanted in query.systems):
                 query.systems = [wanted]
@@ -82,14 +82,20 @@ def _between(function: dict[str, Any]) -> Iterator[tuple[str, str, Any]]:
         yield from _compared(column, "LtEq", high)
 
 
-def _seconds(node: Any) -> float | None:
+def _literal(node: Any) -> Any:
+    """What a literal holds; None for any other expression, whose value is not known here."""
+    return node["Literal"] if isinstance(node, dict) and node.keys() == {"Literal"} else None
+
+
+def _seconds(literal: Any) -> float | None:
     """The time of a literal of type datetime."""
+    node = _literal(literal)
     text = json.dumps(node)
     if '"DateTime"' not in text and '"Datetime"' not in text:
         return None
     numbers = _integers(node)
     units = [factor for name, factor in NANOSECONDS.items() if name in text]
-    if len(numbers) != 1 or len(units) != 1 or '"Cast"' in text:
+    if len(numbers) != 1 or len(units) != 1:
         return None
     return record_seconds(numbers[0] * units[0] // 1_000)
 

@@ -13,6 +13,7 @@ from mavwire._native import RecordBatches, write_table
 
 from .extras import extra
 from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
+from .kinds import conformed, foreign
 from .targets import file_to_write
 
 if TYPE_CHECKING:
@@ -42,8 +43,16 @@ class Table:
     def from_arrow(cls, table: Any, name: str) -> Table:
         """A table of anything that has `__arrow_c_stream__` (of pyarrow, polars, DuckDB), over the
         same memory, for `write`, `align` and the rest; `name` stands for the message type.
+
+        Columns of kinds that tables of logs have not are copied, which needs pyarrow: times become
+        microseconds, texts and categories those of this package. Columns of others (booleans,
+        dates, lists of any length) can be written and are no arrays. ValueError for a time beyond what
+        microseconds hold, and for lists of a fixed size in which values are missing.
         """
-        return cls(name, RecordBatches.from_stream(table))
+        batches = RecordBatches.from_stream(table)
+        if any(map(foreign, batches.types().values())):
+            batches = RecordBatches.from_stream(conformed(batches))
+        return cls(name, batches)
 
     # -- shape
 
@@ -177,14 +186,13 @@ class Table:
 
         Where an instance has no row at that time there are nulls; `tolerance` and `method` are
         those of `mavwire.logs.align` and reach further. A table without instances comes as it is.
-        ValueError where several systems sent the rows: choose one.
+        ValueError where several systems or components sent the rows: choose one.
         """
-        from .align import aligned, by_instance
+        from .align import aligned, by_instance, check_sender
 
         if self.instance_field is None:
             return self
-        if "sysid" in self.columns and len(self._batches.split("sysid")) > 1:
-            raise ValueError(f"{self.name} comes from several systems: choose one by systems=")
+        check_sender(self, "take rows of one, as table.sender{1}.wide()")
         tables = by_instance(self)
         return aligned(tables, self, self.name, method=method, tolerance=tolerance)
 

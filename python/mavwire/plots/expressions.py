@@ -55,6 +55,8 @@ class Expression:
     """Of types of which only one instance is named: which."""
     plain: bool = False
     """It can be computed over columns."""
+    conditional: bool = False
+    """It has a value only where its condition holds."""
 
     @property
     def type(self) -> str:
@@ -92,7 +94,7 @@ def parse(text: str) -> Expression:
     if not types:
         raise ValueError(f"no message is named in {text!r}: write TYPE.field, as in ATTITUDE.roll")
     plain = condition is None and len(types) == 1 and _is_plain(trees[0].body)
-    return Expression(body, right, types, _instances(trees, types), plain)
+    return Expression(body, right, types, _instances(trees, types), plain, condition is not None)
 
 
 def _messages(trees: list[ast.Expression]) -> set[str]:

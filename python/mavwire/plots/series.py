@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import closing
 from dataclasses import dataclass, field, replace
-from math import isfinite
+from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 from mavwire.expression import evaluate_expression
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from mavwire.logs.table import Table
 
 
+NO_NUMBER = "no number"
+
+
 @dataclass
 class Series:
     """One expression over one log: arrays of seconds since 1970, or of what the x axis has in their
@@ -31,7 +34,7 @@ class Series:
     times: Any
     values: Any
     left_out: int = 0
-    """Messages at which it failed."""
+    """Messages at which it failed or was no number."""
     error: str | None = None
     """How it failed first."""
 
@@ -174,7 +177,8 @@ def _from_table(one: Expression, table: Table, system: int | None) -> Series | N
         raise ValueError(f"{one.text} is an array: name an element, as in {one.text}[0]")
     times = table["timestamp"][rows].astype("int64") * 1e-6
     good = np.isfinite(values)
-    return Series(one, times[good], values[good])
+    left_out = int(np.count_nonzero(~good))
+    return Series(one, times[good], values[good], left_out, NO_NUMBER if left_out else None)
 
 
 class _InexactError(Exception):
@@ -260,9 +264,14 @@ class _Collector:
             self._failed += 1
             self._error = self._error or f"{type(error).__name__}: {error}"
             return
-        if number is not None and place is not None:
-            self._times.append(place)
-            self._values.append(number)
+        if number is None or place is None:
+            return
+        if not (isfinite(number) and isfinite(place)):
+            self._failed += 1
+            self._error = self._error or NO_NUMBER
+            return
+        self._times.append(place)
+        self._values.append(number)
 
     def series(self) -> Series:
         """What was gathered."""
@@ -273,10 +282,13 @@ class _Collector:
 
 
 def _number(expression: Expression, messages: dict[str, Any]) -> float | None:
-    """The value of an expression now; None where it has none."""
+    """The value of an expression now, which may be no number; None before its messages were heard,
+    and where its condition does not hold.
+    """
     value = evaluate_expression(expression.text, messages)
-    number = None if value is None else float(value)
-    return number if number is not None and isfinite(number) else None
+    if value is None and not expression.conditional and expression.types <= messages.keys():
+        return nan  # as of a division by zero
+    return None if value is None else float(value)
 
 
 def is_instance(msg: Any, number: int) -> bool:

@@ -89,6 +89,26 @@ def test_a_table_that_would_fill_the_memory_is_refused(tmp_path):
     assert len(log.align(["BATTERY_STATUS"], rate="100us")) == 1_000_001
 
 
+def test_wide_takes_rows_of_one_component(tmp_path):
+    """Batteries of the autopilot and of a companion may have one number."""
+    path = tmp_path / "two.tlog"
+    records = []
+    for n in range(6):
+        compid = (1, 180)[n % 2]
+        mav = mavlink.MAVLink(None, 1, compid)
+        voltages = [11_000] * 10
+        msg = mavlink.MAVLink_battery_status_message(0, 0, 0, 0, voltages, compid, 0, 0, 50)
+        records.append(record(msg.pack(mav), T0 + 1000 * n))
+    path.write_bytes(b"".join(records))
+    table = mavwire.open_log(path)["BATTERY_STATUS"]
+    for several in (table.wide, lambda: mavwire.read(path, systems=1, wide=True)):
+        with pytest.raises(ValueError, match=r"1/1, 1/180.*table\.sender\(1, 1\)\.wide\(\)"):
+            several()
+    wide = table.sender(1, 180).wide()
+    assert wide["BATTERY_STATUS[0].current_battery"].tolist() == [180] * 3
+    assert len(table.select(["timestamp", "id", "current_battery"]).wide()) == 6, "nobody can tell"
+
+
 def test_info_counts_what_the_messages_say(tmp_path):
     path = tmp_path / "flight.tlog"
     traffic.generate(path, 5_000, systems=2, loss=0.02, corruption=0.01)

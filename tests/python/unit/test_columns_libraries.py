@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from datetime import datetime
 from pathlib import Path
 
 import mavwire
 import pytest
 from dataflash_writer import sample
 from mavwire import cli, traffic
+from mavwire.logs.align import align
 from mavwire.logs.conversion import convert
 from unit.column_tools import log_of_every_type
 
@@ -132,6 +134,15 @@ def test_scan_polars_pushes_down(flight):
         ("(ts < b) & (ts > a) & (pl.col('roll') > 0)", "a", "b", None),
         ("(ts < b) | (pl.col('sysid') == 1)", None, None, None),
         ("ts != a", None, None, None),
+        ("ts < pl.lit(a).dt.offset_by('1s')", None, None, None),
+        ("ts > pl.lit(a).dt.truncate('1h')", None, None, None),
+        ("ts <= pl.max_horizontal(pl.lit(a), ts)", None, None, None),
+        ("ts <= pl.coalesce(ts, pl.lit(a))", None, None, None),
+        ("pl.col('sysid') == pl.col('compid') + 0", None, None, None),
+        ("pl.col('sysid') == pl.col('compid') ** 2", None, None, None),
+        ("pl.col('sysid') == pl.col('seq').clip(0)", None, None, None),
+        ("pl.lit(a).dt.offset_by('-1s') < ts", None, None, None),
+        ("ts.is_between(pl.lit(a).dt.offset_by('-1s'), b)", None, "b", None),
     ],
 )
 def test_what_a_filter_says_limits_what_is_decoded(
@@ -212,6 +223,55 @@ def test_tables_of_other_libraries(flight, tmp_path):
     steep.write(tmp_path / "steep.csv.gz")
     assert len(pl.read_csv(tmp_path / "steep.csv.gz")) == len(steep)
     assert steep.to_polars().equals(frame.filter(pl.col("roll") > 0))
+
+
+@pytest.mark.parametrize("zone", [None, "UTC", "Europe/Berlin"])
+@pytest.mark.parametrize("unit", ["s", "ms", "us", "ns"])
+def test_times_of_other_libraries_are_microseconds(unit, zone):
+    import numpy as np
+
+    pa = pytest.importorskip("pyarrow")
+    times = pa.array([datetime(2024, 1, 1), None, datetime(1969, 12, 31)], pa.timestamp(unit, zone))
+    table = mavwire.logs.Table.from_arrow(pa.table({"timestamp": times, "x": [1, 2, 3]}), "T")
+    expected = np.array(["2024-01-01", "NaT", "1969-12-31"], "datetime64[us]")
+    np.testing.assert_array_equal(table["timestamp"], expected)
+    assert table.dtypes["x"] == "Int64" and table["x"].tolist() == [1, 2, 3]
+    assert len(align({"T": table.slice(0, 1)}, on="T")) == 1
+
+
+def test_a_time_beyond_microseconds_is_refused():
+    pa = pytest.importorskip("pyarrow")
+    times = pa.table({"timestamp": pa.array([2**60], pa.timestamp("s"))})
+    with pytest.raises(ValueError, match="'timestamp'"):
+        mavwire.logs.Table.from_arrow(times, "T")
+
+
+def test_texts_and_categories_of_other_libraries(tmp_path):
+    pa, pl = pytest.importorskip("pyarrow"), pytest.importorskip("polars")
+    kinds = {"s": pl.String, "c": pl.Categorical, "e": pl.Enum(["a", "b"])}
+    frame = pl.DataFrame({name: pl.Series(["a", None, "b"], dtype=k) for name, k in kinds.items()})
+    frame = frame.with_columns(ok=pl.Series([True, False, True]), raw=pl.Series([b"a", None, b"b"]))
+    for one in (frame, pl.concat([frame.head(1), frame.tail(2)], rechunk=False), frame.to_arrow()):
+        table = mavwire.logs.Table.from_arrow(one, "P")
+        assert [table[name].tolist() for name in kinds] == [["a", None, "b"]] * 3
+        assert table["raw"].tolist() == [b"a", None, b"b"]
+        table.write(tmp_path / "p.parquet")
+        assert pl.read_parquet(tmp_path / "p.parquet")["ok"].to_list() == [True, False, True]
+        with pytest.raises(TypeError, match="ok: Boolean"):
+            table["ok"]
+    numbers = pa.table({"n": pa.array([500, 7, 500]).dictionary_encode()})
+    assert mavwire.logs.Table.from_arrow(numbers, "N")["n"].tolist() == [500, 7, 500]
+    none = frame.clear()
+    assert len(mavwire.logs.Table.from_arrow(none, "P").to_arrow()) == 0
+
+
+def test_lists_in_which_values_are_missing_are_refused():
+    pa = pytest.importorskip("pyarrow")
+    kind = pa.list_(pa.int32(), 2)
+    whole = pa.table({"l": pa.array([[1, 2], None], kind)})
+    assert mavwire.logs.Table.from_arrow(whole, "L")["l"][0].tolist() == [1, 2]
+    with pytest.raises(ValueError, match="'l' has lists"):
+        mavwire.logs.Table.from_arrow(pa.table({"l": pa.array([[1, None]], kind)}), "L")
 
 
 def test_convert_csv_and_json_lines(flight, tmp_path):

@@ -197,6 +197,40 @@ def test_a_log_that_changed_leaves_no_file_of_before(tmp_path):
     assert [path.name for path in out.glob("*/*")] == ["one.parquet"]
 
 
+@pytest.mark.parametrize("fails", [1, 2])
+def test_a_log_that_failed_in_between_leaves_no_file_of_before(tmp_path, fails):
+    log, out = tmp_path / "one.tlog", tmp_path / "out"
+    traffic.generate(log, 100)
+    (first,) = convert([log], out)
+    assert len(first.files) > 1
+    for n in range(fails):
+        log.write_bytes(b"of something else" * (100 + n))
+        (row,) = convert([log], out)
+        assert row.error is not None and row.files == {}
+        assert sorted(row.stale) == sorted(first.files), "nothing intact is removed"
+        (stored,) = json.loads((out / MANIFEST).read_text())["logs"]
+        assert sorted(stored["stale"]) == sorted(first.files)
+    log.unlink()
+    (row,) = convert([log], out)
+    assert "FileNotFoundError" in row.error and sorted(row.stale) == sorted(first.files)
+    log.write_bytes(record(heartbeat()))
+    (row,) = convert([log], out)
+    assert (row.files, row.stale) == ({"HEARTBEAT/one.parquet": 1}, [])
+    assert [path.name for path in out.glob("*/*")] == ["one.parquet"]
+    assert "stale" not in json.loads((out / MANIFEST).read_text())["logs"][0]
+
+
+def test_a_log_that_failed_and_came_back_is_converted_again(tmp_path):
+    log, out = tmp_path / "one.tlog", tmp_path / "out"
+    log.write_bytes(record(heartbeat()))
+    (first,) = convert([log], out)
+    log.rename(tmp_path / "moved")
+    assert convert([log], out)[0].error is not None
+    (tmp_path / "moved").rename(log)
+    (row,) = convert([log], out)
+    assert (row.error, row.skipped, row.files, row.stale) == (None, False, first.files, [])
+
+
 def test_one_run_at_a_time(tiny, tmp_path):
     pytest.importorskip("fcntl")
     with Store(str(tmp_path)).locked(), pytest.raises(ValueError, match="another conversion"):

@@ -17,6 +17,7 @@ from mavwire.fleet.tasks import Recipe
 from mavwire.logs import journal, manifest
 from mavwire.logs.conversion import convert, prepare
 from mavwire.logs.manifest import JOURNAL, MANIFEST, Converted, Manifest
+from mavwire.logs.store import Store
 from unit.link_tools import heartbeat, record
 
 TASK = 2 << 20
@@ -37,6 +38,18 @@ class Done:
 
     def result(self) -> Any:
         return self._found
+
+
+class Dies:
+    """A client, and the future of a task that ended the workers which had it."""
+
+    status, key = "error", "task"
+
+    def submit(self, *arguments: Any, pure: bool) -> Dies:
+        return self
+
+    def exception(self) -> Exception:
+        return RuntimeError("no worker is left")
 
 
 class Here:
@@ -61,6 +74,24 @@ def large(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = folder / "large.tlog"
     path.write_bytes(piece * (13 * TASK // 2 // len(piece)))
     return path
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> list[Path]:
+    path = tmp_path / "small.tlog"
+    path.write_bytes(record(heartbeat()) * 3)
+    return [path]
+
+
+@pytest.fixture(scope="module")
+def inside(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """A cluster without processes of its own."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.Client(
+        processes=False, n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0",
+        local_directory=str(tmp_path_factory.mktemp("dask")), set_as_default=False,
+    ) as client:  # fmt: skip
+        yield client
 
 
 def killed_after(tasks: int, out: str, logs: list[Path], task_bytes: int = TASK) -> None:
@@ -113,17 +144,10 @@ def test_a_log_that_changed_meanwhile_leaves_no_file_of_before(tmp_path, large):
     assert files_of(out) == set(row.files) == {"HEARTBEAT/one.parquet"}
 
 
-def test_a_fleet_that_cuts_otherwise_goes_on_too(tmp_path, large):
-    distributed = pytest.importorskip("distributed")
+def test_a_fleet_that_cuts_otherwise_goes_on_too(tmp_path, large, inside):
     out = tmp_path / "out"
     killed_after(3, str(out), [large])
-    with distributed.Client(
-        processes=False, n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0",
-        local_directory=str(tmp_path / "dask"), set_as_default=False,
-    ) as client:  # fmt: skip
-        (row,) = convert_fleet(
-            large, out, client, types=["HEARTBEAT", "ATTITUDE"], task_bytes=2 * TASK
-        )
+    (row,) = convert_fleet(large, out, inside, types=["HEARTBEAT", "ATTITUDE"], task_bytes=2 * TASK)
     assert files_of(out) == set(row.files)
     assert {"ATTITUDE/large+0000.parquet", "ATTITUDE/large+0001.parquet"} <= set(row.files)
     assert row.rows == convert([large], tmp_path / "whole", types=["HEARTBEAT", "ATTITUDE"])[0].rows
@@ -149,6 +173,75 @@ def test_what_nobody_began_stays(tmp_path, large):
     assert {
         "ATTITUDE/large+0007.parquet", "ATTITUDE/large+0000.csv", "ATTITUDE/other+0000.parquet"
     } < files_of(out)  # fmt: skip
+
+
+TYPES = ["ATTITUDE", "GPS_RAW_INT", "HEARTBEAT"]
+
+
+@pytest.fixture
+def mixed(tmp_path: Path) -> Path:
+    path = tmp_path / "mixed.tlog"
+    traffic.generate(path, 300)
+    return path
+
+
+def test_half_of_a_log_is_not_published(tmp_path, mixed, inside):
+    out = tmp_path / "out"
+    out.mkdir()
+    in_the_way = out / "HEARTBEAT"
+    in_the_way.write_text("no folder")
+    (row,) = convert_fleet(mixed, out, inside, types=TYPES)
+    assert "HEARTBEAT" in row.error and (row.files, row.rows, row.stale) == ({}, 0, [])
+    assert files_of(out) == set()
+    in_the_way.unlink()
+    (row,) = convert_fleet(mixed, out, inside, types=TYPES)
+    assert row.error is None and files_of(out) == set(row.files)
+    assert {name.split("/")[0] for name in row.files} == set(TYPES)
+
+
+@pytest.mark.parametrize("remote", [False, True])
+def test_what_a_task_that_died_published_is_removed(tmp_path, mixed, remote):
+    fsspec = pytest.importorskip("fsspec")
+    out = "memory://fleet-died" if remote else str(tmp_path / "out")
+    compression, _, query, how = prepare("parquet", None, TYPES, None, None, None, None, "all")
+    store = store_of(out)
+    made = Manifest(store, how, lambda path: (1, 1))
+    recipe = Recipe(out, None, query, "all", "parquet", compression)
+    run = running._Run(store, made, recipe, TASK, None)
+    (todo,) = run.begin({str(mixed): "mixed"}, {str(mixed): (1, 1)})
+    try:
+        assert list(store.names()) == [MANIFEST]
+        run._submit(Dies(), [todo])
+        for name in ("mixed", "other"):
+            (tmp_path / "draft").write_text(name)
+            store.publish(str(tmp_path / "draft"), f"ATTITUDE/{name}.parquet")
+        assert run._completed(None, Dies()) == []
+        assert set(store.names()) - {JOURNAL} == {"ATTITUDE/other.parquet", MANIFEST}
+        assert run.rows[str(mixed)].error == "RuntimeError: no worker is left"
+    finally:
+        if remote:
+            fsspec.filesystem("memory").rm("/fleet-died", recursive=True)
+
+
+def test_one_run_at_a_time(tmp_path, small, inside):
+    """A second one would take what the first is about for what a killed run left."""
+    pytest.importorskip("fcntl")
+    out = tmp_path / "out"
+    with Store(str(out)).locked(), pytest.raises(ValueError, match="another conversion"):
+        convert_fleet(small, out, inside)
+    assert list(out.iterdir()) == []
+    refused = []
+
+    def second(done: int, logs: int) -> None:
+        with pytest.raises(ValueError, match="another conversion"):
+            convert(small, out)
+        refused.append(done)
+
+    (row,) = convert_fleet(small, out, inside, progress=second)
+    assert refused == [1] and row.error is None
+    assert files_of(out) == set(row.files)
+    (again,) = convert(small, out)
+    assert again.skipped
 
 
 def test_on_an_object_store(tmp_path, large):
@@ -195,12 +288,21 @@ def stored(memory: Any, name: str) -> Any:
 
 @pytest.mark.parametrize("parts", [["../x"], "x", [7], [""]])
 def test_parts_of_a_manifest_of_others(tmp_path, parts):
+    assert_no_manifest(tmp_path, {"parts": parts})
+
+
+@pytest.mark.parametrize("stale", ["x", [7], {}])
+def test_stale_files_of_a_manifest_of_others(tmp_path, stale):
+    assert_no_manifest(tmp_path, {"stale": stale})
+
+
+def assert_no_manifest(out: Path, more: dict[str, Any]) -> None:
     row = {"path": "x", "name": "x", "size": 1, "mtime_ns": 1, "rows": 1, "bad_bytes": 0}
-    log = {**row, "files": {}, "error": manifest.BEGUN, "parts": parts}
+    log = {**row, "files": {}, "error": manifest.BEGUN, **more}
     content = {"version": 1, "options": {}, "logs": [log]}
-    (tmp_path / MANIFEST).write_text(json.dumps(content))
+    (out / MANIFEST).write_text(json.dumps(content))
     with pytest.raises(ValueError, match="is no manifest"):
-        convert([], tmp_path)
+        convert([], out)
 
 
 def test_names_of_many_logs_of_one_name_are_found_without_going_through_them_again():

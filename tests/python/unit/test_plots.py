@@ -34,13 +34,15 @@ def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def attitudes(path: Path, count: int = 20, custom_modes: tuple[int, ...] = (0, 3)) -> None:
+def attitudes(
+    path: Path, count: int = 20, custom_modes: tuple[int, ...] = (0, 3), yaw: float = 0
+) -> None:
     """A log in which the roll rises, with changes of mode in even spaces."""
     out = b""
     for n in range(count):
         mode = custom_modes[n * len(custom_modes) // count]
         beat = mavlink.MAVLink_heartbeat_message(2, 3, 81, mode, 4, 3)
-        attitude = mavlink.MAVLink_attitude_message(n, n / 10, -n / 10, 0, 0, 0, 0)
+        attitude = mavlink.MAVLink_attitude_message(n, n / 10, -n / 10, yaw, 0, 0, 0)
         out += record(pack(beat), T0 + n * 1_000_000)
         out += record(pack(attitude), T0 + n * 1_000_000 + 500_000)
     path.write_bytes(out)
@@ -151,7 +153,8 @@ def test_values_that_are_none_are_left_out_and_told_of(tmp_path):
     attitudes(path)
     done = plots.plot(path, ["sqrt(ATTITUDE.pitch)", "log(ATTITUDE.roll)"], tmp_path / "a.html")
     assert done.points == 20, "the root of -0, and 19 logarithms"
-    (note,) = done.notes
+    root, note = done.notes
+    assert root == f"{path}: sqrt(ATTITUDE.pitch): 19 left out: no number"
     assert note.startswith(f"{path}: log(ATTITUDE.roll): 1 left out: ValueError: ")
     done = plots.plot(path, ["ATTITUDE.roll", "WIND.speed"], tmp_path / "a.html")
     assert done.notes == [f"{path}: WIND.speed: there are no values"]
@@ -229,9 +232,31 @@ def test_the_x_axis_may_be_of_another_message(tmp_path):
     assert series.times.tolist() == [0.0] * 10 + [3.0] * 10
 
 
+@pytest.mark.parametrize("more", ["", "+0%1"])
+@pytest.mark.parametrize(
+    ("text", "left_out"),
+    [("1/ATTITUDE.pitch", 1), ("ATTITUDE.yaw", 20), ("ATTITUDE.roll", 0)],
+)
+def test_columns_and_messages_leave_out_the_same(tmp_path, text, left_out, more):
+    path = tmp_path / "a.tlog"
+    attitudes(path, yaw=float("nan"))
+    parsed = parse(text + more)
+    assert parsed.plain == (not more)
+    (series,) = read_series(str(path), [parsed]).series
+    assert (series.left_out, len(series.times)) == (left_out, 20 - left_out)
+    assert series.error == ("no number" if left_out else None)
+
+
+def test_a_condition_that_does_not_hold_leaves_nothing_out(tmp_path):
+    path = tmp_path / "a.tlog"
+    attitudes(path)
+    (series,) = read_series(str(path), [parse("ATTITUDE.roll{ATTITUDE.roll>1}")]).series
+    assert 0 < len(series.times) < 20 and series.left_out == 0
+
+
 @pytest.mark.parametrize(
     ("xaxis", "left", "told"),
-    [("1/ATTITUDE.pitch", 19, 0), ("VFR_HUD.alt", 0, 0), ("sqrt(ATTITUDE.pitch)", 1, 19)],
+    [("1/ATTITUDE.pitch", 19, 1), ("VFR_HUD.alt", 0, 0), ("sqrt(ATTITUDE.pitch)", 1, 19)],
 )
 def test_what_has_no_place_on_the_x_axis_is_left_out(tmp_path, xaxis, left, told):
     path = tmp_path / "a.tlog"
