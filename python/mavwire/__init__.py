@@ -37,11 +37,11 @@ _LAZY = {
     "uninstall_as_pymavlink": "mavwire._alias",
 }
 """Public name -> the module that has it."""
-_MODULES = ("aio", "bridge", "fleet", "sim")
-"""Modules that need no import of their own."""
-
-# pymavlink's mavutil imports these, so that programs find them in the package without an import.
-_MODULES = frozenset({"generator", "mavexpression", "mavextra", "quaternion", "rotmat"})
+_MODULES = frozenset(
+    # mavwire's own, and what pymavlink's mavutil imports: programs find these in the package without an import.
+    ("aio", "bridge", "fleet", "sim")
+    + ("generator", "mavexpression", "mavextra", "quaternion", "rotmat")
+)
 
 
 def __getattr__(name: str) -> object:
@@ -51,8 +51,6 @@ def __getattr__(name: str) -> object:
         value = __import__(f"{__name__}.{name}", fromlist=[name])
     elif name in _LAZY:
         value = getattr(__import__(_LAZY[name], fromlist=[name]), name)
-    elif name in _MODULES:
-        value = __import__(f"mavwire.{name}", fromlist=[name])
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
