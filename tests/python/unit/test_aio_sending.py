@@ -17,7 +17,7 @@ from unit.aio_tools import LOOPS, WAIT, eventually, run
 from unit.link_tools import heartbeat
 
 # More than the system keeps with small buffers.
-MUCH = 1 << 18
+MUCH = 1 << 17
 
 
 @pytest.fixture(autouse=True)
