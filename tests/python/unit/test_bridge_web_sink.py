@@ -47,7 +47,6 @@ def attitude(seq: int, sysid: int = 7) -> bytes:
 
 def test_readers_get_what_their_path_names(bridge: Bridge, sink: Sink) -> None:
     assert sink.note == f"publishing to ws://127.0.0.1:{port(sink)}/field/one"
-    bridge.send(heartbeat())  # nobody is there
     link = mavutil.mavlink_connection(f"ws:127.0.0.1:{port(sink)}:field/one/out")
     paths = ("/", "/field/one/7", "/field/one/*/*/ATTITUDE")
     with (
@@ -77,6 +76,25 @@ def test_readers_get_what_their_path_names(bridge: Bridge, sink: Sink) -> None:
     wait_for_readers(sink, 0)
     wait_until("the count", lambda: sink.published == 4)
     assert (sink.failed, sink.dropped, sink.error) == (0, 0, None)
+
+
+def test_nothing_is_made_for_nobody(bridge: Bridge) -> None:
+    class Nobody:
+        dropped = asked = 0
+
+        def is_wanted(self) -> bool:
+            self.asked += 1
+            return False
+
+        def close(self) -> None: ...
+
+    nobody: Any = Nobody()  # without the method that takes what is made
+    with Sink(bridge, nobody, "mavlink", "nobody") as sink:
+        for _ in range(2):
+            before = nobody.asked
+            bridge.send(heartbeat())
+            wait_until("the batch", lambda: nobody.asked > before)  # noqa: B023
+        assert (sink.published, sink.failed) == (0, 0)
 
 
 def test_the_bridge_tells_of_its_sinks(bridge: Bridge, sink: Sink) -> None:
