@@ -52,17 +52,22 @@ def report(out: str, done: Rewritten) -> str:
     return "\n".join(lines)
 
 
-def split(text: str | None) -> list[str] | None:
-    """The words between commas; None for none given."""
+def split(text: str | None, option: str) -> list[str] | None:
+    """The words between commas; None for none given. CommandError for an option that names nothing,
+    as where a variable of a shell is empty.
+    """
     if text is None:
         return None
-    return [one.strip() for one in text.split(",") if one.strip()]
+    words = [one.strip() for one in text.split(",") if one.strip()]
+    if not words:
+        raise CommandError(f"{option} names nothing: leave it out for all")
+    return words
 
 
 def systems_of(text: str | None) -> list[int] | None:
     """System ids between commas; CommandError for what is no number."""
     try:
-        return None if text is None else [int(one) for one in split(text) or ()]
+        return None if text is None else [int(one) for one in split(text, "--systems") or ()]
     except ValueError as error:
         raise CommandError(f"--systems takes numbers between commas, not {text!r}") from error
 

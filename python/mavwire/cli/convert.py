@@ -56,9 +56,9 @@ def main(args: argparse.Namespace) -> int:
     options = {
         "format": args.format,
         "compression": args.compression,
-        "types": split(args.types),
+        "types": split(args.types, "--types"),
         "systems": systems_of(args.systems),
-        "fields": split(args.fields),
+        "fields": split(args.fields, "--fields"),
         "units": args.units,
         "enums": args.enums,
         "start": time_of(args.start),

@@ -28,7 +28,7 @@ def main(args: argparse.Namespace) -> int:
     from mavwire.logs.rewriting import cut
 
     work = partial(
-        cut, args.log, args.out, split(args.types), systems_of(args.systems),
+        cut, args.log, args.out, split(args.types, "--types"), systems_of(args.systems),
         time_of(args.start), time_of(args.end), dialect=args.dialect,
     )  # fmt: skip
     return run(args, [args.log], work)

@@ -6,7 +6,9 @@ import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.batches import fitted, schema_of
 from mavwire.logs.extras import extra
+from mavwire.logs.table import Table
 
 from .cuts import find_cuts
 from .decoding import decode, decode_as
@@ -16,8 +18,6 @@ from .places import Part, expand, status
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from datetime import datetime
-
-    from mavwire.logs.table import Table
 
 Source = tuple[str, Part | None]
 
@@ -65,36 +65,42 @@ def dask_frame(
             sources.append(((path, None), size))
     empty = _empty([source for source, _ in sources], how)
     load = partial(_load, how=how, empty=empty)
+    meta = _frame(empty)
     with dask.config.set({"dataframe.convert-string": False}):  # lists are no texts
-        return dd.from_map(load, grouped(sources, task_bytes) or [[]], meta=empty)
+        return dd.from_map(load, grouped(sources, task_bytes) or [[]], meta=meta)
 
 
-def _empty(sources: list[Source], how: dict[str, Any]) -> Any:
-    """A data frame without rows. The dialect tells its columns; of a type of dataflash logs, the
+def _empty(sources: list[Source], how: dict[str, Any]) -> Table:
+    """A table without rows. The dialect tells its columns; of a type of dataflash logs, the
     first log that has it.
     """
     try:
-        return _frame(decode(os.devnull, **how)[how["types"]])
+        return decode(os.devnull, **how)[how["types"]]
     except ValueError:
         for path, byte_range in sources:
             table = decode_as(path, byte_range, **how, lenient=True).get(how["types"])
             # One that lacks a column does not tell its type: another log may.
             if table is not None and set(how["columns"] or ()) <= set(table.columns):
-                return _frame(table).iloc[:0]
+                return table.slice(0, 0)
         raise
 
 
-def _load(sources: list[Source], how: dict[str, Any], empty: Any) -> Any:
-    """Some logs, one behind the other, as a pandas data frame."""
+def _load(sources: list[Source], how: dict[str, Any], empty: Table) -> Any:
+    """Some logs, one behind the other, as a pandas data frame with the columns of `empty`."""
     import pandas as pd
+
+    schema = schema_of(empty)
 
     found = [decode_as(path, byte_range, **how, lenient=True) for path, byte_range in sources]
     tables = [tables.get(how["types"]) for tables in found]
     # Another description of a type may have other columns.
     frames = [
-        empty if table is None else _frame(table).reindex(columns=empty.columns) for table in tables
+        _frame(empty if table is None else Table.from_arrow(fitted(table, schema), table.name))
+        for table in tables
     ]
-    return frames[0] if len(frames) == 1 else pd.concat(frames or [empty], ignore_index=True)
+    if len(frames) == 1:
+        return frames[0]
+    return pd.concat(frames or [_frame(empty)], ignore_index=True)
 
 
 def _frame(table: Table) -> Any:

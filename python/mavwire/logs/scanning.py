@@ -39,7 +39,7 @@ def scan_polars(
     """The messages of one type of one or many logs as a `polars.LazyFrame`.
 
     Needs polars. Columns are those of the dialect, or of the first dataflash log that describes the
-    type. The arguments are those of `mavwire.scan`. Nothing is read before the frame is
+    type; what does not fit them in another log is null. The arguments are those of `mavwire.scan`. Nothing is read before the frame is
     collected; a text column is always followed by `<name>_raw`.
     """
     with extra("data"):
@@ -125,15 +125,29 @@ def _tables(paths: list[str], native: Any, wanted: Query, query: Query) -> Itera
 
 
 def _fitted(frame: Any, schema: dict[str, Any]) -> Any:
-    """A frame with the columns of the scan: another dataflash log may describe a type otherwise."""
+    """A frame with the columns of the scan: another dataflash log may describe a type otherwise.
+    What does not fit a column there is null.
+    """
     with extra("data"):
         import polars as pl
 
     found = frame.schema
     if dict(found) == schema:
         return frame
-    fit = {
-        name: pl.col(name).cast(kind, strict=False) if name in found else pl.lit(None, kind)
-        for name, kind in schema.items()
-    }
+    fit = {name: _fitted_column(name, found.get(name), kind) for name, kind in schema.items()}
     return frame.select(**fit)
+
+
+def _fitted_column(name: str, own: Any, kind: Any) -> Any:
+    """A column as one of another type, null where its values would be others."""
+    with extra("data"):
+        import polars as pl
+
+    if own == kind:
+        return pl.col(name)
+    if own is None or not (own.is_numeric() and kind.is_numeric()):
+        return pl.lit(None, kind)
+    values = pl.col(name)
+    if own.is_float() and kind.is_integer():
+        values = pl.when(values == values.floor()).then(values)
+    return values.cast(kind, strict=False)

@@ -43,6 +43,19 @@ def test_fields_units_and_names(flight, tmp_path):
             assert [one[field] for one in found] == tables[name][field].tolist()
 
 
+@pytest.mark.parametrize("nothing", ["", ",", " , "])
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [("convert", "--types"), ("convert", "--fields"), ("convert", "--systems"),
+     ("cut", "--types"), ("cut", "--systems")],
+)  # fmt: skip
+def test_an_option_that_names_nothing(flight, tmp_path, capsys, command, option, nothing):
+    out = tmp_path / "out"
+    assert cli.main([command, str(flight), "-o", str(out), option, nothing]) == 1
+    assert f"{option} names nothing" in capsys.readouterr().err
+    assert not out.exists()
+
+
 def test_other_units_and_names_are_other_options(flight, tmp_path):
     options: list[dict[str, Any]] = [{}, {"units": "si"}, {"enums": "names"}, {"fields": "type"}]
     for how in options:
