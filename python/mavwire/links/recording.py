@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from typing import Any
 
 SECRET_FIELD = "secret_key"
+# The id of the message with that field, which a dialect may lack.
+SETUP_SIGNING = 256
 # Files that links record to, weakly held.
 _open_files: Any = None
 
