@@ -213,7 +213,8 @@ KEY_TEXTS = [
 
 
 @pytest.mark.parametrize(
-    "words", ["--verbose", "--condition True", "--condition True --format json"]
+    "words",
+    ["", "--format json", "--verbose", "--condition True", "--condition True --format json"],
 )
 @pytest.mark.parametrize("dialect", ["all", "minimal"])
 def test_no_dump_shows_a_key(tmp_path, capsys, words, dialect):
