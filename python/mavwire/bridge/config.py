@@ -12,7 +12,7 @@ from .checks import seconds
 from .endpoints import parse_endpoint
 from .errors import ConfigError
 from .options import Recording, Settings
-from .toml_lines import key_lines
+from .toml_lines import MAX_DOTS, key_lines, too_dotted
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -160,6 +160,8 @@ class _Toml:
 def _content(name: str, text: str) -> dict[str, Any]:
     import tomllib
 
+    if (line := too_dotted(text)) is not None:
+        raise ConfigError(f"{name}:{line}: more than {MAX_DOTS} dots; no option has so many parts")
     try:
         return tomllib.loads(text)
     except RecursionError:

@@ -1,4 +1,6 @@
-"""Where the keys of a TOML text stand, which `tomllib` does not tell. For texts that `tomllib` has read."""
+"""Where the keys of a TOML text stand, which `tomllib` does not tell. For texts that `tomllib` has read,
+and before that, whether it can do so in good time.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +8,9 @@ import re
 
 # Names of a longer path are left out: no option has one.
 MAX_DEPTH = 4
+# Dots in a line, without those of numbers: `tomllib` takes time by the square of the parts of a key.
+MAX_DOTS = 32
+_NUMBER = re.compile(r"(?<!\d)\d++\.\d")
 _BARE = r"[A-Za-z0-9_-]+"
 _QUOTED = r'"(?:[^"\\]|\\.)*"|\'[^\']*\''
 _NAME = re.compile(rf"{_BARE}|{_QUOTED}")
@@ -19,6 +24,16 @@ _PART_OF_VALUE = re.compile(
     rf"|{_QUOTED})|(?P<open>[\[{{])|(?P<close>[\]}}])|(?P<end>\n)|\#[^\n]*|[^\[\]{{}}\"'\#\n]+",
     re.DOTALL,
 )
+
+
+def too_dotted(text: str) -> int | None:
+    """The first line, from 1, that may have a key of more than `MAX_DOTS` parts. For any text."""
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.count(".") <= MAX_DOTS or line.lstrip().startswith("#"):
+            continue
+        if _NUMBER.sub("", line).count(".") > MAX_DOTS:
+            return number
+    return None
 
 
 def key_lines(text: str) -> dict[tuple[str | int, ...], int]:

@@ -8,7 +8,7 @@ import time
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import kind_of
-from mavwire.links.recording import shown
+from mavwire.links.recording import SETUP_SIGNING, recordable, shown
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -70,7 +70,8 @@ class Json:
             meta["srcSystem"] = msg.get_srcSystem()
             meta["srcComponent"] = msg.get_srcComponent()
         data = {field: shown(field, value) for field, value in msg.to_dict().items()}
-        del data["mavpackettype"]
+        if data.pop("mavpackettype") == f"UNKNOWN_{SETUP_SIGNING}":
+            data["data"] = recordable(bytes(data["data"]))
         return json.dumps({"meta": meta, "data": data}, default=_plain)
 
 

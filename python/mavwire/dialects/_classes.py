@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from typing import Any, ClassVar
 
 HEX = [f"{byte:x}" for byte in range(256)]
+# The type of a SETUP_SIGNING that the dialect lacks: its key is in no text either.
+KEYED_UNKNOWN = "UNKNOWN_256"
 
 
 def _header_class(namespace: dict[str, Any], marker: int) -> type:
@@ -187,7 +189,10 @@ def _odd_message_classes(base: Any) -> tuple[type, type]:
             self._msgbuf = bytearray(data)
 
         def __str__(self) -> str:
-            return f"{self._type} {{data:{[HEX[byte] for byte in self.data]}}}"
+            data = self.data
+            if self._type == KEYED_UNKNOWN:
+                data = _native.recordable(bytes(data))
+            return f"{self._type} {{data:{[HEX[byte] for byte in data]}}}"
 
     return MAVLink_bad_data, MAVLink_unknown
 

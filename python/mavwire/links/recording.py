@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from typing import Any
 
 SECRET_FIELD = "secret_key"
+# The id of the message with that field, which a dialect may lack.
+SETUP_SIGNING = 256
 # Files that links record to, weakly held.
 _open_files: Any = None
 # How long a fork and the end of the program wait for a file that another thread is writing, in seconds.

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 
 from mavwire.cli._output import OutputFile, open_output
 from mavwire.cli._reading import definitions, reading
+from mavwire.links.recording import shown
 from mavwire.tools._arguments import add_condition, add_dialect, add_logs
 
 TYPE_CHECKING = False
@@ -68,7 +69,7 @@ def _write(log: Reading, args: Namespace, file: OutputFile) -> None:
 def _cells(msg: Any) -> Iterator[tuple[str, float]]:
     """The numbers of a message with the names of their columns; arrays are counted from 1."""
     for name in msg.get_fieldnames():
-        value = getattr(msg, name)
+        value = shown(name, getattr(msg, name))
         if isinstance(value, (list, tuple)):
             for number, one in enumerate(value, 1):
                 yield f"{name}{number}", float(one)

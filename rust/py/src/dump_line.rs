@@ -1,9 +1,12 @@
 //! One line of a dump: mavlogdump's text, JSON and CSV forms of a message, of an unknown one and of BAD_DATA.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use mavwire_core::frame::Header;
+use mavwire_core::log::tlog::recordable;
 use mavwire_core::pyfloat::write_repr;
+use mavwire_core::signing::SETUP_SIGNING;
 use mavwire_core::text;
 use mavwire_schema::{Field, Message as Definition};
 
@@ -134,7 +137,7 @@ fn write_standard(out: &mut String, line: &Line<'_>, show_source: bool, show_seq
         }
         Item::Unknown { msgid, frame } => {
             append(out, format_args!(": UNKNOWN_{msgid} {{data:["));
-            write_hex(out, frame);
+            write_hex(out, &unkeyed(frame, *msgid));
             out.push_str("]}");
         }
         Item::Bad { frame, reason } => {
@@ -170,7 +173,7 @@ fn write_json(out: &mut String, line: &Line<'_>, show_source: bool) {
         Item::Known { message, labels, payload, .. } => {
             labels.write(out, message, payload, text::write_field_json);
         }
-        Item::Unknown { frame, .. } => write_json_bytes(out, frame),
+        Item::Unknown { msgid, frame } => write_json_bytes(out, &unkeyed(frame, *msgid)),
         Item::Bad { frame, reason } => {
             write_json_bytes(out, frame);
             out.push_str(", \"reason\": ");
@@ -194,6 +197,11 @@ fn write_csv(out: &mut String, line: &Line<'_>, separator: &str, columns: &[Colu
             _ => out.push_str(&column.blanks),
         }
     }
+}
+
+/// The frame, without its secret key where it is a `SETUP_SIGNING` that the dialect lacks.
+fn unkeyed(frame: &[u8], msgid: u32) -> Cow<'_, [u8]> {
+    if msgid == SETUP_SIGNING { recordable(frame) } else { Cow::Borrowed(frame) }
 }
 
 /// `'fe', '9', '0'`

@@ -361,12 +361,21 @@ address = "ws://:8765"
             ":1: link 2: rate must be",
         ),
         ("a = " + "[" * 100_000, ": nested too deeply"),
+        ("dedup = 1\n" + "a." * 100_000 + "a = 1", ":2: more than 32 dots"),
+        ("[" + "1." * 100_000 + "1]", ":1: more than 32 dots"),
+        ("x = {" + "'=' . " * 100_000 + "a = 1}", ":1: more than 32 dots"),
     ],
 )
 def test_wrong_toml_is_named(tmp_path: Path, text: str, wrong: str) -> None:
     with pytest.raises(ConfigError, match=wrong) as raised:
         Bridge.from_options(load(tmp_path, "bridge.toml", text))
     assert "bridge.toml" in str(raised.value)
+
+
+def test_dots_that_are_no_key_are_read(tmp_path: Path) -> None:
+    numbers = ", ".join(["1.5"] * 100)
+    assert key_lines(text := f"# {'.' * 99}\ndedup = 0.25 # {numbers}") == {("dedup",): 2}
+    assert load(tmp_path, "bridge.toml", text).settings == {"dedup": 0.25}
 
 
 AWKWARD_TOML = '''

@@ -298,3 +298,16 @@ def test_sizes_of_types_in_a_text_log(tmp_path: Path, capsys: pytest.CaptureFixt
     path.write_text(ODD_TEXT)
     assert cli.main(["msgstats", str(path)]) == 0
     assert "ATT" in capsys.readouterr().out
+
+
+def test_a_number_of_thousands_of_digits_ends_no_loop(tmp_path: Path) -> None:
+    """R67: Python's int() takes no such text."""
+    path = tmp_path / "digits.log"
+    head = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 5, 17, ATT, QI, TimeUS,Yaw\n"
+    numbers = ["3", "9" * 30, "9" * 5000, "-" + "9" * 5000, "4"]
+    path.write_text(head + "".join(f"ATT, {n}, {one}\n" for n, one in enumerate(numbers, 1000)))
+    with DFReader_text(str(path)) as log:
+        read = [
+            msg.Yaw for msg in iter(lambda: log.recv_match(type="ATT", condition="ATT.Yaw"), None)
+        ]
+    assert read == [3, int("9" * 30), float("inf"), float("-inf"), 4]

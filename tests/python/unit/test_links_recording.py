@@ -7,8 +7,9 @@ import socket
 from types import SimpleNamespace
 
 import pytest
-from mavwire import aio, mavutil
+from mavwire import aio, cli, mavutil
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.dialects.v20 import minimal
 from mavwire.links.recording import recordable
 from unit.aio_tools import eventually, run
 from unit.link_tools import KEY, Capture, drain, heartbeat, pack, signed, types
@@ -202,3 +203,44 @@ def send(port: int, count: int) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
         for seq in range(count):
             peer.sendto(heartbeat(seq), ("127.0.0.1", port))
+
+
+KEY_TEXTS = [
+    ", ".join(map(str, KEY[::-1][:8])),
+    ", ".join(f"'{byte:x}'" for byte in KEY[::-1][:8]),
+    ",".join(map(str, KEY[::-1][:8])),
+]
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["", "--format json", "--verbose", "--condition True", "--condition True --format json"],
+)
+@pytest.mark.parametrize("dialect", ["all", "minimal"])
+def test_no_dump_shows_a_key(tmp_path, capsys, words, dialect):
+    """R53: also where the dialect lacks the message."""
+    path = tmp_path / "keyed.tlog"
+    path.write_bytes(bytes(8) + heartbeat() + bytes(8) + pack(SETUP))
+    assert cli.main(["dump", "--dialect", dialect, *words.split(), str(path)]) == 0
+    shown = capsys.readouterr().out
+    assert ("SETUP_SIGNING" if dialect == "all" else "UNKNOWN_256") in shown
+    assert not [text for text in KEY_TEXTS if text in shown]
+
+
+def test_the_text_of_an_unknown_message_shows_no_key_and_its_data_are_exact():
+    """R53."""
+    frame = pack(SETUP)
+    (msg,) = minimal.MAVLink(None).parse_buffer(frame)
+    assert msg.get_type() == "UNKNOWN_256"
+    assert not [text for text in KEY_TEXTS if text in str(msg)]
+    assert bytes(msg.data) == bytes(msg.get_msgbuf()) == frame
+
+
+def test_a_script_of_a_log_shows_no_key(tmp_path):
+    """R53."""
+    path = tmp_path / "keyed.tlog"
+    path.write_bytes(bytes(8) + pack(SETUP))
+    assert cli.main(["tomfile", str(path)]) == 0
+    script = (tmp_path / "keyed.m").read_text()
+    assert "SETUP_SIGNING.data(1,:)" in script
+    assert script.count(",255") == 32

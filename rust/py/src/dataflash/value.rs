@@ -7,6 +7,9 @@ use pyo3::types::{PyBytes, PyFloat, PyInt, PyString};
 
 use crate::calling::{Calling, import};
 
+/// Digits that Python's `int` takes of a text. Longer numbers are damage, and read as floats, mostly infinite.
+const MAX_DIGITS: usize = 4300;
+
 /// The text of a field: up to its NUL, UTF-8, or Latin-1 where it is none.
 pub(super) fn text_of(bytes: &[u8]) -> String {
     decode_line(&bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())])
@@ -63,17 +66,18 @@ pub(super) fn from_line<'py>(
     index: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
     let bytes = nth_value(line, delimiter, index).unwrap_or_default();
-    if kind.is_float()
-        && let Some(number) = std::str::from_utf8(bytes).ok().and_then(|text| text.parse().ok())
-    {
-        return Ok(PyFloat::new(py, number).into_any());
-    }
-    if !kind.is_float()
-        && !matches!(kind, FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode)
-        && let Some(number) = std::str::from_utf8(bytes).ok().and_then(|text| text.parse().ok())
-    {
-        let number: i64 = number;
-        return Ok(number.into_pyobject(py)?.into_any());
+    let is_number = !matches!(kind, FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode);
+    if is_number && let Ok(text) = std::str::from_utf8(bytes) {
+        if !kind.is_float()
+            && let Ok(number) = text.parse::<i64>()
+        {
+            return Ok(number.into_pyobject(py)?.into_any());
+        }
+        if (kind.is_float() || text.len() > MAX_DIGITS)
+            && let Ok(number) = text.parse::<f64>()
+        {
+            return Ok(PyFloat::new(py, number).into_any());
+        }
     }
     from_object(PyString::new(py, &decode_line(bytes)).as_any(), kind, false, false)
 }
