@@ -37,10 +37,9 @@ _LAZY = {
     "uninstall_as_pymavlink": "mavwire._alias",
 }
 """Public name -> the module that has it."""
+# mavwire's own, and what pymavlink's mavutil imports: programs find these in the package without an import.
 _MODULES = frozenset(
-    # mavwire's own, and what pymavlink's mavutil imports: programs find these in the package without an import.
-    ("aio", "bridge", "fleet", "sim")
-    + ("generator", "mavexpression", "mavextra", "quaternion", "rotmat")
+    "aio bridge fleet sim generator mavexpression mavextra quaternion rotmat".split()
 )
 
 
