@@ -35,6 +35,7 @@ from mavwire._stubs.links import (
     recordable,
 )
 from mavwire._stubs.logs import LogLink, LogScan, dump_log
+from mavwire._stubs.sending import DescriptorPort, Section, StreamWriter, TlsPort, Turn
 
 __all__ = [
     "BridgeCore",
@@ -47,6 +48,7 @@ __all__ = [
     "DataflashShape",
     "DataflashTables",
     "DefinitionError",
+    "DescriptorPort",
     "Dialect",
     "FieldGetter",
     "FrameBatch",
@@ -63,8 +65,12 @@ __all__ = [
     "MicrosClock",
     "OddField",
     "RecordBatches",
+    "Section",
     "Signing",
+    "StreamWriter",
     "SystemState",
+    "TlsPort",
+    "Turn",
     "__version__",
     "add_message",
     "align_tables",
@@ -496,6 +502,10 @@ class MAVLink:
 
         Nothing advances if packing or writing fails.
         """
+
+    def _share_sending(self, other: MAVLink) -> None:
+        """From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one
+        takes: threads may be sending with it."""
 
     def buf_len(self) -> int:
         """Bytes received and not parsed yet."""

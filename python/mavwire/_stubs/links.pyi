@@ -124,6 +124,8 @@ class LiveLink(Link):
     @property
     def peers_forgotten(self) -> int:
         """Peers that had to make room for others."""
+    def _raise_read_error(self, port: Any) -> None:
+        """Raises the error with which reading `port` natively ended; the system does not say it again."""
     _has_unsent: bool
     """Bytes wait to be sent, so that receiving has to go through Python, which sends them."""
 

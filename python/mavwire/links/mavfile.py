@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 
-from mavwire._native import Link, instance_dict
+from mavwire._native import Link, MAVLink, instance_dict
 
 from . import state
 from .commands import Commands
@@ -132,15 +132,17 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
 
         Returns the bytes that the old parser had not consumed.
         """
-        old, self.mav = self.mav, self._new_mav()
-        self.mav.srcSystem, self.mav.srcComponent = old.srcSystem, old.srcComponent
+        old, new = self.mav, self._new_mav()
+        new.srcSystem, new.srcComponent = old.srcSystem, old.srcComponent
         for name in _KEPT_BY_MAV:
-            setattr(self.mav, name, getattr(old, name))
-        if hasattr(old, "resync"):
-            self.mav.resync = old.resync
+            setattr(new, name, getattr(old, name))
+        if isinstance(old, MAVLink):
+            new.resync = old.resync
+            new._share_sending(old)
         unread = bytes(old.buf[old.buf_index :]) if old.buf_len() else b""
         # The user may have set the counter back in the meantime.
-        self.mav.total_bytes_received = max(self.mav.total_bytes_received - len(unread), 0)
+        new.total_bytes_received = max(new.total_bytes_received - len(unread), 0)
+        self.mav = new  # last, since other threads send with it from now on
         return unread
 
     def auto_mavlink_version(self, buf: bytes) -> bytes:

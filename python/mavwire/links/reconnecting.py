@@ -9,13 +9,13 @@ from __future__ import annotations
 from _thread import start_new_thread
 from time import monotonic
 
-from .forks import Turn
+from mavwire._native import Turn
+
 from .mavfile import IDLE_INTERVAL
 from .stream import StreamLink, StreamWriter
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from _thread import LockType
     from typing import Any
 
 # Pauses between attempts double up to this many times the first one.
@@ -85,27 +85,22 @@ class ReconnectingLink(StreamLink):
 
     def _begin_attempt(self) -> bool:
         """Begin to connect beside the caller; False if nobody asked, or it is too early or under way."""
-        turn = self._connecting.take() if self.autoreconnect and not self._closed else None
-        if turn is None:
-            return False
-        if self.port is not None or monotonic() < self._next_attempt:
-            turn.release()
+        if not self.autoreconnect or self._closed:
             return False
         try:
-            start_new_thread(self._attempt, (turn,))
-        except RuntimeError:  # there is none to be had, as at the end of the program
+            return self._connecting.start(start_new_thread, self._is_due, self._attempt)
+        except RuntimeError:  # there is no thread to be had, as at the end of the program
             self._put_off()
-            turn.release()
             return False
-        return True
 
-    def _attempt(self, turn: LockType) -> None:
+    def _is_due(self) -> bool:
+        return self.port is None and monotonic() >= self._next_attempt
+
+    def _attempt(self) -> None:
         try:
             self._use(self._connected())
         except OSError as error:  # not there yet
             self._note_failure(error)
-        finally:
-            turn.release()
 
     def _note_failure(self, error: OSError) -> None:
         """Keep why connecting failed, and log it unless it was the same the last time."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import time
 
+from mavwire._native import Turn
+
 from .chunked import READ_SIZE
-from .forks import Turn
 from .helpers import FakeSerial
 from .stream import DescriptorPort, StreamLink, StreamWriter
 from .waiting import set_close_on_exec, wait_writable
@@ -232,13 +233,10 @@ class mavserial(StreamLink):
         return time.monotonic() >= self._next_reset
 
     def _reset(self, is_due: Callable[[], bool]) -> bool:
-        turn = None if self._closed else self._opening.take()
-        if turn is None:
-            return False
-        try:
-            return is_due() and self._reopen()
-        finally:
-            turn.release()
+        return not self._closed and bool(self._opening.run(self._reopen_if, is_due))
+
+    def _reopen_if(self, is_due: Callable[[], bool]) -> bool:
+        return is_due() and self._reopen()
 
     def _reopen(self) -> bool:
         from contextlib import suppress

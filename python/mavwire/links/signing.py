@@ -6,10 +6,9 @@ replayed on another.
 
 from __future__ import annotations
 
-import os
 import time
-from _thread import RLock
 
+from mavwire._native import Section
 from mavwire._native import Signing as SigningState
 
 from . import state
@@ -33,17 +32,7 @@ RADIO_MESSAGES = frozenset((109, 166))
 # The signing states that have a key, weakly held.
 _with_key: Any = None
 # For them, and for the number of the next link. What runs when an object goes may set up signing, too.
-_lock = RLock()
-
-
-def _renew_lock() -> None:
-    """In a forked process: who held the lock may not be here to give it back."""
-    global _lock
-    _lock = RLock()
-
-
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_renew_lock)
+_section = Section()
 
 
 def signing_timestamp(unix_seconds: float) -> int:
@@ -81,11 +70,12 @@ def allow_radio_status(mav: Any, msgid: int) -> bool:
     return msgid in RADIO_MESSAGES
 
 
-def _share(signing: Any) -> None:
-    """Let `signing` share the streams of a link that has the same key."""
+def _set_up(signing: Any, arguments: tuple[Any, ...]) -> None:
+    """Use what was `prepared`, and share the streams of a link that has the same key."""
     from weakref import WeakSet
 
     global _with_key
+    signing._set_up(*arguments)
     if _with_key is None:
         _with_key = WeakSet()
     any(signing._share(other) for other in list(_with_key))
@@ -112,10 +102,20 @@ def _tried(
     return tried
 
 
+def _forget_key(signing: Any) -> None:
+    signing._set_up(None, False, None, 0, 0, False, None)
+    if _with_key is not None:
+        _with_key.discard(signing)
+
+
+def _take_link_id() -> int:
+    number = state.global_link_id
+    state.global_link_id = min(number + 1, MAX_LINK_ID)
+    return number
+
+
 def _next_link_id() -> int:
-    with _lock:
-        number = state.global_link_id
-        state.global_link_id = min(number + 1, MAX_LINK_ID)
+    number: int = _section.run(_take_link_id)
     return number
 
 
@@ -214,10 +214,7 @@ class Signing:
 
     def _begin_signing(self, arguments: tuple[Any, ...]) -> None:
         """Use what was `prepared`, which cannot fail: half a set-up would send with timestamps used before."""
-        signing = self.mav.signing
-        with _lock:
-            signing._set_up(*arguments)
-            _share(signing)
+        _section.run(_set_up, self.mav.signing, arguments)
 
     def send_signing_key(self, secret_key: bytes, initial_timestamp: int | None = None) -> None:
         """Send the target a SETUP_SIGNING with `secret_key`, which it will sign with from then on.
@@ -238,8 +235,4 @@ class Signing:
 
     def disable_signing(self) -> None:
         """Forget the key and send unsigned; counters and known streams stay."""
-        signing = self.mav.signing
-        with _lock:
-            signing._set_up(None, False, None, 0, 0, False, None)
-            if _with_key is not None:
-                _with_key.discard(signing)
+        _section.run(_forget_key, self.mav.signing)

@@ -158,6 +158,7 @@ class mavtcp(ReconnectingLink):
             self.reconnect()
             return b""
         try:
+            self._raise_read_error(port)
             self._send_rest(port)
             data: bytes = port.recv(READ_SIZE if n is None else n)
         except (BlockingIOError, InterruptedError):

@@ -63,6 +63,7 @@ class mavtcpin(OneClientLink):
         if port is None:  # another thread closed it just now
             return b""
         try:
+            self._raise_read_error(port)
             self._send_rest(port)
             data: bytes = port.recv(READ_SIZE if n is None else n)
         except (BlockingIOError, InterruptedError):

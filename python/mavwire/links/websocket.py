@@ -8,13 +8,13 @@ from __future__ import annotations
 import errno
 import os
 
+from mavwire._native import TlsPort, Turn
+
 from .chunked import READ_SIZE
-from .forks import Turn
 from .names import connect_to
 from .one_client import OneClientLink, listen_on
 from .reconnecting import ReconnectingLink
 from .stream import StreamLink, StreamWriter
-from .tls import TlsPort
 from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
@@ -72,13 +72,7 @@ class _WebSocketLink(StreamLink):
 
     def recv(self, n: int | None = None) -> bytes:
         """What one read brings, whatever `n`; empty without data or peer, and while another thread reads."""
-        turn = self._reading.take()
-        if turn is None:
-            return b""
-        try:
-            return self._read()
-        finally:
-            turn.release()
+        return self._reading.run(self._read) or b""
 
     def _read(self) -> bytes:
         raise NotImplementedError

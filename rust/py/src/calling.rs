@@ -11,6 +11,7 @@
 use std::ffi::c_int;
 use std::mem::{forget, transmute};
 use std::ptr::{null_mut, read_volatile};
+use std::sync::OnceLock;
 
 use pyo3::BoundObject;
 use pyo3::exceptions::PyAttributeError;
@@ -19,6 +20,8 @@ use pyo3::ffi::PyObject;
 use pyo3::prelude::*;
 use pyo3::pyclass::CompareOp;
 use pyo3::types::{PyDict, PyString, PyTuple};
+
+use crate::intern::Interned;
 
 /// Hangs the thread whose stack is unwound through it.
 struct HangThread;
@@ -332,6 +335,27 @@ pub(crate) fn import<'py>(
     unsafe {
         let result = unwinding!(PyImport_Import(name.as_ptr() => Object) -> Object);
         Bound::from_owned_ptr_or_err(py, result)
+    }
+}
+
+/// A function of one of Python's own modules, looked up once, so that no hook of the program's is asked for it again.
+pub(crate) struct Known {
+    module: Interned,
+    name: Interned,
+    found: OnceLock<Py<PyAny>>,
+}
+
+impl Known {
+    pub(crate) const fn new(module: &'static str, name: &'static str) -> Self {
+        Self { module: Interned::new(module), name: Interned::new(name), found: OnceLock::new() }
+    }
+
+    pub(crate) fn get<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyAny>> {
+        if let Some(found) = self.found.get() {
+            return Ok(found.bind(py));
+        }
+        let found = import(py, self.module.get(py))?.attribute(self.name.get(py))?.unbind();
+        Ok(self.found.get_or_init(|| found).bind(py))
     }
 }
 

@@ -45,9 +45,11 @@ mod index_build;
 mod info;
 mod instances;
 mod link;
+mod link_turn;
 mod lists;
 mod live;
 mod live_batch;
+mod live_failure;
 mod live_source;
 mod lock;
 mod log;
@@ -62,25 +64,31 @@ mod meta;
 mod number;
 mod odd;
 mod open_log;
+mod owner;
 mod pack;
 mod params;
 mod parse;
 mod parser;
 mod peers;
+mod ports;
 mod raw;
 mod receive;
 mod recording;
 mod rewrite;
 mod room;
+mod section;
 mod send;
-mod send_lock;
+mod sending;
 mod shared;
 mod signing;
 mod slot;
 mod source;
+mod stream_queue;
+mod stream_writer;
 mod system;
 mod table;
 mod text;
+mod thread_lock;
 mod thread_number;
 mod tracking;
 mod turn;
@@ -136,6 +144,8 @@ mod _native {
     #[pymodule_export]
     use crate::link::{Link, instance_dict};
     #[pymodule_export]
+    use crate::link_turn::Turn;
+    #[pymodule_export]
     use crate::live::LiveLink;
     #[pymodule_export]
     use crate::live_batch::receive_batch;
@@ -150,11 +160,17 @@ mod _native {
     #[pymodule_export]
     use crate::open_log::LogScan;
     #[pymodule_export]
+    use crate::ports::{DescriptorPort, TlsPort};
+    #[pymodule_export]
     use crate::recording::recordable;
     #[pymodule_export]
     use crate::rewrite::LogRewrite;
     #[pymodule_export]
+    use crate::section::Section;
+    #[pymodule_export]
     use crate::signing::Signing;
+    #[pymodule_export]
+    use crate::stream_writer::StreamWriter;
     #[pymodule_export]
     use crate::system::{SystemState, forget_states};
     #[pymodule_export]
@@ -165,6 +181,7 @@ mod _native {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::thread_number::follow_forks(module)?;
+        crate::thread_lock::prepare(module.py())?;
         module.add("FieldGetter", crate::descriptors::field_getter_type(module.py())?)?;
         let doc = c"build(message, /, *values)\n--\n\n\
             Stores the values of a new message's fields, in XML order.";

@@ -15,10 +15,12 @@ use pyo3::types::{PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 use crate::calling::{Calling, truth};
 use crate::filter::Filter;
 use crate::link::{Link, overrides, set_attr};
+use crate::live_failure::Failure;
 use crate::live_source::{LiveSource, Transport};
 use crate::lock::{Guard, Lock};
 use crate::message::{Message, Origin};
 use crate::peers::{from_python, to_python};
+use crate::ports::TlsPort;
 use crate::receive::{self, Received};
 use crate::slot::Slot;
 
@@ -54,6 +56,8 @@ pub(crate) struct LiveLink {
     source: Lock<LiveSource>,
     /// This system's descriptors are read natively, and nobody replaced what the quick paths stand for.
     pub(crate) quick: AtomicBool,
+    /// Why reading failed.
+    pub(crate) failure: Failure,
     /// The class of port that was seen to be a plain one.
     plain_port: Slot<PyType>,
 }
@@ -94,15 +98,27 @@ impl LiveLink {
         plain
     }
 
-    /// The descriptor to read, while `port` is an open socket, serial port or pipe.
-    pub(crate) fn descriptor(slf: &Bound<'_, Self>) -> Option<i32> {
+    /// `port` and its descriptor, while it is an open socket, serial port or pipe.
+    pub(crate) fn descriptor<'py>(slf: &Bound<'py, Self>) -> Option<(Bound<'py, PyAny>, i32)> {
         let py = slf.py();
         let port = slf.attribute(intern!(py, "port")).ok()?;
         if port.is_none() || !Self::is_plain_port(slf, &port) {
             return None;
         }
         let fd = port.invoke_method0(intern!(py, "fileno")).ok()?.extract::<i32>().ok()?;
-        (fd >= 0).then_some(fd)
+        (fd >= 0).then_some((port, fd))
+    }
+
+    /// Nothing of the program's own runs while `write` does.
+    pub(crate) fn writes_natively(slf: &Bound<'_, Self>) -> PyResult<bool> {
+        let py = slf.py();
+        let quick_class = slf.get_type().attribute(intern!(py, "_quick_class"))?;
+        let write = slf.attribute(intern!(py, "write"))?.attribute(intern!(py, "__func__"))?;
+        if !write.is(&quick_class.attribute(intern!(py, "write"))?) {
+            return Ok(false);
+        }
+        let port = slf.attribute(intern!(py, "port"))?;
+        Ok(port.is_none() || port.cast::<TlsPort>().is_ok() || Self::is_plain_port(slf, &port))
     }
 
     pub(crate) fn next_message<'py>(
@@ -213,6 +229,7 @@ impl LiveLink {
     ) -> PyResult<PyClassInitializer<Self>> {
         let link = Self {
             source: Lock::new(LiveSource::new()),
+            failure: Failure::none(),
             plain_port: Slot::new(),
             quick: AtomicBool::new(cfg!(unix) && !overrides(cls, &QUICK_METHODS)?),
         };
@@ -232,10 +249,12 @@ impl LiveLink {
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.failure.traverse(&visit)?;
         self.plain_port.traverse(visit)
     }
 
     fn __clear__(&self) {
+        self.failure.clear();
         self.plain_port.set(None);
     }
 
@@ -253,6 +272,11 @@ impl LiveLink {
     fn _read_datagrams(&self, own: Option<&Bound<'_, PyAny>>) {
         let own = own.and_then(from_python);
         self.source().transport = Transport::Datagrams(own);
+    }
+
+    /// Raises the error with which reading `port` natively ended; the system does not say it again.
+    fn _raise_read_error(&self, port: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.failure.raise(port)
     }
 
     /// Bytes wait to be sent, so that receiving has to go through Python, which sends them.

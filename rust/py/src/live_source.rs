@@ -26,8 +26,10 @@ pub(crate) enum Arrived {
     /// Also says how many bytes went into the parser.
     Data(usize),
     Nothing,
-    /// The end of a stream, or an error: Python's `recv` knows what to do about it.
+    /// The end of a stream, or something else: Python's `recv` knows what to do about it.
     Trouble,
+    /// An error of a stream, which the system does not say twice.
+    Failed(i32),
 }
 
 pub(crate) struct LiveSource {
@@ -87,7 +89,10 @@ impl LiveSource {
                 Arrived::Data(if self.transport == Transport::Stream { received } else { 0 })
             }
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => Arrived::Nothing,
-            Err(_) => Arrived::Trouble,
+            Err(error) => match error.raw_os_error() {
+                Some(number) if self.transport == Transport::Stream => Arrived::Failed(number),
+                _ => Arrived::Trouble,
+            },
         }
     }
 

@@ -1,5 +1,6 @@
 //! `MAVLink`: one link's protocol state, sending and receiving. The Python class of each dialect derives from it.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU64, Ordering::Relaxed};
 
 use mavwire_core::scan::Resync;
@@ -16,7 +17,7 @@ use crate::message::Message;
 use crate::pack::{Sender, header_byte};
 use crate::parse::{self, Parser};
 use crate::send;
-use crate::send_lock::SendLock;
+use crate::sending::Sending;
 use crate::signing::Signing;
 use crate::slot::Slot;
 
@@ -86,11 +87,9 @@ impl Callback {
     }
 }
 
-/// Counters that users read and reset.
+/// Counters of what was received, that users read and reset.
 #[derive(Default)]
 pub(crate) struct Counters {
-    pub(crate) packets_sent: AtomicU64,
-    pub(crate) bytes_sent: AtomicU64,
     pub(crate) packets_received: AtomicU64,
     pub(crate) bytes_received: AtomicU64,
     pub(crate) receive_errors: AtomicU64,
@@ -100,13 +99,14 @@ pub(crate) struct Counters {
 #[pyclass(frozen, subclass, module = "mavwire._native")]
 pub(crate) struct MAVLink {
     pub(crate) dialect: Py<Dialect>,
-    pub(crate) seq: AtomicI64,
+    own_sending: Sending,
+    /// The one whose sequence numbers and counters go on here.
+    predecessor: OnceLock<Py<Self>>,
     src_system: AtomicI64,
     src_component: AtomicI64,
     pub(crate) robust_parsing: AtomicBool,
     pub(crate) counters: Counters,
     parser: Lock<Parser>,
-    pub(crate) send_lock: SendLock,
     pub(crate) file: Slot,
     pub(crate) callback: Callback,
     pub(crate) send_callback: Callback,
@@ -145,6 +145,15 @@ impl MAVLink {
         self.parser.lock(unsafe { Python::assume_attached() })
     }
 
+    /// What frames are sent with, be it by this object or by one that it took the place of, which threads may still use.
+    #[inline]
+    pub(crate) fn sending(&self) -> &Sending {
+        match self.predecessor.get() {
+            Some(predecessor) => &predecessor.get().own_sending,
+            None => &self.own_sending,
+        }
+    }
+
     /// Forgets the bytes of a frame whose rest will not come: as if they had never been received.
     pub(crate) fn drop_unread(&self, parser: &mut Parser) {
         if !parser.unread().is_empty() {
@@ -170,7 +179,7 @@ impl MAVLink {
 
     pub(crate) fn sender<'py>(&self, py: Python<'py>) -> PyResult<Sender<'py>> {
         Ok(Sender {
-            seq: header_byte(py, self.seq.load(Relaxed))?,
+            seq: header_byte(py, self.sending().seq.load(Relaxed))?,
             sysid: header_byte(py, self.src_system.load(Relaxed))?,
             compid: header_byte(py, self.src_component.load(Relaxed))?,
             signing: self.signing(py).filter(|signing| signing.get().signs_outgoing()),
@@ -208,13 +217,13 @@ impl MAVLink {
         }
         Ok(Self {
             dialect,
-            seq: AtomicI64::new(0),
+            own_sending: Sending::new(),
+            predecessor: OnceLock::new(),
             src_system: AtomicI64::new(0),
             src_component: AtomicI64::new(0),
             robust_parsing: AtomicBool::new(false),
             counters: Counters::default(),
             parser: Lock::new(Parser::new()),
-            send_lock: SendLock::new(),
             file: Slot::new(),
             callback: Callback::new(),
             send_callback: Callback::new(),
@@ -238,11 +247,11 @@ impl MAVLink {
     /// Sequence number of the next frame, 0 to 255.
     #[getter]
     fn seq(&self) -> i64 {
-        self.seq.load(Relaxed)
+        self.sending().seq.load(Relaxed)
     }
     #[setter(seq)]
     fn set_seq(&self, value: i64) {
-        self.seq.store(value, Relaxed);
+        self.sending().seq.store(value, Relaxed);
     }
 
     /// System id that frames are sent with.
@@ -305,6 +314,7 @@ impl MAVLink {
     }
     #[setter(file)]
     fn set_file(&self, value: Option<Py<PyAny>>) {
+        self.sending().writes_unlocked.store(false, Relaxed);
         self.file.set(value);
     }
 
@@ -371,20 +381,20 @@ impl MAVLink {
     /// Frames sent.
     #[getter]
     fn total_packets_sent(&self) -> u64 {
-        self.counters.packets_sent.load(Relaxed)
+        self.sending().packets.load(Relaxed)
     }
     #[setter]
     fn set_total_packets_sent(&self, value: u64) {
-        counter!(self, packets_sent, value);
+        self.sending().packets.store(value, Relaxed);
     }
     /// Bytes sent.
     #[getter]
     fn total_bytes_sent(&self) -> u64 {
-        self.counters.bytes_sent.load(Relaxed)
+        self.sending().bytes.load(Relaxed)
     }
     #[setter]
     fn set_total_bytes_sent(&self, value: u64) {
-        counter!(self, bytes_sent, value);
+        self.sending().bytes.store(value, Relaxed);
     }
     /// Messages received, BAD_DATA and UNKNOWN included.
     #[getter]
@@ -483,6 +493,13 @@ impl MAVLink {
         send::send(slf, mavmsg, force_mavlink1)
     }
 
+    /// From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one takes:
+    /// threads may be sending with it.
+    fn _share_sending(&self, other: &Bound<'_, Self>) {
+        let first = other.get().predecessor.get().unwrap_or(other.as_unbound());
+        let _ = self.predecessor.set(first.clone_ref(other.py()));
+    }
+
     /// Bytes received and not parsed yet.
     fn buf_len(&self) -> usize {
         self.parser().unread().len()
@@ -531,6 +548,7 @@ impl MAVLink {
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         visit.call(&self.dialect)?;
+        visit.call(self.predecessor.get())?;
         self.file.traverse(visit)?;
         // SAFETY: the garbage collector runs in an attached thread.
         if let Some(parser) = unsafe { self.parser.try_lock() } {

@@ -11,10 +11,11 @@ use pyo3::types::{PyBytes, PyTuple};
 use crate::calling::Calling;
 use crate::encode::Payload;
 use crate::info::{Info, MessageInfo};
+use crate::live::LiveLink;
 use crate::mavlink::{MAVLink, overridden};
 use crate::pack::no_arguments;
 use crate::raw::{self, Arguments};
-use crate::shared;
+use crate::thread_lock::ThreadGuard;
 
 /// `mav.send(message, force_mavlink1)`
 pub(crate) fn send(
@@ -23,25 +24,62 @@ pub(crate) fn send(
     force_mavlink1: bool,
 ) -> PyResult<()> {
     let py = mav.py();
-    let guard = mav.get().send_lock.lock(py)?;
+    let guard = begin(mav)?;
     let kwargs = pyo3::types::PyDict::new(py);
     kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
     let frame = message.invoke_method(intern!(py, "pack"), (mav,), Some(&kwargs))?;
     let len = frame.len()?;
-    write(mav, &frame, len)?;
-    drop(guard);
+    write(mav, &frame, len, guard)?;
     mav.get().send_callback.call(message)
 }
 
+/// Waits until no other thread sends. One that stays inside of a write of the program's own for a second may be waiting for
+/// what this thread has. It goes on beside it then, and frames are written without the lock from now on.
+fn begin<'a>(mav: &'a Bound<'_, MAVLink>) -> PyResult<ThreadGuard<'a>> {
+    let sending = mav.get().sending();
+    let guard = sending.lock.lock_or_pass(mav.py(), || !writes_to_link(mav))?;
+    if guard.has_passed() {
+        // The other thread's frame has this number.
+        sending.advance();
+        sending.writes_unlocked.store(true, Relaxed);
+    }
+    Ok(guard)
+}
+
+/// Whether frames go to a link, which waits for nobody.
+#[cold]
+fn writes_to_link(mav: &Bound<'_, MAVLink>) -> bool {
+    let file = mav.get().file.get(mav.py());
+    let link = file.as_ref().and_then(|file| file.cast::<LiveLink>().ok());
+    link.is_some_and(|link| LiveLink::writes_natively(link).unwrap_or(false))
+}
+
 /// Writes a frame of `len` bytes, then advances sequence number and counters.
-fn write(mav: &Bound<'_, MAVLink>, frame: &Bound<'_, PyAny>, len: usize) -> PyResult<()> {
+fn write(
+    mav: &Bound<'_, MAVLink>,
+    frame: &Bound<'_, PyAny>,
+    len: usize,
+    guard: ThreadGuard<'_>,
+) -> PyResult<()> {
+    let sending = mav.get().sending();
+    if sending.writes_unlocked.load(Relaxed) && !guard.is_nested() {
+        let seq = sending.advance();
+        drop(guard);
+        write_to_file(mav, frame).inspect_err(|_| sending.take_back(seq))?;
+    } else {
+        write_to_file(mav, frame)?;
+        if guard.is_held() {
+            sending.advance(); // or whoever passed has done it
+        }
+    }
+    sending.count(len);
+    Ok(())
+}
+
+fn write_to_file(mav: &Bound<'_, MAVLink>, frame: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = mav.py();
-    let this = mav.get();
-    let file = this.file.get(py).unwrap_or_else(|| py.None().into_bound(py));
+    let file = mav.get().file.get(py).unwrap_or_else(|| py.None().into_bound(py));
     file.invoke_method_with(intern!(py, "write"), frame)?;
-    this.seq.store(this.seq.load(Relaxed).wrapping_add(1).rem_euclid(256), Relaxed);
-    shared::add(&this.counters.packets_sent, 1);
-    shared::add(&this.counters.bytes_sent, len as u64);
     Ok(())
 }
 
@@ -111,10 +149,10 @@ fn send_directly(
     } else {
         (WireVersion::V1, &payload.as_slice()[..usize::from(definition.min_len)])
     };
-    let _guard = this.send_lock.lock(py)?;
+    let guard = begin(mav)?;
     let mut frame = FrameBuffer::default();
     let sender = this.sender(py)?;
     sender.frame(&mut frame, definition.id, payload, definition.crc_extra, version)?;
-    write(mav, PyBytes::new(py, &frame).as_any(), frame.len())?;
+    write(mav, PyBytes::new(py, &frame).as_any(), frame.len(), guard)?;
     Ok(true)
 }

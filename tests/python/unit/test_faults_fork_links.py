@@ -97,10 +97,9 @@ def each():
 forks(each, lambda: (go.set(), each()))
 """,
     "a serial port that another thread sends on": r"""
-from mavwire.links.stream import DescriptorPort
 ends = os.openpty()
 link = connect(os.ttyname(ends[1]))
-DescriptorPort.send = held(DescriptorPort.send)
+link.port.fileno = held(link.port.fileno)
 let_go = hold(heartbeat, link)
 def each():
     heartbeat(link)
@@ -225,9 +224,8 @@ def child():
 """
 WEBSOCKETS = {
     "wss": """
-class Port:
-    send, recv = held(first._port.send), first._port.recv
-first._port = Port
+SSLSocket = type(listener)
+SSLSocket.send = held(SSLSocket.send)
 let_go = hold(heartbeat, link)
 forks(child, lambda: (let_go(), each()))
 """,

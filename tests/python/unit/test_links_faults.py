@@ -8,6 +8,7 @@ import os
 import signal
 import socket
 import ssl
+import struct
 import threading
 import time
 
@@ -334,10 +335,9 @@ def test_a_time_that_is_no_number_does_not_wait_for_ever():
         assert link.select(math.nan) is False
 
 
-def test_what_is_left_to_send_is_told_by_one_thread_at_a_time():
-    """Or the one that knows less could have the last word, and what is left would wait for the next frame."""
+def test_what_is_left_to_send_is_known():
+    """Or what is left would wait for the next frame."""
     link, peer = connected()
-    told = []
 
     class Port:
         """Takes frames, then nothing for a while."""
@@ -349,24 +349,21 @@ def test_what_is_left_to_send_is_told_by_one_thread_at_a_time():
                 raise BlockingIOError
             return len(data)
 
-    class Telling(type(link)):
-        def _note_unsent(self, waits):
-            told.append((waits, self._writer._sending.locked()))
-            super()._note_unsent(waits)
-
-    link.__class__ = Telling
     port = Port()
-    link._send_frame(port, heartbeat())
-    port.takes = False
-    link._send_frame(port, heartbeat())
-    assert link._has_unsent
-    link._forget_unsent()
-    assert not link._has_unsent
-    link._send_frame(port, heartbeat())
-    port.takes = True
-    link._send_rest(port)
-    assert not link._has_unsent
-    assert told == [(False, True), (True, True), (False, True), (True, True), (False, True)]
+    known = []
+    for act in (
+        lambda: link._send_frame(port, heartbeat()),
+        lambda: setattr(port, "takes", False),
+        lambda: link._send_frame(port, heartbeat()),
+        link._forget_unsent,
+        lambda: link._send_frame(port, heartbeat()),
+        lambda: link._send_rest(port),
+        lambda: setattr(port, "takes", True),
+        lambda: link._send_rest(port),
+    ):
+        act()
+        known.append(link._has_unsent)
+    assert known == [False, False, True, False, True, True, True, False]
     link.close()
     peer.close()
 
@@ -526,10 +523,17 @@ def test_a_serial_line_that_another_thread_does_not_stop_sending_on_is_not_waite
     device, end = line
     monkeypatch.setattr(serial_port_module, "WRITE_TIMEOUT", 0.01)
     with mavutil.mavlink_connection(device) as link, watched(WAIT):
-        with link._writer._sending:
-            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+
+        class Other:
+            """The port as another thread uses it, which is in the middle of sending."""
+
+            def send(self, data):
+                link.mav.heartbeat_send(6, 8, 0, 0, 0)
+                raise BlockingIOError
+
+        link._writer.write(Other(), heartbeat(9))
         assert link._is_stuck
-        assert sequence(end, 1, link.recv_msg) == [0]
+        assert sequence(end, 2, link.recv_msg) == [9, 0]
         link.mav.heartbeat_send(6, 8, 0, 0, 0)
         assert sequence(end, 1) == [1]
         assert (link.frames_dropped, link._is_stuck) == (0, False)
@@ -548,3 +552,52 @@ def test_a_sender_that_is_faster_than_the_serial_line_is_slowed_down(line, monke
             link.mav.heartbeat_send(6, 8, 0, 0, 0)
         reader.join(WAIT)
         assert (len(seen), link.frames_dropped) == (sent, 0)
+
+
+def reset(client):
+    """End a connection so that the peer is told of an error, not of an end."""
+    client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    client.close()
+
+
+def test_a_connection_that_was_reset_is_an_error_once(capsys):
+    """The system says so to the native read alone."""
+    link, peer = connected()
+    peer.sendall(heartbeat(7))
+    assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == 7
+    reset(peer)
+    with watched(WAIT), pytest.raises(ConnectionResetError) as raised:
+        while True:
+            link.recv_match(blocking=True)
+    assert raised.value.errno == errno.ECONNRESET
+    assert capsys.readouterr().out == "Connection reset or closed by peer on TCP socket\n"
+    assert link.port is None
+    link.close()
+
+
+def test_the_error_of_a_connection_is_not_taken_for_one_of_the_next(monkeypatch):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{server.getsockname()[1]}")
+        first, next_port = server.accept()[0], socket.create_connection(server.getsockname())
+        second = server.accept()[0]
+        slowly = link._recv_msg_slowly
+
+        def meanwhile():
+            """Another thread has a new connection by now."""
+            link.port, old = next_port, link.port
+            link.fd = next_port.fileno()
+            next_port.setblocking(False)
+            old.close()
+            return slowly()
+
+        link._recv_msg_slowly = meanwhile
+        reset(first)
+        with watched(WAIT):
+            while link.port is not next_port:
+                link.recv_msg()
+        link._recv_msg_slowly = slowly
+        second.sendall(heartbeat(8))
+        assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == 8
+        assert link.port is next_port
+        for end in (second, link):
+            end.close()

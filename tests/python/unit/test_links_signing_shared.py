@@ -259,10 +259,9 @@ from mavwire.links import signing
 from unit.link_tools import KEY, Capture
 link, held = Capture(), threading.Event()
 def hold():
-    with signing._lock:
-        held.set()
-        threading.Event().wait()
-threading.Thread(target=hold, daemon=True).start()
+    held.set()
+    threading.Event().wait()
+threading.Thread(target=signing._section.run, args=[hold], daemon=True).start()
 held.wait()
 pid = os.fork()
 if pid == 0:

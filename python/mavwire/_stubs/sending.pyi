@@ -1,0 +1,100 @@
+"""What live links send with."""
+
+from collections.abc import Callable, Iterable
+from typing import Any, final
+
+from .links import LiveLink
+
+@final
+class Turn:
+    """A lock that nobody waits for: whoever does not get it leaves the work to the one who has it.
+
+    It is taken and released in one call with the work in between, so that the exception of a signal
+    handler leaves it free wherever it is raised. What a thread had that a fork left behind is free.
+    """
+
+    def __new__(cls) -> Turn: ...
+    def run(self, act: Callable[..., Any], *args: Any) -> Any:
+        """`act(*args)`; None, with nothing done, while somebody has the turn."""
+
+    def start(
+        self,
+        start_thread: Callable[[Callable[..., object], tuple[Any, ...]], object],
+        is_due: Callable[[], object],
+        act: Callable[[], object],
+    ) -> bool:
+        """If `is_due()`, runs `act()` in a thread that `start_thread(function, arguments)` starts; whether
+        it does. Nothing is done while somebody has the turn, which ends with that thread."""
+
+    def _go_on(self, number: int, act: Callable[[], object]) -> None:
+        """What the thread does that was started with the turn as its own."""
+
+    def locked(self) -> bool:
+        """Whether somebody has it."""
+
+@final
+class Section:
+    """A critical section. A thread may enter it again, and no fork or signal handler leaves it locked."""
+
+    def __new__(cls) -> Section: ...
+    def run(self, act: Callable[..., Any], *args: Any) -> Any:
+        """`act(*args)`, once no other thread is in the section."""
+
+@final
+class StreamWriter:
+    """Outgoing bytes of a non-blocking stream socket, from any number of threads.
+
+    One thread sends at a time and takes along what others put into the queue meanwhile. Nobody
+    waits for it, so that a signal handler that writes in the middle of a write is no deadlock. No
+    handler runs between the return of a native `port.send` and the moment when what it sent leaves
+    the queue. Where methods have a `link`, that is told whether something is left in the queue, by
+    the thread that sends.
+    """
+
+    dropped_frames: int
+    """Frames that were not sent."""
+
+    def __new__(cls, max_unsent: int = ...) -> StreamWriter: ...
+    @property
+    def unsent(self) -> bytes:
+        """What waits in the queue (a copy)."""
+
+    @property
+    def bytes_sent(self) -> int:
+        """Bytes that a port has taken."""
+
+    def write(
+        self, port: Any, frame: bytes | bytearray | Iterable[int], link: LiveLink | None = None
+    ) -> None:
+        """Sends `frame` after what is queued; OSError when the connection is gone, and then `clear` counts
+        the frame."""
+
+    def flush(self, port: Any, link: LiveLink | None = None) -> None:
+        """Sends as much of the queue as the peer takes now."""
+
+    def clear(self, link: LiveLink | None = None) -> None:
+        """Drops and counts what is queued: the connection it was meant for is gone."""
+
+@final
+class DescriptorPort:
+    """A file, pipe or serial port of this system to write to as a socket: it takes what there is room for."""
+
+    def __new__(cls, file: Any) -> DescriptorPort: ...
+    def send(self, data: bytes) -> int:
+        """How many of the bytes it took."""
+
+@final
+class TlsPort:
+    """A TLS connection as the non-blocking socket that links read and write. Waiting for the peer is no error
+    of its own kind, and several threads may use it, which OpenSSL does not allow."""
+
+    def __new__(cls, port: Any) -> TlsPort: ...
+    def recv(self, n: int) -> bytes:
+        """Up to `n` bytes."""
+
+    def send(self, data: bytes) -> int:
+        """How many of the bytes it took."""
+
+    def fileno(self) -> int: ...
+    def close(self) -> None: ...
+    def setblocking(self, flag: bool) -> None: ...
