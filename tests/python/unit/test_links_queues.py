@@ -207,7 +207,7 @@ def test_what_waits_in_a_loop_is_counted_when_the_peer_goes(tmp_path: Path) -> N
 
     async def main() -> None:
         async with aio.connect(f"exec:{program}") as link:
-            waiting = fill(link.mav.file, lambda: link.mav.file._sender._writer.unsent)
+            waiting = fill(link.mav.file, lambda: link.sync._writer.unsent)
             assert link.frames_dropped == 0
             link.sync.child.send_signal(signal.SIGKILL)
             await eventually(lambda: not link.connected)
