@@ -109,6 +109,23 @@ def test_wide_takes_rows_of_one_component(tmp_path):
     assert len(table.select(["timestamp", "id", "current_battery"]).wide()) == 6, "nobody can tell"
 
 
+@pytest.mark.parametrize("suffix", ["csv", "jsonl"])
+def test_times_in_texts_have_as_many_digits(tmp_path, suffix):
+    pd = pytest.importorskip("pandas")
+    path, out = tmp_path / "flight.tlog", tmp_path / f"out.{suffix}"
+    times = [T0 - T0 % 1_000_000 + after for after in (0, 62_500, 500_000)]
+    path.write_bytes(b"".join(record(heartbeat(n), time) for n, time in enumerate(times)))
+    table = mavwire.open_log(path)["HEARTBEAT"]
+    table.write(out)
+    found = pd.read_csv(out) if suffix == "csv" else pd.read_json(out, lines=True, dtype=False)
+    if suffix == "csv":
+        assert {len(text) for text in found["timestamp"]} == {len("2024-01-31T12:00:00.000000Z")}
+    read = pd.to_datetime(found["timestamp"], utc=True)
+    np.testing.assert_array_equal(
+        read.dt.tz_localize(None).to_numpy().astype("datetime64[us]"), table["timestamp"]
+    )
+
+
 def test_info_counts_what_the_messages_say(tmp_path):
     path = tmp_path / "flight.tlog"
     traffic.generate(path, 5_000, systems=2, loss=0.02, corruption=0.01)
