@@ -31,6 +31,20 @@ def log(tmp_path):
     return mavwire.open_log(path)
 
 
+def test_nothing_lies_between_two_modes(tmp_path):
+    path = tmp_path / "modes.tlog"
+    beats = [mavlink.MAVLink_heartbeat_message(2, 3, mode, mode // 8, 4, 3) for mode in (81, 209)]
+    frames = [pack(beats[0]), attitude(1, 0.0), pack(beats[1]), attitude(2, 1.0)]
+    path.write_bytes(b"".join(record(one, T0 + STEP * n) for n, one in enumerate(frames)))
+    log = mavwire.open_log(path)
+    table = log.align(["HEARTBEAT", "ATTITUDE"], rate="25ms", method="linear")
+    for name in ("base_mode", "custom_mode", "system_status"):
+        column = table[f"HEARTBEAT.{name}"]
+        assert set(column) == set(log["HEARTBEAT"][name]), name
+        assert column.dtype == log["HEARTBEAT"][name].dtype, name
+    assert 0.5 in table["ATTITUDE.roll"]
+
+
 def test_on_the_clock_of_a_type(log):
     table = log.align(["ATTITUDE", "HEARTBEAT"], on="HEARTBEAT")
     assert table.columns[:2] == ["timestamp", "ATTITUDE.time_boot_ms"]
