@@ -318,7 +318,8 @@ OTHERS = [
 @pytest.mark.parametrize(("kind", "other", "values", "expected"), OTHERS)
 def test_logs_that_describe_a_column_otherwise(tmp_path, kind, other, values, expected):
     """No number becomes another one, whoever reads several logs as one."""
-    pa, pl = pytest.importorskip("pyarrow"), pytest.importorskip("polars")
+    pa = pytest.importorskip("pyarrow")
+    pytest.importorskip("polars")
     paths = []
     first = {"Z": [b"text"], "b": [1, -2]}.get(kind, FIRST)
     for form, some in ((kind, first), (other, values)):
