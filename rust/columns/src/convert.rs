@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::pool;
-use crate::row_groups::RowGroups;
+use crate::row_groups::{MOST_ROWS, RowGroups};
 use crate::tables::pieces;
 
 /// The first and last time that the text writers can show, microseconds since 1970: the years -262143 and 262142.
@@ -152,6 +152,11 @@ impl<W: Write + Send> Sink<W> {
             Writer::Arrow(writer, _) => writer.into_inner()?,
         })
     }
+}
+
+/// A batch in pieces of rows that are written within a moment each: between two the caller may end the writing.
+pub fn moments(batch: &RecordBatch) -> impl Iterator<Item = RecordBatch> {
+    pieces(batch, MOST_ROWS)
 }
 
 /// Writes to many files on all processors, to each its batches in order.
