@@ -59,9 +59,10 @@ class Progress:
     def _start(self) -> None:
         try:
             from rich.console import Console
+            from rich.markup import escape
             from rich.progress import Progress as Bar
         except ImportError:
             return
         self._bar = Bar(console=Console(file=sys.stderr), transient=True)
-        self._task = self._bar.add_task(self.name, total=100)
+        self._task = self._bar.add_task(escape(self.name), total=100)
         self._bar.start()

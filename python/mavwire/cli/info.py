@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from mavwire._wording import no_such_dialect
+from mavwire._wording import no_such_dialect, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._foreign import warn_if_foreign
 from mavwire.cli._progress import Progress
@@ -209,16 +209,22 @@ def _clock(seconds: float) -> str:
 
 
 def table(summary: Summary) -> str:
-    """The text that `mavwire info` prints."""
+    """The text that `mavwire info` prints. Names are the log's: none steers a terminal or looks like
+    a row.
+    """
     speed = summary.messages / summary.seconds if summary.seconds > 0 else 0.0
     lines = [
-        f"{summary.path}: {summary.size:,} bytes, {summary.messages:,} messages of"
+        f"{printable(summary.path)}: {summary.size:,} bytes, {summary.messages:,} messages of"
         f" {len(summary.types)} types",
         f"  time     {_time(summary)}",
         *([] if summary.info is None else [_lost(summary)]),
         f"  bad      {_bad(summary)}",
         *([] if summary.info is None else _detail_lines(summary.info)),
-        *([f"  file     cut off or damaged: {summary.damage}"] if summary.damage else []),
+        *(
+            [f"  file     cut off or damaged: {printable(summary.damage)}"]
+            if summary.damage
+            else []
+        ),
         f"  read in  {summary.seconds:.3f} s, {speed:,.0f} messages/s",
         "",
     ]
@@ -233,7 +239,7 @@ def table(summary: Summary) -> str:
     lines.append(f"  {'TYPE':<32}{'COUNT':>12}" + (f"{'PER SECOND':>14}" if timed else ""))
     for kind, count in sorted(summary.types.items(), key=lambda item: (-item[1], item[0])):
         rate = f"{summary.rate(count):>14,.2f}" if timed else ""
-        lines.append(f"  {kind:<32}{count:>12,}{rate}")
+        lines.append(f"  {printable(kind):<32}{count:>12,}{rate}")
     return "\n".join(lines)
 
 

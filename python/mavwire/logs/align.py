@@ -33,8 +33,8 @@ def align(
     The clock is the times of the type `on`, or ticks that are `rate` apart ("50ms", "1s",
     seconds, or a timedelta) from the first row of all to the last. A tick gets the last row at or before it
     (`method="ffill"`), the one closest to it ("nearest"), or for numbers the straight line between
-    its neighbours ("linear", as float64). Rows further away than `tolerance` do not count; where
-    none is left there are nulls. Several instances of a type are aligned each by itself, as
+    its neighbours ("linear", as float64; enum values and bit masks are those before). Rows further
+    away than `tolerance` do not count; where none is left there are nulls. Several instances of a type are aligned each by itself, as
     `TYPE[0].field`. The table is called `name`. ValueError for arguments that make no sense, for a
     type that several senders sent, and for rows without times.
     """

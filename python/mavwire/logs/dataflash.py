@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import DataflashTables
 
 from .base import Log
+from .manifest import file_status
 from .query import Query, check_described
 from .sources import is_compressed
 from .table import Table
@@ -27,13 +28,13 @@ class DataflashLog(Log):
     """A dataflash log. Iterating gives its messages (`DFMessage`) in the order of the file.
 
     Each pass opens the file anew. What the log says about itself is read when it is first needed, and
-    again when the log has grown. Raises FileNotFoundError and its kin, LogFormatError for a file
+    again when the file has changed. Raises FileNotFoundError and its kin, LogFormatError for a file
     that holds something else.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = os.fsdecode(path)
-        self._surveyed: tuple[int, DataflashTables] | None = None
+        self._surveyed: tuple[tuple[int, int], DataflashTables] | None = None
         if not DataflashTables.recognises(self.path):
             raise LogFormatError(f"no dataflash log: {self.path!r}")
 
@@ -45,14 +46,14 @@ class DataflashLog(Log):
         return DataflashLog, (self.path,), {"closed": self.closed}
 
     def _tables(self) -> DataflashTables:
-        """The native reader, renewed when the file has grown."""
+        """The native reader, renewed when the file has changed."""
         self._check_open()
-        size = os.path.getsize(self.path)
-        if self._surveyed is None or self._surveyed[0] != size:
+        status = file_status(self.path)
+        if self._surveyed is None or self._surveyed[0] != status:
             tables = DataflashTables.open(self.path)
             if tables is None:
                 raise LogFormatError(f"no dataflash log: {self.path!r}")
-            self._surveyed = (size, tables)
+            self._surveyed = (status, tables)
         return self._surveyed[1]
 
     @property
@@ -117,7 +118,7 @@ class DataflashLog(Log):
             return any(one == what for one in self)
         if what not in self.types:
             return False
-        run = self._tables().columns(Query(names=[what], batch_rows=1))
+        run = self._tables().columns(Query(names=[what], batch_rows=0))  # those of a block
         return any(found for found in run)
 
     def read(

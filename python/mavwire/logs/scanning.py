@@ -39,8 +39,8 @@ def scan_polars(
     """The messages of one type of one or many logs as a `polars.LazyFrame`.
 
     Needs polars. Columns are those of the dialect, or of the first dataflash log that describes the
-    type; what does not fit them in another log is null. The arguments are those of `mavwire.scan`. Nothing is read before the frame is
-    collected; a text column is always followed by `<name>_raw`.
+    type; what does not fit them in another log is null. The arguments are those of
+    `mavwire.scan`. Nothing is read before the frame is collected; a text column is always followed by `<name>_raw`.
     """
     with extra("data"):
         from polars.io.plugins import register_io_source
@@ -128,9 +128,6 @@ def _fitted(frame: Any, schema: dict[str, Any]) -> Any:
     """A frame with the columns of the scan: another dataflash log may describe a type otherwise.
     What does not fit a column there is null.
     """
-    with extra("data"):
-        import polars as pl
-
     found = frame.schema
     if dict(found) == schema:
         return frame

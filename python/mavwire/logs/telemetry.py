@@ -15,6 +15,7 @@ from types import ModuleType
 from mavwire._native import LogScan
 
 from .base import Log
+from .manifest import file_status
 from .selection import Selection, no_message
 from .targets import A_FOLDER
 
@@ -84,8 +85,8 @@ class TelemetryLog(Log):
         self._dialect = dialect
         self.dialect = dialect_module(dialect)
         self.compressed = False
-        self._counted: tuple[int, int] | None = None
-        self._typed: tuple[int, dict[str, list[str]]] | None = None
+        self._counted: tuple[tuple[int, int], int] | None = None
+        self._typed: tuple[tuple[int, int], dict[str, list[str]]] | None = None
         self._check()
 
     def __repr__(self) -> str:
@@ -118,10 +119,10 @@ class TelemetryLog(Log):
         return self._scan(selection)
 
     def __len__(self) -> int:
-        """How many messages the log has; counted when first asked for, and when it has grown."""
-        size = os.path.getsize(self.path)
-        if self._counted is None or self._counted[0] != size:
-            self._counted = (size, self._scan(Selection()).count())
+        """How many messages the log has; counted when first asked for, and when it has changed."""
+        status = file_status(self.path)
+        if self._counted is None or self._counted[0] != status:
+            self._counted = (status, self._scan(Selection()).count())
         return self._counted[1]
 
     def _scan(self, selection: Selection) -> LogScan:
@@ -149,21 +150,25 @@ class TelemetryLog(Log):
             return any(one == what for one in self)
         if not hasattr(self.dialect, f"MAVLINK_MSG_ID_{what}"):
             return False
-        from .reading import scan
+        from .query import Query
+        from .reading import batches_of
 
         self._check_open()
-        return next(scan(self.path, what, dialect=self.dialect, batch_rows=1), None) is not None
+        query = Query.of(self.dialect, what)
+        query.batch_rows = 0  # those of a block: nothing is cut into batches to look at one
+        native = self.dialect.MAVLink(None)._dialect
+        return next(batches_of(None, self.path, native, query), None) is not None
 
     @property
     def types(self) -> dict[str, list[str]]:
         """The message types that are in the log, and the columns of their tables. They are counted
-        when first asked for, and when the log has grown: one pass.
+        when first asked for, and when the file has changed: one pass.
         """
         from .query import Query
         from .reading import no_rows
 
-        size = os.path.getsize(self.path)
-        if self._typed is None or self._typed[0] != size:
+        status = file_status(self.path)
+        if self._typed is None or self._typed[0] != status:
             native = self.dialect.MAVLink(None)._dialect
             ids = {cls.msgname: msgid for msgid, cls in self.dialect.mavlink_map.items()}
             found = {
@@ -171,7 +176,7 @@ class TelemetryLog(Log):
                 for name in self.info().types
                 if name in ids
             }
-            self._typed = (size, found)
+            self._typed = (status, found)
         return dict(self._typed[1])
 
     def read(

@@ -121,19 +121,23 @@ def _from_tables(path: str, system: int | None, dialect: str) -> Track:
         columns = _positions(tables["GPS_RAW_INT"], system)
     track = _track(path, columns, mode_changes(tables["HEARTBEAT"], system))
     items = _mission(tables, system)
-    homes = tables["HOME_POSITION"]
-    for row in range(len(homes)):
-        if homes["sysid"][row] == system:
-            lat, lon, alt = (
-                float(homes[name][row]) for name in ("latitude", "longitude", "altitude")
-            )
-            track.home = Place("home", lat / 1e7, lon / 1e7, alt / 1e3)
+    track.home = _home(tables["HOME_POSITION"], system)
     autopilots = set(tables["HEARTBEAT"]["autopilot"][tables["HEARTBEAT"]["sysid"] == system])
     if ARDUPILOT in autopilots and 0 in items:  # there the first item is home
         first = items.pop(0)
         track.home = track.home or Place("home", first.lat, first.lon, first.alt)
     track.waypoints = [items[seq] for seq in sorted(items)]
     return track
+
+
+def _home(homes: Table, system: int | None) -> Place | None:
+    """The last home of a system that is a place."""
+    rows = homes["sysid"] == system
+    columns = (homes[name][rows].tolist() for name in ("latitude", "longitude", "altitude"))
+    for lat, lon, alt in reversed(list(zip(*columns, strict=True))):
+        if _is_place(home := Place("home", lat / 1e7, lon / 1e7, alt / 1e3)):
+            return home
+    return None
 
 
 def _positions(table: Table, system: int | None) -> tuple[Any, Any, Any, Any]:

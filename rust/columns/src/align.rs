@@ -18,7 +18,7 @@ pub enum Method {
     Ffill,
     /// The one closest to it, the earlier of two.
     Nearest,
-    /// For numbers, the straight line between the rows before and after it; for others the one before.
+    /// For quantities, the straight line between the rows before and after it; for others the one before.
     Linear,
 }
 
@@ -118,6 +118,13 @@ fn is_measured(field: &Field) -> bool {
     !HEADER.contains(&field.name().as_str())
 }
 
+/// Whether what lies between two values means anything: it does not between modes, sets of bits or the numbers of instances.
+fn is_quantity(field: &Field) -> bool {
+    let named =
+        ["enum", "bitmask", "instance"].iter().any(|told| field.metadata().contains_key(*told));
+    field.data_type().is_numeric() && !named && field.name() != "custom_mode"
+}
+
 /// A row for each tick: `timestamp`, then the fields of each table as `TYPE.field`. Where no row is within `tolerance`
 /// microseconds there are nulls.
 ///
@@ -143,7 +150,7 @@ pub fn align(
             if !is_measured(field) {
                 continue;
             }
-            let array = if method == Method::Linear && field.data_type().is_numeric() {
+            let array = if method == Method::Linear && is_quantity(field) {
                 interpolated(&ordered, column, &clock, tolerance)?
             } else {
                 take(column, &chosen, None)?

@@ -11,17 +11,20 @@ use arrow::compute::{cast, take};
 use arrow::csv::WriterBuilder as CsvBuilder;
 use arrow::datatypes::{DataType, Field, Schema, SchemaRef, TimestampMicrosecondType};
 use arrow::ipc::writer::FileWriter;
-use arrow::json::LineDelimitedWriter;
+use arrow::json::{LineDelimitedWriter, WriterBuilder as JsonBuilder};
 use flate2::write::GzEncoder;
 use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::pool;
-use crate::row_groups::RowGroups;
+use crate::row_groups::{MOST_ROWS, RowGroups};
 use crate::tables::pieces;
 
 /// The first and last time that the text writers can show, microseconds since 1970: the years -262143 and 262142.
 const SHOWN_MICROS: (i64, i64) = (-8_334_601_228_800_000_000, 8_210_266_876_799_999_999);
+
+/// How times stand in texts: all with as many digits, else readers that look at some of them take others for no times.
+const TIME_TEXT: &str = "%Y-%m-%dT%H:%M:%S%.6fZ";
 
 /// Rows that become text in one go.
 const TEXT_ROWS: usize = 4096;
@@ -103,7 +106,8 @@ impl<W: Write + Send> Sink<W> {
             }
             Format::JsonLines => {
                 let out = Squeeze::new(out, compression)?;
-                Writer::JsonLines(Box::new(LineDelimitedWriter::new(out)))
+                let lines = JsonBuilder::new().with_timestamp_tz_format(TIME_TEXT.to_owned());
+                Writer::JsonLines(Box::new(lines.build(out)))
             }
             Format::Arrow => {
                 let plain = with_fields(schema, plain_text);
@@ -150,6 +154,11 @@ impl<W: Write + Send> Sink<W> {
     }
 }
 
+/// A batch in pieces of rows that are written within a moment each: between two the caller may end the writing.
+pub fn moments(batch: &RecordBatch) -> impl Iterator<Item = RecordBatch> {
+    pieces(batch, MOST_ROWS)
+}
+
 /// Writes to many files on all processors, to each its batches in order.
 ///
 /// # Errors
@@ -169,7 +178,9 @@ fn write_lines(out: &mut impl Write, rows: &RecordBatch, header: bool) -> Result
     let mut text = Vec::new();
     for rows in pieces(rows, TEXT_ROWS) {
         text.clear();
-        CsvBuilder::new().with_header(header).build(&mut text).write(&rows)?;
+        let lines = CsvBuilder::new().with_header(header);
+        let lines = lines.with_timestamp_tz_format(TIME_TEXT.to_owned());
+        lines.build(&mut text).write(&rows)?;
         out.write_all(&text)?;
     }
     Ok(())

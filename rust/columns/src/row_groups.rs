@@ -22,7 +22,7 @@ use crate::pool;
 use crate::tables::pieces;
 
 /// Rows of a row group at most: readers that look for a time pass over whole groups.
-const MOST_ROWS: usize = 65_536;
+pub(crate) const MOST_ROWS: usize = 65_536;
 
 /// Rows below which columns are not worth handing to other threads.
 const FEW_ROWS: usize = 2048;

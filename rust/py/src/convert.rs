@@ -1,10 +1,10 @@
 //! `Converter`: the tables of a log into files without the interpreter; and `write_table`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use mavwire_columns::Error;
-use mavwire_columns::convert::{Compression, Format, Sink};
+use mavwire_columns::convert::{Compression, Format, Sink, moments};
 use mavwire_columns::mcap;
 use mavwire_columns::reader::Decode;
 use mavwire_link::files::Draft;
@@ -147,7 +147,7 @@ impl Converter {
     }
 }
 
-/// Writes a table to a file, which appears when it is complete.
+/// Writes a table to a file, which appears when it is complete; Ctrl-C is heard until then.
 #[pyfunction]
 pub(crate) fn write_table(
     py: Python<'_>,
@@ -159,18 +159,13 @@ pub(crate) fn write_table(
     let kind = format_of(format)?;
     let how = compression_of(compression)?;
     check(kind.takes(how), format, compression)?;
-    py.detach(|| write_file(table, &path, kind, how)).map_err(columns_error)
-}
-
-fn write_file(
-    table: &RecordBatches,
-    path: &Path,
-    format: Format,
-    compression: Compression,
-) -> Result<(), Error> {
-    let mut sink = Sink::new(Draft::create(path)?, table.schema(), format, compression)?;
-    for batch in table.batches() {
-        sink.write(batch)?;
+    let begin =
+        || -> Result<_, Error> { Sink::new(Draft::create(&path)?, table.schema(), kind, how) };
+    let mut sink = py.detach(begin).map_err(columns_error)?;
+    for rows in table.batches().iter().flat_map(moments) {
+        py.detach(|| sink.write(&rows)).map_err(columns_error)?;
+        py.check_signals()?;
     }
-    Ok(sink.finish()?.commit()?)
+    let end = || -> Result<(), Error> { Ok(sink.finish()?.commit()?) };
+    py.detach(end).map_err(columns_error)
 }

@@ -71,11 +71,14 @@ impl DataflashTables {
 
     /// The columns of each record type that the log describes, `{name: [column, ...]}`.
     fn types<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let columns = |table| -> Vec<String> {
+            let layout = table_layout(&self.survey, table, &Options::default()).layout;
+            layout.columns.iter().map(|column| column.name.clone()).collect()
+        };
         let types = PyDict::new(py);
         for (table, name) in self.survey.tables.iter().enumerate() {
-            let table = table_layout(&self.survey, table, &Options::default());
-            let names: Vec<_> = table.layout.columns.iter().map(|column| &column.name).collect();
-            types.set_item(&**name, names)?;
+            // Of thousands of types each is made without the interpreter: other threads go on meanwhile.
+            types.set_item(&**name, py.detach(|| columns(table)))?;
         }
         Ok(types)
     }

@@ -31,6 +31,20 @@ def log(tmp_path):
     return mavwire.open_log(path)
 
 
+def test_nothing_lies_between_two_modes(tmp_path):
+    path = tmp_path / "modes.tlog"
+    beats = [mavlink.MAVLink_heartbeat_message(2, 3, mode, mode // 8, 4, 3) for mode in (81, 209)]
+    frames = [pack(beats[0]), attitude(1, 0.0), pack(beats[1]), attitude(2, 1.0)]
+    path.write_bytes(b"".join(record(one, T0 + STEP * n) for n, one in enumerate(frames)))
+    log = mavwire.open_log(path)
+    table = log.align(["HEARTBEAT", "ATTITUDE"], rate="25ms", method="linear")
+    for name in ("base_mode", "custom_mode", "system_status"):
+        column = table[f"HEARTBEAT.{name}"]
+        assert set(column) == set(log["HEARTBEAT"][name]), name
+        assert column.dtype == log["HEARTBEAT"][name].dtype, name
+    assert 0.5 in table["ATTITUDE.roll"]
+
+
 def test_on_the_clock_of_a_type(log):
     table = log.align(["ATTITUDE", "HEARTBEAT"], on="HEARTBEAT")
     assert table.columns[:2] == ["timestamp", "ATTITUDE.time_boot_ms"]
@@ -107,6 +121,25 @@ def test_wide_takes_rows_of_one_component(tmp_path):
     wide = table.sender(1, 180).wide()
     assert wide["BATTERY_STATUS[0].current_battery"].tolist() == [180] * 3
     assert len(table.select(["timestamp", "id", "current_battery"]).wide()) == 6, "nobody can tell"
+
+
+@pytest.mark.parametrize("suffix", ["csv", "jsonl"])
+def test_times_in_texts_have_as_many_digits(tmp_path, suffix):
+    pd = pytest.importorskip("pandas")
+    path, out = tmp_path / "flight.tlog", tmp_path / f"out.{suffix}"
+    times = [T0 - T0 % 1_000_000 + after for after in (0, 62_500, 500_000)]
+    path.write_bytes(b"".join(record(heartbeat(n), time) for n, time in enumerate(times)))
+    table = mavwire.open_log(path)["HEARTBEAT"]
+    table.write(out)
+    found = (
+        pd.read_csv(out) if suffix == "csv" else pd.read_json(out, lines=True, convert_dates=False)
+    )
+    if suffix == "csv":
+        assert {len(text) for text in found["timestamp"]} == {len("2024-01-31T12:00:00.000000Z")}
+    read = pd.to_datetime(found["timestamp"], utc=True)
+    np.testing.assert_array_equal(
+        read.dt.tz_localize(None).to_numpy().astype("datetime64[us]"), table["timestamp"]
+    )
 
 
 def test_info_counts_what_the_messages_say(tmp_path):

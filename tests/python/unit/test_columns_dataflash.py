@@ -255,6 +255,49 @@ def test_scan_polars(tmp_path):
         mavwire.scan_polars(path, "NOPE")
 
 
+def test_a_log_that_is_replaced_by_one_of_its_size(tmp_path):
+    path = tmp_path / "same.BIN"
+    Log().define("TST", "Qi", "TimeUS,Count", 1).add("TST", 1, 7).write(path)
+    log = mavwire.open_log(path)
+    assert log["TST"]["Count"].tolist() == [7]
+    before = path.stat()
+    Log().define("TST", "Qf", "TimeUS,Volts", 1).add("TST", 1, 1.5).write(path)
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns + 1_000_000_000))
+    assert path.stat().st_size == before.st_size
+    assert log.types["TST"] == ["timestamp", "TimeUS", "Volts"]
+    assert log["TST"]["Volts"].tolist() == [1.5]
+
+
+def test_whether_a_log_has_a_type_is_known_by_its_first_block(tmp_path, monkeypatch):
+    """Nothing is cut into batches of one row to look at the first."""
+    from mavwire import traffic
+    from mavwire.logs import dataflash, reading
+
+    path = sample().write(tmp_path / "flight.BIN")
+    asked = []
+    run = reading.columns_from
+
+    def noted(tables, source, native, query):
+        asked.append(query.batch_rows)
+        return run(tables, source, native, query)
+
+    monkeypatch.setattr(reading, "columns_from", noted)
+    traffic.generate(tmp_path / "flight.tlog", 300)
+    log = mavwire.open_log(tmp_path / "flight.tlog")
+    assert "ATTITUDE" in log and "WIND_COV" not in log and "NOPE" not in log
+    assert asked == [0, 0]
+
+    class Noting(dataflash.Query):
+        def __init__(self, **how: Any) -> None:
+            super().__init__(**how)
+            asked.append(self.batch_rows)
+
+    monkeypatch.setattr(dataflash, "Query", Noting)
+    onboard = mavwire.open_log(path)
+    assert "IMU" in onboard and "NOPE" not in onboard
+    assert asked == [0, 0, 0]
+
+
 FIRST = [1, 2, 255]
 OTHERS = [
     ("B", "i", [300, -5, 70_000, 7], [None, None, None, 7]),
@@ -275,7 +318,8 @@ OTHERS = [
 @pytest.mark.parametrize(("kind", "other", "values", "expected"), OTHERS)
 def test_logs_that_describe_a_column_otherwise(tmp_path, kind, other, values, expected):
     """No number becomes another one, whoever reads several logs as one."""
-    pa, pl = pytest.importorskip("pyarrow"), pytest.importorskip("polars")
+    pa = pytest.importorskip("pyarrow")
+    pytest.importorskip("polars")
     paths = []
     first = {"Z": [b"text"], "b": [1, -2]}.get(kind, FIRST)
     for form, some in ((kind, first), (other, values)):

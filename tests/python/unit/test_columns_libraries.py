@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 from datetime import datetime
 from pathlib import Path
 
@@ -244,6 +245,27 @@ def test_a_time_beyond_microseconds_is_refused():
     times = pa.table({"timestamp": pa.array([2**60], pa.timestamp("s"))})
     with pytest.raises(ValueError, match="'timestamp'"):
         mavwire.logs.Table.from_arrow(times, "T")
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs signals")
+def test_an_interrupt_ends_the_writing_of_a_table(tmp_path):
+    """It is not heard when the file is there."""
+    pa = pytest.importorskip("pyarrow")
+    numbers = pa.table({"x": pa.array(range(500_000))})
+    table = mavwire.logs.Table.from_arrow(numbers, "T")
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_REAL, 0.005)
+            table.write(tmp_path / "x.csv.gz")
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_texts_and_categories_of_other_libraries(tmp_path):

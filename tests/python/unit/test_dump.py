@@ -7,6 +7,7 @@ from __future__ import annotations
 import gzip
 import io
 import os
+import re
 import shlex
 import signal
 import socket
@@ -414,18 +415,36 @@ def test_progress_by_rich_where_it_is_installed(monkeypatch: pytest.MonkeyPatch)
     console, progress = ModuleType("rich.console"), ModuleType("rich.progress")
     console.Console = lambda **kwargs: kwargs["file"]  # type: ignore[attr-defined]
     progress.Progress = Bar  # type: ignore[attr-defined]
+    markup = ModuleType("rich.markup")
+    markup.escape = lambda text: f"no markup: {text}"  # type: ignore[attr-defined]
     for name, module in (
         ("rich", ModuleType("rich")),
         ("rich.console", console),
         ("rich.progress", progress),
+        ("rich.markup", markup),
     ):
         monkeypatch.setitem(sys.modules, name, module)
     monkeypatch.setattr(sys, "stderr", Terminal())
     monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
-    bar = _progress.Progress("a.tlog")
+    bar = _progress.Progress("a[/b].tlog")
     bar.update(25.0)
     bar.finish()
-    assert calls == [("a.tlog", 100), "start", (7, 25.0), "stop"]
+    assert calls == [("no markup: a[/b].tlog", 100), "start", (7, 25.0), "stop"]
+
+
+@pytest.mark.parametrize("name", ["flights[old]/x.tlog", "/logs[/old]/x.tlog", "[red]x"])
+def test_a_name_is_no_markup(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    pytest.importorskip("rich")
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
+    for key, value in (("TERM", "xterm"), ("COLUMNS", "120")):
+        monkeypatch.setenv(key, value)
+    bar = _progress.Progress(name)
+    bar.update(25.0)
+    bar.finish()
+    drawn = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", terminal.getvalue())
+    assert name in drawn
 
 
 def test_progress_keeps_quiet_for_short_waits(log: str, monkeypatch: pytest.MonkeyPatch) -> None:

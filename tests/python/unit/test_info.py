@@ -29,6 +29,18 @@ def dialect(subject: str) -> ModuleType:
     return importlib.import_module(f"{subject}.dialects.v20.ardupilotmega")
 
 
+def test_names_of_a_log_steer_no_terminal(tmp_path, capsys):
+    """A name of four bytes clears a screen, and one with a line break makes a row of its own."""
+    log = Log().define("\x1b[2J", "QB", "TimeUS,X", 1).define("A\n B", "QB", "TimeUS,X", 2)
+    path = log.add("\x1b[2J", 1, 1).add("A\n B", 2, 2).write(tmp_path / "na\x07me.BIN")
+    assert cli.main(["info", path]) == 0
+    shown = capsys.readouterr().out
+    assert not re.search(r"[\x00-\x09\x0b-\x1f]", shown)
+    assert r"\x1b[2J " in shown and r"  A\x0a B " in shown and r"na\x07me.BIN" in shown
+    assert cli.main(["info", "--json", path]) == 0
+    assert {"\x1b[2J", "A\n B"} <= json.loads(capsys.readouterr().out)["types"].keys()
+
+
 def test_summary_of_clean_traffic(dialect: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "flight.tlog"
     written = traffic.generate(path, 5_000, systems=2, dialect=dialect)

@@ -89,6 +89,17 @@ def test_a_track_is_the_vehicles(log):
     assert read_track(str(log), system=7).lat.tolist() == [50.0]
 
 
+def test_a_home_that_is_no_place_is_none(tmp_path):
+    homes = [(10, 20), (0, 0), (99, 20), (10, 214.7483647)]
+    messages = [(beat(), 1), (position(1, 1), 1)]
+    for lat, lon in homes:
+        degrees = round(lat * 1e7), round(lon * 1e7)
+        messages.append((mavlink.MAVLink_home_position_message(*degrees, 5_000, *HOME), 1))
+    path = str(write(tmp_path / "a.tlog", messages))
+    assert read_track(path).home == Place("home", 10.0, 20.0, 5.0)
+    assert read_track(str(write(tmp_path / "b.tlog", messages[:2] + messages[3:]))).home is None
+
+
 def test_a_shorter_mission_replaces_a_longer_one(tmp_path):
     count = mavlink.MAVLink_mission_count_message(1, 1, 2)
     items = [(item(n, 10 + n, 20), 255) for n in range(5)]
