@@ -11,7 +11,36 @@ from mavwire.links.conditions import evaluate_condition, evaluate_expression
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from typing import Any
+    from typing import Any, TextIO
+
+
+# Characters of a row, however many lines its quotes span. A longer one is damage.
+MAX_ROW = 1 << 20
+
+
+class _Lines:
+    """The lines of a file for `csv.reader`, which raises csv.Error for a row beyond `MAX_ROW`."""
+
+    def __init__(self, file: TextIO) -> None:
+        self._file = file
+        self._left = MAX_ROW
+
+    def begin_row(self) -> None:
+        self._left = MAX_ROW
+
+    def __iter__(self) -> Iterator[str]:
+        return self
+
+    def __next__(self) -> str:
+        line = self._file.readline(self._left + 1)
+        if not line:
+            raise StopIteration
+        self._left -= len(line)
+        if self._left < 0:
+            while line and line[-1] not in "\r\n":
+                line = self._file.readline(MAX_ROW)
+            raise csv.Error(f"a row of more than {MAX_ROW} characters")
+        return line
 
 
 class CSVFormat:
@@ -118,7 +147,8 @@ class CSVReader:
 
     def _rewind(self) -> None:
         self.f.seek(0)
-        self.reader: Iterator[list[str]] = csv.reader(self.f, delimiter=self.separator)
+        self._lines = _Lines(self.f)
+        self.reader: Iterator[list[str]] = csv.reader(self._lines, delimiter=self.separator)
         try:
             headings = next(self.reader, None)
         except csv.Error as error:
@@ -155,8 +185,9 @@ class CSVReader:
         return self.linecount
 
     def _rows(self) -> Iterator[list[str]]:
-        """What is left, without what no row can be made of: a quote that nothing closes."""
+        """What is left, without what no row can be made of: a quote that nothing closes, a row without end."""
         while True:
+            self._lines.begin_row()
             try:
                 yield next(self.reader)
             except StopIteration:
