@@ -111,15 +111,22 @@ def reflection(package: str, short: bool) -> dict[str, Any]:
         peer.sendto(b"x", address)
         until(lambda: link.select(0.1))
         drain(link)
-        link.mav.heartbeat_send(6, 8, 0, 0, 0)
-        peer.settimeout(0.5)
-        try:
-            peer.recv(300)
-        except TimeoutError:
-            return {"it is": "no"}
-        finally:
-            link.close()
-    return {"it is": "yes"}
+        is_sent = _is_sent(link, peer, 0.5)
+        # A whole message makes it a peer: else there was nothing to see.
+        peer.sendto(heartbeat(), address)
+        until(lambda: link.recv_msg() is not None)
+        becomes_one = _is_sent(link, peer, 30)
+        link.close()
+    return {"it is": "yes" if is_sent else "no" if becomes_one else "nobody is sent anything"}
+
+
+def _is_sent(link: Any, peer: socket.socket, seconds: float) -> bool:
+    link.mav.heartbeat_send(6, 8, 0, 0, 0)
+    peer.settimeout(seconds)
+    try:
+        return bool(peer.recv(300))
+    except TimeoutError:
+        return False
 
 
 def tcp_server(package: str) -> tuple[Any, tuple[str, int]]:
