@@ -58,6 +58,7 @@ def test_what_is_harmless_works() -> None:
     assert code.condition_holds("mavwire")
     assert code.enum_is_read("mavwire")
     assert code.log_is_read("mavwire")
+    assert list(links.backlog("mavwire", True).values()) == [9, 0]
     assert links.reflection("mavwire", True) == {"it is": "no"}
     assert logs.secrets("mavwire", True) == {"key": "no", "signatures": "no"}
 
