@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import contextmanager
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from typing import Any
 
 # What terminals act upon: C0 but for tabs, DEL and C1.
@@ -43,3 +46,29 @@ def shown_to(stream: Any, text: str) -> str:
 def printable(text: str) -> str:
     """A line of a file with its control characters, but for tabs, as `\\x1b`."""
     return text.translate(_CONTROLS)
+
+
+class _Guarded:
+    """A terminal that is written to without control characters, whatever is printed."""
+
+    def __init__(self, terminal: Any) -> None:
+        self._terminal = terminal
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._terminal, name)
+
+    def write(self, text: str) -> int:
+        self._terminal.write(shown_to(self._terminal, text))
+        return len(text)
+
+
+@contextmanager
+def guarded_output() -> Iterator[None]:
+    """While it lasts, what a command prints of strangers' texts does not steer the terminal."""
+    stdout = sys.stdout
+    if stdout.isatty():
+        sys.stdout = _Guarded(stdout)  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        sys.stdout = stdout

@@ -130,7 +130,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(name: str, command: Any, arguments: list[str]) -> int:
     if command is not None:
-        return int(command.main(_parser(name, command).parse_args(_joined(arguments))))
+        from mavwire._wording import guarded_output
+
+        options = _parser(name, command).parse_args(_joined(arguments))
+        with guarded_output():
+            return int(command.main(options))
     if name in ("-h", "--help", ""):
         print(_overview())
         return 0 if name else EXIT_USAGE

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 import time
 
-from mavwire._wording import shown_to
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_logs
 
@@ -42,7 +40,7 @@ def main(args: Namespace) -> int:
         for name in sorted(values):
             line = f"{name:<15} {values[name]:.6f}"
             line = f"{QGC_OWNER} {line} {QGC_TYPE}" if args.qgc else line
-            print(shown_to(sys.stdout, line))
+            print(line)
     return 0
 
 
@@ -52,7 +50,7 @@ def _read(log: Reading, values: dict[str, float], show_changes: bool) -> None:
         if show_changes and name in values and values[name] != value:
             clock = time.asctime(time.localtime(stamp))
             line = f"{clock} {name:<15} {values[name]:.6f} -> {value:.6f}"
-            print(shown_to(sys.stdout, line))
+            print(line)
         values[name] = value
 
 

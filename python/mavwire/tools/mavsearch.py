@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-
-from mavwire._wording import shown_to
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
 
@@ -43,6 +40,6 @@ def _search(log: Reading, args: Namespace) -> None:
     for msg in log.messages(types):
         found = log.holds(args.condition)
         if found:
-            print(shown_to(sys.stdout, str(msg)))
+            print(msg)
         if args.stop or (found and args.stopcondition):
             return

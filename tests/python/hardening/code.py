@@ -12,24 +12,31 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from encoder import heartbeat
+from encoder import heartbeat, record
 
 from hardening.tools import alarm, capture_of, mavutil_of, silence, until
 
 HEAD = '<?xml version="1.0"?><mavlink><version>3</version>'
 
 
-def ran(work: Callable[[str], object]) -> str:
-    """Whether a command in the data is run, which makes a file."""
+def ran(package: str, attack: Callable[[str, str], object], control: Callable[[str], bool]) -> str:
+    """Whether a command in the data is run, which makes a file. "no" takes that `control` holds: that the
+    package does with harmless data what it should.
+    """
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "made"
         with silence():
             try:
                 with alarm(10):
-                    work(f"touch {made}")
+                    attack(package, f"touch {made}")
             except Exception:
                 pass
-        return "yes" if until(made.exists, 0.5) else "no"
+        if until(made.exists, 0.5):
+            return "yes"
+    try:
+        return "no" if control(package) else "harmless data do not work either"
+    except Exception as error:
+        return f"harmless data do not work either: {type(error).__name__}"
 
 
 def condition(package: str, command: str) -> None:
@@ -47,18 +54,29 @@ def condition(package: str, command: str) -> None:
             pass
 
 
+def condition_holds(package: str) -> bool:
+    link = capture_of(package)
+    link.rx += heartbeat()
+    return link.recv_match(condition="HEARTBEAT.type >= 0") is not None
+
+
 def enum_value(package: str, command: str) -> None:
     text = f"__import__('os').system('{command}')"
     xml = f'{HEAD}<enums><enum name="E"><entry value="{text}" name="X"/></enum></enums></mavlink>'
     parse_xml(package, xml)
 
 
-def parse_xml(package: str, xml: str) -> None:
+def enum_is_read(package: str) -> bool:
+    xml = f'{HEAD}<enums><enum name="E"><entry value="7" name="X"/></enum></enums></mavlink>'
+    return [entry.value for entry in parse_xml(package, xml).enum[0].entry][:1] == [7]
+
+
+def parse_xml(package: str, xml: str) -> Any:
     parser = importlib.import_module(f"{package}.generator.mavparse")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "my.xml"
         path.write_text(xml)
-        parser.MAVXML(str(path), "2.0")
+        return parser.MAVXML(str(path), "2.0")
 
 
 def program(package: str, command: str) -> None:
@@ -69,12 +87,22 @@ def program(package: str, command: str) -> None:
     time.sleep(0.5)
 
 
+def log_is_read(package: str) -> bool:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "vehicle.tlog"
+        path.write_bytes(record(heartbeat(), 1_600_000_000_000_000))
+        return mavutil_of(package).mavlink_connection(str(path)).recv_msg() is not None
+
+
 def runs(package: str, short: bool) -> dict[str, Any]:
     """What is run."""
     return {
-        "by a condition": ran(lambda command: condition(package, command)),
-        "by a value in XML": ran(lambda command: enum_value(package, command)),
-        "by the path x.elf": ran(lambda command: program(package, command)),
+        name: ran(package, attack, control)
+        for name, attack, control in (
+            ("by a condition", condition, condition_holds),
+            ("by a value in XML", enum_value, enum_is_read),
+            ("by the path x.elf", program, log_is_read),
+        )
     }
 
 

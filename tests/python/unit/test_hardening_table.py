@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from hardening import __main__ as table
-from hardening import recovery, rows, signing, wire
+from hardening import code, links, logs, recovery, rows, signing, wire
 from hardening.rows import Figure, at_least, at_most, exactly
 
 
@@ -34,10 +34,33 @@ def test_what_was_not_measured_is_not_met() -> None:
 @pytest.mark.parametrize(
     ("answer", "met"),
     [("MAVParseError, 4 ms", True), ("accepted", False), ("no end in 20 s", False), ("crash", False),
-     ("TimeoutError, 3 ms", False), ("MAVParseError, 900 ms", False)],
+     ("TimeoutError, 3 ms", False), ("MAVParseError, 900 ms", False),
+     ("ImportError, 0 ms", False)],
 )  # fmt: skip
 def test_definitions_are_refused_quickly(answer: str, met: bool) -> None:
     assert rows.quickly(answer) is met
+
+
+def test_a_package_that_does_nothing_meets_no_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_arguments: object) -> Any:
+        raise ImportError("broken")
+
+    for name in ("mavutil_of", "capture_of", "parse_xml"):
+        monkeypatch.setattr(code, name, broken)
+    for title in ("code that is run", "hostile definitions"):
+        one = next(figure for figure in rows.FIGURES if figure.title == title)
+        found = list(table.rows(one, one.measure("mavwire", True), {}))
+        assert len(found) >= 3
+        assert not any(table.is_met(value, goal, True) for _, _, value, goal in found)
+
+
+def test_what_is_harmless_works() -> None:
+    assert code.condition_holds("mavwire")
+    assert code.enum_is_read("mavwire")
+    assert code.log_is_read("mavwire")
+    assert list(links.backlog("mavwire", True).values()) == [9, 0]
+    assert links.reflection("mavwire", True) == {"it is": "no"}
+    assert logs.secrets("mavwire", True) == {"key": "no", "signatures": "no"}
 
 
 def test_every_must_case_holds() -> None:

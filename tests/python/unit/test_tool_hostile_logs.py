@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from dataflash_writer import FMT, fmt, record
 from mavwire import cli, expression
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.expression import names
@@ -54,6 +55,20 @@ def test_a_terminal_sees_no_control_characters(
         assert ("\x1b" in text) == (not terminal.isatty())
         assert ("\\x1b" in text) == terminal.isatty()
         assert text.count("\n") >= 1
+
+
+@pytest.mark.parametrize("verb", ["info", "msgstats"])
+def test_names_of_types_and_files_steer_no_terminal(
+    verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a\x1b[2J.bin"
+    path.write_bytes(FMT + fmt(1, "A\x1b[7", "QB", "TimeUS,N") + record(1, "QB", 1, 2) * 3)
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stdout", terminal)
+    assert cli.main([verb, str(path)]) == 0
+    assert sys.stdout is terminal
+    assert terminal.text().count("\\x1b[") >= 2
+    assert "\x1b" not in terminal.text()
 
 
 @pytest.mark.parametrize("verb", ["search", "dump"])
