@@ -41,8 +41,8 @@ fn spec(case: &str, port: u16) -> Result<LinkSpec, Box<dyn Error>> {
     match case {
         "forward" => {}
         "border" => {
-            spec.port.border.key = Some(Arc::new(SecretKey::new(&[7; 32])?));
-            spec.port.border.sign = true;
+            spec.port.options.border.key = Some(Arc::new(SecretKey::new(&[7; 32])?));
+            spec.port.options.border.sign = true;
             spec.port.automation.heartbeat = Some(LIMIT);
         }
         _ => return Err(format!("there is no case {case}").into()),
