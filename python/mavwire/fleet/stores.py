@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import os
-from contextlib import contextmanager
+import secrets
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.store import Store
+from mavwire.logs.store import Store, drafts_of
 
 from .places import file_system, is_url
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
+
+OBJECT_STORES = frozenset(
+    {"s3", "s3a", "gs", "gcs", "az", "abfs", "abfss", "adl", "oci", "ocilake", "oss", "memory"}
+)
+"""Protocols of places at which a file appears when all of it is there."""
 
 
 class Folder(Store):
@@ -25,16 +31,21 @@ class Folder(Store):
 
 
 class Remote:
-    """A place that fsspec opens. Object stores show an object when all of it is there."""
+    """A place that fsspec opens. Object stores show an object when all of it is there; elsewhere a
+    file gets its name when it is complete.
+    """
 
     appends = False
 
     def __init__(self, url: str, options: Mapping[str, Any] | None = None) -> None:
         self.root = url.rstrip("/")
         self.fs, self._inner = file_system(self.root, options)
-        self._found: set[str] | None = None
+        self._found: dict[str, int | None] | None = None
         """What was there when it was first asked for: a request for all, not one for each."""
         self._appended: dict[str, bytes] = {}
+        kinds = self.fs.protocol
+        self._whole = not OBJECT_STORES.isdisjoint([kinds] if isinstance(kinds, str) else kinds)
+        """Whether nobody sees half of a file."""
 
     def place(self, name: str) -> str:
         """The URL of a file."""
@@ -44,8 +55,8 @@ class Remote:
         return f"{self._inner.rstrip('/')}/{name}"
 
     def exists(self, name: str) -> bool:
-        """Whether there was such a file when this was first asked."""
-        return self.fs._strip_protocol(self._path(name)) in self._listing()
+        """Whether there was such a file, with anything in it, when this was first asked."""
+        return self._listing().get(self.fs._strip_protocol(self._path(name)), 0) != 0
 
     def names(self) -> Iterator[str]:
         """The files that there are."""
@@ -54,10 +65,12 @@ class Remote:
         for path in self._listing():
             yield path.removeprefix(root).lstrip("/")
 
-    def _listing(self) -> set[str]:
+    def _listing(self) -> dict[str, int | None]:
+        """Files and their sizes, where those are known."""
         if self._found is None:
             self.fs.invalidate_cache()
-            self._found = set(self.fs.find(self._inner))
+            found = self.fs.find(self._inner, detail=True)
+            self._found = {path: told.get("size") for path, told in found.items()}
         return self._found
 
     def read(self, name: str) -> bytes | None:
@@ -68,9 +81,28 @@ class Remote:
             return None
 
     def write(self, name: str, content: bytes) -> None:
-        """Write or replace a file."""
-        self.fs.makedirs(os.path.dirname(self._path(name)), exist_ok=True)
-        self.fs.pipe_file(self._path(name), content)
+        """Write or replace a file, which is never seen half written."""
+        self._put(self._path(name), lambda path: self.fs.pipe_file(path, content))
+
+    def _put(self, path: str, put: Callable[[str], object]) -> None:
+        self.fs.makedirs(os.path.dirname(path), exist_ok=True)
+        if self._whole:
+            put(path)
+            return
+        draft = f"{path}.{os.getpid()}-{secrets.token_hex(4)}.part"
+        try:
+            put(draft)
+            try:
+                self.fs.mv(draft, path)
+            except OSError:  # some move nothing to where a file is
+                if not self.fs.exists(path):
+                    raise
+                self.fs.rm_file(path)
+                self.fs.mv(draft, path)
+        except BaseException:
+            with suppress(Exception):
+                self.fs.rm_file(draft)
+            raise
 
     def append(self, name: str, content: bytes) -> None:
         """Add to what this object has written, as there is no way to add to a file."""
@@ -79,8 +111,7 @@ class Remote:
 
     def publish(self, draft: str, name: str) -> None:
         """Copy a local file there, in place of any that has the name."""
-        self.fs.makedirs(os.path.dirname(self._path(name)), exist_ok=True)
-        self.fs.put_file(draft, self._path(name))
+        self._put(self._path(name), lambda path: self.fs.put_file(draft, path))
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -88,7 +119,11 @@ class Remote:
         yield
 
     def remove_drafts(self, name: str) -> None:
-        """Nothing: files appear in a store when they are complete."""
+        """Remove what a run that was killed left of the files of a log."""
+        draft = drafts_of(name)
+        for one in [] if self._whole else list(self.names()):
+            if draft.fullmatch(os.path.basename(one)):
+                self.fs.rm_file(self._path(one))
 
     def remove(self, name: str) -> None:
         """Remove a file, if it is there."""

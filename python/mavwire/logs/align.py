@@ -34,9 +34,9 @@ def align(
     seconds, or a timedelta) from the first row of all to the last. A tick gets the last row at or before it
     (`method="ffill"`), the one closest to it ("nearest"), or for numbers the straight line between
     its neighbours ("linear", as float64; enum values and bit masks are those before). Rows further
-    away than `tolerance` do not count; where none is left there are nulls. Several instances of a type are aligned each by itself, as
-    `TYPE[0].field`. The table is called `name`. ValueError for arguments that make no sense, for a
-    type that several senders sent, and for rows without times.
+    away than `tolerance` do not count; where none is left there are nulls. Several instances of a
+    type are aligned each by itself, as `TYPE[0].field`. The table is called `name`. ValueError for
+    arguments that make no sense, for a type that several senders sent, and for rows without times.
     """
     names = list(tables if types is None else types)
     missing = [one for one in (*names, *([on] if on else [])) if one not in tables]

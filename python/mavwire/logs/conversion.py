@@ -34,6 +34,10 @@ if TYPE_CHECKING:
 BATCH_ROWS = 65_536
 BATCH_BYTES = 48 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
+OUTPUT = 1
+"""To be raised when the same options come to give other files: those of before are made anew."""
+INTERNAL = ("untimed", "batch_rows", "batch_bytes", "foreign")
+"""What of a query makes no difference to files."""
 
 
 def convert(
@@ -132,10 +136,18 @@ def prepare(
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
     query.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS
     query.batch_bytes = BATCH_BYTES
-    how = {"format": format, "compression": compression, **asdict(query)}
+    how = {"format": format, "compression": compression, "output": OUTPUT, **_asked(query)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))
     how["definitions"] = _fingerprint(module, native, query)
     return compression, native, query, how
+
+
+def _asked(query: Query) -> dict[str, Any]:
+    """What users ask for, in an order of its own where theirs makes no difference."""
+    how = {name: one for name, one in asdict(query).items() if name not in INTERNAL}
+    for name in ("types", "names", "systems"):
+        how[name] = None if how[name] is None else sorted(set(how[name]))
+    return how
 
 
 def _fingerprint(module: Any, native: Any, query: Query) -> str:

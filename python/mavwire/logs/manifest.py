@@ -91,6 +91,8 @@ class Manifest:
             self.has_journal = name == JOURNAL
             if stored["options"] == self.how:
                 self.rows |= {row["path"]: Converted(**row) for row in stored["logs"]}
+        if self.has_journal:  # a run was killed, perhaps while it wrote the manifest
+            store.remove_drafts(MANIFEST.removesuffix(".json"))
         interrupted = (row for row in self.rows.values() if row.error == BEGUN)
         self._interrupted = {row.path: {row.name, *row.parts} for row in interrupted}
         """Logs that a killed run had begun, and what their files may be called."""

@@ -55,8 +55,11 @@ class Store:
                 yield one.name
 
     def exists(self, name: str) -> bool:
-        """Whether there is such a file."""
-        return os.path.exists(self.place(name))
+        """Whether there is such a file, with anything in it."""
+        try:
+            return os.path.getsize(self.place(name)) > 0
+        except OSError:
+            return False
 
     def read(self, name: str) -> bytes | None:
         """The content of a file; None where there is none. OSError for what is no file."""
@@ -104,12 +107,17 @@ class Store:
 
     def remove_drafts(self, name: str) -> None:
         """Remove what a run that was killed left of the files of a log."""
-        draft = re.compile(re.escape(name) + r"(\.[a-z]+){1,2}\.\d+-\d+\.part")
+        draft = drafts_of(name)
         folders = [entry.path for entry in os.scandir(self.root) if entry.is_dir()]
         for folder in [self.root, *folders]:
             for entry in list(os.scandir(folder)):
                 if draft.fullmatch(entry.name):
                     os.remove(entry.path)
+
+
+def drafts_of(name: str) -> re.Pattern[str]:
+    """What incomplete files of a log are called."""
+    return re.compile(re.escape(name) + r"(\.[a-z]+){1,2}\.\d+-[0-9a-f]+\.part")
 
 
 def write_file(path: str, content: bytes) -> None:

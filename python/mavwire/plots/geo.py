@@ -92,10 +92,10 @@ def _text(text: str) -> str:
 
 
 def _time(seconds: float) -> str | None:
-    """A time of XML Schema; None beyond the years that it has."""
+    """A time of XML Schema; None beyond the years that it has, and for what is no number."""
     try:
         time = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=float(seconds))
-    except OverflowError:
+    except (OverflowError, ValueError):
         return None
     return time.isoformat(timespec="milliseconds").replace("+00:00", "Z")
 

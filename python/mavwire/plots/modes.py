@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -74,10 +75,12 @@ def mode_changes(
 
 
 def spans(changes: Iterable[tuple[float, str]], end: float | None) -> list[Span]:
-    """Stretches of time, each to the next change of mode, the last to `end`."""
+    """Stretches of time, each to the next change of mode, the last to `end`. Changes at a damaged
+    time, which is no number, are left out.
+    """
     distinct: list[tuple[float, str]] = []
     for time, mode in changes:
-        if mode != UNKNOWN and (not distinct or distinct[-1][1] != mode):
+        if isfinite(time) and mode != UNKNOWN and (not distinct or distinct[-1][1] != mode):
             distinct.append((time, mode))
     distinct = distinct[:MOST_SPANS]
     ends = [time for time, _ in distinct[1:]]

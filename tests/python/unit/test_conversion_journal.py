@@ -239,6 +239,14 @@ def test_one_run_at_a_time(tiny, tmp_path):
     assert all(row.error is None for row in convert(tiny, tmp_path))
 
 
+def test_a_draft_of_the_manifest_is_removed(tiny, tmp_path):
+    draft = tmp_path / f"{MANIFEST}.123-0a1b2c3d.part"
+    draft.write_text("{")
+    (tmp_path / JOURNAL).write_bytes(b'{"version": 1, "opt')
+    convert(tiny[:1], tmp_path)
+    assert [path.name for path in tmp_path.iterdir() if path.is_file()] == [MANIFEST]
+
+
 def test_drafts_of_a_killed_run_are_removed(tiny, tmp_path):
     (row,) = convert(tiny[:1], tmp_path)
     folder = tmp_path / "HEARTBEAT"

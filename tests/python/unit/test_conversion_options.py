@@ -43,6 +43,29 @@ def test_fields_units_and_names(flight, tmp_path):
             assert [one[field] for one in found] == tables[name][field].tolist()
 
 
+def test_the_order_of_types_makes_no_other_options(flight, tmp_path):
+    for n, types in enumerate([["HEARTBEAT", "ATTITUDE"], ["ATTITUDE", "HEARTBEAT"]] * 2):
+        (row,) = convert([flight], tmp_path, types=types, systems=[2, 1][:: 1 if n % 2 else -1])
+        assert row.error is None and row.skipped == (n > 0)
+
+
+def test_files_of_another_output_are_made_anew(flight, tmp_path, monkeypatch):
+    from mavwire.logs import conversion
+
+    convert([flight], tmp_path, types="HEARTBEAT")
+    monkeypatch.setattr(conversion, "OUTPUT", conversion.OUTPUT + 1)
+    assert not convert([flight], tmp_path, types="HEARTBEAT")[0].skipped
+
+
+def test_a_file_that_was_emptied_is_made_anew(flight, tmp_path):
+    (row,) = convert([flight], tmp_path, types="HEARTBEAT")
+    (name,) = row.files
+    content = (tmp_path / name).read_bytes()
+    (tmp_path / name).write_bytes(b"")
+    assert not convert([flight], tmp_path, types="HEARTBEAT")[0].skipped
+    assert (tmp_path / name).read_bytes() == content
+
+
 @pytest.mark.parametrize("nothing", ["", ",", " , "])
 @pytest.mark.parametrize(
     ("command", "option"),

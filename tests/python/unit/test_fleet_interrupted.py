@@ -261,6 +261,49 @@ def test_on_an_object_store(tmp_path, large):
         memory.rm("/fleet-interrupted", recursive=True)
 
 
+def test_a_place_of_fsspec_that_is_no_object_store(tmp_path, mixed, inside, monkeypatch):
+    """A file has its name when it is complete, there too."""
+    local = pytest.importorskip("fsspec.implementations.local").LocalFileSystem
+    url = f"local://{tmp_path / 'out'}"
+    (row,) = convert_fleet(mixed, url, inside, types=TYPES)
+    assert row.error is None and files_of(tmp_path / "out") == set(row.files)
+    store = store_of(url)
+    before = store.read(MANIFEST)
+
+    def half(self: Any, path: str, value: bytes, **_: Any) -> None:
+        Path(path).write_bytes(value[:10])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(local, "pipe_file", half)
+    with pytest.raises(OSError, match="No space"):
+        store.write(MANIFEST, b"anything else")
+    assert store.read(MANIFEST) == before
+    assert {path.name for path in (tmp_path / "out").iterdir() if path.is_file()} == {MANIFEST}
+    left = tmp_path / "out" / "ATTITUDE" / "mixed.parquet.12-0a1b2c3d.part"
+    left.write_bytes(b"of a run that was killed")
+    store.remove_drafts("other")
+    assert left.exists()
+    store.remove_drafts("mixed")
+    assert not left.exists()
+
+
+def test_a_place_that_moves_nothing_onto_a_file(tmp_path, monkeypatch):
+    local = pytest.importorskip("fsspec.implementations.local").LocalFileSystem
+    move = local.mv
+
+    def careful(self: Any, source: str, target: str, **how: Any) -> None:
+        if os.path.exists(target):
+            raise FileExistsError(target)
+        move(self, source, target, **how)
+
+    monkeypatch.setattr(local, "mv", careful)
+    store = store_of(f"local://{tmp_path}")
+    for content in (b"one", b"two"):
+        store.write(MANIFEST, content)
+        assert store.read(MANIFEST) == content
+    assert [path.name for path in tmp_path.iterdir()] == [MANIFEST]
+
+
 def test_only_what_is_begun_is_written_at_once_to_an_object_store(monkeypatch):
     """Finished logs wait for the manifest, which is written now and then."""
     fsspec = pytest.importorskip("fsspec")

@@ -247,6 +247,30 @@ def test_columns_and_messages_leave_out_the_same(tmp_path, text, left_out, more)
     assert series.error == ("no number" if left_out else None)
 
 
+@pytest.mark.parametrize("damaged", ["nan", "inf", "1e300"])
+def test_a_damaged_time_ends_no_plot_and_no_map(tmp_path, damaged):
+    lines = [
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns",
+        "FMT, 1, 0, ATT, Qff, TimeUS,Roll,Pitch",
+        "FMT, 2, 0, MODE, QMB, TimeUS,Mode,ModeNum",
+        "FMT, 3, 0, POS, QLLf, TimeUS,Lat,Lng,Alt",
+    ]
+    for n in range(30):
+        time = 1_000_000 + n * 1000
+        lines += [f"ATT, {time}, {n}, 1", f"POS, {time}, {-35 + n * 1e-4}, 149.1, 10"]
+        if n in (5, 20):
+            lines.append(f"MODE, {damaged if n == 5 else time}, {'AUTO' if n == 5 else 'RTL'}, 3")
+        if n == 10:
+            lines += [f"ATT, {damaged}, 5, 5", f"POS, {damaged}, -35, 149, 10"]
+    path = tmp_path / "damaged.log"
+    path.write_text("\n".join(lines) + "\n")
+    assert plots.plot(path, "ATT.Roll", tmp_path / "a.html").points >= 30
+    Page((tmp_path / "a.html").read_bytes()).data()
+    for suffix in ("html", "kml", "gpx"):
+        plots.draw_map(path, tmp_path / f"map.{suffix}")
+        assert (tmp_path / f"map.{suffix}").stat().st_size
+
+
 def test_a_condition_that_does_not_hold_leaves_nothing_out(tmp_path):
     path = tmp_path / "a.tlog"
     attitudes(path)
