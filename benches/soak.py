@@ -8,7 +8,8 @@ comes to a port of the same bridge as fast as it can be sent, over UDP and over 
 flight must come through all the same.
 
 Prints a line each `--interval`: frames, and memory, descriptors and processor time of bridge and receiver; `--json` keeps
-them. Fails where a frame is missing, where a log differs, or where memory or descriptors grow.
+them. Fails where a frame is missing, where a log differs, or where memory or descriptors grow, and
+where there are too few lines to see that.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import tempfile
 import time
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 WORKER = Path(__file__).parent / "python" / "soak_worker.py"
 LINE = "{:>7} {:>13} {:>13} {:>11} {:>11} {:>9} {:>9} {:>11} {:>11}"
@@ -42,6 +43,24 @@ HOSTILE_PEERS = 64
 """Descriptors that hostile TCP connections may have more or less: those that a server of a bridge takes."""
 WARM_UP = 0.1
 """Share of the samples in which buffers and pools still fill."""
+LEAST_SAMPLES = 10
+"""With fewer no growth can be seen."""
+TRIAL = 5.0
+"""Seconds of each flight that looks for the capacity, the first at FIRST_RATE frames a second."""
+FIRST_RATE = 2500
+FULL_PACE = 0.95
+"""A sender below this share of its rate makes no more."""
+SHARE = 0.8
+"""Of the capacity, by `--rate auto`."""
+
+
+class Flight(NamedTuple):
+    """Frames sent and in how many seconds, what the link saw to the end, and the bridge."""
+
+    sent: int
+    seconds: float
+    end: dict[str, Any]
+    bridge: dict[str, Any]
 
 
 def start(stack: ExitStack, *words: object, **options: Any) -> subprocess.Popen[str]:
@@ -90,7 +109,11 @@ def wrong(
         )
     if end["difference"] is not None:
         found.append(f"the logs differ from what was sent at frame {end['difference']:,}")
-    for part in ("bridge", "link"):
+    if len(samples) < LEAST_SAMPLES:
+        found.append(
+            f"{len(samples)} samples show no growth: it takes {LEAST_SAMPLES}, by a shorter --interval"
+        )
+    for part in ("bridge", "link") if samples else ():
         if (more := growth(samples, f"{part} kB")) > GROWTH:
             found.append(f"the memory of the {part} grew by {more:,.0f} kB")
         if (further := growth(samples, f"{part} fd")) > descriptors:
@@ -109,29 +132,54 @@ def sample(began: float, bridge: dict[str, Any], link: dict[str, Any]) -> dict[s
     }  # fmt: skip
 
 
-def run(args: argparse.Namespace, folder: str) -> int:
-    """0 if all is well."""
-    samples: list[dict[str, Any]] = []
+def fly(
+    args: argparse.Namespace, rate: int, seconds: float, samples: list[dict[str, Any]] | None = None
+) -> Flight:
+    """A flight through all parts; with `samples` these are taken, kept there and printed."""
     with ExitStack() as stack:
+        folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="mavwire-soak-"))
         link = start(stack, "link", folder, args.log_bytes)
         bridge = start(stack, "bridge", told(link)["port"])
         ports = told(bridge)
-        sender = start(stack, "send", ports["honest"], args.rate, args.seconds)
+        sender = start(stack, "send", ports["honest"], rate, seconds)
         if args.hostile:
             start(stack, "attack", ports["hostile UDP"], ports["hostile TCP"])
-        print(LINE.format(*HEAD))
         began = time.monotonic()
-        while sender.poll() is None:
+        while samples is not None and sender.poll() is None:
             try:
                 sender.wait(args.interval)
             except subprocess.TimeoutExpired:
                 samples.append(sample(began, asked(bridge), asked(link)))
                 print(LINE.format(*(f"{samples[-1][name]:,}" for name in _columns())), flush=True)
-        sent = told(sender)["sent"]
-        end, last = asked(link, "end"), asked(bridge)
+        report = told(sender)
+        return Flight(report["sent"], report["seconds"], asked(link, "end"), asked(bridge))
+
+
+def capacity(args: argparse.Namespace) -> int:
+    """Frames a second that come through: doubled until one is lost, or until the sender makes no more."""
+    good, rate = 0, FIRST_RATE
+    while True:
+        flight = fly(args, rate, TRIAL)
+        lost = flight.sent - flight.end["received"]
+        made = int(flight.sent / max(flight.seconds, TRIAL))
+        print(f"{made:,} frames a second: {lost:,} of {flight.sent:,} lost", flush=True)
+        if lost and not good:
+            raise SystemExit(f"not even {rate:,} frames a second come through")
+        if lost or made < FULL_PACE * rate:
+            return good if lost else made
+        good, rate = made, 2 * rate
+
+
+def run(args: argparse.Namespace) -> int:
+    """0 if all is well."""
+    rate = int(SHARE * capacity(args)) if args.rate == "auto" else int(args.rate)
+    print(LINE.format(*HEAD))
+    samples: list[dict[str, Any]] = []
+    flight = fly(args, rate, args.seconds, samples)
+    sent, end, last = flight.sent, flight.end, flight.bridge
     problems = wrong(sent, end, samples, HOSTILE_PEERS if args.hostile else 0.5)
     print(
-        f"{sent:,} frames sent at {args.rate:,} a second, {end['received']:,} received, {end['compared']:,} in the logs"
+        f"{sent:,} frames sent at {rate:,} a second, {end['received']:,} received, {end['compared']:,} in the logs"
     )
     print(
         f"bridge {1e6 * last['CPU'] / sent:.1f} us CPU a frame, link {1e6 * end['CPU'] / sent:.1f}, logs decoded with them"
@@ -144,7 +192,7 @@ def run(args: argparse.Namespace, folder: str) -> int:
         )
     print("\n".join(problems) or "nothing lost, nothing grew")
     if args.json:
-        found = {"rate": args.rate, "seconds": args.seconds, "hostile": args.hostile, "sent": sent, "end": end,
+        found = {"rate": rate, "seconds": args.seconds, "hostile": args.hostile, "sent": sent, "end": end,
                  "problems": problems, "samples": samples}  # fmt: skip
         Path(args.json).write_text(json.dumps(found, indent=1) + "\n")
     return 1 if problems else 0
@@ -159,17 +207,25 @@ def main() -> int:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
     parser.add_argument("--seconds", type=float, default=1800.0)
     parser.add_argument(
-        "--rate", type=int, default=20_000, help="frames a second [default: 20,000]"
+        "--rate",
+        default="20000",
+        help="frames a second [default: 20000], or auto: 80%% of what comes through in trials",
     )
-    parser.add_argument("--interval", type=float, default=30.0, help="of the lines, in seconds")
+    parser.add_argument(
+        "--interval",
+        type=float,
+        help="of the lines, in seconds [default: a twentieth of the time, 30 at most]",
+    )
     parser.add_argument("--log-bytes", type=int, default=64 << 20, help="when the next log begins")
     parser.add_argument(
         "--hostile", action="store_true", help="garbage and hostile peers beside it"
     )
     parser.add_argument("--json", metavar="FILE", help="keep the samples")
     args = parser.parse_args()
-    with tempfile.TemporaryDirectory(prefix="mavwire-soak-") as folder:
-        return run(args, folder)
+    if args.rate != "auto" and not (args.rate.isdecimal() and int(args.rate)):
+        parser.error(f"--rate is auto or frames a second, not {args.rate!r}")
+    args.interval = args.interval or min(30.0, args.seconds / 20)
+    return run(args)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 """Prints which tests prove each requirement of docs/requirements.md, and fails where none does.
 
 Rust tests name requirements in their names (`r20_r21_rescan_...`), Python tests in their docstrings
-or in that of their file ("R65: ..."). With the results of a run, `--junit FILE` of pytest and
+("R65: ..."); that of a file proves nothing. With the results of a run, `--junit FILE` of pytest and
 `--cargo FILE` of cargo, each test is shown with its outcome, and a requirement fails where one of
-its tests failed or none ran.
+its tests failed or was not run, or none passed. What was skipped is listed at the end.
 """
 
 from __future__ import annotations
@@ -58,10 +58,11 @@ def rust_tests(source: str) -> Iterator[tuple[str, list[str]]]:
 def python_tests(source: str) -> Iterator[tuple[str, list[str]]]:
     """Name and requirements of each test of a Python file."""
     module = ast.parse(source)
-    general = REQUIREMENT.findall(ast.get_docstring(module) or "")
     for node in ast.walk(module):
-        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
-            yield node.name, general + REQUIREMENT.findall(ast.get_docstring(node) or "")
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith(
+            "test_"
+        ):
+            yield node.name, REQUIREMENT.findall(ast.get_docstring(node) or "")
 
 
 def collect(root: Path) -> Coverage:
@@ -113,6 +114,7 @@ def outcome_of(test: Test, outcomes: Outcomes) -> str:
 def report(known: dict[str, str], coverage: Coverage, outcomes: Outcomes | None) -> list[str]:
     """Prints the table; what is wrong with it."""
     wrong = [f"{number} is no requirement" for number in sorted(coverage.keys() - known.keys())]
+    skipped: set[Test] = set()
     for number, text in known.items():
         tests = coverage.get(number, [])
         print(f"{number}  {text}")
@@ -121,10 +123,17 @@ def report(known: dict[str, str], coverage: Coverage, outcomes: Outcomes | None)
         results = {test: outcome_of(test, outcomes) for test in tests} if outcomes else {}
         for test in tests:
             print(f"    {results[test] + '  ' if outcomes else ''}{test}")
-        wrong += [f"{number}: {test} failed" for test, one in results.items() if one == "failed"]
+        wrong += [
+            f"{number}: {test} {'failed' if one == 'failed' else 'was not run'}"
+            for test, one in results.items()
+            if one in ("failed", "not run")
+        ]
+        skipped |= {test for test, one in results.items() if one == "skipped"}
         if results and "passed" not in results.values():
             wrong.append(f"{number}: none of its tests passed")
     print(f"{len(known)} requirements, {sum(map(len, coverage.values()))} tests of them")
+    for test in sorted(skipped):
+        print(f"skipped: {test}")
     return wrong
 
 

@@ -60,7 +60,8 @@ def send(port: str, rate: str, seconds: str) -> None:
                 sock.send(frames[n % FRAMES])
             sent = due
             time.sleep(PAUSE)
-    tell(sent=sent)
+        seconds = time.perf_counter() - start
+    tell(sent=sent, seconds=seconds)
 
 
 def bridge(target: str) -> None:

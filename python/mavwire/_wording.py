@@ -67,7 +67,7 @@ def guarded_output() -> Iterator[None]:
     """While it lasts, what a command prints of strangers' texts does not steer the terminal."""
     stdout = sys.stdout
     if stdout.isatty():
-        sys.stdout = _Guarded(stdout)  # type: ignore[assignment]
+        sys.stdout = _Guarded(stdout)
     try:
         yield
     finally:

@@ -6,9 +6,10 @@ import io
 import json
 import time
 
+from mavwire._native import recordable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import kind_of
-from mavwire.links.recording import SETUP_SIGNING, recordable, shown
+from mavwire.links.recording import SETUP_SIGNING, shown
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

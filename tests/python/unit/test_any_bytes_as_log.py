@@ -34,6 +34,7 @@ def damaged(data: bytes, rng: random.Random) -> bytes:
 def test_any_bytes_are_read_to_their_end(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """R67."""
     rng = random.Random(seed)
     rest = rng.choice((rng.randbytes(rng.randrange(400)), damaged(TLOG, rng), damaged(CSV, rng)))
     data = rng.choice(HEADS) + rest

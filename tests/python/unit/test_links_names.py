@@ -53,6 +53,7 @@ def names(monkeypatch: pytest.MonkeyPatch) -> Iterator[SlowNames]:
     ],
 )
 def test_ctrl_c_ends_opening_a_link(device: str, names: SlowNames) -> None:
+    """R65."""
     if device.startswith("ws"):
         pytest.importorskip("wsproto")
     with watched(WAIT), pytest.raises(KeyboardInterrupt):
@@ -60,6 +61,7 @@ def test_ctrl_c_ends_opening_a_link(device: str, names: SlowNames) -> None:
 
 
 def test_ctrl_c_ends_sending_and_the_link_goes_on(names: SlowNames) -> None:
+    """R65."""
     with mavutil.mavlink_connection("udpout:vehicle.test:14550") as link:
         with watched(WAIT), pytest.raises(KeyboardInterrupt):
             link.mav.heartbeat_send(6, 8, 0, 0, 0)

@@ -20,6 +20,8 @@ fn reads_r7() {}
 PYTHON = '''"""R65: all of them."""
 def test_one():
     """R6, not r7."""
+async def test_more():
+    """R7."""
 def helper():
     """R8."""
 class TestMore:
@@ -40,7 +42,7 @@ def test_every_requirement_has_a_test(capsys: pytest.CaptureFixture[str]) -> Non
             RUST,
             {"r20_r9b_frames": ["R20", "R9b"], "e01_r1_cases": ["R1"], "reads_r7": []},
         ),
-        (tool.python_tests, PYTHON, {"test_one": ["R65", "R6"], "test_two": ["R65"]}),
+        (tool.python_tests, PYTHON, {"test_one": ["R6"], "test_more": ["R7"], "test_two": []}),
     ],
 )
 def test_tests_name_requirements(
@@ -87,6 +89,13 @@ def test_outcomes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert tool.report(known, coverage, {**cargo, **junit}) == [
         "R2: a.rs::r2_y failed",
         "R2: none of its tests passed",
+        f"R3: {file}::test_missing was not run",
         "R3: none of its tests passed",
     ]
     assert f"    passed  {file}::test_b" in capsys.readouterr().out
+    one_more = {"R1": [*coverage["R1"], tool.Test(file, "test_later")]}
+    outcomes = {**cargo, **junit, f"{file}::test_later": {"skipped"}}
+    assert tool.report({"R1": "text"}, one_more, outcomes) == []
+    assert capsys.readouterr().out.endswith(f"skipped: {file}::test_later\n")
+    one_more["R1"].append(tool.Test("a.rs", "r1_dropped"))
+    assert tool.report({"R1": "text"}, one_more, outcomes) == ["R1: a.rs::r1_dropped was not run"]
