@@ -58,13 +58,14 @@ def build() -> Path:
     return folder / TRIPLE / "release"
 
 
-def run(programs: Path, name: str, seconds: int, keep: bool) -> bool:
+def run(programs: Path, name: str, seconds: int, keep: bool, seed: int) -> bool:
     """Runs a target over its corpus; whether it held."""
     corpus, dictionary = FUZZ / "corpus" / name, FUZZ / "dictionaries" / f"{name}.dict"
     artifacts = FUZZ / "artifacts" / name
     artifacts.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as found:
         command = [str(programs / name), found, str(corpus), f"-max_total_time={seconds}", *LIMITS]
+        command.append(f"-seed={seed}")
         command.append(f"-artifact_prefix={artifacts}/")
         if dictionary.exists():
             command.append(f"-dict={dictionary}")
@@ -88,6 +89,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Fuzzes rust/fuzz.")
     parser.add_argument("targets", nargs="*", help="those alone")
     parser.add_argument("--seconds", type=int, default=20, help="for each target")
+    parser.add_argument(
+        "--seed", type=int, default=0, help="of what is tried (default: another each time)"
+    )
     parser.add_argument("--keep", action="store_true", help="add what is new to the corpus")
     parser.add_argument(
         "--without-nightly",
@@ -108,7 +112,7 @@ def main(arguments: list[str] | None = None) -> int:
     names = options.targets or targets()
     programs = build()
     print(f"{'target':<20}{'executions':>14}{'coverage':>10}")
-    held = [run(programs, name, options.seconds, options.keep) for name in names]
+    held = [run(programs, name, options.seconds, options.keep, options.seed) for name in names]
     return 0 if all(held) else 1
 
 

@@ -26,7 +26,7 @@ def test_a_target_that_fails_fails_all(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tool, "build", Path)
     ran = []
 
-    def run(_programs: Path, name: str, seconds: int, _keep: bool) -> bool:
+    def run(_programs: Path, name: str, seconds: int, _keep: bool, _seed: int) -> bool:
         ran.append((name, seconds))
         return name != "xml"
 
