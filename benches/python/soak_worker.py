@@ -60,8 +60,8 @@ def send(port: str, rate: str, seconds: str) -> None:
                 sock.send(frames[n % FRAMES])
             sent = due
             time.sleep(PAUSE)
-        seconds = time.perf_counter() - start
-    tell(sent=sent, seconds=seconds)
+        taken = time.perf_counter() - start
+    tell(sent=sent, seconds=taken)
 
 
 def bridge(target: str) -> None:
