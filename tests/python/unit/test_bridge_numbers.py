@@ -8,8 +8,11 @@ import time
 import pytest
 from mavwire import Bridge
 from mavwire.bridge import ConfigError
+from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import TCP, UDP, report, udp_peer, wait_until
 from unit.link_tools import KEY, heartbeat
+
+BEAT = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
 
 
 @pytest.mark.parametrize("option", ["heartbeat", "request_streams"])
@@ -45,9 +48,7 @@ def test_made_up_addresses_do_not_make_every_look_slow() -> None:
     with Bridge() as bridge:
         bridge.add(UDP, name="in")
         assert bridge.stats()["hidden_components"] == 0
-        made_up = [
-            heartbeat(sysid=system, compid=part) for system in range(256) for part in range(32)
-        ]
+        made_up = heartbeats(256 * 32)
         bridge.send(b"".join(made_up))
         wait_until("them", lambda: report(bridge, "program")["received"] == len(made_up))
         bridge.send(heartbeat(sysid=1, compid=1))
@@ -58,9 +59,19 @@ def test_made_up_addresses_do_not_make_every_look_slow() -> None:
         assert (1, 1) in {(one["system"], one["component"]) for one in stats["components"]}
 
 
+def heartbeats(count: int) -> list[bytes]:
+    """From as many components."""
+    mav = mavlink.MAVLink(None)
+    frames = []
+    for n in range(count):
+        mav.srcSystem, mav.srcComponent = n % 256, n >> 8
+        frames.append(bytes(BEAT.pack(mav)))
+    return frames
+
+
 def test_newest_values_are_kept_of_a_thousand_vehicles() -> None:
     with Bridge() as bridge, bridge.frames(["HEARTBEAT"]) as batches:
-        bridge.send(b"".join(heartbeat(sysid=n % 256, compid=n >> 8) for n in range(20_000)))
+        bridge.send(b"".join(heartbeats(20_000)))
         got = 0
         while got < 20_000:
             batch = batches.next(10.0)
