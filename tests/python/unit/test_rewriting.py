@@ -134,6 +134,17 @@ def test_merge(flight, tmp_path):
     assert len(rows(out)) == 5000
 
 
+def test_identifiers_of_every_spelling_are_emptied(tmp_path):
+    path, out = tmp_path / "one.tlog", tmp_path / "public.tlog"
+    seen = mavlink.MAVLink_adsb_vehicle_message(1, 0, 0, 0, 0, 0, 0, 0, b"", 0, 0, 0, 7)
+    flown = mavlink.MAVLink_flight_information_message(1, 1, 1, 0x1234567890ABCDEF)
+    frames = [msg.pack(mavlink.MAVLink(None, 1, 1)) for msg in (seen, flown)]
+    path.write_bytes(b"".join(record(frame, T0) for frame in frames))
+    anonymize(path, out)
+    seen, flown = mavwire.open_log(out)
+    assert (seen.squawk, flown.flight_uuid) == (0, 0)
+
+
 def test_anonymize(flight, tmp_path):
     out = tmp_path / "out.tlog"
     done = anonymize(flight, out, shift=(2.5, -40.0))
