@@ -59,8 +59,8 @@ def send(port: str, rate: str, seconds: str) -> None:
                 sock.send(frames[n % FRAMES])
             sent = due
             time.sleep(PAUSE)
-        seconds = time.perf_counter() - start
-    tell(sent=sent, seconds=seconds)
+        took = time.perf_counter() - start
+    tell(sent=sent, seconds=took)
 
 
 def bridge(target: str) -> None:
