@@ -127,7 +127,7 @@ def test_disks_that_are_full_and_disks_that_may_not_be_written(
         "sh",
         "-c",
         f"mount -t tmpfs none {tmp_path} && mkdir {tmp_path}/repair && "
-        f'mount -o remount,{mount} {tmp_path} && "$@"',
+        f'mount -t tmpfs -o remount,{mount} none {tmp_path} && "$@"',
         "sh",
     ]
     # Who is not root may be root of a namespace of users.
