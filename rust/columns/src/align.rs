@@ -121,7 +121,7 @@ fn is_measured(field: &Field) -> bool {
 /// Whether what lies between two values means anything: it does not between modes, sets of bits or the numbers of instances.
 fn is_quantity(field: &Field) -> bool {
     let named =
-        ["enum", "bitmask", "instance"].iter().any(|told| field.metadata().contains_key(*told));
+        ["enum", "bitmask", "instance"].iter().any(|told| field.metadata().contains_key(told));
     field.data_type().is_numeric() && !named && field.name() != "custom_mode"
 }
 
