@@ -43,7 +43,8 @@ def output(package: str, program: str, folder: Path, mavlink20: bool = True) -> 
     """The lines that a program prints; its own failure is the last one."""
     folder.mkdir()
     environment = {**os.environ, "PYTHONPATH": PACKAGE_FOLDER, "TZ": "UTC"}
-    environment.pop("MAVLINK20", None)
+    for name in ("MAVLINK20", "MAVLINK_DIALECT"):  # pymavlink sets them where it runs
+        environment.pop(name, None)
     if mavlink20:
         environment["MAVLINK20"] = "1"
     run = subprocess.run(

@@ -30,6 +30,8 @@ HEADER = ("mlen", "seq", "srcSystem", "srcComponent", "msgId", "incompat_flags",
 
 # The value of a key in a text or in JSON.
 KEY_TEXT = re.compile(r'(?<=secret_key : |secret_key": )\[[^]]*\]')
+# All bytes of a message whose definition is not there.
+BYTES = re.compile(r"\[[^]]*\]")
 
 
 def raised(action: Callable[[], Any]) -> Any:
@@ -40,15 +42,20 @@ def raised(action: Callable[[], Any]) -> Any:
         return f"RAISES {type(error).__name__}: {error}"
 
 
+def without_key(msg: Any, shown: str) -> str:
+    """A text of a message without the secret key, which mavwire alone hides."""
+    return (BYTES if msg.get_type() == "UNKNOWN_256" else KEY_TEXT).sub("", shown)
+
+
 def text(msg: Any) -> str:
-    """`str(msg)`, in which mavwire alone hides a secret key."""
-    return KEY_TEXT.sub("", str(msg))
+    """`str(msg)`."""
+    return without_key(msg, str(msg))
 
 
 def json(msg: Any) -> Any:
-    """`msg.to_json()`, the same way."""
+    """`msg.to_json()`."""
     answer = raised(msg.to_json)
-    return KEY_TEXT.sub("", answer) if isinstance(answer, str) else answer
+    return without_key(msg, answer) if isinstance(answer, str) else answer
 
 
 def message(msg: Any) -> tuple[Any, ...]:

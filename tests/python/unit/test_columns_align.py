@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from datetime import timedelta
 from typing import Any
 
@@ -131,11 +132,8 @@ def test_times_in_texts_have_as_many_digits(tmp_path, suffix):
     path.write_bytes(b"".join(record(heartbeat(n), time) for n, time in enumerate(times)))
     table = mavwire.open_log(path)["HEARTBEAT"]
     table.write(out)
-    found = (
-        pd.read_csv(out) if suffix == "csv" else pd.read_json(out, lines=True, convert_dates=False)
-    )
-    if suffix == "csv":
-        assert {len(text) for text in found["timestamp"]} == {len("2024-01-31T12:00:00.000000Z")}
+    found = pd.read_csv(out) if suffix == "csv" else pd.DataFrame(map(json.loads, out.open()))
+    assert {len(text) for text in found["timestamp"]} == {len("2024-01-31T12:00:00.000000Z")}
     read = pd.to_datetime(found["timestamp"], utc=True)
     np.testing.assert_array_equal(
         read.dt.tz_localize(None).to_numpy().astype("datetime64[us]"), table["timestamp"]

@@ -21,7 +21,7 @@ def rows(path: Path) -> list[list[object]]:
     ids=["letters", "cells", "quotes"],
 )
 def test_a_row_without_end_is_left_out(tmp_path: Path, endless: str) -> None:
-    """R67, R28."""
+    """R67."""
     path = tmp_path / "long.csv"
     path.write_text(f"t;x\n1;2\n{endless}\n3;4\n")
     found = rows(path)
