@@ -186,7 +186,7 @@ def test_anonymize_every_type(tmp_path):
     words = ("lat", "lon", "lng", "uid", "ICAO", "callsign", "serial", "password", "ssid", "MMSI",
              "passkey", "pin", "puk", "apn", "id", ".x", ".y", ".text", "param", "registration",
              "Lat", "Lon", "login", "uri", "file_url", "custom_name", "AIS_VESSEL.name",
-             "VIDEO_STREAM_INFORMATION.name", "NAMED_VALUE_STRING.value")  # fmt: skip
+             "VIDEO_STREAM_INFORMATION.name", "NAMED_VALUE_STRING.value", "squawk")  # fmt: skip
     assert not [one for one in changed if not any(word in one for word in words)], changed
 
 
