@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from mavwire.bridge.beside import Listen, SinkOptions
     from mavwire.bridge.serving import HttpServer
     from mavwire.bridge.sinks import Sink
+    from mavwire.cli._bridge_warnings import DropWarnings
 
 # How long the program sleeps at a time when there is nothing to show.
 PAUSE = 0.5
@@ -136,6 +137,10 @@ def _interrupt(number: int, frame: object) -> None:
 
 
 def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
+    # Not once it is announced: a Ctrl-C while a class is made by `exec` ends Python with SIGINT, caught or not.
+    from mavwire.cli._bridge_warnings import DropWarnings
+
+    warn = DropWarnings(bridge)
     try:
         bridge.start()
     except OSError as error:
@@ -152,7 +157,7 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
                 beside.append(one)
             print(_announcement(bridge, beside), file=sys.stderr, flush=True)
             try:
-                _watch(bridge, args)
+                _watch(bridge, warn, args)
             finally:
                 if args.json is not None:
                     last = bridge.stats()
@@ -264,14 +269,12 @@ def _announcement(bridge: Bridge, beside: list[HttpServer | Sink]) -> str:
     return f"{text}; Ctrl-C ends it"
 
 
-def _watch(bridge: Bridge, args: Namespace) -> None:
-    from mavwire.cli._bridge_warnings import DropWarnings
-
+def _watch(bridge: Bridge, warn: DropWarnings, args: Namespace) -> None:
     now = time.monotonic()
     end = math.inf if args.duration is None else now + args.duration
     interval = args.json or PAUSE
     due = now + interval
-    show, warn = _shower(bridge, args), DropWarnings(bridge)
+    show = _shower(bridge, args)
     try:
         while (now := time.monotonic()) < end:
             time.sleep(max(min(PAUSE, due - now, end - now), 0.0))
