@@ -132,8 +132,15 @@ def test_a_fleet_job_that_is_killed_goes_on_when_it_is_started_again(tmp_path, l
     process = subprocess.Popen(
         [*command, "--workers", "1", "--quiet"], env=ENVIRONMENT, start_new_session=True
     )
+
+    def has_file() -> bool:
+        try:
+            return any(out.rglob("*.parquet"))
+        except FileNotFoundError:  # a folder went while it was gone through: it had one
+            return True
+
     try:
-        wait_until("a file", lambda: list(out.rglob("*.parquet")) or process.poll() is not None)
+        wait_until("a file", lambda: has_file() or process.poll() is not None)
     finally:
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
