@@ -54,7 +54,7 @@ class Remote:
     def _path(self, name: str) -> str:
         return f"{self._inner.rstrip('/')}/{name}"
 
-    def exists(self, name: str) -> bool:
+    def has_content(self, name: str) -> bool:
         """Whether there was such a file, with anything in it, when this was first asked."""
         return self._listing().get(self.fs._strip_protocol(self._path(name)), 0) != 0
 

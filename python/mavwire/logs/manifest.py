@@ -108,7 +108,7 @@ class Manifest:
             status = self._status(path)
         except OSError:
             return None
-        there = all(self._store.exists(name) for name in row.files)
+        there = all(self._store.has_content(name) for name in row.files)
         if not there or status != (row.size, row.mtime_ns):
             return None
         return replace(row, skipped=True)
