@@ -1,6 +1,6 @@
 """Tables of `mavwire._native`: columns of logs, conversion, summaries."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from os import PathLike
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias, final
@@ -127,6 +127,12 @@ class RecordBatches:
 
     def slice(self, start: int, rows: int) -> RecordBatches:
         """Some of the rows."""
+
+    def fitted(self, like: RecordBatches) -> RecordBatches:
+        """The same rows with the columns of a table of another log; what does not fit them is null."""
+
+    def stream(self, tables: Iterator[RecordBatches]) -> object:
+        """An Arrow stream of tables that an iterator gives, with the columns of this one."""
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object: ...
     def __arrow_c_schema__(self) -> object: ...

@@ -6,7 +6,6 @@ import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.batches import fitted, schema_of
 from mavwire.logs.extras import extra
 from mavwire.logs.table import Table
 
@@ -89,13 +88,11 @@ def _load(sources: list[Source], how: dict[str, Any], empty: Table) -> Any:
     """Some logs, one behind the other, as a pandas data frame with the columns of `empty`."""
     import pandas as pd
 
-    schema = schema_of(empty)
-
     found = [decode_as(path, byte_range, **how, lenient=True) for path, byte_range in sources]
     tables = [tables.get(how["types"]) for tables in found]
     # Another description of a type may have other columns.
     frames = [
-        _frame(empty if table is None else Table.from_arrow(fitted(table, schema), table.name))
+        _frame(empty if table is None else Table(table.name, table._batches.fitted(empty._batches)))
         for table in tables
     ]
     if len(frames) == 1:

@@ -15,7 +15,6 @@ from .extras import extra
 from .pushdown import narrow
 from .query import Query
 from .reading import BATCH_ROWS, batches_of, check_readable, empty_of, native_dialect, paths_of
-from .table import Table
 from .telemetry import portable, restored
 
 if TYPE_CHECKING:
@@ -23,6 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from datetime import datetime
     from types import ModuleType
+
+    from .table import Table
 
 
 def scan_polars(
@@ -63,11 +64,11 @@ class _Source:
         systems, *rest = how
         module, self._native = native_dialect(dialect)
         self._query = Query.of(module, message, systems, None, *rest)
-        empty = empty_of(paths, module, self._native, self._query)
+        self._empty = empty_of(paths, module, self._native, self._query)
         self._query.allow([message])
         self._paths = paths
         self._arguments = message, dialect, how
-        self.schema = pl.DataFrame(Table(message, empty)).schema
+        self.schema = pl.DataFrame(self._empty).schema
 
     def __reduce__(self) -> tuple[Any, ...]:
         message, dialect, how = self._arguments
@@ -93,10 +94,10 @@ class _Source:
             wanted.untimed = self._query.start is None and self._query.end is None
         wanted.columns = [name for name in self.schema if name in needed]
         wanted.batch_rows = batch_size or BATCH_ROWS
-        schema = {one: self.schema[one] for one in wanted.columns}
+        empty = self._empty.select(wanted.columns)
         left = n_rows
         for table in _tables(self._paths, self._native, wanted, self._query):
-            frame = _fitted(pl.DataFrame(table), schema)
+            frame = pl.DataFrame(table._batches.fitted(empty))
             if predicate is not None:
                 frame = frame.filter(predicate)
             if with_columns is not None:
@@ -122,29 +123,3 @@ def _tables(paths: list[str], native: Any, wanted: Query, query: Query) -> Itera
         dataflash = DataflashTables.open(path)
         those = wanted if dataflash is None else replace(wanted, systems=query.systems)
         yield from batches_of(dataflash, path, native, those)
-
-
-def _fitted(frame: Any, schema: dict[str, Any]) -> Any:
-    """A frame with the columns of the scan: another dataflash log may describe a type otherwise.
-    What does not fit a column there is null.
-    """
-    found = frame.schema
-    if dict(found) == schema:
-        return frame
-    fit = {name: _fitted_column(name, found.get(name), kind) for name, kind in schema.items()}
-    return frame.select(**fit)
-
-
-def _fitted_column(name: str, own: Any, kind: Any) -> Any:
-    """A column as one of another type, null where its values would be others."""
-    with extra("data"):
-        import polars as pl
-
-    if own == kind:
-        return pl.col(name)
-    if own is None or not (own.is_numeric() and kind.is_numeric()):
-        return pl.lit(None, kind)
-    values = pl.col(name)
-    if own.is_float() and kind.is_integer():
-        values = pl.when(values == values.floor()).then(values)
-    return values.cast(kind, strict=False)

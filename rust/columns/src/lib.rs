@@ -14,6 +14,7 @@ pub mod convert;
 pub mod dataflash;
 pub mod enums;
 pub mod error;
+pub mod fit;
 pub mod gather;
 pub mod input;
 pub mod instances;

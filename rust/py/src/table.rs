@@ -1,6 +1,6 @@
 //! `RecordBatches`: a table, handed out by the Arrow C data interface and, column by column, as buffers.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Arc, OnceLock};
 
 use mavwire_columns::Error;
@@ -14,10 +14,11 @@ use mavwire_columns::arrow::ffi::FFI_ArrowSchema;
 use mavwire_columns::arrow::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
 use mavwire_columns::arrow::ipc::reader::StreamReader;
 use mavwire_columns::arrow::ipc::writer::StreamWriter;
+use mavwire_columns::fit::{fit, schema_of_all};
 use mavwire_columns::instances::split;
 use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyCapsule, PyDict, PyList, PyTuple};
+use pyo3::types::{PyCapsule, PyDict, PyIterator, PyList, PyTuple};
 
 use crate::calling::Calling;
 use crate::column_view::ColumnView;
@@ -221,6 +222,25 @@ impl RecordBatches {
         Ok(Self::new(Arc::clone(&self.schema), vec![whole.slice(start, rows)]))
     }
 
+    /// The same rows with the columns of a table of another log; what does not fit them is null.
+    fn fitted(&self, py: Python<'_>, like: &Self) -> PyResult<Self> {
+        let schema = schema_of_all(&like.schema);
+        let fitted = py.detach(|| self.batches.iter().map(|batch| fit(batch, &schema)).collect());
+        Ok(Self::new(schema, fitted.map_err(|error: ArrowError| columns_error(error.into()))?))
+    }
+
+    /// An Arrow stream of tables that an iterator gives, with the columns of this one.
+    fn stream<'py>(
+        &self,
+        py: Python<'py>,
+        tables: Py<PyIterator>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        let schema = schema_of_all(&self.schema);
+        let batches = TableBatches { schema: Arc::clone(&schema), tables, left: VecDeque::new() };
+        let stream = FFI_ArrowArrayStream::new(Box::new(RecordBatchIterator::new(batches, schema)));
+        PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+    }
+
     #[pyo3(signature = (requested_schema=None))]
     fn __arrow_c_stream__<'py>(
         &self,
@@ -272,6 +292,41 @@ impl RecordBatches {
         let batches = self.batches.iter().map(|batch| batch.project(kept));
         let batches = batches.collect::<Result<Vec<_>, _>>().map_err(error)?;
         Ok(Self::new(Arc::new(schema), batches))
+    }
+}
+
+/// The batches of tables that a Python iterator gives, one behind the other.
+struct TableBatches {
+    schema: SchemaRef,
+    tables: Py<PyIterator>,
+    /// Those of the last table.
+    left: VecDeque<RecordBatch>,
+}
+
+impl TableBatches {
+    /// The batches of the next table; None behind the last one.
+    fn step(&self) -> PyResult<Option<Vec<RecordBatch>>> {
+        Python::attach(|py| {
+            let Some(table) = self.tables.bind(py).clone().next().transpose()? else {
+                return Ok(None);
+            };
+            Ok(Some(table.cast::<RecordBatches>()?.get().batches.clone()))
+        })
+    }
+}
+
+impl Iterator for TableBatches {
+    type Item = Result<RecordBatch, ArrowError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while self.left.is_empty() {
+            match self.step() {
+                Ok(None) => return None,
+                Ok(Some(batches)) => self.left.extend(batches),
+                Err(error) => return Some(Err(ArrowError::ExternalError(Box::new(error)))),
+            }
+        }
+        self.left.pop_front().map(|batch| fit(&batch, &self.schema))
     }
 }
 

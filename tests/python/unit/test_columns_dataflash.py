@@ -380,6 +380,17 @@ def test_values_of_text_logs_that_are_none(tmp_path):
     assert info.bad_bytes == len("X, 4, 5\nY, 1\n") + 100_000
 
 
+@pytest.mark.parametrize("damaged", ["nan", "inf", "-inf"])
+def test_a_time_that_is_no_number_is_that_of_the_record_in_front(tmp_path, damaged):
+    path = tmp_path / "odd.log"
+    lines = ["FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns",
+             "FMT, 9, 20, X, fB, TimeUS,A", "X, 5, 1", f"X, {damaged}, 2", "X, 7, 3"]  # fmt: skip
+    path.write_text("\n".join(lines) + "\n")
+    table = mavwire.read(path)["X"]
+    assert table["timestamp"].astype("int64").tolist() == [5, 5, 7]
+    assert table["A"].tolist() == [1, 2, 3]
+
+
 def test_compressed(tmp_path):
     log = sample()
     plain = log.write(tmp_path / "flight.BIN")

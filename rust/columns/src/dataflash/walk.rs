@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use mavwire_core::codec::read;
 use mavwire_core::log::dataflash::text::nth_value;
-use mavwire_core::log::dataflash::{FieldKind, HEAD_LEN, Layout, TimeRule};
+use mavwire_core::log::dataflash::{FieldKind, HEAD_LEN, Layout, TimeRule, whole};
 
 use super::hop::{Hops, Place, STRETCH, hop};
 use super::lines::Lines;
@@ -112,8 +112,9 @@ impl Walk {
             Form::Binary(definitions) => {
                 definitions.layouts()[usize::from(place.layout)].count(index, &bytes[HEAD_LEN..])
             }
-            Form::Text(definitions) => number(nth_value(bytes, definitions.delimiter(), index))
-                .map(|number| number.round() as i64),
+            Form::Text(definitions) => {
+                number(nth_value(bytes, definitions.delimiter(), index)).and_then(whole)
+            }
         }
     }
 

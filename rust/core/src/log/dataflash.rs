@@ -18,7 +18,7 @@ mod units;
 pub use clock::{Clock, ClockFinder, TimeRule};
 pub use definitions::{Definitions, MAX_DEFINITIONS};
 pub use field::{ARRAY_LEN, FieldKind, Value, half, value};
-pub use layout::{FMT_LAYOUT_LEN, Field, Layout, LayoutError, TimeUnit, log_text};
+pub use layout::{FMT_LAYOUT_LEN, Field, Layout, LayoutError, TimeUnit, log_text, whole};
 pub use records::{Found, LOOK_LEN, RecordEntry, index, look};
 pub use units::Units;
 

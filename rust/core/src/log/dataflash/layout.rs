@@ -156,13 +156,13 @@ impl Layout {
         Some(if field.kind.scale().is_some() { field.kind.scaled(stored) } else { stored })
     }
 
-    /// The same as an integer, the nearest one; what no integer holds is the largest or smallest there is.
+    /// The same as an integer: see [`whole`].
     #[inline]
     pub fn count(&self, index: usize, body: &[u8]) -> Option<i64> {
         match self.value(index, body)? {
             Value::Integer(number) if self.fields[index].kind.scale().is_none() => Some(number),
             Value::Unsigned(number) => Some(i64::try_from(number).unwrap_or(i64::MAX)),
-            _ => self.number(index, body).map(|number| number.round() as i64),
+            _ => self.number(index, body).and_then(whole),
         }
     }
 
@@ -173,6 +173,12 @@ impl Layout {
         let stored = self.number(index, body)?;
         Some(stored * if unit == TimeUnit::Micros { 1e-6 } else { 1e-3 })
     }
+}
+
+/// The nearest integer; the largest or smallest for what is beyond, `None` for NaN and infinity.
+#[inline]
+pub fn whole(number: f64) -> Option<i64> {
+    number.is_finite().then(|| number.round() as i64)
 }
 
 fn kinds(name: &str, format: &str) -> Result<Vec<FieldKind>, LayoutError> {
