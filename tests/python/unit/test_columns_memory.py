@@ -1,0 +1,105 @@
+"""Logs are read and converted in bounded memory, on all processors, and opened without being read."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mavwire.dialects.v20 import common
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")
+
+MEGABYTES = 48
+"""Of a log that is larger than what any reader holds of it."""
+LIMIT = 300 * 1024
+"""kB that a process may take, the interpreter with it."""
+
+REPORT = """
+import json, os, pathlib
+def taken():
+    status = pathlib.Path("/proc/self/status").read_text()
+    return int(status.partition("VmHWM:")[2].split()[0])
+def read():
+    return int(pathlib.Path("/proc/self/io").read_text().partition("rchar:")[2].split()[0])
+def busy():
+    tasks = pathlib.Path("/proc/self/task").iterdir()
+    fields = ((one / "stat").read_text().rpartition(")")[2].split() for one in tasks)
+    return sorted(int(field[11]) + int(field[12]) for field in fields)
+"""
+
+
+def run(code: str, *arguments: str | Path) -> Any:
+    """What a program says as JSON."""
+    command = [sys.executable, "-c", REPORT + code, *map(str, arguments)]
+    return json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A log of three types, whose times go on."""
+    mav = common.MAVLink(None, 1, 1)
+    messages = [
+        common.MAVLink_attitude_message(1, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6),
+        common.MAVLink_vfr_hud_message(1.0, 2.0, 3, 4, 5.0, 6.0),
+        common.MAVLink_statustext_message(6, b"a text of a vehicle"),
+    ]
+    frames = [message.pack(mav) for message in messages]
+    path = tmp_path_factory.mktemp("large") / "large.tlog"
+    with path.open("wb") as file:
+        time = 1_700_000_000_000_000
+        while file.tell() < MEGABYTES << 20:
+            times = range(time, time + 10_000 * 3, 1)
+            file.write(b"".join(t.to_bytes(8, "big") + frames[t % 3] for t in times))
+            time = times.stop
+    return path
+
+
+@pytest.mark.parametrize("form", ["parquet", "csv", "jsonl", "arrow", "mcap"])
+def test_memory_of_a_conversion_is_bounded(log: Path, tmp_path: Path, form: str) -> None:
+    code = """
+import sys
+from mavwire.logs.conversion import convert
+done = convert([sys.argv[1]], sys.argv[2], format=sys.argv[3])
+print(json.dumps(taken()))
+"""
+    assert run(code, log, tmp_path, form) < LIMIT
+
+
+def test_memory_of_a_scan_is_bounded(log: Path) -> None:
+    code = """
+import sys, mavwire
+rows = sum(len(table) for table in mavwire.scan(sys.argv[1]))
+print(json.dumps([rows, taken()]))
+"""
+    rows, memory = run(code, log)
+    assert rows > 1_000_000 and memory < LIMIT
+
+
+def test_a_log_is_opened_without_being_read(log: Path) -> None:
+    code = """
+import sys, mavwire
+before = read()
+log = mavwire.open_log(sys.argv[1])
+print(json.dumps(read() - before))
+"""
+    assert run(code, log) < 1 << 20
+
+
+@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="needs two processors")
+def test_a_log_is_read_on_all_processors(log: Path) -> None:
+    code = """
+import sys, mavwire
+before = sum(busy())
+for _ in range(4):
+    mavwire.read(sys.argv[1])
+*_, second, first = busy()
+print(json.dumps([first - before, second]))
+"""
+    first, second = run(code, log)
+    assert second > first / 4, f"one thread took {first} ticks, the next one {second}"
