@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import stat
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from .batches import Batches
 from .query import Query, check_described, check_tables, names_of
 from .sources import columns_from, head_of, is_dataflash
 from .table import Table, tidy
-from .targets import A_FOLDER
+from .targets import A_FOLDER, A_PIPE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -39,9 +40,14 @@ def native_dialect(dialect: str | ModuleType) -> tuple[Any, Any]:
 
 
 def check_readable(path: str) -> None:
-    """Raise FileNotFoundError, IsADirectoryError or PermissionError, with the name."""
-    if os.path.isdir(path):
+    """Raise FileNotFoundError, IsADirectoryError or PermissionError, with the name; OSError for a
+    pipe or a socket, which opening would wait on.
+    """
+    mode = os.stat(path).st_mode
+    if stat.S_ISDIR(mode):
         raise IsADirectoryError(errno.EISDIR, A_FOLDER, path)
+    if stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode):
+        raise OSError(errno.ESPIPE, A_PIPE, path)
     with open(path, "rb"):
         pass
 

@@ -7,6 +7,7 @@ import os
 import stat
 
 A_FOLDER = "is a folder: name the logs in it, such as FOLDER/*.tlog"
+A_PIPE = "a pipe or a socket is no log: save what comes out of it in a file"
 
 
 def file_to_write(path: str | os.PathLike[str]) -> str:

@@ -7,7 +7,6 @@ Rust without holding the interpreter; an object is made only of what was asked f
 
 from __future__ import annotations
 
-import errno
 import os
 from datetime import datetime
 from types import ModuleType
@@ -17,7 +16,6 @@ from mavwire._native import LogScan
 from .base import Log
 from .manifest import file_status
 from .selection import Selection, no_message
-from .targets import A_FOLDER
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -217,10 +215,10 @@ class TelemetryLog(Log):
 
     def _check(self) -> None:
         """Raise what tells why the file is no telemetry log."""
+        from .reading import check_readable
         from .sources import COMPRESSED
 
-        if os.path.isdir(self.path):
-            raise IsADirectoryError(errno.EISDIR, A_FOLDER, self.path)
+        check_readable(self.path)
         with open(self.path, "rb") as file:
             head = file.read(HEAD_SIZE)
             size = os.fstat(file.fileno()).st_size

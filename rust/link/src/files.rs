@@ -15,16 +15,34 @@ use std::thread;
 /// Opens a file for reading it once.
 ///
 /// # Errors
-/// What the operating system says.
+/// What the operating system says; a pipe or a socket, whose opening may never end.
 pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
+    check_kind(path)?;
     Ok(Box::new(File::open(path)?))
+}
+
+#[cfg(unix)]
+fn check_kind(path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::FileTypeExt;
+
+    let kind = std::fs::metadata(path)?.file_type();
+    if kind.is_fifo() || kind.is_socket() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "a pipe or a socket is no log"));
+    }
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn check_kind(_: &Path) -> io::Result<()> {
+    Ok(())
 }
 
 /// Opens some of the bytes of a file for reading them once. A file that ends in front of them has less.
 ///
 /// # Errors
-/// What the operating system says.
+/// Those of [`open`].
 pub fn open_part(path: &Path, bytes: Range<u64>) -> io::Result<Box<dyn Read + Send>> {
+    check_kind(path)?;
     let mut file = File::open(path)?;
     file.seek(SeekFrom::Start(bytes.start))?;
     Ok(Box::new(file.take(bytes.end.saturating_sub(bytes.start))))

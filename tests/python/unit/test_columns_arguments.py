@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import datetime as dt
+import importlib.util
+import os
 import pickle
 import sys
 from pathlib import Path
@@ -87,6 +89,24 @@ def test_folders_are_named_with_what_to_do(flight, tmp_path, capsys):
         assert caught.value.filename == str(tmp_path)
     assert cli.main(["cut", str(tmp_path), "-o", str(tmp_path / "x.tlog")]) == 1
     assert "is a folder: name the logs in it" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_pipes_are_refused_and_not_waited_for(tmp_path, capsys):
+    pipe = tmp_path / "pipe.tlog"
+    os.mkfifo(pipe)
+    scan, frame = mavwire.scan, mavwire.scan_polars
+    looks = [mavwire.open_log, mavwire.read, lambda path: list(scan(path, "ATTITUDE"))]
+    if importlib.util.find_spec("polars") is not None:
+        looks.append(lambda path: frame(path, "ATTITUDE").collect())
+    for look in looks:
+        with pytest.raises(OSError, match="save what comes out of it in a file"):
+            look(pipe)
+    writing = [[command, "-o", str(tmp_path / "out")] for command in ("convert", "cut", "map")]
+    plot = ["plot", "ATTITUDE.roll", "-o", str(tmp_path / "plot.html")]
+    for command, *rest in (*writing, plot, ["info"], ["dump"]):
+        assert cli.main([command, str(pipe), *rest]) != 0
+        assert "a pipe or a socket" in capsys.readouterr().err
 
 
 def test_times_as_texts_are_utc_where_they_name_no_zone(flight):

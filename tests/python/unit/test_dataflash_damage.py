@@ -214,6 +214,23 @@ def test_words_in_the_place_of_numbers_cost_their_line_alone(
     assert printed.err.count("passed over") == 3
 
 
+def test_a_word_in_the_place_of_an_instance_costs_no_other_line(tmp_path: Path) -> None:
+    path = tmp_path / "odd.log"
+    lines = [
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns",
+        "FMT, 7, 20, FMTU, QBNN, TimeUS,FmtType,UnitIds,MultIds",
+        "FMT, 5, 11, IMU, QBf, TimeUS,I,GyrX",
+        "FMTU, 1, 5, s#-, F--",
+        *(f"IMU, {n}, {instance}, {n}" for n, instance in enumerate([0, 1, "word", "\x10", 1, 0])),
+    ]
+    path.write_text("\n".join(lines) + "\n")
+    with DFReader_text(str(path)) as log:
+        times = [message.TimeUS for message in iter(lambda: log.recv_match(type="IMU"), None)]
+        assert times == list(range(6))
+        assert sorted(log.messages) == ["FMT", "FMTU", "IMU", "IMU[0]", "IMU[1]", "MAV"]
+        assert (log.messages["IMU[0]"].TimeUS, log.messages["IMU[1]"].TimeUS) == (5, 4)
+
+
 # Two intact positions, modes and parameters among lines with words, in logs with either clock.
 WORDS = """FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns
 FMT, 6, 20, GPS, QBIHLLfff, TIME,Status,GMS,GWk,Lat,Lng,Alt,GCrs,Spd

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::Delimiter;
 use mavwire_link::dataflash::Contents;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use pyo3::{PyTraverseError, PyVisit};
@@ -104,11 +104,12 @@ impl DataflashReader {
             None => {}
             Some(Ok(key)) => messages.set_item(key, &message)?,
             Some(Err(bytes)) => {
-                let key = Self::instance_key(slf, &message, kind)?;
-                if messages.len() < MAX_MESSAGES || messages.contains(&key)? {
-                    messages.set_item(&key, &message)?;
+                if let Some(key) = Self::instance_key(slf, &message, kind)? {
+                    if messages.len() < MAX_MESSAGES || messages.contains(&key)? {
+                        messages.set_item(&key, &message)?;
+                    }
+                    slf.get().state.lock(py).remember_key(kind, bytes, key.unbind());
                 }
-                slf.get().state.lock(py).remember_key(kind, bytes, key.unbind());
             }
         }
         if tracked {
@@ -117,16 +118,21 @@ impl DataflashReader {
         Ok(message)
     }
 
+    /// The key of a message's instance in `messages`; `None` where a text log has no number for it.
     fn instance_key<'py>(
         slf: &Bound<'py, Self>,
         message: &Bound<'py, DFMessage>,
         kind: usize,
-    ) -> PyResult<Bound<'py, PyString>> {
+    ) -> PyResult<Option<Bound<'py, PyString>>> {
         let py = slf.py();
         let instance = slf.get().state.lock(py).kinds[kind].instance.unwrap_or_default();
-        let value = message.get().value(py, instance)?;
+        let value = match message.get().value(py, instance) {
+            Err(error) if error.is_instance_of::<PyValueError>(py) => return Ok(None),
+            value => value?,
+        };
         let name = &message.get().names.layout.name;
-        Ok(PyString::new(py, &format!("{name}[{}]", value.text()?.to_string_lossy())))
+        let key = format!("{name}[{}]", value.text()?.to_string_lossy());
+        Ok(Some(PyString::new(py, &key)))
     }
 
     /// Fixes which layouts filtered reads visit, unless that is fixed already.
