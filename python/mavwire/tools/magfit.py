@@ -48,7 +48,7 @@ def main(args: Namespace) -> int:
     try:
         import numpy as np
     except ImportError as error:
-        raise CommandError("NumPy is needed to fit: pip install numpy") from error
+        raise CommandError("NumPy is needed to fit: pip install 'mavwire[tools]'") from error
     figures = open_figures(args.image) if args.plot else None
     with definitions():
         for path in args.logs:

@@ -59,7 +59,7 @@ def main(args: Namespace) -> int:
     try:
         import numpy as np
     except ImportError as error:
-        raise CommandError("NumPy is needed to fit: pip install numpy") from error
+        raise CommandError("NumPy is needed to fit: pip install 'mavwire[tools]'") from error
     from mavwire.tools._field_fit import fit
 
     if args.reduce < 1:
