@@ -195,3 +195,9 @@ def draw(figure: Any, points: Any, centre: Any) -> None:
     for name, values in (("measured", points), ("corrected", points - centre)):
         axes.scatter(*values.T, s=4, label=name)
     axes.legend(loc="upper right")
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

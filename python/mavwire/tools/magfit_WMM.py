@@ -267,3 +267,9 @@ def _draw(figure: Any, expected: Any, corrected: Any) -> None:
         axes.plot(expected[:, number], label=f"expected {axis}")
         axes.plot(corrected[:, number], label=f"corrected {axis}")
         axes.legend(loc="upper right")
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)
