@@ -18,13 +18,16 @@ HEAD = b"\xa3\x95"
 def get_msgbuf(message: Any) -> bytes | None:
     """The record of a message, encoded from `_elements`; None where a value does not fit.
 
-    ValueError where a value is no number.
+    A column Mode, which may be the name of the mode, gets its number from the column ModeNum if
+    there is one. ValueError where a value is no number.
     """
     fmt = message.fmt
     scaled = message._apply_multiplier
+    has_number = "ModeNum" in fmt.colhash
+    columns = zip(fmt.columns, message._elements, fmt.msg_fmts, strict=False)
     values = [
-        _stored(element, character, scaled)
-        for element, character in zip(message._elements, fmt.msg_fmts, strict=False)
+        message.ModeNum if column == "Mode" and has_number else _stored(element, character, scaled)
+        for column, element, character in columns
     ]
     try:
         return HEAD + bytes([fmt.type]) + struct.pack(fmt.msg_struct, *values)
@@ -36,6 +39,8 @@ def _stored(element: Any, character: str, scaled: bool) -> Any:
     _, factor, kind = FORMAT_TO_STRUCT[character]
     if kind is str:
         return element.encode() if isinstance(element, str) else element
+    if character == "M":
+        return element
     if factor is None:
         return kind(element)
     return round(float(element)) if scaled else round(float(element) / factor)

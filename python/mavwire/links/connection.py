@@ -137,8 +137,8 @@ PREFIXES: dict[str, Callable[[str, Options], Any]] = {
 }
 
 
-# Modules that only some links need -> the packages to install.
-PACKAGES = {"serial": "pyserial", "wsproto": "wsproto"}
+# Modules that only some links need -> their packages, and the extras that bring these.
+EXTRAS = {"serial": ("pyserial", "serial"), "wsproto": ("wsproto", "ws")}
 
 
 def csv_options(address: str) -> tuple[str, dict[str, str]]:
@@ -205,10 +205,10 @@ def connect(device: str | os.PathLike[str] | bytes, options: Options) -> Any:
         error.add_note(f"while opening {device!r}")
         raise
     except ModuleNotFoundError as error:
-        package = PACKAGES.get(error.name or "")
-        if package is None:
+        if error.name not in EXTRAS:
             raise
-        reason = f"{device} needs {package}: pip install {package}"
+        package, extra = EXTRAS[error.name]
+        reason = f"{device} needs {package}: pip install 'mavwire[{extra}]'"
         raise ModuleNotFoundError(reason, name=error.name) from error
 
 

@@ -17,7 +17,10 @@ DATAFLASH_HEAD = b"\xa3\x95\x80"
 TEXT_LOG_PROBE = 8000
 # Records of a telemetry log that have to follow each other for the file to be one.
 TLOG_RECORDS = 3
-TLOG_PROBE = TLOG_RECORDS * (8 + 280) + 9
+STAMP_LEN = 8
+TLOG_PROBE = TLOG_RECORDS * (STAMP_LEN + 280) + 9
+# Bytes of a frame that say how long it is.
+LENGTH_HEAD = 3
 
 
 def read_head(path: str, size: int) -> bytes:
@@ -29,19 +32,24 @@ def read_head(path: str, size: int) -> bytes:
         return b""
 
 
+def frame_length(head: bytes) -> int:
+    """How long the frame is that begins with `head`, three bytes or more; 0 if none does."""
+    marker, payload_len, incompat_flags = head[:LENGTH_HEAD]
+    if marker == 0xFD and incompat_flags in (0, 1):
+        return 10 + payload_len + 2 + 13 * incompat_flags
+    return 6 + payload_len + 2 if marker == 0xFE else 0
+
+
 def looks_like_tlog(head: bytes) -> bool:
     """Whether `head` begins with whole records: a timestamp and a frame, several times over."""
     ofs = 0
     for _ in range(TLOG_RECORDS):
-        if len(head) < ofs + 8 + 8:
+        if len(head) < ofs + STAMP_LEN + 8:
             break
-        marker, payload_len, incompat_flags = head[ofs + 8 : ofs + 11]
-        if marker == 0xFD and incompat_flags in (0, 1):
-            ofs += 8 + 10 + payload_len + 2 + 13 * incompat_flags
-        elif marker == 0xFE:
-            ofs += 8 + 6 + payload_len + 2
-        else:
+        length = frame_length(head[ofs + STAMP_LEN :])
+        if not length:
             return False
+        ofs += STAMP_LEN + length
     return 0 < ofs <= len(head)
 
 

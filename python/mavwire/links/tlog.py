@@ -12,6 +12,7 @@ import time
 
 from mavwire._native import LogLink
 
+from .log_file import LogFile, LogPort
 from .mavfile import link_dict, mavfile
 from .recording import open_recording
 
@@ -81,6 +82,18 @@ class mavlogfile(LogLink, mavfile):
         """What programs ask that look after links without a descriptor in turn."""
         return LogPort(self)
 
+    def recv(self, n: int | None = None) -> bytes:
+        """Up to `n` bytes of the log; empty at its end.
+
+        A program that parses by itself gets one record at a time and no time stamp: so this is no
+        noise between the frames, and a message has the time of its own record. What `recv_msg` asks
+        for, just as much as the parser waits for, is read as it stands.
+        """
+        file = self.f
+        if n == self.mav.bytes_needed() or self.notimestamps or not isinstance(file, LogFile):
+            return LogLink.recv(self, n)
+        return b"" if file.closed else file.read_frame(n)
+
     def close(self) -> None:
         """Close the file."""
         self._close_reader()
@@ -100,50 +113,6 @@ class mavlogfile(LogLink, mavfile):
         if self.planner_format:
             raise RuntimeError(f"bad planner timestamp {self.f.read(PLANNER_TIME_LEN)!r}")
         LogLink.pre_message(self)
-
-
-class LogPort:
-    """A log as a port that has received all of it: MAVProxy reads `--master=flight.tlog` so."""
-
-    def __init__(self, link: mavlogfile) -> None:
-        self._link = link
-
-    def inWaiting(self) -> int:
-        """Bytes that are left to read; 0 for a log that is written, or closed."""
-        link = self._link
-        return 0 if link.writeable or link.f.closed else max(link.filesize - link.f.tell(), 0)
-
-
-class LogFile:
-    """The file behind a log that is read: its position is where the next record is looked for."""
-
-    def __init__(self, link: mavlogfile, file: Any) -> None:
-        self._link = link
-        self._file = file
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._file, name)
-
-    def tell(self) -> int:
-        """Position in the file."""
-        return self._link._tell()
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Continue reading at `offset`; whatever was begun is dropped."""
-        if whence == os.SEEK_CUR:
-            offset += self.tell()
-        elif whence == os.SEEK_END:
-            offset += self._file.seek(0, os.SEEK_END)
-        self._link._seek(offset)
-        return offset
-
-    def read(self, size: int = -1) -> bytes:
-        """Bytes from the position on, which moves behind them."""
-        offset = self.tell()
-        self._file.seek(offset)
-        data: bytes = self._file.read(size)
-        self._link._seek(offset + len(data))
-        return data
 
 
 mavlogfile._quick_class = mavlogfile

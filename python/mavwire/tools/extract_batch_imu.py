@@ -76,3 +76,9 @@ def _samples(number: int, batch: Batch, msg: Any) -> Iterator[bytes]:
     for index, sample in enumerate(rows, msg.seqno * len(rows)):
         micros = min(batch.start + index * step, LAST_TIME)
         yield SAMPLE.pack(HEAD, number, micros, *(one / batch.multiplier for one in sample))
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -37,3 +37,9 @@ def _load(path: str) -> MAVParmDict:
     except ValueError as error:
         raise CommandError(str(error)) from error
     return found
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -50,3 +50,9 @@ def _tell_hole(batch: Batch) -> None:
 def _lines(batch: Batch) -> bytes:
     lines = [f"{micros},{x:.5f},{y:.5f},{z:.5f}\n" for micros, x, y, z in batch.rows()]
     return "".join(lines).encode()
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

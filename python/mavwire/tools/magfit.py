@@ -48,7 +48,7 @@ def main(args: Namespace) -> int:
     try:
         import numpy as np
     except ImportError as error:
-        raise CommandError("NumPy is needed to fit: pip install numpy") from error
+        raise CommandError("NumPy is needed to fit: pip install 'mavwire[tools]'") from error
     figures = open_figures(args.image) if args.plot else None
     with definitions():
         for path in args.logs:
@@ -195,3 +195,9 @@ def draw(figure: Any, points: Any, centre: Any) -> None:
     for name, values in (("measured", points), ("corrected", points - centre)):
         axes.scatter(*values.T, s=4, label=name)
     axes.legend(loc="upper right")
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

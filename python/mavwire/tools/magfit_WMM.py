@@ -59,7 +59,7 @@ def main(args: Namespace) -> int:
     try:
         import numpy as np
     except ImportError as error:
-        raise CommandError("NumPy is needed to fit: pip install numpy") from error
+        raise CommandError("NumPy is needed to fit: pip install 'mavwire[tools]'") from error
     from mavwire.tools._field_fit import fit
 
     if args.reduce < 1:
@@ -267,3 +267,9 @@ def _draw(figure: Any, expected: Any, corrected: Any) -> None:
         axes.plot(expected[:, number], label=f"expected {axis}")
         axes.plot(corrected[:, number], label=f"corrected {axis}")
         axes.legend(loc="upper right")
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

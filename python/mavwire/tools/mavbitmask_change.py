@@ -92,3 +92,9 @@ def _bit_names(message: str, field: str) -> tuple[str, dict[int, str]]:
         common += 1
     bits = {bit: "_".join(name[common:]) for bit, name in names.items() if bit & (bit - 1) == 0}
     return cls.msgname, bits
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -162,3 +162,9 @@ class DataflashExtraction(Extraction):
     def _record(self, msg: Any) -> bytes:
         frame: bytes = msg.get_msgbuf()
         return frame
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

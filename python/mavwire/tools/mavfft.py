@@ -91,3 +91,9 @@ class Samples:
             values = np.array(all_values[:count])
             found[axis] = (frequencies, np.abs(np.fft.rfft(values - values.mean())))
         return found
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -82,3 +82,9 @@ class Selection:
         self._spectrum.set_title(f"{start:.3f} s to {end:.3f} s")
         self._spectrum.legend(loc="upper right")
         self._figure.canvas.draw_idle()
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

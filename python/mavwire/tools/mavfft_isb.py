@@ -110,3 +110,9 @@ def _tell_notch(spectrum: Spectrum, number: int) -> None:
     print(f"Peak {number}: {centre:.1f} Hz, {width:.1f} Hz wide")
     print(f"INS_HNTCH_FREQ {centre:.1f}")
     print(f"INS_HNTCH_BW {max(centre / 2, width):.1f}")
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -70,3 +70,9 @@ def _levels(rows: list[tuple[float, ...]], rate: int) -> list[Any]:
         power = np.mean([density(one[at : at + rate], rate, "hanning") for at in starts], axis=0)
         levels.append(10.0 * np.log10(np.sqrt(power) + FLOOR))
     return levels
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

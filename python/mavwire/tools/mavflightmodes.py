@@ -100,3 +100,9 @@ class Modes:
 
 def _share(part: float, total: float) -> float:
     return part * 100.0 / total if total else 0.0
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

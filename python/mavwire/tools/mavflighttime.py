@@ -105,3 +105,9 @@ class Flight:
         clock = time.asctime(time.localtime(now))
         speed = f"groundspeed {fix.groundspeed:.1f}"
         print(f"{what} at {clock} (percent {percent}% {speed}{lasted})")
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -147,3 +147,9 @@ def _tell_parameters(content: bytes) -> None:
         return
     for name, value, _ in found.params:
         print(printable(name.decode(errors="replace")), value)
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

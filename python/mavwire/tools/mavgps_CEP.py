@@ -84,3 +84,9 @@ def _scatter(points: list[Position]) -> str:
         f"CEP50:{away[middle]:.3f}m CEP99:{away[last]:.2f}m"
         f" HEP50:{heights[middle]:.3f}m HEP99:{heights[last]:.3f}m"
     )
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

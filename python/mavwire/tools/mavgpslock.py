@@ -62,3 +62,9 @@ def _locked(log: Reading, condition: str | None) -> int:
     if seconds:
         print(f"Lock time : {minutes(seconds)}")
     return seconds
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -179,3 +179,9 @@ class Series:
         right = self._expression.right
         name = label.removesuffix(":2") if label == field else label
         graph.add(name, right, colour, self._x, self._y, self._texts)
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -139,3 +139,9 @@ def document(lines: list[Line], extrude: bool) -> str:
         return f'{HEADER}    <Document id="1"/>\n</kml>\n'
     content = "".join(styles + places)
     return f'{HEADER}    <Document id="1">\n{content}    </Document>\n</kml>\n'
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

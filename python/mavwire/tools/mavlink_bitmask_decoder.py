@@ -32,3 +32,9 @@ def main(args: Namespace) -> int:
     for bit in bits:
         print(f"{' ' if bit.value else '!'} {bit.name or '[UNKNOWN]'}")
     return 0
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -218,3 +218,9 @@ class Losses:
 def _rate(one: Sender) -> str:
     sent = one.packets + one.lost
     return f"{one.lost * 100.0 / sent if sent else 0.0:.1f}%"
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

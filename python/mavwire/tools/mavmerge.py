@@ -67,3 +67,9 @@ def _merge_exactly(args: Namespace) -> int:
         raise CommandError("--exact writes a log: name it by --output")
     args.out = args.output
     return run(args, args.logs, partial(merge_logs, args.logs, args.output))
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

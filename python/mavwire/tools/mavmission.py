@@ -83,3 +83,9 @@ def _item(msg: Any) -> Any:
             msg.Prm1, msg.Prm2, msg.Prm3, msg.Prm4, msg.Lat, msg.Lng, msg.Alt,
         )  # fmt: skip
     return msg
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -88,3 +88,9 @@ def _group(kind: str) -> str:
         if any(fnmatchcase(kind, pattern) for pattern in patterns.split()):
             return group
     return OTHER
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

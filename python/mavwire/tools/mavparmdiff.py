@@ -61,3 +61,9 @@ def main(args: Namespace) -> int:
     except ValueError as error:
         raise CommandError(str(error)) from error
     return 0
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -63,3 +63,9 @@ def _parameters(log: Reading) -> Iterator[tuple[str, float, float]]:
             name, value = msg.Name, msg.Value
         if name:
             yield name, value, msg._timestamp
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -161,3 +161,9 @@ def window(player: Player, tkinter: Any, root: Any, name: str) -> None:
 
     button.config(command=toggle)
     tick()
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -43,3 +43,9 @@ def _search(log: Reading, args: Namespace) -> None:
             print(msg)
         if args.stop or (found and args.stopcondition):
             return
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -20,3 +20,9 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     fields = [f"SYS_STATUS.onboard_control_sensors_{name}" for name in FIELDS]
     return show_changes("sensor_status_change", args.log, fields)
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

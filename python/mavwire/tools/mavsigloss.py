@@ -50,3 +50,9 @@ def main(args: Namespace) -> int:
                         print(f"Sig lost for {stamp - last:.1f}s at {time.ctime(stamp)}")
                     last = stamp
     return 0
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -53,3 +53,9 @@ def _split(log: Reading, types: list[str] | None, args: Namespace, stack: ExitSt
             print(f"Creating {path}")
             files[sysid] = open_output(path, args.logs, stack, option="")
         files[sysid].write(record(msg))
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

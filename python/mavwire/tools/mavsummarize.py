@@ -122,3 +122,9 @@ def summarise(log: Reading, condition: str | None) -> Summary | None:
 def _clock(seconds: float) -> str:
     """As mavsummarize.py writes it: minutes are rounded, not cut off."""
     return f"{seconds / 60:3.0f}:{seconds % 60:02.0f}"
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

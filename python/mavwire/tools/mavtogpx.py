@@ -122,3 +122,9 @@ def _point(msg: Any) -> Point | None:
     if kind == "POS":
         return Point(msg.Lat, msg.Lng, msg.Alt)
     return None
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

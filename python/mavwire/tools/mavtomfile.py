@@ -75,3 +75,9 @@ def _cells(msg: Any) -> Iterator[tuple[str, float]]:
                 yield f"{name}{number}", float(one)
         elif isinstance(value, (int, float)):
             yield name, float(value)
+
+
+if __name__ == "__main__":
+    from mavwire.tools._script import run
+
+    run(__file__)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import shutil
 import socket
 import sysconfig
+import time
 from pathlib import Path
 
 import pytest
@@ -113,4 +114,11 @@ def test_a_log_as_the_master(environment: Environment, tmp_path: Path) -> None:
         station.expect("custom_mode : 4")  # GUIDED, as at the end of the log
         station.say("status GLOBAL_POSITION_INT")
         station.expect("GLOBAL_POSITION_INT {")
+
+        def is_read_whole() -> bool:
+            station.say("status")
+            time.sleep(0.2)
+            return f"MasterIn:[{len(ground.messages)}]" in station.text
+
+        wait_until(is_read_whole, "every message of the log")
     assert "exception" not in station.text.lower()

@@ -45,6 +45,40 @@ def test_a_set_column_is_the_messages(log: Any) -> None:
         message.Nope  # noqa: B018
 
 
+@pytest.mark.parametrize(
+    ("form", "columns", "line", "values"),
+    [
+        ("QMBB", "TimeUS,Mode,ModeNum,Rsn", "700, AUTO, 3, 1", (700, 3, 3, 1)),
+        ("QMBB", "TimeUS,Mode,ModeNum,Rsn", "700, 3, 3, 1", (700, 3, 3, 1)),
+        ("QMB", "TimeUS,Mode,Rsn", "700, AUTO, 1", None),
+        ("QMB", "TimeUS,Way,ModeNum", "700, AUTO, 1", None),
+        ("QZB", "TimeUS,Mode,ModeNum", "700, AUTO, 3", None),
+        ("QLcZ", "TimeUS,Lat,Alt,Text", "700, -35.25, 1.5, hi", (700, -352500000, 150, "hi")),
+    ],
+)
+def test_a_line_of_a_text_log_as_a_record(
+    tmp_path: Path, form: str, columns: str, line: str, values: tuple[Any, ...] | None
+) -> None:
+    """The name of a mode has no number but in the column beside it."""
+    path = tmp_path / "t.log"
+    head = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns"
+    path.write_text(f"{head}\nFMT, 129, 99, ONE, {form}, {columns}\nONE, {line}\n")
+    with mavutil.mavlink_connection(str(path)) as log:
+        message = log.recv_match(type="ONE")
+    assert message.get_msgbuf() == (values and record(129, form, *values))
+
+
+def test_the_mode_of_a_changed_message_is_its_number(tmp_path: Path) -> None:
+    """A message that was not changed is the record that stands in the log."""
+    log = Log().define("MODE", "QMBB", "TimeUS,Mode,ModeNum,Rsn").add("MODE", 1, 4, 7, 1)
+    with mavutil.mavlink_connection(log.write(tmp_path / "t.bin")) as reader:
+        message = reader.recv_match(type="MODE")
+        assert message.get_msgbuf()[11:] == b"\4\7\1"
+        message.Mode = "LAND"
+        message.ModeNum = 9
+        assert message.get_msgbuf()[11:] == b"\t\t\1"
+
+
 def test_names_that_are_not_interned_are_found(log: Any) -> None:
     message = log.recv_match(type="IMU")
     name = "".join(["Acc", "X"])

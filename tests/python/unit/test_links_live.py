@@ -293,13 +293,18 @@ def test_bad_addresses_are_named(device):
         mavutil.mavlink_connection(device)
 
 
-def test_a_serial_port_without_pyserial_says_what_to_install(monkeypatch):
-    monkeypatch.setitem(sys.modules, "serial", None)
-    with pytest.raises(
-        ModuleNotFoundError, match=r"/dev/ttyX9 needs pyserial: pip install"
-    ) as error:
-        mavutil.mavlink_connection("/dev/ttyX9")
-    assert error.value.name == "serial"
+@pytest.mark.parametrize(
+    ("device", "module", "said"),
+    [
+        ("/dev/ttyX9", "serial", "/dev/ttyX9 needs pyserial: pip install 'mavwire[serial]'"),
+        ("ws:127.0.0.1:1", "wsproto", "ws:127.0.0.1:1 needs wsproto: pip install 'mavwire[ws]'"),
+    ],
+)
+def test_a_link_without_its_package_says_which_extra_brings_it(monkeypatch, device, module, said):
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(ModuleNotFoundError) as error:
+        mavutil.mavlink_connection(device)
+    assert (str(error.value), error.value.name) == (said, module)
 
 
 # -- TCP

@@ -68,6 +68,27 @@ def test_a_script_does_what_its_subcommand_does(folder: Path, tmp_path: Path) ->
     assert outputs[0] == outputs[1] != b""
 
 
+def test_a_module_is_its_script() -> None:
+    """`python -m mavwire.tools.mavparms`, as programs run `python -m pymavlink.tools.mavparms`."""
+    code = (
+        "import runpy, sys\n"
+        "names, sys.argv[1:] = sys.argv[1:], ['--help']\n"
+        "for name in names:\n"
+        "    try:\n"
+        "        runpy.run_module('mavwire.tools.' + name, run_name='__main__')\n"
+        "    except SystemExit as end:\n"
+        "        assert end.code == 0, name\n"
+    )
+    names = [name.removesuffix(".py") for name in tools.scripts()]
+    helped = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code, *names],
+        capture_output=True, text=True, check=True, timeout=120,
+        env={**os.environ, "PYTHONPATH": PACKAGE_FOLDER},
+    )  # fmt: skip
+    told = re.findall(r"^usage: mavwire (\w+)", helped.stdout, re.MULTILINE)
+    assert told == list(tools.scripts().values())
+
+
 @pytest.mark.skipif(os.name != "posix", reason="scripts are started by their first line")
 @pytest.mark.parametrize("name", ["it's my environment", "e" * 150])
 def test_the_interpreter_may_be_called_anything(
