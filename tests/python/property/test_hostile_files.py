@@ -217,7 +217,7 @@ def server() -> Iterator[tuple[int, list[BaseException]]]:
             raised.append(error)
 
     before = serving._Server.handle_error
-    serving._Server.handle_error = keep  # type: ignore[method-assign]
+    serving._Server.handle_error = keep  # type: ignore[method-assign, assignment]
     with Bridge(["udpin:127.0.0.1:0"]) as bridge, Inspector(bridge, "127.0.0.1", 0) as inspector:
         yield inspector.port, raised
     serving._Server.handle_error = before  # type: ignore[method-assign]

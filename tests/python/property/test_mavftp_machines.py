@@ -113,7 +113,7 @@ class Files:
         elif op.opcode == OP_WriteFile:
             end = op.offset + op.size
             self.written.extend(bytes(max(end - len(self.written), 0)))
-            self.written[op.offset : end] = op.payload
+            self.written[op.offset : end] = bytes(op.payload or b"")
             yield ack(op)
         else:
             yield ack(op)
