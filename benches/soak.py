@@ -4,8 +4,9 @@
 
 Each part is a process of its own; the flight is that of a simulated copter, over and over at `--rate` frames a second. A log
 is closed at `--log-bytes`, decoded, compared frame by frame with what was sent, and removed. With `--hostile` garbage
-comes to a port of the same bridge as fast as it can be sent, over UDP and over TCP connections that come and go, and the
-flight must come through all the same.
+comes to other ports of the same bridge as fast as it can be sent, over UDP and over TCP connections that come and go. To the
+flight's own ports there come, steadily, good frames of all senders that can be made up, garbage from senders that change,
+and a TCP client that reads nothing. The flight must come through all the same.
 
 Prints a line each `--interval`: frames, and memory, descriptors and processor time of bridge and receiver; `--json` keeps
 them. Fails where a frame is missing, where a log differs, or where memory or descriptors grow, and
@@ -41,6 +42,10 @@ GROWTH = 4096
 """kB that the memory of a process may differ by between the first and the last third of a run."""
 HOSTILE_PEERS = 64
 """Descriptors that hostile TCP connections may have more or less: those that a server of a bridge takes."""
+MOST_NANOSECONDS = 100.0
+"""Of processor time that the bridge may take for each byte that reaches it, beside hostile peers."""
+MOST_COMPONENTS = 255 * 256
+"""That a bridge may know: there are no more."""
 WARM_UP = 0.1
 """Share of the samples in which buffers and pools still fill."""
 LEAST_SAMPLES = 10
@@ -91,9 +96,16 @@ def asked(process: subprocess.Popen[str], word: str = "sample") -> Any:
     return told(process)
 
 
+def settled(samples: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Without those in which buffers and pools still fill, and the table of components."""
+    known = samples[-1]["components"] if samples else 0
+    filled = next((n for n, one in enumerate(samples) if one["components"] == known), 0)
+    return samples[max(int(len(samples) * WARM_UP), filled) :]
+
+
 def growth(samples: list[dict[str, Any]], key: str) -> float:
-    """By how much the mean of the last third is above that of the first, behind the warm-up."""
-    values = [one[key] for one in samples][int(len(samples) * WARM_UP) :]
+    """By how much the mean of the last third is above that of the first."""
+    values = [one[key] for one in settled(samples)]
     third = max(len(values) // 3, 1)
     return sum(values[-third:]) / third - sum(values[:third]) / third
 
@@ -109,7 +121,7 @@ def wrong(
         )
     if end["difference"] is not None:
         found.append(f"the logs differ from what was sent at frame {end['difference']:,}")
-    if len(samples) < LEAST_SAMPLES:
+    if len(samples) < LEAST_SAMPLES or len(settled(samples)) < LEAST_SAMPLES / 2:
         found.append(
             f"{len(samples)} samples show no growth: it takes {LEAST_SAMPLES}, by a shorter --interval"
         )
@@ -121,6 +133,21 @@ def wrong(
     return found
 
 
+def too_dear(bridge: dict[str, Any]) -> list[str]:
+    """What hostile peers cost the bridge that they may not."""
+    found = []
+    if (each := nanoseconds(bridge)) > MOST_NANOSECONDS:
+        found.append(f"{each:.1f} ns CPU a byte are more than {MOST_NANOSECONDS:g}")
+    if bridge["components"] > MOST_COMPONENTS:
+        found.append(f"the bridge knows {bridge['components']:,} components")
+    return found
+
+
+def nanoseconds(bridge: dict[str, Any]) -> float:
+    """Processor time of the bridge for each byte that came to it."""
+    return 1e9 * float(bridge["CPU"]) / max(int(bridge["came"]), 1)
+
+
 def sample(began: float, bridge: dict[str, Any], link: dict[str, Any]) -> dict[str, Any]:
     """A line of the table."""
     return {
@@ -129,6 +156,7 @@ def sample(began: float, bridge: dict[str, Any], link: dict[str, Any]) -> dict[s
         "compared": link["compared"],
         **{f"{part} {key}": one[key] for part, one in (("bridge", bridge), ("link", link)) for key in ("kB", "fd", "CPU")},
         "garbage": bridge["garbage"],
+        "components": bridge["components"],
     }  # fmt: skip
 
 
@@ -141,9 +169,10 @@ def fly(
         link = start(stack, "link", folder, args.log_bytes)
         bridge = start(stack, "bridge", told(link)["port"])
         ports = told(bridge)
-        sender = start(stack, "send", ports["honest"], rate, seconds)
         if args.hostile:
             start(stack, "attack", ports["hostile UDP"], ports["hostile TCP"])
+            told(start(stack, "intrude", ports["honest"], ports["viewers"]))
+        sender = start(stack, "send", ports["honest"], rate, seconds)
         began = time.monotonic()
         while samples is not None and sender.poll() is None:
             try:
@@ -178,6 +207,7 @@ def run(args: argparse.Namespace) -> int:
     flight = fly(args, rate, args.seconds, samples)
     sent, end, last = flight.sent, flight.end, flight.bridge
     problems = wrong(sent, end, samples, HOSTILE_PEERS if args.hostile else 0.5)
+    problems += too_dear(last) if args.hostile else []
     print(
         f"{sent:,} frames sent at {rate:,} a second, {end['received']:,} received, {end['compared']:,} in the logs"
     )
@@ -185,10 +215,9 @@ def run(args: argparse.Namespace) -> int:
         f"bridge {1e6 * last['CPU'] / sent:.1f} us CPU a frame, link {1e6 * end['CPU'] / sent:.1f}, logs decoded with them"
     )
     if args.hostile:
-        megabytes = last["garbage"] / 1e6
-        each = 1e9 * last["CPU"] / max(last["garbage"], 1)
         print(
-            f"{megabytes:,.0f} MB of garbage reached the bridge, {each:.1f} ns CPU a byte at most"
+            f"{last['garbage'] / 1e6:,.0f} MB of garbage and {last['components']:,} components reached the bridge, "
+            f"{nanoseconds(last):.1f} ns CPU for each byte that came"
         )
     print("\n".join(problems) or "nothing lost, nothing grew")
     if args.json:

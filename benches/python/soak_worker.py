@@ -22,6 +22,11 @@ from mavwire.sim import Vehicle
 # So many frames of a flight, a multiple of the sequence numbers there are: then the next flight follows without a gap.
 FRAMES = 256 * 40
 GARBAGE = 1400
+# Of the flight. Whoever else there is may say that it is all others.
+SYSTEM = 1
+STRANGERS = [(system, component) for system in range(2, 256) for component in range(256)]
+# Datagrams that come to the flight's own port beside it, each second: no more than a system has room for meanwhile.
+INTRUSIONS = 500
 
 
 def flight() -> list[bytes]:
@@ -65,28 +70,65 @@ def send(port: str, rate: str, seconds: str) -> None:
 
 
 def bridge(target: str) -> None:
-    """A bridge with a port for the flight, and two for whoever comes."""
-    with Bridge(["udpin:127.0.0.1:0", f"udpout:127.0.0.1:{target}"]) as core:
-        hostile = [core.add(f"{kind}:127.0.0.1:0", name=kind) for kind in ("udpin", "tcpin")]
+    """A bridge with a UDP port for the flight, a TCP port for who wants to see it, and two ports for whoever comes."""
+    with Bridge() as core:
+        core.add(f"udpout:127.0.0.1:{target}", name="station", allow_systems_out=[SYSTEM])
+        ports = ("honest", "viewers", "hostile UDP", "hostile TCP")
+        for name, kind in zip(ports, ("udpin", "tcpin", "udpin", "tcpin"), strict=True):
+            core.add(f"{kind}:127.0.0.1:0", name=name)
         ends = {one["name"]: one["endpoint"] for one in core.stats()["links"] if not one["peer"]}
-        ports = [int(ends[name].rpartition(":")[2]) for name in ("udpin:127.0.0.1:0", *hostile)]
-        tell(**dict(zip(("honest", "hostile UDP", "hostile TCP"), ports, strict=True)))
+        tell(**{name: int(ends[name].rpartition(":")[2]) for name in ports})
         for _ in sys.stdin:
-            links = core.stats()["links"]
-            garbage = sum(one["junk_bytes"] for one in links if one["name"] in hostile)
-            tell(**measured(), garbage=garbage)
+            stats = core.stats()
+            tell(
+                **measured(),
+                came=sum(one["junk_bytes"] + one["received_bytes"] for one in stats["links"]),
+                garbage=sum(one["junk_bytes"] for one in stats["links"]),
+                components=len(stats["components"]) + stats["hidden_components"],
+            )
+
+
+def garbage() -> list[bytes]:
+    """Datagrams without a whole frame."""
+    return [
+        Random(2).randbytes(GARBAGE),
+        b"\xfd" * GARBAGE,
+        b"\xfe\xff\x01" * 400,
+        b"".join(frame[:-3] for frame in flight()[:60])[:GARBAGE],
+    ]
+
+
+def intrude(udp: str, tcp: str) -> None:
+    """To the flight's own ports, steadily: good frames of every sender that there is, garbage from senders that change, and
+    a client that reads nothing.
+    """
+    os.nice(10)
+    mav, frames = mavutil.mavlink.MAVLink(None), list[bytes]()
+    for system, component in STRANGERS:
+        mav.srcSystem, mav.srcComponent = system, component
+        frames.append(mav.heartbeat_encode(6, 8, 0, 0, 4).pack(mav))
+    made_up = [b"".join(frames[start : start + 60]) for start in range(0, len(frames), 60)]
+    pieces, address = garbage(), ("127.0.0.1", int(udp))
+    with (
+        socket.create_connection(("127.0.0.1", int(tcp))) as deaf,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as liar,
+    ):
+        deaf.sendall(frames[0])
+        start = time.perf_counter()
+        for turn in range(sys.maxsize):
+            if turn == len(made_up):
+                tell(known=len(STRANGERS))
+            with suppress(OSError):
+                liar.sendto(made_up[turn % len(made_up)], address)
+                with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+                    stranger.sendto(pieces[turn % len(pieces)], address)
+            time.sleep(max(start + turn / INTRUSIONS - time.perf_counter(), 0.0))
 
 
 def attack(udp: str, tcp: str) -> None:
     """Garbage as fast as it goes, from senders that change; also frames that were cut off, but no whole one."""
     os.nice(10)
-    rand = Random(2)
-    pieces = [
-        rand.randbytes(GARBAGE),
-        b"\xfd" * GARBAGE,
-        b"\xfe\xff\x01" * 400,
-        b"".join(frame[:-3] for frame in flight()[:60])[:GARBAGE],
-    ]
+    pieces = garbage()
     address = ("127.0.0.1", int(tcp))
     for turn in range(sys.maxsize):
         with (

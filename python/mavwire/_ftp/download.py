@@ -163,11 +163,14 @@ class Download:
         result = decode_result(op)
         if result.error_code != FtpError.EndOfFile:
             return result
+        lost = (op.seq - self._burst_seq) & 0xFFFF != 1
         self._burst_seq = op.seq
         self.channel.seq = (op.seq + 1) & 0xFFFF
         self.burst = None
-        if self.offset >= self.remote_size:
+        if self.offset >= self.remote_size and not lost:
             self.at_end = True
+        elif len(self.gaps) >= MAX_READ_GAPS:  # it only ever says that there is more
+            return result
         else:  # the last blocks were lost, or the size was a guess: one read tells
             self.gaps[self.offset] = self.block
             self.offset += self.block

@@ -76,8 +76,10 @@ class ChunkedLink(LiveLink, mavfile):
     def close(self) -> None:
         """Close the link for good. What was recorded reaches the file."""
         self._closed = True
-        self._release()
-        self._flush_logs_now()
+        try:
+            self._release()
+        finally:
+            self._flush_logs_now()
 
     def _release(self) -> None:
         """Let go of what the transport holds; `fd` is None then."""

@@ -10,6 +10,7 @@ from .waiting import (
     address_family,
     ask_for_room,
     datagrams_dropped,
+    hang_up,
     interface_index,
     set_close_on_exec,
     socket_address,
@@ -80,8 +81,8 @@ class mavmcast(ChunkedLink):
                 self.port_out.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, index)
             self.port_out.connect(socket_address((group, number)))
         except OSError:
-            self.port.close()
-            self.port_out.close()
+            hang_up(self.port)
+            hang_up(self.port_out)
             raise
         for endpoint in (self.port, self.port_out):
             set_close_on_exec(endpoint.fileno())
@@ -118,14 +119,14 @@ class mavmcast(ChunkedLink):
             port.setblocking(False)
             ask_for_room(port)
         except OSError:
-            port.close()
+            hang_up(port)
             raise
         return port
 
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
-        self.port.close()
-        self.port_out.close()
+        hang_up(self.port)
+        hang_up(self.port_out)
 
     def recv(self, n: int | None = None) -> bytes:
         """One datagram of someone else; empty when none is waiting."""

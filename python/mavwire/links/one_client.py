@@ -14,6 +14,7 @@ from .stream import StreamLink
 from .waiting import (
     address_family,
     bind,
+    hang_up,
     prepare_tcp,
     set_close_on_exec,
     wait_readable,
@@ -41,7 +42,7 @@ def listen_on(address: tuple[str, int]) -> Any:
         bind(listener, address)
         listener.listen(1)
     except BaseException:
-        listener.close()
+        hang_up(listener)
         raise
     listener.setblocking(False)
     set_close_on_exec(listener.fileno())
@@ -85,7 +86,7 @@ class OneClientLink(StreamLink):
             port.setblocking(False)
             prepare_tcp(port)
         except OSError:  # gone again
-            port.close()
+            hang_up(port)
             return None
         set_close_on_exec(port.fileno())
         self._heard_at, self._heard_count = monotonic(), self.mav_count

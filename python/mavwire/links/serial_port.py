@@ -40,6 +40,20 @@ def _is_plain(port: Any) -> bool:
     return type(port).__module__ == "serial.serialposix"
 
 
+def _close(port: Any) -> None:
+    """Close a port. Where that is an error pyserial stops half way: its own pipes are left open, and the descriptor, whose
+    number may be somebody else's next, would be closed once more."""
+    from contextlib import suppress
+
+    try:
+        port.close()
+    except OSError:
+        if _is_plain(port) and port.is_open:
+            with suppress(OSError):
+                port.fd = os.open(os.devnull, os.O_RDONLY)
+                port.close()
+
+
 class mavserial(StreamLink):
     """`device` is a port name, or `name,baud` where no such file exists. With `autoreconnect` a port that was
     unplugged is opened again, every `reconnect_delay` seconds at most."""
@@ -116,7 +130,7 @@ class mavserial(StreamLink):
 
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
-        self.port.close()
+        _close(self.port)
         self._forget_unsent()
 
     def recv(self, n: int | None = None) -> bytes:
@@ -153,12 +167,9 @@ class mavserial(StreamLink):
 
     def _lost(self) -> None:
         """The port was unplugged: nothing to read, wait for or finish any more."""
-        from contextlib import suppress
-
         self._say_dead()
         self.fd = None
-        with suppress(OSError):  # closing asks the driver, which is gone
-            self.port.close()
+        _close(self.port)
         self._forget_unsent()
         self._drop_partial()
         self._maybe_reset()
@@ -239,8 +250,6 @@ class mavserial(StreamLink):
         return is_due() and self._reopen()
 
     def _reopen(self) -> bool:
-        from contextlib import suppress
-
         import serial
 
         self._next_reset = time.monotonic() + self.reconnect_delay
@@ -250,8 +259,7 @@ class mavserial(StreamLink):
             )
         except (OSError, ValueError):  # SerialException is an OSError
             return False
-        with suppress(OSError):  # the old port is gone, which is why it is replaced
-            self.port.close()
+        _close(self.port)  # it is gone, which is why it is replaced
         self._forget_unsent()
         self.portdead = False
         self.port, self.fd = port, self._descriptor(port)

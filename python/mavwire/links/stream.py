@@ -5,6 +5,7 @@ from __future__ import annotations
 from mavwire._native import DescriptorPort, StreamWriter
 
 from .chunked import ChunkedLink
+from .pipes import ends_program, survived
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -25,12 +26,18 @@ class StreamLink(ChunkedLink):
 
     def _send_frame(self, port: Any, frame: bytes) -> None:
         """Send or queue a frame; OSError when the connection `port` is gone."""
-        self._writer.write(port, frame, self)
+        if ends_program():
+            survived(self._writer.write, port, frame, self)
+        else:
+            self._writer.write(port, frame, self)
 
     def _send_rest(self, port: Any) -> None:
         """Send what was queued, as far as the peer takes it now."""
         if self._has_unsent or self._writer.unsent:
-            self._writer.flush(port, self)
+            if ends_program():
+                survived(self._writer.flush, port, self)
+            else:
+                self._writer.flush(port, self)
 
     def _forget_unsent(self) -> None:
         """Drop and count what is queued: the connection it was meant for is gone."""

@@ -8,7 +8,7 @@ from _thread import get_ident
 from .chunked import READ_SIZE
 from .names import connect_to
 from .reconnecting import ReconnectingLink
-from .waiting import prepare_tcp, set_close_on_exec, split_host_port
+from .waiting import hang_up, prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class mavtcp(ReconnectingLink):
         try:
             prepare_tcp(port)
         except BaseException:
-            port.close()
+            hang_up(port)
             raise
         return port
 
@@ -93,7 +93,7 @@ class mavtcp(ReconnectingLink):
     def _disconnect(self) -> None:
         port, self.port, self.fd = self.port, None, None
         if port is not None:
-            port.close()
+            hang_up(port)
         self._forget_unsent()
 
     def handle_disconnect(self) -> None:
@@ -135,7 +135,7 @@ class mavtcp(ReconnectingLink):
         due, self._next_attempt = self._next_attempt, later
         self.port = self.fd = None
         self.portdead = True
-        port.close()
+        hang_up(port)
         self._forget_unsent()
         self._drop_partial()
         self._next_attempt = due

@@ -5,7 +5,7 @@ from __future__ import annotations
 from .chunked import READ_SIZE
 from .one_client import OneClientLink, listen_on
 from .stream import StreamWriter
-from .waiting import split_host_port
+from .waiting import hang_up, split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ class mavtcpin(OneClientLink):
         self._read_stream(serves_one=True)
 
     def _release(self) -> None:
-        self.listen.close()
+        hang_up(self.listen)
         self._drop_client()
 
     def _accept(self) -> bool:
@@ -51,7 +51,7 @@ class mavtcpin(OneClientLink):
         port, self.port = self.port, None
         self.fd = listening if listening >= 0 else None  # None when the link is closed
         if port is not None:
-            port.close()
+            hang_up(port)
         self._forget_unsent()
         self._drop_partial()
 

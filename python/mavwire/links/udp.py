@@ -16,6 +16,7 @@ from .waiting import (
     ask_for_room,
     bind,
     datagrams_dropped,
+    hang_up,
     set_close_on_exec,
     split_host_port,
 )
@@ -71,7 +72,7 @@ class mavudp(ChunkedLink):
                 # Without SO_REUSEADDR: a second listener would take the datagrams of the first.
                 bind(self.port, (host, number))
             except BaseException:
-                self.port.close()
+                hang_up(self.port)
                 raise
         else:
             self.destination_addr = (host, number)
@@ -99,7 +100,7 @@ class mavudp(ChunkedLink):
 
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
-        self.port.close()
+        hang_up(self.port)
 
     @property
     def datagrams_dropped(self) -> int:
@@ -247,7 +248,7 @@ class mavudp(ChunkedLink):
         except OSError:  # then sending fails too, and is counted
             return
         self.port, self.fd = port, port.fileno()
-        old.close()
+        hang_up(old)
         if self._closed:  # meanwhile
             self._release()
 

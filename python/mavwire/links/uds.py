@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .tcp import CONNECT_TIMEOUT, mavtcp
+from .waiting import hang_up
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ class mavuds(mavtcp):
             port.settimeout(CONNECT_TIMEOUT)
             port.connect(self.destination_addr)
         except OSError:
-            port.close()
+            hang_up(port)
             raise
         return port
 

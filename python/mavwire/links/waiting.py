@@ -43,6 +43,14 @@ def wait_writable(fd: int, timeout: float) -> bool:
     return bool(select.select([], [fd], [], timeout)[1])
 
 
+def hang_up(port: Any) -> None:
+    """Close a socket. Where that is an error the system has let go of the descriptor all the same."""
+    from contextlib import suppress
+
+    with suppress(OSError):
+        port.close()
+
+
 def set_close_on_exec(fd: int) -> None:
     """Keep `fd` out of child processes where the platform can; never fails."""
     try:

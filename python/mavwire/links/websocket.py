@@ -15,7 +15,7 @@ from .names import connect_to
 from .one_client import OneClientLink, listen_on
 from .reconnecting import ReconnectingLink
 from .stream import StreamLink, StreamWriter
-from .waiting import prepare_tcp, set_close_on_exec, split_host_port
+from .waiting import hang_up, prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class _WebSocketLink(StreamLink):
         port, self.port, self.ws = self.port, None, None
         self.fd = self._idle_fd()
         if port is not None:
-            port.close()
+            hang_up(port)
         self._forget_unsent()
         self._drop_partial()
 
@@ -181,7 +181,7 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
         return fd if fd >= 0 else None
 
     def _release(self) -> None:
-        self.listen.close()
+        hang_up(self.listen)
         self.close_port()
 
     def _accept(self) -> bool:
@@ -288,7 +288,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
                 port = context.wrap_socket(port, server_hostname=self.destination_addr[0])
             ws = self._shake_hands(port)
         except BaseException:
-            port.close()
+            hang_up(port)
             raise
         return TlsPort(port) if self.secure else port, ws
 

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from random import Random
@@ -49,7 +50,7 @@ def messages(log: Any) -> int:
 
 
 def cuts(package: str, short: bool) -> dict[str, Any]:
-    """A log that ends at any byte: exceptions of both readers, and records that do not come."""
+    """A log that ends at any byte: exceptions of both readers, and records that do not come, or come too often."""
     mavutil = mavutil_of(package)
     records = tlog_records()
     data = b"".join(records)
@@ -57,7 +58,11 @@ def cuts(package: str, short: bool) -> dict[str, Any]:
     for one in records:
         at += len(one)
         ends.append(at)
-    found = {"exceptions, stream": 0, "exceptions, indexed": 0, "intact records lost": 0}
+    found = {
+        "exceptions, stream": 0,
+        "exceptions, indexed": 0,
+        "intact records lost, or too many": 0,
+    }
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "cut.tlog"
         for size in range(1, len(data) + 1, 23 if short else 1):
@@ -67,7 +72,7 @@ def cuts(package: str, short: bool) -> dict[str, Any]:
                 try:
                     with silence():
                         log = mavutil.mavlink_connection(str(path), **options)
-                        found["intact records lost"] += whole - messages(log)
+                        found["intact records lost, or too many"] += abs(whole - messages(log))
                         log.close()
                 except Exception:
                     found[f"exceptions, {kind}"] += 1
@@ -118,12 +123,12 @@ def mutations(data: bytes, count: int) -> Iterator[bytes]:
 
 
 def odd_lengths() -> Iterator[bytes]:
-    """Record types that claim to be shorter than their own head."""
+    """Record types that claim to be shorter than their own head, with a field and without one."""
+    head = bytes(Log().define("ATT", "QccC", "TimeUS,Roll,Pitch,Yaw", 5).data)
     for length in range(4):
         for repeats in (1, 300):
-            head = Log().define("ATT", "QccC", "TimeUS,Roll,Pitch,Yaw", 5)
-            odd = fmt(9, "ODD", "B", "X", length=length) + b"\xa3\x95\x09\x01" * repeats
-            yield bytes(head.data) + odd
+            yield head + fmt(9, "ODD", "B", "X", length=length) + b"\xa3\x95\x09\x01" * repeats
+        yield head + fmt(9, "ODD", "", "", length=length) + b"\xa3\x95\x09\x01"
 
 
 def read_log(open_log: Callable[[str], Any], path: Path, limit: float) -> str:
@@ -180,33 +185,59 @@ def full_disk(package: str, short: bool) -> dict[str, Any]:
 
 
 RECORDER = """
-import sys
+import sys, time
 from hardening.tools import mavutil_of
 link = mavutil_of(sys.argv[1]).mavlink_connection(sys.argv[2])
 link.setup_logfile(sys.argv[3])
-count = 0
-while count < 500:
-    count += link.recv_match(blocking=True) is not None
-link.recv_match(type="ATTITUDE", blocking=True, timeout=3)
-print("recorded", flush=True)
-link.recv_match(type="ATTITUDE", blocking=True, timeout=60)
+while True:
+    if link.recv_match(type="HEARTBEAT", blocking=True, timeout=0.05) is not None:
+        print(time.monotonic(), flush=True)
 """
+KEPT_BACK = 1.0
+"""Seconds that a link may keep a record to itself, by its documentation."""
 
 
-def killed(package: str, short: bool) -> dict[str, Any]:
-    """Records of 500 that are lost when the process is killed 3 s after the last one."""
-    with tempfile.TemporaryDirectory() as folder, socket.create_server(("127.0.0.1", 0)) as server:
-        path = Path(folder) / "flight.tlog"
+def received_until_killed(
+    package: str, path: Path, send: Callable[[socket.socket], None]
+) -> list[float]:
+    """When a process that records received each of the messages that are sent to it; then it is killed."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
         device = f"tcp:127.0.0.1:{server.getsockname()[1]}"
         command = [sys.executable, "-c", RECORDER, package, device, str(path)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
             peer, _ = server.accept()
-            peer.sendall(b"".join(heartbeat(seq) for seq in range(500)))
-            assert child.stdout
-            child.stdout.readline()
-            child.send_signal(signal.SIGKILL)
-        peer.close()
-        return {"records lost": 500 - path.stat().st_size // 29}
+            with peer:
+                send(peer)
+                child.send_signal(signal.SIGKILL)
+                assert child.stdout
+                return [float(line) for line in child.stdout if line.endswith("\n")]
+
+
+def killed(package: str, short: bool) -> dict[str, Any]:
+    """Records that are not in the log of a process that was killed: of 500, 3 s after the last one, and of those that
+    were older than what the link may keep back when it received its last one, at a moment of chance.
+    """
+
+    def at_once(peer: socket.socket) -> None:
+        peer.sendall(b"".join(heartbeat(seq) for seq in range(500)))
+        time.sleep(3)
+
+    def evenly(peer: socket.socket) -> None:
+        end, seq = time.monotonic() + Random(time.time_ns()).uniform(2.5, 4.0), 0
+        while time.monotonic() < end:
+            peer.sendall(heartbeat(seq))
+            seq += 1
+            time.sleep(0.01)
+
+    found = {"of 500, 3 s after the last": 0, "at any moment, older than a second": 0}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, send in zip(found, (at_once, evenly), strict=True):
+            path = Path(folder, f"{name}.tlog")
+            times = received_until_killed(package, path, send)
+            late = KEPT_BACK if send is evenly else 0.0
+            due = sum(one <= times[-1] - late for one in times)
+            found[name] = max(due - path.stat().st_size // 29, 0)
+    return found
 
 
 def secrets(package: str, short: bool) -> dict[str, Any]:

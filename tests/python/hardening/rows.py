@@ -76,6 +76,7 @@ FIGURES = (
     Figure("code that is run", code.runs, (NO,)),
     Figure("hostile definitions", code.bombs, (Goal("refused in ms", quickly, refused),)),
     Figure("bytes for a made-up key", links.tables, (at_most(1, 10),)),
+    Figure("files of a vehicle", links.ftp_sessions, (exactly(4),)),
     Figure("backlog of messages", links.backlog, (at_most(10), NONE)),
     Figure("victim of stray bytes, of 500", links.injection, (exactly(500),)),
     Figure("traffic for a garbage peer", links.reflection, (NO,)),

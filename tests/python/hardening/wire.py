@@ -102,7 +102,11 @@ def kept(package: str, short: bool) -> dict[str, Any]:
 
 def unaligned(package: str, short: bool) -> dict[str, Any]:
     """Kilobytes that a parser keeps after 8 MB that never end with a frame."""
-    mav = parser_of(package)
+    return {f"kB, {resync}": kept_of_unaligned(package, resync) for resync in POLICIES[package]}
+
+
+def kept_of_unaligned(package: str, resync: str) -> int:
+    mav = parser_of(package, resync)
     stream = heartbeat() * 2000
     chunk = stream[5:] + stream[:5]
 
@@ -116,4 +120,4 @@ def unaligned(package: str, short: bool) -> dict[str, Any]:
     megabytes(1)
     before = memory()
     megabytes(8)
-    return {"kB": max(memory() - before, 0) // 1000}
+    return max(memory() - before, 0) // 1000

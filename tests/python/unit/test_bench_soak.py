@@ -38,10 +38,13 @@ def test_a_short_flight_comes_through(tmp_path: Path) -> None:
     assert any("came and" in one for one in found["problems"]) == is_lost
     assert done.returncode == bool(found["problems"])
     assert len(found["samples"]) > 0
+    # The strangers have reached the flight's own port, and the flight went on beside them.
+    assert found["samples"][-1]["components"] > 1
+    assert found["samples"][-1]["garbage"] > 0
 
 
 def samples(**last: float) -> list[dict[str, Any]]:
-    one = {"bridge kB": 1000, "link kB": 1000, "bridge fd": 10, "link fd": 6}
+    one = {"bridge kB": 1000, "link kB": 1000, "bridge fd": 10, "link fd": 6, "components": 9}
     return [one] * 20 + [one | last] * 20
 
 
@@ -57,6 +60,17 @@ def test_losses_differences_and_growth_are_told() -> None:
     assert "memory of the link" in soak.wrong(9, end, samples(**{"link kB": 9000}))[0]
     assert "bridge has 2.0 more descriptors" in soak.wrong(9, end, samples(**{"bridge fd": 12}))[0]
     assert soak.wrong(9, end, samples(**{"bridge fd": 12}), soak.HOSTILE_PEERS) == []
+    # A table that fills is no growth: it is full at last.
+    filling = [samples()[0] | {"components": n, "bridge kB": 900 * n} for n in range(9)]
+    assert soak.wrong(9, end, filling + [samples()[0] | {"bridge kB": 9000}] * 12) == []
+
+
+def test_what_hostile_peers_cost_is_judged() -> None:
+    soak = module()
+    bridge = {"CPU": 1.0, "came": 20_000_000, "components": 65_000}
+    assert soak.too_dear(bridge) == []
+    assert "105.3 ns CPU a byte" in soak.too_dear(bridge | {"came": 9_500_000})[0]
+    assert "66,000 components" in soak.too_dear(bridge | {"components": 66_000})[0]
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,62 @@
 from __future__ import annotations
 
 import io
+import logging
 
 import pytest
+from encoder import attitude, signed
 from mavwire.dialects.v20 import common as mavlink
+from unit.link_tools import KEY, Capture, drain, types
+
+MINUTE = 60 * 100_000
+STREAMS = 1024
+"""Places in the table of a link."""
+
+
+def attitude_at(timestamp: int, link_id: int = 3, sysid: int = 1, compid: int = 1) -> bytes:
+    payload = attitude(1, 0, 0, 0, 0, 0, 1)
+    return signed(30, payload, KEY, timestamp, link_id, sysid=sysid, compid=compid)
+
+
+def taken(link: Capture, data: bytes) -> list[str]:
+    link.rx += data
+    return [name for name in types(drain(link)) if name != "BAD_DATA"]
+
+
+def test_new_streams_are_measured_by_the_clock_of_the_set_up_and_of_what_is_sent() -> None:
+    """R40."""
+    link = Capture()
+    link.setup_signing(KEY)
+    for system in (1, 2):
+        now = link.mav.signing.timestamp
+        assert taken(link, attitude_at(now - MINUTE - 1, sysid=system)) == []
+        assert taken(link, attitude_at(now - MINUTE, sysid=system)) == ["ATTITUDE"]
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)  # the clock goes on
+        assert link.mav.signing.timestamp > now
+    # A stream that is known may be as late as it likes.
+    assert taken(link, attitude_at(now - MINUTE + 1)) == ["ATTITUDE"]
+
+
+def test_more_streams_than_there_is_room_for(caplog: pytest.LogCaptureFixture) -> None:
+    """R55: those that are known go on, a new one is refused and logged, and forged ones take no place."""
+    link = Capture()
+    link.setup_signing(KEY, initial_timestamp=0)
+    systems = [(1 + n // 250, 1 + n % 250) for n in range(STREAMS)]
+    forged = signed(30, attitude(1, 0, 0, 0, 0, 0, 1), b"x" * 32, 1, 9, sysid=99)
+    assert taken(link, forged) == []
+    for n, (sysid, compid) in enumerate(systems):
+        assert taken(link, attitude_at(1000 + n, sysid=sysid, compid=compid)) == ["ATTITUDE"]
+    assert len(link.mav.signing.stream_timestamps) == STREAMS
+    with caplog.at_level(logging.INFO):
+        assert taken(link, attitude_at(5000, sysid=200)) == []
+    assert "too many streams" in caplog.text
+    assert taken(link, attitude_at(5001, sysid=1, compid=1)) == ["ATTITUDE"]
+    known = link.mav.signing.stream_timestamps
+    assert (len(known), known.get((3, 200, 1))) == (STREAMS, None)
+    # A program that knows who is gone makes room.
+    del known[3, 2, 1]
+    link.mav.signing.stream_timestamps = known
+    assert taken(link, attitude_at(5002, sysid=200)) == ["ATTITUDE"]
 
 
 @pytest.mark.parametrize(

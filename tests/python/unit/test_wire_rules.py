@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
+import importlib
 import io
+import json
 import struct
 import threading
 from pathlib import Path
@@ -11,7 +14,9 @@ from typing import Any
 import mavwire
 import pytest
 from encoder import attitude, frame, heartbeat, record, signed
+from mavwire import Bridge, mavutil
 from mavwire.dialects.v20 import common as mavlink
+from unit.bridge_tools import UDP, peers, receive, report, udp_peer, wait_until
 from unit.link_tools import KEY, T0, Capture, drain
 
 HEARTBEAT = struct.pack("<I5B", 0, 2, 3, 81, 4, 0)
@@ -55,13 +60,126 @@ def test_payloads_of_other_lengths() -> None:
         assert (shorter.type, shorter.base_mode) == (2, 0)
 
 
+TEXT = bytes([6]) + b"hello".ljust(50, b"\0")
+"""STATUSTEXT in version 1; version 2 has `id` and `chunk_seq` behind it."""
+
+
 def test_version_1_has_no_extension_fields() -> None:
-    """R9b."""
-    mav = mavlink.MAVLink(None, 1, 1)
+    """R9b: neither packed, nor sent, nor by links of version 1."""
     msg = mavlink.MAVLink_statustext_message(6, b"hello", id=7, chunk_seq=1)
-    base = bytes([6]) + b"hello".ljust(50, b"\0")
-    assert msg.pack(mav, force_mavlink1=True) == frame(253, base, v1=True)
-    assert msg.pack(mav) == frame(253, base + b"\x07\0\x01")
+    mav = mavlink.MAVLink(None, 1, 1)
+    assert msg.pack(mav, force_mavlink1=True) == frame(253, TEXT, v1=True)
+    assert msg.pack(mav) == frame(253, TEXT + b"\x07\0\x01")
+    file = io.BytesIO()
+    mav = mavlink.MAVLink(file, 1, 1)
+    mav.send(msg, force_mavlink1=True)
+    mav.statustext_send(6, b"hello", id=7, chunk_seq=1, force_mavlink1=True)
+    assert file.getvalue() == frame(253, TEXT, 0, v1=True) + frame(253, TEXT, 1, v1=True)
+
+
+def test_ids_of_version_2_are_not_sent_in_version_1() -> None:
+    """R5: an error, which changes nothing."""
+    file = io.BytesIO()
+    mav = mavlink.MAVLink(file, 1, 1)
+    large = mavlink.MAVLink_open_drone_id_arm_status_message(1, b"a")
+    assert large.get_msgId() > 255
+    for send in (
+        lambda: mav.send(large, force_mavlink1=True),
+        lambda: mav.open_drone_id_arm_status_send(1, b"a", force_mavlink1=True),
+        lambda: large.pack(mav, force_mavlink1=True),
+    ):
+        with pytest.raises(struct.error):
+            send()
+    assert (mav.seq, mav.total_packets_sent, file.getvalue()) == (0, 0, b"")
+    mav.send(large)
+    (msg,) = parsed(file.getvalue())
+    assert (msg.get_msgId(), msg.get_seq(), file.getvalue()[0]) == (large.get_msgId(), 0, 0xFD)
+
+
+def test_a_bridge_converts_to_version_1_as_the_guide_says() -> None:
+    """R5, R9b: no extension fields, all zeros of the others, and no id above 255."""
+    zeros = frame(30, attitude(7, 0, 0, 0, 0, 0, 0).rstrip(b"\0"))
+    arm_status = frame(12918, b"\x01a", crc_extra=139)
+    with Bridge() as bridge, udp_peer() as old:
+        bridge.add(f"udpout:127.0.0.1:{old.getsockname()[1]}", name="old", version=1)
+        bridge.send(frame(253, TEXT + b"\x07\0\x01", 1) + arm_status + zeros)
+        assert receive(old) == frame(253, TEXT, 1, v1=True)
+        assert receive(old) == frame(30, attitude(7, 0, 0, 0, 0, 0, 0), v1=True)
+        wait_until("the count", lambda: report(bridge, "old")["unconverted"] == 1)
+
+
+VECTORS = Path(__file__).parents[2] / "vectors" / "crc_extra.json"
+
+
+@pytest.mark.parametrize("version", ["v10", "v20"])
+def test_the_checksum_seeds_are_those_of_others(version: str) -> None:
+    """R7: every message of every dialect, as pymavlink 2.4.50 has them."""
+    known: dict[str, dict[str, int]] = json.loads(VECTORS.read_text(encoding="utf-8"))
+    assert len(known) >= 19
+    for dialect, seeds in known.items():
+        module = importlib.import_module(f"mavwire.dialects.{version}.{dialect}")
+        ours = {str(number): one.crc_extra for number, one in module.mavlink_map.items()}
+        theirs = {
+            number: seed for number, seed in seeds.items() if version == "v20" or int(number) < 256
+        }
+        assert ours == theirs, dialect
+
+
+@pytest.mark.parametrize("resync", ["skip", "rescan"])
+@pytest.mark.parametrize("flags", [0x02, 0x04, 0x80, 0xFE, 0x03, 0xFF])
+def test_flags_that_nobody_knows(flags: int, resync: str) -> None:
+    """R15: the frame is no message, be it signed well beside the flag, with a key and without."""
+    payload = heartbeat()[10:-2]
+    strange = frame(0, payload, flags=flags)
+    if flags & 1:
+        strange += b"\3" + (1000).to_bytes(6, "little")
+        strange += hashlib.sha256(KEY + strange).digest()[:6]
+    for key in (None, KEY):
+        good = heartbeat(9) if key is None else signed(0, payload, KEY, 2000)
+        mav = mavlink.MAVLink(None)
+        mav.robust_parsing, mav.resync = True, resync
+        mav.signing.secret_key = key
+        found = mav.parse_buffer(strange + good)
+        assert [bytes(msg.get_msgbuf()) for msg in found if msg.get_msgId() == 0] == [good]
+        assert b"".join(bytes(msg.get_msgbuf()) for msg in found) == strange + good
+        assert mav.signing.stream_timestamps == ({} if key is None else {(3, 1, 1): 2000})
+
+
+FORWARDED = {
+    "zeros": frame(30, attitude(1, 0, 0, 0, 0, 0, 0), 3),
+    "none at all": frame(30, b"", 4),
+    "surplus": frame(0, HEARTBEAT + b"more than is known", 5),
+    "version 1": frame(0, HEARTBEAT, 6, v1=True),
+    "version 1, short": frame(0, HEARTBEAT[:5], 7, v1=True),
+    "signed by others": signed(30, attitude(2, 1, 2, 3, 4, 5, 6), b"k" * 32, 12345),
+    "signed, with zeros": signed(30, attitude(3, 0, 0, 0, 0, 0, 0), b"k" * 32, 12346),
+    "unknown id": frame(70_000, b"\1\2\0\0", 8, crc_extra=77),
+    "unknown id, signed": signed(70_001, b"\1\2\0", b"k" * 32, 12347, crc_extra=78),
+    "bits that are no number": frame(30, struct.pack("<7I", 5, *[0x7F800001] * 6), 9),
+}
+
+
+@pytest.mark.parametrize("name", FORWARDED)
+def test_what_is_forwarded_is_what_came(name: str, tmp_path: Path) -> None:
+    """R19: through a bridge, and as a link and a log hand it out."""
+    data = FORWARDED[name]
+    with Bridge() as bridge, udp_peer() as station:
+        bridge.add(UDP, name="radio")
+        bridge.add(f"udpout:127.0.0.1:{station.getsockname()[1]}", name="station")
+        with udp_peer(bridge, "radio") as vehicle:
+            vehicle.send(heartbeat(1))
+            assert receive(station) == heartbeat(1)
+            assert peers(bridge, "radio")
+            vehicle.send(data + heartbeat(2))
+            assert [receive(station), receive(station)] == [data, heartbeat(2)]
+    link = Capture()
+    link.rx += data
+    (msg,) = drain(link)
+    assert bytes(msg.get_msgbuf()) == data
+    path = tmp_path / "one.tlog"
+    path.write_bytes(record(data, T0))
+    with mavutil.mavlink_connection(str(path)) as log:
+        assert [bytes(one.get_msgbuf()) for one in iter(log.recv_msg, None)] == [data]
 
 
 def test_a_sender_without_an_address(tmp_path: Path) -> None:
@@ -105,6 +223,31 @@ def test_numbers_that_are_none_keep_their_bits(bits: int, tmp_path: Path) -> Non
         column = log["ATTITUDE"].to_numpy()["pitch"]
     assert column.dtype == "float32"
     assert int(column.view("uint32")[0]) == bits
+
+
+@pytest.mark.parametrize(
+    "bits", [0x7FF0 << 48, 0xFFF0 << 48, 0x7FF8 << 48, (0x7FF0 << 48) + 1, 0xFFF8_1234_5678_9ABC]
+)
+def test_doubles_and_arrays_that_are_no_numbers_keep_their_bits(bits: int, tmp_path: Path) -> None:
+    """R24: of both sizes, alone and in arrays."""
+    from mavwire.dialects.v20 import test as dialect
+
+    single = bits >> 32 | bits & 1
+    # In wire order; all but the floating point numbers are ones.
+    payload = struct.pack("<QqQ3Q3q3QIiI3I3i3IHh3H3hc10sBb3B3b",
+                          1, 1, bits, *[1] * 6, *[bits] * 3, 1, 1, single, *[1] * 6, *[single] * 3,
+                          *[1] * 8, b"c", b"s", *[1] * 8)  # fmt: skip
+    received = frame(17000, payload, crc_extra=103)
+    (msg,) = dialect.MAVLink(None).parse_buffer(received)
+    assert msg.pack(dialect.MAVLink(None, 1, 1)) == received
+    path = tmp_path / "nan.tlog"
+    path.write_bytes(record(received, T0))
+    with mavwire.open_log(path, dialect="test") as log:
+        columns = log["TEST_TYPES"].to_numpy()
+    for name, kind, expected in (("d", "uint64", bits), ("f", "uint32", single)):
+        assert columns[name].view(kind).tolist() == [expected]
+        array = columns[f"{name}_array"]
+        assert array.reshape(-1).view(kind).tolist() == [expected] * 3
 
 
 @pytest.mark.parametrize(
