@@ -35,7 +35,16 @@ from mavwire._stubs.links import (
     recordable,
 )
 from mavwire._stubs.logs import LogLink, LogScan, dump_log
-from mavwire._stubs.sending import DescriptorPort, Section, StreamWriter, TlsPort, Turn
+from mavwire._stubs.sending import (
+    DescriptorPort,
+    PortError,
+    Section,
+    StreamWriter,
+    TlsPort,
+    Turn,
+    ask,
+    ask_port,
+)
 
 __all__ = [
     "BridgeCore",
@@ -64,6 +73,7 @@ __all__ = [
     "MetaAttr",
     "MicrosClock",
     "OddField",
+    "PortError",
     "RecordBatches",
     "Section",
     "Signing",
@@ -74,6 +84,8 @@ __all__ = [
     "__version__",
     "add_message",
     "align_tables",
+    "ask",
+    "ask_port",
     "build",
     "decompress",
     "describe",

@@ -66,7 +66,7 @@ class StreamWriter:
     def write(
         self, port: Any, frame: bytes | bytearray | Iterable[int], link: LiveLink | None = None
     ) -> None:
-        """Sends `frame` after what is queued; OSError when the connection is gone, and then `clear` counts
+        """Sends `frame` after what is queued; PortError when the connection is gone, and then `clear` counts
         the frame."""
 
     def flush(self, port: Any, link: LiveLink | None = None) -> None:
@@ -75,13 +75,30 @@ class StreamWriter:
     def clear(self, link: LiveLink | None = None) -> None:
         """Drops and counts what is queued: the connection it was meant for is gone."""
 
+    def end(self, port: Any, link: LiveLink, fd: int | None) -> bool:
+        """Lets go of the connection `port` of `link`, which waits on `fd` without one: its `port` is None, what
+        is queued is dropped and counted, and what was received of a frame is forgotten. False if that was done
+        before."""
+
+class PortError(Exception):
+    """`PortError(error)`: what a port raised itself, and no signal handler did meanwhile."""
+
+def ask_port(port: Any, name: str, *args: Any) -> Any:
+    """`port.name(*args)`; None where it would have to wait. Its own errors come as PortError."""
+
+def ask(one: Any, name: str, *args: Any) -> Any:
+    """`one.name(*args)`, whose own errors come as PortError."""
+
 @final
 class DescriptorPort:
-    """A file, pipe or serial port of this system to write to as a socket: it takes what there is room for."""
+    """A file, pipe or serial port of this system to use as a socket: it takes what there is room for."""
 
     def __new__(cls, file: Any) -> DescriptorPort: ...
     def send(self, data: bytes) -> int:
         """How many of the bytes it took."""
+
+    def recv(self, n: int) -> bytes:
+        """Up to `n` bytes."""
 
 @final
 class TlsPort:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -11,8 +12,12 @@ from typing import Any, TypeVar, cast
 T = TypeVar("T")
 
 
+class NoThreadError(OSError):
+    """There is no thread to be had now."""
+
+
 async def in_background(function: Callable[[], T], discard: Callable[[T], Any] | None = None) -> T:
-    """What `function` returns or raises. If the wait is cancelled, `discard` gets what it returns, in a
+    """What `function` returns or raises. NoThreadError. If the wait is cancelled, `discard` gets what it returns, in a
     thread too.
 
     The thread ends with the call. It is none of the loop's executor, whose threads stay, and it
@@ -26,7 +31,10 @@ async def in_background(function: Callable[[], T], discard: Callable[[T], Any] |
         if not future.done():
             future.set_result((result, error))
         elif error is None:
-            _start(lambda: drop(result))
+            try:
+                _start(lambda: drop(result))
+            except NoThreadError:
+                drop(result)
 
     def drop(result: T) -> None:
         if discard is not None:
@@ -62,5 +70,18 @@ async def in_background(function: Callable[[], T], discard: Callable[[T], Any] |
     return cast("T", result)
 
 
+async def close_in_background(close: Callable[[], object]) -> None:
+    """Call `close`, which has to happen: where there is no thread to be had, the loop waits for it."""
+    try:
+        await in_background(close)
+    except NoThreadError:
+        close()
+
+
 def _start(function: Callable[[], Any]) -> None:
-    threading.Thread(target=function, name="mavwire.aio", daemon=True).start()
+    """Run `function` in a thread of its own. NoThreadError."""
+    thread = threading.Thread(target=function, name="mavwire.aio", daemon=True)
+    try:
+        thread.start()
+    except RuntimeError as error:
+        raise NoThreadError(errno.EAGAIN, str(error)) from error

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, Any, TypedDict
 
-from .background import in_background
+from .background import close_in_background, in_background
 from .feed import check_backlog
 from .link import BACKLOG, Link
 
@@ -92,7 +92,7 @@ class Connecting:
         try:
             return Link(sync, backlog=self._backlog, reconnect_delay=delay)
         except BaseException:
-            await in_background(lambda: _close(sync))
+            await close_in_background(lambda: _close(sync))
             raise
 
     async def _attempt(self, attempts: int, delay: float, options: dict[str, Any]) -> Any:

@@ -14,7 +14,7 @@ from mavwire.links.mavfile import FLUSH_INTERVAL, mavfile
 from mavwire.links.signing import prepared
 from mavwire.links.tlog import mavlogfile
 
-from .background import in_background
+from .background import close_in_background, in_background
 from .deadline import deadline_after
 from .errors import EndOfLogError, LinkClosedError
 from .feed import Feed, Position
@@ -267,7 +267,7 @@ class Link(Parameters):
             await self._live.stop()
         self._feed.end(LinkClosedError(f"{self!r} is closed"))
         if hasattr(self.sync, "close"):
-            await in_background(self.sync.close)
+            await close_in_background(self.sync.close)
 
     async def __aenter__(self) -> Link:
         return self

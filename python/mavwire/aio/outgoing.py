@@ -10,6 +10,8 @@ import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from mavwire._native import PortError
+
 from .watching import POLL_INTERVAL, Descriptor, descriptor_of, watch
 
 if TYPE_CHECKING:
@@ -37,7 +39,7 @@ class SocketSender:
         return bool(getattr(self._sync, "_has_unsent", False))
 
     def flush(self) -> None:
-        self._sync._send_rest(self._sync.port)
+        _act(self._sync._send_rest, self._sync.port)
 
     def forget(self) -> None:
         """Links forget and count by themselves what was meant for a connection that is gone."""
@@ -65,13 +67,21 @@ class QueueSender(SocketSender):
         return self._find()
 
     def write(self, frame: bytes) -> None:
-        self._sync._send_frame(self._port(), frame)
+        _act(self._sync._send_frame, self._port(), frame)
 
     def flush(self) -> None:
-        self._sync._send_rest(self._port())
+        _act(self._sync._send_rest, self._port())
 
     def forget(self) -> None:
         self._sync._forget_unsent()
+
+
+def _act(act: Callable[..., None], *arguments: Any) -> None:
+    """`act(*arguments)`; an error of the port is raised as it is."""
+    try:
+        act(*arguments)
+    except PortError as failure:
+        raise failure.args[0] from None
 
 
 class Outgoing:

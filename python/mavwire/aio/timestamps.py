@@ -42,7 +42,8 @@ class AheadStore:
             self._thread = threading.Thread(
                 target=self._save_beside, args=(timestamp,), name="mavwire.aio", daemon=True
             )
-            self._thread.start()
+            with suppress(RuntimeError):  # there is none to be had; the next call tries again
+                self._thread.start()
 
     def _is_saving(self) -> bool:
         return self._thread is not None and self._thread.is_alive()

@@ -13,7 +13,7 @@ from typing import Any
 
 from mavwire.links.stream import DescriptorPort, StreamWriter
 
-from .background import in_background
+from .background import NoThreadError, in_background
 from .outgoing import QueueSender, SocketSender
 from .watching import descriptor_of
 
@@ -85,7 +85,11 @@ class DatagramClient(Transport):
             self._looking = self._loop.create_task(self._find())
 
     async def _find(self) -> None:
-        self.sync._found(await in_background(self.sync._resolve))
+        try:
+            found = await in_background(self.sync._resolve)
+        except NoThreadError:  # the next attempt is after a pause
+            found = None
+        self.sync._found(found)
         self.moved()
 
     def stop(self) -> None:
@@ -159,7 +163,7 @@ class SerialPort(Transport):
 
     def let_go(self) -> None:
         if self.is_there():
-            self.sync._lost()
+            self.sync._lost(self.sync.port)
 
     async def reopen(self) -> None:
         if not await in_background(self.sync.reset, lambda _: self.sync.port.close()):

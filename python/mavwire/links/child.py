@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from .chunked import READ_SIZE
-from .stream import DescriptorPort, StreamLink, StreamWriter
+from .stream import DescriptorPort, PortError, StreamLink, StreamWriter, ask_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -61,17 +61,19 @@ class mavchildexec(StreamLink):
 
     def recv(self, n: int | None = None) -> bytes:
         """Up to `n` bytes of the child's output; empty when there are none, or no child."""
-        fd = self.fd
-        if fd is None:
+        if self.fd is None:
             self._check_open()
             return b""
         try:
             self._send_rest(self._input)
-        except OSError:  # it takes no more, but what it said last is still to be read
+        except PortError:  # it takes no more, but what it said last is still to be read
             self._forget_unsent()
         try:
-            data = os.read(fd, READ_SIZE if n is None else n)
-        except BlockingIOError:
+            data: bytes | None = ask_port(self.port, "read", READ_SIZE if n is None else n)
+        except PortError as failure:
+            self._check_open()  # or another thread has closed it
+            raise failure.args[0] from None
+        if data is None:
             return b""
         if not data:
             # End of output: nothing to wait on any more.
@@ -83,5 +85,5 @@ class mavchildexec(StreamLink):
         """Send one frame whole to the child's input; drop it when the child does not read, or has ended."""
         try:
             self._send_frame(self._input, buf)
-        except OSError:
+        except PortError:
             self._forget_unsent()

@@ -11,8 +11,15 @@ from __future__ import annotations
 
 import os
 
+from mavwire._native import Section
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
 # The locked file of each id -> its descriptor, which is open until the process ends.
 _held: dict[str, int] = {}
+_section = Section()
 
 
 def claim(store: str | os.PathLike[str], link_id: int) -> bool:
@@ -25,24 +32,26 @@ def claim(store: str | os.PathLike[str], link_id: int) -> bool:
     except ImportError:
         return True
     path = f"{os.path.realpath(os.fsdecode(store))}.link{link_id}"
+    try:
+        return bool(_section.run(_hold, path, fcntl))
+    except OSError as error:
+        _warn(error)
+        return True
+
+
+def _hold(path: str, fcntl: Any) -> bool:
+    """Whether the file at `path` is locked by this process; OSError if that cannot be known."""
     if path in _held:
         return True
-    try:
-        fd = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
-    except OSError as error:
-        _warn(error)
-        return True
-    if _held.setdefault(path, fd) != fd:  # another thread asks for it as well
-        os.close(fd)
-        return True
+    fd = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     try:
         fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        del _held[path]
-        os.close(fd)
-        if isinstance(error, BlockingIOError):
-            return False
-        _warn(error)
+        _held[path] = fd
+    except BlockingIOError:
+        return path in _held  # by a signal handler in between
+    finally:
+        if _held.get(path) != fd:
+            os.close(fd)
     return True
 
 

@@ -13,7 +13,7 @@ from mavwire._native import Link, MAVLink, instance_dict
 from . import state
 from .commands import Commands
 from .conditions import evaluate_condition
-from .recording import open_recording, record
+from .recording import open_recording, recorded
 from .signing import Signing
 from .target import Target
 from .tracking import Tracking
@@ -208,7 +208,7 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
     def _arrived(self, data: bytes) -> bytes:
         """Record received bytes and look at the protocol version; returns what to parse."""
         if self.logfile_raw:
-            self._log(self.logfile_raw, lambda file: file.write(data))
+            self._log(self.logfile_raw, data)
         if self.first_byte:
             unread = self.auto_mavlink_version(data)
             if unread:
@@ -223,14 +223,14 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
     def _record(self, msg: ReceivedMessage) -> None:
         """Record a received message, if messages are recorded."""
         if self.logfile and msg.get_type() != "BAD_DATA":
-            self._log(self.logfile, lambda file: record(file, time.time(), msg.get_msgbuf()))
+            self._log(self.logfile, recorded(time.time(), msg.get_msgbuf()))
 
-    def _log(self, file: IO[bytes], write: Callable[[IO[bytes]], object]) -> None:
+    def _log(self, file: IO[bytes], data: bytes) -> None:
         """Write to a log and flush it now and then; a failing log never stops reception."""
         try:
-            write(file)
+            file.write(data)
         except (OSError, ValueError) as error:
-            self._recording_failed(error)
+            self._recording_failed(file, error)
         else:
             self._flush_logs()
 
@@ -249,9 +249,12 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
                 if file:
                     file.flush()
             except (OSError, ValueError) as error:
-                self._recording_failed(error)
+                self._recording_failed(file, error)
 
-    def _recording_failed(self, error: Exception) -> None:
+    def _recording_failed(self, file: Any, error: Exception) -> None:
+        is_python_s = type(file).__module__ == "_io"
+        if is_python_s and isinstance(error, OSError) and error.errno is None:
+            raise error  # a signal handler's
         self.logfile_errors += 1
         if self.logfile_errors == 1:
             import logging

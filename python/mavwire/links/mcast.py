@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 
+from mavwire._native import PortError, ask
+
 from .chunked import ChunkedLink
 from .udp import NOTHING_RECEIVED, UDP_MAX_PACKET_LEN
 from .waiting import (
@@ -146,6 +148,6 @@ class mavmcast(ChunkedLink):
     def write(self, buf: bytes) -> None:
         """Send to the group; errors are counted, not raised."""
         try:
-            self.port_out.send(buf)
-        except OSError:
+            ask(self.port_out, "send", buf)
+        except PortError:
             self.write_errors += 1

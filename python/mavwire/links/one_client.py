@@ -74,7 +74,7 @@ class OneClientLink(StreamLink):
         except (BlockingIOError, InterruptedError, ConnectionError):
             return None
         except OSError as error:
-            if error.errno in CLOSED:
+            if error.errno in CLOSED or error.errno is None:  # a signal handler's
                 raise
             if not self.waits_for_descriptors:
                 raise AcceptError(error.errno, error.strerror) from error
@@ -90,12 +90,14 @@ class OneClientLink(StreamLink):
             return None
         set_close_on_exec(port.fileno())
         self._heard_at, self._heard_count = monotonic(), self.mav_count
+        self._forget_unsent()
+        self._drop_partial()
         return port
 
     def _welcome(self) -> bool:
         """True, for a client who was just taken, unless the link was closed meanwhile: OSError then."""
         if self._closed:
-            self._drop_client()
+            self._let_go(self.port)
         self._check_open()
         return True
 
@@ -113,14 +115,15 @@ class OneClientLink(StreamLink):
 
     def _make_room(self) -> None:
         """Let a client go that says nothing while another one waits."""
-        if self.port is None:
+        port = self.port
+        if port is None:
             return
         now = monotonic()
         if self.mav_count != self._heard_count:
             self._heard_at, self._heard_count = now, self.mav_count
-        if now - self._heard_at >= self._patience() and self._somebody_waits():
+        is_over = now - self._heard_at >= self._patience() and self._somebody_waits()
+        if is_over and self._let_go(port):
             self.clients_replaced += 1
-            self._drop_client()
 
     def _somebody_waits(self) -> bool:
         try:
@@ -132,6 +135,11 @@ class OneClientLink(StreamLink):
         """Seconds that a client may be silent while another one waits."""
         return CLIENT_SILENCE
 
-    def _drop_client(self) -> None:
-        """Back to listening."""
-        raise NotImplementedError
+    def _idle_fd(self) -> int | None:
+        fd: int = self.listen.fileno()
+        return fd if fd >= 0 else None
+
+    def _release(self) -> None:
+        hang_up(self.listen)
+        if not self._let_go(self.port):
+            self.fd = None

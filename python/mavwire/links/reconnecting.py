@@ -76,6 +76,7 @@ class ReconnectingLink(StreamLink):
     def _use(self, connection: Any) -> None:
         """Take over a connection, unless the link was closed while that was made."""
         self._forget_unsent()  # it may end inside a frame that another connection began
+        self._drop_partial()
         self._connected_at, self._count_before = monotonic(), self.mav_count
         if self.connect_error is not None:
             self.connect_error = None

@@ -31,10 +31,10 @@ def shown(field: str, value: Any) -> Any:
     return [0xFF] * KEY_LEN if field == SECRET_FIELD else value
 
 
-def record(file: Any, unix_seconds: float, frame: bytes | bytearray) -> None:
-    """Write one telemetry log record: big-endian microseconds, low two bits clear, and frame."""
+def recorded(unix_seconds: float, frame: bytes | bytearray) -> bytes:
+    """One telemetry log record: big-endian microseconds, low two bits clear, and frame."""
     timestamp = int(unix_seconds * 1.0e6) & ~3
-    file.write(timestamp.to_bytes(8, "big") + recordable(frame))
+    return timestamp.to_bytes(8, "big") + recordable(frame)
 
 
 def open_recording(path: str, mode: str) -> Any:

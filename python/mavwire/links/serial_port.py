@@ -9,7 +9,7 @@ from mavwire._native import Turn
 
 from .chunked import READ_SIZE
 from .helpers import FakeSerial
-from .stream import DescriptorPort, StreamLink, StreamWriter
+from .stream import DescriptorPort, PortError, StreamLink, StreamWriter, ask_port
 from .waiting import set_close_on_exec, wait_writable
 
 TYPE_CHECKING = False
@@ -145,34 +145,45 @@ class mavserial(StreamLink):
             self._maybe_reset()
             return b""
         try:
-            if _is_plain(port):
-                self._send_rest(DescriptorPort(port))
             data = self._read(port, READ_SIZE if n is None else n)
-        except OSError:  # SerialException is one
-            if not self.autoreconnect:
-                raise
-            if port is self.port:  # or another thread has reopened it
-                self._lost()
-            return b""
+        except PortError:
+            if self.autoreconnect:
+                self._lost(port)
+                return b""
+            data = port.read(n or READ_SIZE)  # which says it in pyserial's words
         if data:
             self.portdead = False
         return data
 
     def _read(self, port: Any, n: int) -> bytes:
-        if self.fd is None:
-            # Without a descriptor nothing can wait, and reading more than there is would.
-            n = min(n, port.in_waiting)
-        data: bytes = port.read(n)
+        if _is_plain(port):
+            line = DescriptorPort(port)
+            self._send_rest(line)
+            return ask_port(line, "recv", n) or b""
+        try:
+            if self.fd is None:
+                # Without a descriptor nothing can wait, and reading more than there is would.
+                n = min(n, port.in_waiting)
+            data: bytes = port.read(n)
+        except OSError as error:  # SerialException is one
+            raise PortError(error) from None
         return data
 
-    def _lost(self) -> None:
-        """The port was unplugged: nothing to read, wait for or finish any more."""
-        self._say_dead()
+    def _lost(self, port: Any) -> None:
+        """The `port` was unplugged: nothing to read, wait for or finish any more."""
+        if port is self.port:  # or another thread has opened the next one
+            self._say_dead()
+            self._opening.run(self._shut, port)
+            self._maybe_reset()
+
+    def _shut(self, port: Any) -> None:
+        """Close `port`, unless another thread has opened the next one."""
+        if port is not self.port:
+            return
         self.fd = None
-        _close(self.port)
+        _close(port)
         self._forget_unsent()
         self._drop_partial()
-        self._maybe_reset()
 
     def _say_dead(self) -> None:
         if not self.portdead:
@@ -189,23 +200,24 @@ class mavserial(StreamLink):
             self._writer.dropped_frames += 1
             return -1
         port = self.port
-        write = self._write if _is_plain(port) else self._pass_on
         try:
-            return write(port, bytes(buf))
-        except Exception:  # whatever the driver raises, the port is unusable
-            self._forget_unsent()
-            if not self._closed:  # meanwhile
-                self._say_dead()
-                self._maybe_reset()
+            return self._write(port, bytes(buf)) if _is_plain(port) else port.write(bytes(buf))
+        except PortError:
+            self._opening.run(self._forget_of, port)
+        except Exception:
+            if _is_plain(port):
+                raise  # a signal handler's
+            # Whatever the driver raises, the port is unusable.
+            self._writer.dropped_frames += 1
+        if port is self.port and not self._closed:  # meanwhile
+            self._say_dead()
+            self._maybe_reset()
         return -1
 
-    def _pass_on(self, port: Any, frame: bytes) -> Any:
-        """Leave a frame to a port that does more than to write."""
-        try:
-            return port.write(frame)
-        except Exception:
-            self._writer.dropped_frames += 1
-            raise
+    def _forget_of(self, port: Any) -> None:
+        """Forget what is queued, unless another thread has opened the next port."""
+        if port is self.port:
+            self._forget_unsent()
 
     def _write(self, port: Any, frame: bytes) -> int:
         """Send or queue a frame."""
@@ -217,14 +229,15 @@ class mavserial(StreamLink):
         if self._writer.bytes_sent != sent:
             self._is_stuck = False
         if self._writer.unsent and not self._is_stuck:
-            self._send_all(line, port.fileno())
+            self._send_all(line, port)
         return len(frame)
 
-    def _send_all(self, line: DescriptorPort, fd: int) -> None:
+    def _send_all(self, line: DescriptorPort, port: Any) -> None:
         """Send what is queued as long as the port takes something: who is faster than the line is slowed down."""
         sent, deadline = self._writer.bytes_sent, time.monotonic() + WRITE_TIMEOUT
         while self._writer.unsent and not self._is_stuck:
-            has_room = wait_writable(fd, WRITE_TIMEOUT)
+            fd = port.fd  # None once it is closed, which sending finds out
+            has_room = fd is None or wait_writable(fd, WRITE_TIMEOUT)
             self._send_rest(line)
             if self._writer.bytes_sent != sent:
                 sent, deadline = self._writer.bytes_sent, time.monotonic() + WRITE_TIMEOUT
@@ -261,6 +274,7 @@ class mavserial(StreamLink):
             return False
         _close(self.port)  # it is gone, which is why it is replaced
         self._forget_unsent()
+        self._drop_partial()
         self.portdead = False
         self.port, self.fd = port, self._descriptor(port)
         if self.rtscts:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from mavwire._native import DescriptorPort, StreamWriter
+from mavwire._native import DescriptorPort, PortError, StreamWriter, ask_port
 
 from .chunked import ChunkedLink
 from .pipes import ends_program, survived
+from .waiting import hang_up
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-__all__ = ["DescriptorPort", "StreamLink", "StreamWriter"]
+__all__ = ["DescriptorPort", "PortError", "StreamLink", "StreamWriter", "ask_port"]
 
 
 class StreamLink(ChunkedLink):
@@ -25,7 +26,7 @@ class StreamLink(ChunkedLink):
         return self._writer.dropped_frames
 
     def _send_frame(self, port: Any, frame: bytes) -> None:
-        """Send or queue a frame; OSError when the connection `port` is gone."""
+        """Send or queue a frame; PortError when the connection `port` is gone."""
         if ends_program():
             survived(self._writer.write, port, frame, self)
         else:
@@ -42,3 +43,14 @@ class StreamLink(ChunkedLink):
     def _forget_unsent(self) -> None:
         """Drop and count what is queued: the connection it was meant for is gone."""
         self._writer.clear(self)
+
+    def _idle_fd(self) -> int | None:
+        """What to wait on without a connection."""
+        return None
+
+    def _let_go(self, port: Any) -> bool:
+        """Let go of the connection `port`; False if that was done before, as it may be the next one's turn by then."""
+        if not self._writer.end(port, self, self._idle_fd()):
+            return False
+        hang_up(port)
+        return True

@@ -8,6 +8,7 @@ from _thread import get_ident
 from .chunked import READ_SIZE
 from .names import connect_to
 from .reconnecting import ReconnectingLink
+from .stream import PortError, ask_port
 from .waiting import hang_up, prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
@@ -91,10 +92,7 @@ class mavtcp(ReconnectingLink):
         self._disconnect()
 
     def _disconnect(self) -> None:
-        port, self.port, self.fd = self.port, None, None
-        if port is not None:
-            hang_up(port)
-        self._forget_unsent()
+        super()._let_go(self.port)
 
     def handle_disconnect(self) -> None:
         """The peer broke the connection."""
@@ -127,18 +125,10 @@ class mavtcp(ReconnectingLink):
         return True
 
     def _let_go(self, port: Any) -> bool:
-        # Nobody is to connect before the rest of this connection is gone.
-        later = time.monotonic() + self.reconnect_delay
-        if port is not self.port:
+        if port is self.port:
+            self.portdead = True
+        if not super()._let_go(port):
             return False
-        # There is no call since the look at it: threads and signal handlers take their turns in calls.
-        due, self._next_attempt = self._next_attempt, later
-        self.port = self.fd = None
-        self.portdead = True
-        hang_up(port)
-        self._forget_unsent()
-        self._drop_partial()
-        self._next_attempt = due
         self._connection_ended()
         return True
 
@@ -160,12 +150,12 @@ class mavtcp(ReconnectingLink):
         try:
             self._raise_read_error(port)
             self._send_rest(port)
-            data: bytes = port.recv(READ_SIZE if n is None else n)
-        except (BlockingIOError, InterruptedError):
-            return b""
-        except OSError:  # no ConnectionError if the peer stopped answering
+            data: bytes | None = ask_port(port, "recv", READ_SIZE if n is None else n)
+        except PortError as failure:  # no ConnectionError if the peer stopped answering
             if self._end(port, self.handle_disconnect) and not self.autoreconnect:
-                raise
+                raise failure.args[0] from None
+            return b""
+        if data is None:
             return b""
         if not data:
             self._end(port, self.handle_eof)
@@ -180,5 +170,5 @@ class mavtcp(ReconnectingLink):
             return
         try:
             self._send_frame(port, buf)
-        except OSError:
+        except PortError:
             self._end(port, self.handle_disconnect)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from .chunked import READ_SIZE
 from .one_client import OneClientLink, listen_on
-from .stream import StreamWriter
-from .waiting import hang_up, split_host_port
+from .stream import PortError, StreamWriter, ask_port
+from .waiting import split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -33,10 +33,6 @@ class mavtcpin(OneClientLink):
         )  # fmt: skip
         self._read_stream(serves_one=True)
 
-    def _release(self) -> None:
-        hang_up(self.listen)
-        self._drop_client()
-
     def _accept(self) -> bool:
         """Take a waiting client; whether there is one."""
         port = self._next_client()
@@ -44,16 +40,6 @@ class mavtcpin(OneClientLink):
             return False
         self.port, self.fd = port, port.fileno()
         return self._welcome()
-
-    def _drop_client(self) -> None:
-        """Back to listening."""
-        listening = self.listen.fileno()
-        port, self.port = self.port, None
-        self.fd = listening if listening >= 0 else None  # None when the link is closed
-        if port is not None:
-            hang_up(port)
-        self._forget_unsent()
-        self._drop_partial()
 
     def recv(self, n: int | None = None) -> bytes:
         """Up to `n` bytes of the client; empty when there are none, or no client."""
@@ -65,13 +51,13 @@ class mavtcpin(OneClientLink):
         try:
             self._raise_read_error(port)
             self._send_rest(port)
-            data: bytes = port.recv(READ_SIZE if n is None else n)
-        except (BlockingIOError, InterruptedError):
-            return b""
-        except OSError:  # no ConnectionError if the client stopped answering
+            data: bytes | None = ask_port(port, "recv", READ_SIZE if n is None else n)
+        except PortError:  # no ConnectionError if the client stopped answering
             data = b""
-        if not data and port is self.port:
-            self._drop_client()
+        if data is None:
+            return b""
+        if not data:
+            self._let_go(port)
         return data
 
     def write(self, buf: bytes) -> None:
@@ -82,6 +68,5 @@ class mavtcpin(OneClientLink):
             return
         try:
             self._send_frame(port, buf)
-        except OSError:
-            if port is self.port:  # or another thread has done it
-                self._drop_client()
+        except PortError:
+            self._let_go(port)

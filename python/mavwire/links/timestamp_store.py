@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import errno
 import os
+from _thread import get_ident
 
+from .forks import follow_forks
 from .signing import MAX_TIMESTAMP
 
 TYPE_CHECKING = False
@@ -33,6 +35,9 @@ class TimestampStore:
         self.path = path
         # Daemons change their folder.
         self._path = os.path.abspath(os.fsdecode(path))
+        # Descriptors that may be locked, and the threads that have them.
+        self._open: dict[int, int] = {}
+        follow_forks(self, TimestampStore._close_copies)
 
     def load(self) -> int:
         """The timestamp to go on from; 0 where nothing was stored. OSError if it cannot be read, or is
@@ -49,6 +54,7 @@ class TimestampStore:
     def save(self, timestamp: int) -> None:
         """Store `timestamp` for good, unless a later one is; OSError if that fails."""
         fd = os.open(self._path, os.O_RDWR | os.O_CREAT | _BINARY, 0o600)
+        self._open[fd] = get_ident()
         try:
             _lock(fd)
             slots = self._slots(fd)
@@ -58,7 +64,16 @@ class TimestampStore:
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self._path)
                 os.fsync(fd)
         finally:
+            _unlock(fd)
+            del self._open[fd]
             os.close(fd)
+
+    def _close_copies(self) -> None:
+        """In a forked process: what other threads have locked stays so for as long as there is a copy."""
+        for fd, thread in list(self._open.items()):
+            if thread != get_ident():
+                del self._open[fd]
+                os.close(fd)
 
     def _slots(self, fd: int) -> list[int]:
         """What the slots hold; 0 for one that was never written, or not to its end."""
@@ -84,14 +99,21 @@ def store_of(given: Any) -> Any:
 
 
 def _lock(fd: int) -> None:
-    """Keep others out until `fd` is closed, where the platform can: two that overwrite the same
-    slot would leave the smaller timestamp.
-    """
+    """Keep others out, where the platform can: two that overwrite the same slot would leave the smaller timestamp."""
     try:
         import fcntl
     except ImportError:
         return
     fcntl.flock(fd, fcntl.LOCK_EX)
+
+
+def _unlock(fd: int) -> None:
+    """Let others in, also where a process that was forked meanwhile has a copy of `fd`."""
+    try:
+        import fcntl
+    except ImportError:
+        return
+    fcntl.flock(fd, fcntl.LOCK_UN)
 
 
 def _packed(timestamp: int) -> bytes:
@@ -134,6 +156,8 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
                 later = mark
                 store.save(later)
         except Exception as error:  # a store of the user's own fails in ways of its own
+            if isinstance(store, TimestampStore) and getattr(error, "errno", None) is None:
+                raise  # a signal handler's
             if not failed:
                 import logging
 

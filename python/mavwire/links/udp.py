@@ -9,6 +9,8 @@ from __future__ import annotations
 import errno
 import time
 
+from mavwire._native import PortError, ask
+
 from .chunked import ChunkedLink
 from .names import look_up
 from .waiting import (
@@ -208,12 +210,10 @@ class mavudp(ChunkedLink):
     def _send(self, buf: bytes, address: Any) -> bool:
         """Whether the system took the datagram, or may take the next one."""
         try:
-            self.port.sendto(buf, address)
-        except BlockingIOError:
+            ask(self.port, "sendto", buf, address)
+        except PortError as failure:
             self.write_errors += 1
-        except (OSError, OverflowError):
-            self.write_errors += 1
-            return False
+            return isinstance(failure.args[0], BlockingIOError)
         return True
 
     # -- where to send to
@@ -260,7 +260,9 @@ class mavudp(ChunkedLink):
         host, number = self.destination_addr
         try:
             found = look_up(host, number, 0, socket.SOCK_DGRAM)
-        except (OSError, UnicodeError, OverflowError):
+        except (OSError, UnicodeError, OverflowError) as error:
+            if getattr(error, "errno", 0) is None:  # a signal handler's
+                raise
             return None
         own = self.port.family
         return min(found, key=lambda entry: entry[0] != own)[4]

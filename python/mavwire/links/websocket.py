@@ -14,7 +14,7 @@ from .chunked import READ_SIZE
 from .names import connect_to
 from .one_client import OneClientLink, listen_on
 from .reconnecting import ReconnectingLink
-from .stream import StreamLink, StreamWriter
+from .stream import PortError, StreamLink, StreamWriter, ask_port
 from .waiting import hang_up, prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 # How long a server's answer to the opening handshake may take.
 HANDSHAKE_TIMEOUT = 5.0
-# A peer that is not up yet is tried again later.
-PEER_NOT_UP = frozenset((errno.ECONNREFUSED, errno.EHOSTUNREACH))
 
 
 class _WebSocketLink(StreamLink):
@@ -47,28 +45,24 @@ class _WebSocketLink(StreamLink):
         set_close_on_exec(port.fileno())
         self.port, self.ws, self.fd = port, ws, port.fileno()
 
-    def _idle_fd(self) -> int | None:
-        """What to wait on without a connection."""
-        return None
-
     def close_port(self) -> None:
         """Drop the connection; the link itself stays usable."""
-        port, self.port, self.ws = self.port, None, None
-        self.fd = self._idle_fd()
-        if port is not None:
-            hang_up(port)
-        self._forget_unsent()
-        self._drop_partial()
+        self._let_go(self.port)
+
+    def _let_go(self, port: Any) -> bool:
+        if port is self.port:
+            self.ws = None
+        return super()._let_go(port)
 
     def _send_event(self, event: Any) -> None:
+        """Send an event of the protocol; drop the connection if that fails."""
         port, ws = self.port, self.ws
-        if port is not None and ws is not None:  # or another thread dropped the connection
+        if port is None or ws is None:  # another thread dropped the connection
+            return
+        try:
             self._send_frame(port, ws.send(event))
-
-    def _drop(self, ws: Any) -> None:
-        """Drop the connection, unless another thread has done it."""
-        if ws is not None and self.ws is ws:
-            self.close_port()
+        except PortError:
+            self._let_go(port)
 
     def recv(self, n: int | None = None) -> bytes:
         """What one read brings, whatever `n`; empty without data or peer, and while another thread reads."""
@@ -84,28 +78,26 @@ class _WebSocketLink(StreamLink):
             return b""
         try:
             self._send_rest(port)
-            data = port.recv(READ_SIZE)
-        except (BlockingIOError, InterruptedError):
+            data: bytes | None = ask_port(port, "recv", READ_SIZE)
+        except PortError:
+            self._let_go(port)
             return b""
-        except OSError:
-            self._drop(ws)
-            return b""
-        return self._handle(ws, data)
+        return b"" if data is None else self._handle(port, ws, data)
 
-    def _handle(self, ws: Any, data: bytes) -> bytes:
+    def _handle(self, port: Any, ws: Any, data: bytes) -> bytes:
         from wsproto.utilities import LocalProtocolError, RemoteProtocolError
 
         try:
             ws.receive_data(data or None)
         except (RemoteProtocolError, LocalProtocolError):
-            self._drop(ws)
+            self._let_go(port)
             return b""
-        received = self._take_events(ws)
+        received = self._take_events(port, ws)
         if not data:
-            self._drop(ws)
+            self._let_go(port)
         return received
 
-    def _take_events(self, ws: Any) -> bytes:
+    def _take_events(self, port: Any, ws: Any) -> bytes:
         """Act on what was received; the payload of binary messages in it."""
         from wsproto.utilities import LocalProtocolError, RemoteProtocolError
 
@@ -115,9 +107,9 @@ class _WebSocketLink(StreamLink):
                 received += self._on_event(event)
                 if self.ws is not ws:
                     break
-        except (RemoteProtocolError, LocalProtocolError, OSError, ValueError):
+        except (RemoteProtocolError, LocalProtocolError, ValueError):
             # ValueError: this process was forked while another thread read, which it never ends.
-            self._drop(ws)
+            self._let_go(port)
         return received
 
     def _on_event(self, event: Any) -> bytes:
@@ -144,17 +136,14 @@ class _WebSocketLink(StreamLink):
         return ws is not None and ws.state is ConnectionState.OPEN
 
     def _write_message(self, buf: bytes) -> None:
-        """Send one frame as one binary message; drop the connection if that fails."""
+        """Send one frame as one binary message."""
         from wsproto.events import BytesMessage
         from wsproto.utilities import LocalProtocolError
 
-        ws = self.ws
         try:
             self._send_event(BytesMessage(data=bytes(buf)))
         except LocalProtocolError:  # the receiving thread has just heard that it ends
             self._writer.dropped_frames += 1
-        except OSError:
-            self._drop(ws)
 
 
 class mavwebsocket(_WebSocketLink, OneClientLink):
@@ -176,14 +165,6 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
             source_system=source_system, source_component=source_component,
         )  # fmt: skip
 
-    def _idle_fd(self) -> int | None:
-        fd: int = self.listen.fileno()
-        return fd if fd >= 0 else None
-
-    def _release(self) -> None:
-        hang_up(self.listen)
-        self.close_port()
-
     def _accept(self) -> bool:
         from wsproto import ConnectionType, WSConnection
 
@@ -192,9 +173,6 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
             return False
         self._start(port, WSConnection(ConnectionType.SERVER))
         return self._welcome()
-
-    def _drop_client(self) -> None:
-        self.close_port()
 
     def _patience(self) -> float:
         return super()._patience() if self._established() else HANDSHAKE_TIMEOUT
@@ -268,17 +246,23 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         """Connect and shake hands, blocking; whether the server was there to be connected to. OSError
         where something else answers."""
         try:
-            self._use(self._connect())
+            port = self._reach()
         except OSError as error:
-            if error.errno in PEER_NOT_UP:
-                self._note_failure(error)
-                return False
-            raise
+            self._note_failure(error)
+            return False
+        self._use(self._opened(port))
         return self._established()
 
     def _connect(self) -> tuple[Any, Any]:
         """A socket and the WebSocket on it, open."""
-        port: Any = connect_to(*self.destination_addr, HANDSHAKE_TIMEOUT)
+        return self._opened(self._reach())
+
+    def _reach(self) -> Any:
+        """A socket; OSError where the server is not up yet."""
+        return connect_to(*self.destination_addr, HANDSHAKE_TIMEOUT)
+
+    def _opened(self, port: Any) -> tuple[Any, Any]:
+        """`port` and the WebSocket on it."""
         try:
             prepare_tcp(port)
             if self.secure:
@@ -333,10 +317,11 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
     def _disconnect(self) -> None:
         self.close_port()
 
-    def close_port(self) -> None:
-        """Drop the connection; the link itself stays usable, and connects again."""
-        super().close_port()
-        self._connection_ended()
+    def _let_go(self, port: Any) -> bool:
+        is_over = super()._let_go(port)
+        if is_over:
+            self._connection_ended()
+        return is_over
 
     def _release(self) -> None:
         """Close the connection, telling the server."""
@@ -346,19 +331,19 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
             from wsproto.events import CloseConnection
             from wsproto.utilities import LocalProtocolError
 
-            with suppress(OSError, LocalProtocolError):  # it is being closed anyway
+            with suppress(LocalProtocolError):  # it is being closed anyway
                 self._send_event(CloseConnection(code=1000))
         self.close_port()
 
     def _read(self) -> bytes:
         self._check_open()
-        ws = self.ws
+        port, ws = self.port, self.ws
         if ws is None:
             self._begin_attempt()
             return b""
         if self._is_fresh:
             self._is_fresh = False
-            received = self._take_events(ws)
+            received = self._take_events(port, ws)
             if received:
                 return received
         return self._receive()

@@ -24,6 +24,37 @@ pub fn read_available(fd: i32, take: impl FnOnce(&[u8])) -> io::Result<usize> {
     })
 }
 
+/// Reads `limit` bytes at most, from a descriptor in non-blocking mode.
+///
+/// # Errors
+/// `WouldBlock` if nothing is there, `Interrupted` if a signal came, else what the operating system says.
+pub fn read_some(fd: i32, limit: usize) -> io::Result<Vec<u8>> {
+    let mut bytes = vec![0; limit.min(READ_SIZE)];
+    let len = read(fd, &mut bytes)?;
+    bytes.truncate(len);
+    Ok(bytes)
+}
+
+/// Writes what there is room for to a descriptor in non-blocking mode; returns how much that was.
+///
+/// # Errors
+/// `WouldBlock` if there is no room, `Interrupted` if a signal came, else what the operating system says.
+#[cfg(unix)]
+pub fn write_some(fd: i32, bytes: &[u8]) -> io::Result<usize> {
+    // SAFETY: the buffer is valid for reads of its length, and nothing keeps the pointer.
+    let len = unsafe { libc::write(fd, bytes.as_ptr().cast(), bytes.len()) };
+    usize::try_from(len).map_err(|_| io::Error::last_os_error())
+}
+
+/// Not on this system.
+///
+/// # Errors
+/// `Unsupported`.
+#[cfg(not(unix))]
+pub fn write_some(_: i32, _: &[u8]) -> io::Result<usize> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
 #[cfg(not(unix))]
 fn read(_: i32, _: &mut [u8]) -> io::Result<usize> {
     Err(io::ErrorKind::Unsupported.into())
@@ -51,6 +82,23 @@ mod tests {
     fn available(stream: &UnixStream) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         read_available(stream.as_raw_fd(), |read| bytes.extend_from_slice(read)).map(|_| bytes)
+    }
+
+    #[test]
+    fn writes_what_there_is_room_for_and_reads_no_more_than_asked() {
+        let (here, there) = UnixStream::pair().unwrap();
+        there.set_nonblocking(true).unwrap();
+        here.set_nonblocking(true).unwrap();
+        assert_eq!(write_some(there.as_raw_fd(), b"telemetry").unwrap(), 9);
+        assert_eq!(read_some(here.as_raw_fd(), 4).unwrap(), b"tele");
+        assert_eq!(read_some(here.as_raw_fd(), 100).unwrap(), b"metry");
+        assert_eq!(read_some(here.as_raw_fd(), 1).unwrap_err().kind(), io::ErrorKind::WouldBlock);
+        let full = loop {
+            if let Err(error) = write_some(there.as_raw_fd(), &[0; 4096]) {
+                break error;
+            }
+        };
+        assert_eq!(full.kind(), io::ErrorKind::WouldBlock);
     }
 
     #[test]

@@ -160,7 +160,7 @@ mod _native {
     #[pymodule_export]
     use crate::open_log::LogScan;
     #[pymodule_export]
-    use crate::ports::{DescriptorPort, TlsPort};
+    use crate::ports::{DescriptorPort, PortError, TlsPort, ask, ask_port};
     #[pymodule_export]
     use crate::recording::recordable;
     #[pymodule_export]

@@ -311,7 +311,8 @@ impl Link {
     }
 
     /// Forgets a frame whose rest will not come: the peer is gone.
-    fn _drop_partial(&self) {
+    #[pyo3(name = "_drop_partial")]
+    pub(crate) fn drop_partial(&self) {
         if let Some(mav) = &self.state().native_mav {
             let mav = mav.get();
             mav.drop_unread(&mut mav.parser());

@@ -7,6 +7,7 @@
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
+use mavwire_link::address::Address;
 use mavwire_link::readiness;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
@@ -20,9 +21,9 @@ use crate::live_source::{LiveSource, Transport};
 use crate::lock::{Guard, Lock};
 use crate::message::{Message, Origin};
 use crate::peers::{from_python, to_python};
-use crate::ports::TlsPort;
 use crate::receive::{self, Received};
 use crate::slot::Slot;
+use crate::turn;
 
 /// Methods whose replacement turns the quick paths off.
 const QUICK_METHODS: [&str; 11] = [
@@ -42,8 +43,8 @@ const QUICK_METHODS: [&str; 11] = [
 /// Where the classes of ports are defined that are read natively.
 const PLAIN_PORTS: [&str; 3] = ["socket", "_io", "serial.serialposix"];
 
-/// Messages that do not match between two looks whether the user wants to stop.
-const SIGNAL_INTERVAL: u64 = 256;
+/// Messages that do not match until other threads and signal handlers have a turn.
+const TURN_INTERVAL: u64 = 256;
 /// How long one wait may last before the user's signals are looked at: those that another thread received end no wait.
 const WAIT_SLICE: Duration = Duration::from_millis(200);
 
@@ -107,18 +108,6 @@ impl LiveLink {
         }
         let fd = port.invoke_method0(intern!(py, "fileno")).ok()?.extract::<i32>().ok()?;
         (fd >= 0).then_some((port, fd))
-    }
-
-    /// Nothing of the program's own runs while `write` does.
-    pub(crate) fn writes_natively(slf: &Bound<'_, Self>) -> PyResult<bool> {
-        let py = slf.py();
-        let quick_class = slf.get_type().attribute(intern!(py, "_quick_class"))?;
-        let write = slf.attribute(intern!(py, "write"))?.attribute(intern!(py, "__func__"))?;
-        if !write.is(&quick_class.attribute(intern!(py, "write"))?) {
-            return Ok(false);
-        }
-        let port = slf.attribute(intern!(py, "port"))?;
-        Ok(port.is_none() || port.cast::<TlsPort>().is_ok() || Self::is_plain_port(slf, &port))
     }
 
     pub(crate) fn next_message<'py>(
@@ -193,14 +182,14 @@ impl LiveLink {
         source.drained && source.inbox.is_empty() && state.native_mav.as_ref().is_some_and(empty)
     }
 
-    /// Announces the peer whose datagram is being read.
-    pub(crate) fn announce(slf: &Bound<'_, Self>, sent_message: bool) -> PyResult<()> {
+    /// Announces a peer.
+    pub(crate) fn announce(
+        slf: &Bound<'_, Self>,
+        address: Address,
+        sent_message: bool,
+    ) -> PyResult<()> {
         let py = slf.py();
-        let (address, shown) = {
-            let source = slf.get().source();
-            let Some(address) = source.peers.current() else { return Ok(()) };
-            (address, source.peers.shown(py))
-        };
+        let shown = slf.get().source().peers.shown(py, address);
         let shown = match shown {
             Some(shown) => shown,
             None => {
@@ -362,8 +351,8 @@ impl LiveLink {
                     return Ok(Some(message.into_any()));
                 }
                 seen += 1;
-                if seen.is_multiple_of(SIGNAL_INTERVAL) {
-                    py.check_signals()?;
+                if seen.is_multiple_of(TURN_INTERVAL) {
+                    turn::give_way(py)?;
                 }
             } else if !blocking {
                 return Ok(None);

@@ -1,13 +1,10 @@
 //! The error with which a native read ended. Systems hand it over once, so it is kept until Python asks for it.
 
-use pyo3::exceptions::PyOSError;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 
-use crate::calling::{Calling, Known};
 use crate::lock::Lock;
-
-static STRERROR: Known = Known::new("os", "strerror");
+use crate::ports::{PortError, os_error};
 
 /// The port that was read, and the number of the error.
 pub(crate) struct Failure(Lock<Option<(Py<PyAny>, i32)>>);
@@ -36,8 +33,7 @@ impl Failure {
         let py = port.py();
         match self.take(py) {
             Some((failed, number)) if failed.is(port) => {
-                let text = STRERROR.get(py)?.invoke1((number,))?;
-                Err(PyOSError::new_err((number, text.unbind())))
+                Err(PortError::new_err((os_error(py, number),)))
             }
             _ => Ok(()),
         }

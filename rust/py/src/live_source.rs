@@ -96,10 +96,16 @@ impl LiveSource {
         }
     }
 
-    /// The peer that sent what was parsed last, which was good or not, is to be announced. Multicast links answer nobody.
+    /// The peer that sent what was parsed last, if peers are answered, which multicast links do not do.
     #[inline]
-    pub(crate) fn is_news(&mut self, good: bool, now: f64) -> bool {
-        self.transport == Transport::Datagrams(None) && self.peers.is_news(good, now)
+    pub(crate) fn sender(&self) -> Option<Address> {
+        if self.transport == Transport::Datagrams(None) { self.peers.current() } else { None }
+    }
+
+    /// The peer `from`, if what it sent, which was good or not, is a reason to announce it.
+    #[inline]
+    pub(crate) fn news(&mut self, from: Option<Address>, good: bool, now: f64) -> Option<Address> {
+        from.filter(|&from| self.peers.is_news(from, good, now))
     }
 
     /// The next thing received; `Step::Nothing` if something has to arrive first. Also says how many bytes of the inbox

@@ -314,7 +314,6 @@ impl MAVLink {
     }
     #[setter(file)]
     fn set_file(&self, value: Option<Py<PyAny>>) {
-        self.sending().writes_unlocked.store(false, Relaxed);
         self.file.set(value);
     }
 

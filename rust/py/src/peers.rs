@@ -59,8 +59,7 @@ impl Peers {
                 parser.clear();
             }
         }
-        let found = self.known.iter().position(|peer| peer.address == from);
-        self.current = found.unwrap_or_else(|| self.add(from));
+        self.current = self.place(from).unwrap_or_else(|| self.add(from));
         self.changed = true;
         let peer = &mut self.known[self.current];
         if !peer.partial.is_empty() {
@@ -85,27 +84,42 @@ impl Peers {
         self.known.get(self.current).map(|peer| peer.address)
     }
 
-    /// The current peer as Python shows it, if that was needed before.
-    pub(crate) fn shown<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyTuple>> {
-        self.known.get(self.current)?.shown.as_ref().map(|shown| shown.bind(py).clone())
+    /// A peer as Python shows it, if that was needed before.
+    pub(crate) fn shown<'py>(
+        &self,
+        py: Python<'py>,
+        address: Address,
+    ) -> Option<Bound<'py, PyTuple>> {
+        let peer = self.known.get(self.place(address)?)?;
+        peer.shown.as_ref().map(|shown| shown.bind(py).clone())
+    }
+
+    /// Where a peer stands in the table, which is nearly always the current one.
+    #[inline]
+    fn place(&self, address: Address) -> Option<usize> {
+        if self.known.get(self.current).is_some_and(|peer| peer.address == address) {
+            return Some(self.current);
+        }
+        self.known.iter().position(|peer| peer.address == address)
     }
 
     /// Keeps what Python shows for a peer.
     pub(crate) fn show(&mut self, address: Address, shown: &Bound<'_, PyTuple>) {
-        if let Some(peer) = self.known.iter_mut().find(|peer| peer.address == address) {
-            peer.shown = Some(shown.clone().unbind());
+        if let Some(place) = self.place(address) {
+            self.known[place].shown = Some(shown.clone().unbind());
         }
     }
 
-    /// True if the current peer, who just sent something that was good or not, is to be announced.
+    /// True if the peer `from`, who just sent something that was good or not, is to be announced.
     #[inline]
-    pub(crate) fn is_news(&mut self, good: bool, now: f64) -> bool {
-        let Some(peer) = self.known.get_mut(self.current) else { return false };
+    pub(crate) fn is_news(&mut self, from: Address, good: bool, now: f64) -> bool {
+        let Some(place) = self.place(from) else { return false };
+        let peer = &mut self.known[place];
         let is_due = good && peer.told.is_none_or(|told| (now - told).abs() >= TELL_INTERVAL);
         if is_due {
             peer.told = Some(now);
         }
-        std::mem::take(&mut self.changed) || is_due
+        (place == self.current && std::mem::take(&mut self.changed)) || is_due
     }
 }
 

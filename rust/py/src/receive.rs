@@ -2,6 +2,7 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
+use mavwire_link::address::Address;
 use mavwire_link::clock::unix_seconds;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -56,14 +57,15 @@ struct Fresh<'py> {
     compid: u8,
     /// It is to be recorded.
     is_recorded: bool,
-    /// Its peer is to be announced.
-    is_news: bool,
+    /// Its peer, if that is to be announced.
+    news: Option<Address>,
 }
 
 enum Scanned<'py> {
     Nothing,
     Fresh(Fresh<'py>),
-    Other(Step),
+    /// With the peer it came from.
+    Other(Step, Option<Address>),
 }
 
 /// The next message; reads what is there if nothing waits.
@@ -72,8 +74,8 @@ pub(crate) fn next_message<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Received
     for _ in 0..READS_PER_CALL {
         match scan(slf, &mav) {
             Scanned::Fresh(fresh) => return deliver(slf, &mav, fresh).map(Received::Message),
-            Scanned::Other(step) => {
-                if let Some(message) = deliver_other(slf, &mav, step)? {
+            Scanned::Other(step, from) => {
+                if let Some(message) = deliver_other(slf, &mav, step, from)? {
                     return Ok(Received::Message(message));
                 }
             }
@@ -121,7 +123,10 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>) -> Scanned<'
         (step, parser.checks_signatures())
     };
     let Step::Frame { bytes, header, entry: Some(entry) } = step else {
-        return if matches!(step, Step::Nothing) { Scanned::Nothing } else { Scanned::Other(step) };
+        return match step {
+            Step::Nothing => Scanned::Nothing,
+            step => Scanned::Other(step, source.sender()),
+        };
     };
     let class = native.dialect.get().known_class(entry.index);
     let is_plain = (header.sysid, header.compid) != tracking::RADIO
@@ -131,7 +136,7 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>) -> Scanned<'
     let has_hooks = state.has_hooks(py);
     let (true, Some(class), Some(sender)) = (is_plain, class, state.senders.find(header.sysid))
     else {
-        return Scanned::Other(Step::Frame { bytes, header, entry: Some(entry) });
+        return Scanned::Other(Step::Frame { bytes, header, entry: Some(entry) }, source.sender());
     };
     let payload = payload_of(&bytes);
     let updates = class.info.changes_state && !sender.is_settled(&header, payload);
@@ -147,7 +152,8 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>) -> Scanned<'
     let time = state.message_time().unwrap_or(now);
     state.timestamp = Some(time);
     let is_recorded = state.records_messages();
-    let is_news = source.is_news(true, now);
+    let from = source.sender();
+    let news = source.news(from, true, now);
     let index = entry.index;
     Scanned::Fresh(Fresh {
         index,
@@ -158,7 +164,7 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>) -> Scanned<'
         apart,
         compid,
         is_recorded,
-        is_news,
+        news,
     })
 }
 
@@ -167,8 +173,8 @@ fn deliver<'py>(
     mav: &Bound<'py, MAVLink>,
     fresh: Fresh<'py>,
 ) -> PyResult<Bound<'py, Message>> {
-    if fresh.is_news {
-        LiveLink::announce(slf, true)?;
+    if let Some(from) = fresh.news {
+        LiveLink::announce(slf, from, true)?;
     }
     let class = mav.get().dialect.get().class(slf.py(), fresh.index)?;
     let message =
@@ -194,13 +200,15 @@ fn deliver_other<'py>(
     slf: &Bound<'py, LiveLink>,
     mav: &Bound<'py, MAVLink>,
     step: Step,
+    from: Option<Address>,
 ) -> PyResult<Option<Bound<'py, Message>>> {
     let Some(message) = Session::new(mav).take_step(step)? else { return Ok(None) };
     // With a key, what a callback let pass does not say who is there.
     let is_good = !matches!(message.get().origin, Origin::Bad | Origin::Unknown)
         && (message.get().has(flags::SIGNED) || !mav.get().parser().checks_signatures());
-    if slf.get().source().is_news(is_good, unix_seconds()) {
-        LiveLink::announce(slf, is_good)?;
+    let news = slf.get().source().news(from, is_good, unix_seconds());
+    if let Some(from) = news {
+        LiveLink::announce(slf, from, is_good)?;
     }
     if slf.as_super().get().state().records_messages() {
         slf.invoke_method1(intern!(slf.py(), "_record"), (&message,))?;

@@ -1,7 +1,5 @@
 //! Sending: one frame after the other, whatever the number of threads.
 
-use std::sync::atomic::Ordering::Relaxed;
-
 use mavwire_core::frame::FrameBuffer;
 use mavwire_schema::WireVersion;
 use pyo3::ffi;
@@ -33,25 +31,15 @@ pub(crate) fn send(
     mav.get().send_callback.call(message)
 }
 
-/// Waits until no other thread sends. One that stays inside of a write of the program's own for a second may be waiting for
-/// what this thread has. It goes on beside it then, and frames are written without the lock from now on.
+/// Waits until no other thread sends. One that is at the same frame for a second may be waiting for what this thread has, as
+/// what it is written to may be the program's own, and is gone past.
 fn begin<'a>(mav: &'a Bound<'_, MAVLink>) -> PyResult<ThreadGuard<'a>> {
     let sending = mav.get().sending();
-    let guard = sending.lock.lock_or_pass(mav.py(), || !writes_to_link(mav))?;
-    if guard.has_passed() {
-        // The other thread's frame has this number.
-        sending.advance();
-        sending.writes_unlocked.store(true, Relaxed);
+    let guard = sending.lock.lock_or_pass(mav.py())?;
+    if guard.is_beside() {
+        sending.advance(sending.seq()); // the other frame has this number
     }
     Ok(guard)
-}
-
-/// Whether frames go to a link, which waits for nobody.
-#[cold]
-fn writes_to_link(mav: &Bound<'_, MAVLink>) -> bool {
-    let file = mav.get().file.get(mav.py());
-    let link = file.as_ref().and_then(|file| file.cast::<LiveLink>().ok());
-    link.is_some_and(|link| LiveLink::writes_natively(link).unwrap_or(false))
 }
 
 /// Writes a frame of `len` bytes, then advances sequence number and counters.
@@ -59,27 +47,19 @@ fn write(
     mav: &Bound<'_, MAVLink>,
     frame: &Bound<'_, PyAny>,
     len: usize,
-    guard: ThreadGuard<'_>,
+    _guard: ThreadGuard<'_>,
 ) -> PyResult<()> {
-    let sending = mav.get().sending();
-    if sending.writes_unlocked.load(Relaxed) && !guard.is_nested() {
-        let seq = sending.advance();
-        drop(guard);
-        write_to_file(mav, frame).inspect_err(|_| sending.take_back(seq))?;
-    } else {
-        write_to_file(mav, frame)?;
-        if guard.is_held() {
-            sending.advance(); // or whoever passed has done it
-        }
-    }
-    sending.count(len);
-    Ok(())
-}
-
-fn write_to_file(mav: &Bound<'_, MAVLink>, frame: &Bound<'_, PyAny>) -> PyResult<()> {
-    let py = mav.py();
+    let (py, sending) = (mav.py(), mav.get().sending());
+    let seq = sending.seq();
     let file = mav.get().file.get(py).unwrap_or_else(|| py.None().into_bound(py));
-    file.invoke_method_with(intern!(py, "write"), frame)?;
+    let written = file.invoke_method_with(intern!(py, "write"), frame);
+    // A link raises what a signal handler does, and its frame may have left. A number that is not used is one lost frame to
+    // receivers, one that is used twice is 255.
+    if written.is_ok() || file.cast::<LiveLink>().is_ok() {
+        sending.advance(seq);
+    }
+    written?;
+    sending.count(len);
     Ok(())
 }
 

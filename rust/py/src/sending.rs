@@ -1,6 +1,6 @@
 //! What the frames of one sender have in common, and what keeps them in sequence.
 
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering::Relaxed, Ordering::SeqCst};
+use std::sync::atomic::{AtomicI64, AtomicU64, Ordering::Relaxed};
 
 use crate::shared;
 use crate::thread_lock::ThreadLock;
@@ -12,8 +12,6 @@ pub(crate) struct Sending {
     pub(crate) seq: AtomicI64,
     pub(crate) packets: AtomicU64,
     pub(crate) bytes: AtomicU64,
-    /// What is written to waits for threads that send: frames are written without the lock.
-    pub(crate) writes_unlocked: AtomicBool,
 }
 
 impl Sending {
@@ -23,21 +21,20 @@ impl Sending {
             seq: AtomicI64::new(0),
             packets: AtomicU64::new(0),
             bytes: AtomicU64::new(0),
-            writes_unlocked: AtomicBool::new(false),
         }
     }
 
-    /// On to the next sequence number; the one before.
     #[inline]
-    pub(crate) fn advance(&self) -> i64 {
-        let seq = self.seq.load(Relaxed);
-        self.seq.store(next(seq), Relaxed);
-        seq
+    pub(crate) fn seq(&self) -> i64 {
+        self.seq.load(Relaxed)
     }
 
-    /// The frame with this sequence number was not written: it is the next one, unless another one was taken since.
-    pub(crate) fn take_back(&self, seq: i64) {
-        let _ = self.seq.compare_exchange(next(seq), seq, SeqCst, Relaxed);
+    /// On from `seq` to the next sequence number, unless somebody has gone on from it.
+    #[inline]
+    pub(crate) fn advance(&self, seq: i64) {
+        if self.seq() == seq {
+            self.seq.store(seq.wrapping_add(1).rem_euclid(256), Relaxed);
+        }
     }
 
     #[inline]
@@ -45,8 +42,4 @@ impl Sending {
         shared::add(&self.packets, 1);
         shared::add(&self.bytes, len as u64);
     }
-}
-
-fn next(seq: i64) -> i64 {
-    seq.wrapping_add(1).rem_euclid(256)
 }

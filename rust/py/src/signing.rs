@@ -126,7 +126,11 @@ impl Signing {
         // SAFETY: as above.
         let py = unsafe { Python::assume_attached() };
         if let Some(keep) = self.keep.get(py) {
-            self.mark.store(keep.invoke1((timestamp,))?.extract()?, Relaxed);
+            let mark = keep.invoke1((timestamp,))?.extract()?;
+            // Another store may have come in its place meanwhile.
+            if self.keep.get(py).is_some_and(|now| now.is(&keep)) {
+                self.mark.store(mark, Relaxed);
+            }
         }
         Ok(())
     }

@@ -5,7 +5,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use pyo3::exceptions::{PyBlockingIOError, PyInterruptedError};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -14,7 +14,9 @@ use crate::link_turn::Turn;
 use crate::lists;
 use crate::live::LiveLink;
 use crate::lock::Lock;
+use crate::ports;
 use crate::shared;
+use crate::slot::Slot;
 use crate::stream_queue::StreamQueue;
 
 /// Bytes that wait at most, unless a writer is made with another bound.
@@ -36,6 +38,8 @@ pub(crate) struct StreamWriter {
     sending: Turn,
     dropped_frames: AtomicU64,
     bytes_sent: AtomicU64,
+    /// The port that was let go of last, which may still be open.
+    ended: Slot,
 }
 
 type Link<'a, 'py> = Option<&'a Bound<'py, LiveLink>>;
@@ -75,6 +79,10 @@ impl StreamWriter {
         }
     }
 
+    fn has_ended(&self, port: &Bound<'_, PyAny>) -> bool {
+        self.ended.get(port.py()).is_some_and(|ended| ended.is(port))
+    }
+
     /// Sends from the head of the queue; whether the peer may take more.
     fn send_some(&self, port: &Bound<'_, PyAny>) -> PyResult<bool> {
         let py = port.py();
@@ -87,26 +95,19 @@ impl StreamWriter {
             // A copy, because others append to the queue meanwhile.
             (queue.epoch(), PyBytes::new(py, &unsent[..unsent.len().min(SEND_SIZE)]))
         };
-        match port.invoke_method_with(intern!(py, "send"), data.as_any()) {
-            Ok(sent) => {
-                let sent = sent.extract::<usize>()?;
-                self.queue.lock(py).take_off(epoch, sent);
-                shared::add(&self.bytes_sent, sent as u64);
-                Ok(true)
-            }
-            Err(error)
-                if error.is_instance_of::<PyBlockingIOError>(py)
-                    || error.is_instance_of::<PyInterruptedError>(py) =>
-            {
-                Ok(false)
-            }
-            Err(error) => Err(error),
-        }
+        let Some(sent) = ports::send(port, data.as_any())? else { return Ok(false) };
+        let sent = sent.extract::<usize>()?;
+        self.queue.lock(py).take_off(epoch, sent);
+        shared::add(&self.bytes_sent, sent as u64);
+        Ok(true)
     }
 
     fn send(&self, port: &Bound<'_, PyAny>, link: Link<'_, '_>) -> PyResult<()> {
         let py = port.py();
-        while let Some(turn) = self.sending.take() {
+        // What waits may be another connection's by now.
+        while !self.has_ended(port)
+            && let Some(turn) = self.sending.take()
+        {
             let goes_on = self.send_some(port);
             self.tell(py, link);
             drop(turn);
@@ -131,6 +132,10 @@ impl StreamWriter {
     ) -> PyResult<()> {
         let py = port.py();
         self.follow_fork(py);
+        if self.has_ended(port) {
+            self.drop_frames(1);
+            return Ok(());
+        }
         if !self.add(py, frame) {
             let sent = self.send(port, link);
             if sent.is_err() || !self.add(py, frame) {
@@ -153,7 +158,16 @@ impl StreamWriter {
             sending: Turn::free(),
             dropped_frames: AtomicU64::new(0),
             bytes_sent: AtomicU64::new(0),
+            ended: Slot::new(),
         }
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.ended.traverse(visit)
+    }
+
+    fn __clear__(&self) {
+        self.ended.set(None);
     }
 
     /// What waits in the queue (a copy).
@@ -179,7 +193,7 @@ impl StreamWriter {
         self.bytes_sent.load(Relaxed)
     }
 
-    /// Sends `frame` after what is queued; `OSError` when the connection is gone, and then `clear` counts the frame.
+    /// Sends `frame` after what is queued; `PortError` when the connection is gone, and then `clear` counts the frame.
     #[pyo3(signature = (port, frame, link = None))]
     fn write<'py>(
         &self,
@@ -209,5 +223,28 @@ impl StreamWriter {
         if let Some(_turn) = self.sending.take() {
             self.tell(py, link); // or the thread that sends does
         }
+    }
+
+    /// Lets go of the connection `port` of `link`, which waits on `fd` without one: its `port` is `None`, what is queued is
+    /// dropped and counted, and what was received of a frame is forgotten. False if that was done before.
+    #[pyo3(signature = (port, link, fd))]
+    fn end<'py>(
+        &self,
+        port: &Bound<'py, PyAny>,
+        link: &Bound<'py, LiveLink>,
+        fd: Option<i32>,
+    ) -> PyResult<bool> {
+        let py = port.py();
+        if port.is_none() || !link.attribute(intern!(py, "port"))?.is(port) {
+            return Ok(false);
+        }
+        // No other thread and no signal handler comes in between, as it would where the last reference to a port is dropped.
+        let _before = self.ended.get(py);
+        self.ended.set(Some(port.clone().unbind()));
+        self.clear(py, Some(link));
+        link.as_super().get().drop_partial();
+        link.set_attribute(intern!(py, "fd"), fd)?;
+        link.set_attribute(intern!(py, "port"), py.None())?;
+        Ok(true)
     }
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import gc
 import os
 import socket
 import sys
@@ -217,6 +218,75 @@ def test_what_nobody_takes_is_discarded_beside_the_loop(monkeypatch):
         await eventually(lambda: len(threads) == 2)
         assert [result for result, _ in threads] == [True, "late"]
         assert threading.get_ident() not in [thread for _, thread in threads]
+
+    run(main())
+
+
+class Threads:
+    """No thread can be had while there are `none`."""
+
+    def __init__(self, monkeypatch):
+        self.none, self.refused, start = False, 0, threading.Thread.start
+
+        def attempt(thread):
+            if self.none:
+                self.refused += 1
+                raise RuntimeError("can't start new thread")
+            start(thread)
+
+        monkeypatch.setattr(threading.Thread, "start", attempt)
+
+
+def test_without_a_thread_a_connection_is_made_again_later(monkeypatch):
+    async def main():
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            device = f"tcp:127.0.0.1:{server.getsockname()[1]}"
+            link = await aio.connect(device, autoreconnect=True, reconnect_delay=0.01)
+            threads = Threads(monkeypatch)
+            threads.none = True
+            server.accept()[0].close()
+            await eventually(lambda: threads.refused > 2)
+            assert not link.connected
+            threads.none = False
+            await eventually(lambda: link.connected)
+            server.accept()[0].close()
+            threads.none = True
+            await link.close()
+            assert link.sync.port is None
+
+    run(main())
+
+
+def test_without_a_thread_a_name_is_looked_up_later(monkeypatch):
+    async def main():
+        link = await aio.connect("udpout:127.0.0.1:14550")
+        threads = Threads(monkeypatch)
+        threads.none = True
+        failures = []
+        asyncio.get_running_loop().set_exception_handler(lambda _, told: failures.append(told))
+        address = link.sync.resolved_destination_addr
+        link.sync._lookup_due, link.sync._next_lookup = True, 0.0
+        for _ in range(3):
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+            await eventually(lambda: link.sync._next_lookup > 0)
+        gc.collect()
+        assert (threads.refused, failures) == (1, [])
+        assert link.sync.resolved_destination_addr == address
+        await link.close()
+
+    run(main())
+
+
+def test_without_a_thread_what_nobody_takes_is_discarded_all_the_same(monkeypatch):
+    async def main():
+        discarded, go_on = [], threading.Event()
+        threads = Threads(monkeypatch)
+        task = asyncio.create_task(in_background(lambda: go_on.wait(WAIT), discarded.append))
+        await asyncio.sleep(0)
+        task.cancel()
+        threads.none = True
+        go_on.set()
+        await eventually(lambda: discarded == [True])
 
     run(main())
 

@@ -99,7 +99,7 @@ forks(each, lambda: (go.set(), each()))
     "a serial port that another thread sends on": r"""
 ends = os.openpty()
 link = connect(os.ttyname(ends[1]))
-link.port.fileno = held(link.port.fileno)
+link._send_frame = held(link._send_frame)
 let_go = hold(heartbeat, link)
 def each():
     heartbeat(link)

@@ -17,6 +17,7 @@ from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import one_client
 from mavwire.links import serial_port as serial_port_module
+from mavwire.links.stream import PortError
 from unit.link_tools import Capture, heartbeat, make_certificate
 from watchdog import watched
 
@@ -445,7 +446,7 @@ class HeldSerial:
 def test_a_serial_port_is_reopened_by_one_thread_and_not_after_closing(serial_port, monkeypatch):
     link = mavutil.mavlink_connection(serial_port, autoreconnect=True)
     held = HeldSerial(monkeypatch)
-    thread = threading.Thread(target=link._lost)
+    thread = threading.Thread(target=link._lost, args=[link.port])
     thread.start()
     assert held.made.wait(WAIT)
     with watched(WAIT):
@@ -457,6 +458,102 @@ def test_a_serial_port_is_reopened_by_one_thread_and_not_after_closing(serial_po
     assert len(held.opened) == 1
     assert (held.opened[0].is_open, link.port.is_open, link.fd) == (False, False, None)
     assert link.reset() is False
+
+
+def test_an_error_of_a_serial_port_is_not_one_of_the_next(line, monkeypatch, capsys):
+    """The receiving thread opens the port anew while another one is told that it is gone."""
+    device, _ = line
+    with mavutil.mavlink_connection(device, autoreconnect=True) as link:
+        old, send = link.port, link._send_frame
+
+        def fail(port, frame):
+            monkeypatch.setattr(link, "_send_frame", send)
+            assert link.reset()
+            link._writer.write(Begun(), heartbeat(9))
+            raise PortError(OSError(errno.EIO, "Input/output error"))
+
+        monkeypatch.setattr(link, "_send_frame", fail)
+        assert link.write(heartbeat(1)) == -1
+        assert (link.port is not old, link.port.is_open, link.portdead) == (True, True, False)
+        assert link._writer.unsent == heartbeat(9)[5:]
+        assert "dead" not in capsys.readouterr().out
+
+
+class Begun:
+    """A connection that takes the beginning of a frame."""
+
+    taken = b""
+
+    def send(self, data):
+        if self.taken:
+            raise BlockingIOError
+        self.taken = data[:5]
+        return 5
+
+    def close(self):
+        raise KeyboardInterrupt
+
+
+def test_an_interrupt_while_a_client_is_let_go_leaves_nothing_to_the_next():
+    link = mavutil.mavlink_connection("tcpin:127.0.0.1:0")
+    address = link.listen.getsockname()
+    with watched(WAIT), socket.create_connection(address):
+        while link.port is None:
+            link.recv_match(blocking=True, timeout=1.0)
+        first, link.port = link.port, Begun()
+        link.write(heartbeat(1))
+        with pytest.raises(KeyboardInterrupt):
+            link._let_go(link.port)
+        first.close()
+        with socket.create_connection(address) as second:
+            while link.port is None:
+                link.recv_match(blocking=True, timeout=1.0)
+            link.write(heartbeat(2))
+            assert second.recv(100) == heartbeat(2)
+    assert link.frames_dropped == 1
+    link.close()
+
+
+def test_a_thread_that_is_late_touches_no_later_connection():
+    link, peer = connected(autoreconnect=True)
+    old = link.port
+    link._writer.write(Begun(), heartbeat(1), link)
+    assert link._let_go(old)
+    assert (link.port, link._has_unsent, link.frames_dropped) == (None, False, 1)
+    link.port = new = Begun()
+    link.write(heartbeat(2))
+    # It sends nothing of what the new one has begun, and ends nothing.
+    link._send_frame(old, heartbeat(3))
+    link._send_rest(old)
+    assert not link._let_go(old)
+    assert link.port is new
+    assert link._writer.unsent == heartbeat(2)[5:]
+    assert link.frames_dropped == 2
+    link.port = None
+    link.close()
+    peer.close()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a shell script")
+def test_a_child_that_is_closed_by_another_thread_is_not_read_by_its_number(tmp_path, monkeypatch):
+    program = tmp_path / "child"
+    program.write_text("#!/bin/sh\nexec cat\n")
+    program.chmod(0o700)
+    link = mavutil.mavlink_connection(f"exec:{program}")
+    number = link.fd
+    other, writes = os.pipe()
+    os.write(writes, b"somebody else's")
+
+    def close(port):
+        link.close()
+        os.dup2(other, number)
+
+    monkeypatch.setattr(link, "_send_rest", close)
+    with pytest.raises(OSError, match="descriptor"):
+        link.recv(100)
+    assert os.read(other, 100) == b"somebody else's"
+    for fd in (number, other, writes):
+        os.close(fd)
 
 
 def test_a_serial_port_is_reopened_once_a_second_at_most(serial_port, monkeypatch):

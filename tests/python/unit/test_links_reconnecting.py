@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import pytest
 from mavwire import mavutil
-from mavwire.links import reconnecting, tcp
+from mavwire.links import reconnecting, tcp, websocket
 from unit.link_tools import heartbeat
 from watchdog import watched
 
@@ -481,6 +481,30 @@ def test_a_websocket_server_that_is_not_up_yet_is_logged_once(attempts, caplog):
             assert isinstance(link.connect_error, ConnectionRefusedError)
     (record,) = caplog.records
     assert record.getMessage() == f"{device}: Connection refused; trying again"
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        TimeoutError("timed out"),
+        OSError(errno.ENETUNREACH, "Network is unreachable"),
+        socket.gaierror(socket.EAI_NONAME, "Name or service not known"),
+    ],
+)
+def test_a_websocket_server_that_cannot_be_reached_is_waited_for(error, attempts, monkeypatch):
+    pytest.importorskip("wsproto")
+
+    def refuse(*_):
+        raise error
+
+    monkeypatch.setattr(websocket, "connect_to", refuse)
+    link = mavutil.mavlink_connection("ws:127.0.0.1:9")
+    assert link.connect_error is error
+    attempts.of(link)
+    attempts.now += 1
+    link.recv_match()
+    assert len(attempts.moments) == 1
+    link.close()
 
 
 def test_sending_on_a_websocket_that_just_ended_is_counted(websockets):

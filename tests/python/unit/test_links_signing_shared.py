@@ -6,8 +6,10 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
+from typing import Any
 from weakref import WeakSet
 
 import pytest
@@ -16,8 +18,10 @@ from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import signing as signing_module
 from mavwire.links import state
 from mavwire.links.link_ids import claim
+from mavwire.links.timestamp_store import TimestampStore
 from unit.faults import ENVIRONMENT, python
 from unit.link_tools import KEY, Capture, at_once, drain, signed, types
+from watchdog import watched
 
 fcntl = pytest.importorskip("fcntl", reason="without locks nothing is known of other processes")
 
@@ -26,6 +30,7 @@ WAIT = 60
 # Says its link id and what it sends, and stays until its standard input ends.
 PROGRAM = """
 import sys
+import threading
 from mavwire import mavutil
 path, link_id = sys.argv[1:]
 class Link(mavutil.mavfile):
@@ -185,6 +190,31 @@ def test_threads_that_ask_for_one_link_id_are_one_process(tmp_path, monkeypatch)
     assert answers == [True, True]
 
 
+def test_a_link_id_is_this_process_s_once_it_is_locked(tmp_path, monkeypatch):
+    path, lock, answers = tmp_path / "timestamps", fcntl.flock, []
+    inside, go = threading.Event(), threading.Event()
+
+    def refuse(fd, how):
+        monkeypatch.setattr(fcntl, "flock", lock)
+        inside.set()
+        assert go.wait(WAIT)
+        raise BlockingIOError  # another process has it
+
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    first = threading.Thread(target=lambda: answers.append(claim(path, 7)))
+    first.start()
+    assert inside.wait(WAIT)
+    holder = os.open(f"{os.path.realpath(path)}.link7", os.O_RDWR | os.O_CREAT)
+    lock(holder, fcntl.LOCK_EX)
+    second = threading.Thread(target=lambda: answers.append(claim(path, 7)))
+    second.start()
+    go.set()
+    for thread in (first, second):
+        thread.join(WAIT)
+    os.close(holder)
+    assert answers == [False, False]
+
+
 class Dawdling:
     """Stands for the state of all links, where reading a number takes a moment."""
 
@@ -249,6 +279,117 @@ def test_threads_wait_for_each_other_to_share_streams(monkeypatch):
     links[0].mav.signing.stream_timestamps = {(1, 2, 3): 4}
     assert listened == [{}] * 6
     assert [link.mav.signing.stream_timestamps for link in links] == [{(1, 2, 3): 4}] * 6
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_fork_while_another_thread_stores_a_timestamp(tmp_path):
+    """Neither process holds up the other, nor a third one, as long as it lives."""
+    program = """
+import os, signal, sys, threading
+from mavwire.links.timestamp_store import TimestampStore
+store, inside, go = TimestampStore(sys.argv[1]), threading.Event(), threading.Event()
+home, fsync = os.getpid(), os.fsync
+def held(fd):
+    if os.getpid() == home and threading.current_thread().name == "held":
+        inside.set()
+        go.wait()
+    fsync(fd)
+os.fsync = held
+thread = threading.Thread(target=store.save, args=[1000], name="held", daemon=True)
+thread.start()
+inside.wait()
+child_goes, parent_says = os.pipe()
+pid = os.fork()
+if pid == 0:
+    signal.alarm(60)
+    os.read(child_goes, 1)
+    store.save(3000)
+    os._exit(0)
+go.set()
+thread.join()
+signal.alarm(60)
+store.save(2000)
+os.write(parent_says, b"x")
+assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
+assert store.load() == 3000
+os._exit(0)
+"""
+    done = python(program, str(tmp_path / "timestamps"))
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_child_does_not_keep_what_its_dead_parent_had_locked(tmp_path):
+    program = """
+import os, signal, sys, threading
+from mavwire.links.timestamp_store import TimestampStore
+store, inside = TimestampStore(sys.argv[1]), threading.Event()
+os.fsync = lambda fd: (inside.set(), threading.Event().wait())
+threading.Thread(target=store.save, args=[1000], daemon=True).start()
+inside.wait()
+if os.fork():
+    os._exit(0)
+os.setsid()
+os.close(1)
+os.close(2)
+signal.alarm(120)
+signal.pause()
+"""
+    path = tmp_path / "timestamps"
+    with watched(WAIT):
+        subprocess.run([sys.executable, "-c", program, str(path)], check=True)
+        TimestampStore(path).save(2000)
+    assert TimestampStore(path).load() == 2000
+
+
+def test_a_signal_handler_that_raises_is_no_failing_store(tmp_path, monkeypatch):
+    link = Capture()
+    link.setup_signing(KEY, timestamp_store=tmp_path / "timestamps")
+    mark = TimestampStore(tmp_path / "timestamps").load()
+
+    def interrupted(fd):
+        raise TimeoutError("by a signal handler")
+
+    link.mav.signing.timestamp = mark + 1
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "fsync", interrupted)
+        with pytest.raises(TimeoutError):
+            sent(link)
+    sent(link)
+    assert TimestampStore(tmp_path / "timestamps").load() > mark
+
+
+def test_a_store_that_is_replaced_while_it_stores_has_no_say_over_the_next(tmp_path):
+    """A peer may have been a day ahead of what the next store begins with."""
+    saved: list[int] = []
+
+    class Slow:
+        link: Any = None
+
+        def load(self) -> int:
+            return 0
+
+        def save(self, timestamp: int) -> None:
+            if self.link is not None:  # another thread, while this one waits for the disk
+                link, self.link = self.link, None
+                link.setup_signing(KEY, initial_timestamp=0, timestamp_store=Next())
+
+    class Next:
+        def load(self) -> int:
+            return 0
+
+        def save(self, timestamp: int) -> None:
+            saved.append(timestamp)
+
+    link, slow = Capture(), Slow()
+    link.setup_signing(KEY, timestamp_store=slow)
+    link.mav.signing.timestamp = 1 << 47
+    slow.link = link
+    sent(link)
+    (first,) = saved
+    link.mav.signing.timestamp = first + 1
+    sent(link)
+    assert len(saved) == 2
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")

@@ -258,6 +258,53 @@ def test_other_threads_run_while_one_waits(udp):
     assert udp.link.recv_match(blocking=True).get_seq() == 1
 
 
+def test_other_threads_run_while_messages_that_do_not_match_come_without_end(tmp_path):
+    """Of a stream that is always full."""
+    program, frame, count = tmp_path / "child", heartbeat(), 500_000
+    program.write_text("#!/bin/sh\nexec cat\n")
+    program.chmod(0o700)
+    full = tmp_path / "full"
+    full.write_bytes(frame * count)
+    link = mavutil.mavlink_connection(f"exec:{program}")
+    link.child.stdout.close()
+    link.child.stdout = open(full, "rb", buffering=0)
+    seen, done = [], threading.Event()
+
+    def look():
+        while not done.is_set():
+            seen.append(link.mav_count)
+            time.sleep(0.001)
+
+    other = threading.Thread(target=look)
+    other.start()
+    assert link.recv_msg().get_type() == "HEARTBEAT"
+    assert link.recv_match(type="ATTITUDE") is None
+    done.set()
+    other.join(WAIT)
+    assert link.mav_count == count
+    assert any(1 < number < count for number in seen)
+    link.close()
+
+
+def test_who_sent_a_message_is_answered_whoever_is_read_meanwhile(udp):
+    """By another thread, while a callback of the program runs."""
+    friend, stranger, calls = udp.peer(), udp.peer(), []
+
+    def callback(msg):
+        calls.append(msg)
+        if len(calls) == 1:
+            stranger.send(bytes(10))
+            assert udp.link.recv_msg().get_type() == "BAD_DATA"
+
+    udp.link.mav.set_callback(callback)
+    friend.send(heartbeat(3))
+    assert udp.next().get_type() == "HEARTBEAT"
+    assert friend.getsockname() in udp.link.clients
+    assert stranger.getsockname() not in udp.link.clients
+    for peer in (friend, stranger):
+        peer.close()
+
+
 def test_signed_and_unsigned_and_unknown(udp):
     udp.link.setup_signing(KEY, initial_timestamp=0)
     udp.send(heartbeat(1))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import builtins
+import signal
+import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -32,6 +33,7 @@ class Held:
         self.frames: list[bytes] = []
         self.inside, self.go = threading.Event(), threading.Event()
         self.at_once = self.at_most = 0
+        self.pause: Callable[[], object] = int
 
     def write(self, frame: bytes) -> None:
         self.at_once += 1
@@ -40,6 +42,7 @@ class Held:
         if len(self.frames) == 1:
             self.inside.set()
             assert self.go.wait(WAIT)
+        self.pause()
         self.at_once -= 1
 
 
@@ -111,41 +114,140 @@ def test_a_write_that_fails_beside_another_one_gives_its_number_back(threads: An
     assert numbers(device.frames) == [0, 1, 2]
 
 
-def test_a_link_that_stands_still_is_waited_for(threads: Any, monkeypatch: Any) -> None:
-    link = mavutil.mavlink_connection("tcpin:127.0.0.1:0")
+def test_a_thread_that_sends_without_a_pause_lets_others_send(threads: Any) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
+        peer.bind(("127.0.0.1", 0))
+        link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{peer.getsockname()[1]}")
+        done = threading.Event()
+
+        def beats() -> None:
+            for _ in range(10):
+                send(link.mav)
+            done.set()
+
+        threads(beats)
+        end = time.monotonic() + WAIT
+        while not done.is_set() and time.monotonic() < end:
+            send(link.mav)
+        assert done.is_set()
+        link.close()
+
+
+def test_who_stops_waiting_for_the_lock_leaves_it_to_others(threads: Any) -> None:
+    """A signal handler that raises ends the wait of the main thread."""
     device = Held()
-    monkeypatch.setattr(type(link), "write", lambda _, frame: device.write(frame))
-    threads(send, link.mav)
-    assert device.inside.wait(WAIT)
-    second = threads(send, link.mav)
-    second.join(1.5)
-    assert second.is_alive()
-    device.go.set()
-    second.join(WAIT)
-    assert (numbers(device.frames), device.at_most) == ([0, 1], 1)
-    link.close()
-
-
-def test_an_error_in_asking_for_the_end_of_the_program_is_not_its_end(
-    threads: Any, monkeypatch: Any
-) -> None:
-    device, asked, load = Held(), threading.Event(), builtins.__import__
-
-    def hook(*arguments: Any, **options: Any) -> Any:
-        if threading.current_thread().name == "second":
-            asked.set()
-            raise RuntimeError
-        return load(*arguments, **options)
-
     mav = common.MAVLink(device)
     threads(send, mav)
     assert device.inside.wait(WAIT)
-    monkeypatch.setattr(builtins, "__import__", hook)
-    second = threads(send, mav, name="second")
-    asked.wait(0.2)
+    threads(send, mav)
+
+    class Stop(Exception):
+        pass
+
+    is_waiting, stopped = False, threading.Event()
+
+    def handle(*_: object) -> None:
+        if is_waiting:
+            raise Stop
+
+    def interrupt() -> None:
+        while not stopped.wait(0.01):
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, handle)
+    interrupter = threads(interrupt)
+    with pytest.raises(Stop):
+        is_waiting = True
+        send(mav)
+    is_waiting = False
+    stopped.set()
+    interrupter.join(WAIT)
+    signal.signal(signal.SIGINT, before)
     device.go.set()
-    second.join(WAIT)
-    assert (numbers(device.frames), device.at_most) == ([0, 1], 1)
+    while mav.total_packets_sent < 2:
+        time.sleep(0.001)
+    send(mav)
+    assert numbers(device.frames) == [0, 1, 2]
+
+
+def test_writes_are_kept_apart_again_after_one_that_stood_still(threads: Any) -> None:
+    device = Held()
+    mav = common.MAVLink(device)
+    threads(send, mav)
+    assert device.inside.wait(WAIT)
+    send(mav)  # passes after a while
+    assert device.at_most == 2
+    device.go.set()
+    while mav.total_packets_sent < 2:
+        time.sleep(0.001)
+    device.at_most, device.pause = 0, lambda: time.sleep(0)
+
+    def beats() -> None:
+        for _ in range(200):
+            send(mav)
+
+    both = [threads(beats), threads(beats)]
+    for thread in both:
+        thread.join(WAIT)
+    assert device.at_most == 1
+    assert sorted(numbers(device.frames)) == sorted(n % 256 for n in range(402))
+
+
+def test_what_a_link_calls_may_wait_for_another_sender(threads: Any) -> None:
+    done: list[bool] = []
+
+    class Link(mavutil.mavtcp):  # type: ignore[misc]
+        def handle_disconnect(self) -> None:
+            thread = threads(send, self.mav)
+            thread.join(WAIT)
+            done.append(not thread.is_alive())
+            super().handle_disconnect()
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        link = Link(f"127.0.0.1:{server.getsockname()[1]}")
+        server.accept()[0].close()
+        while link.port is not None:
+            send(link.mav)
+        assert done == [True]
+        link.close()
+
+
+def test_a_frame_that_is_sent_in_the_middle_of_another_one_has_the_next_number() -> None:
+    """As a signal handler sends it."""
+
+    class Device:
+        def __init__(self) -> None:
+            self.frames: list[bytes] = []
+
+        def write(self, frame: bytes) -> None:
+            self.frames.append(bytes(frame))
+            if len(self.frames) % 3:  # twice, one inside of the other
+                send(mav)
+
+    mav = common.MAVLink(device := Device())
+    for _ in range(100):
+        send(mav)
+    assert numbers(device.frames) == [n % 256 for n in range(300)]
+    assert (mav.seq, mav.total_packets_sent) == (300 % 256, 300)
+
+
+@pytest.mark.parametrize(("to_link", "seq"), [(True, 1), (False, 0)])
+def test_a_number_is_used_again_only_where_no_frame_left(
+    to_link: bool, seq: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A link raises what a signal handler does, perhaps behind the frame; a device that fails took nothing."""
+
+    def write(*_: object) -> None:
+        raise TimeoutError("by a signal handler")
+
+    link = mavutil.mavlink_connection("udpout:127.0.0.1:14550")
+    monkeypatch.setattr(type(link), "write", write)
+    if not to_link:
+        link.mav.file = type("Device", (), {"write": write})()
+    with pytest.raises(TimeoutError):
+        send(link.mav)
+    assert (link.mav.seq, link.mav.total_packets_sent) == (seq, 0)
+    link.close()
 
 
 def test_the_switch_to_mavlink_2_during_a_send_uses_no_number_twice(threads: Any) -> None:
