@@ -21,7 +21,7 @@ use crate::wording::in_words;
 const MAX_PEERS: usize = 64;
 /// The first pause before a connection is tried again, doubled up to the limit of the link; microseconds.
 const FIRST_RETRY: u64 = 250_000;
-/// A peer that needs a signature has this long to send one before another may have its place; microseconds.
+/// A peer has this long to prove itself before another may have its place; microseconds.
 const TIME_TO_PROVE: u64 = 1_000_000;
 
 /// What a link has besides its ports.
@@ -208,7 +208,7 @@ impl EventLoop {
         let now = self.switch.moment.now;
         let unproven = self.switch.ports().filter(|port| {
             port.link == number
-                && (port.muted || port.traffic.routed.received == 0)
+                && !port.proven
                 && now.saturating_sub(port.heard) > TIME_TO_PROVE
         });
         let Some(id) = unproven.min_by_key(|port| port.heard).map(|port| port.id) else {

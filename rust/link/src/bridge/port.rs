@@ -65,7 +65,9 @@ pub(super) struct Port {
     pub(super) automation: Option<Automation>,
     /// Messages that leave before others.
     urgent: Box<[u32]>,
-    /// A peer that has yet to prove itself gets nothing.
+    /// A good frame came, with a good signature where one is needed.
+    pub(super) proven: bool,
+    /// It gets nothing before it has proven itself.
     pub(super) muted: bool,
 }
 
@@ -92,6 +94,7 @@ impl Port {
             border,
             automation: Automation::new(&spec.automation),
             urgent: spec.options.limits.urgent.as_slice().into(),
+            proven: false,
             muted: false,
         }
     }
