@@ -169,6 +169,10 @@ class Inspector(HttpServer):
         self.token = token or ("" if is_loopback(host) else secrets.token_urlsafe(16))
         super().__init__(bridge, host, port, names)
 
+    def answers_to(self, host: str) -> bool:
+        """By whatever name it is asked for, if the token is needed all the same."""
+        return bool(self.token) or super().answers_to(host)
+
     @property
     def note(self) -> str:
         """Where the page is."""

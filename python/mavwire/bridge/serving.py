@@ -28,7 +28,8 @@ MAX_CONNECTIONS = 64
 class HttpServer:
     """Answers HTTP requests about a bridge on threads, until it is closed. OSError if the port is taken.
 
-    `names`: by what else than its address it may be asked for, as through a proxy in front of it.
+    `names`: by what else than its address and the name of this machine it may be asked for, as through a proxy in front
+    of it.
     """
 
     handler: type[Handler]
@@ -69,9 +70,11 @@ class HttpServer:
         return f"{f'[{host}]' if ':' in host else host}:{self.port}"
 
     def answers_to(self, host: str) -> bool:
-        """Whether a Host header may name this server. On loopback another name is someone's trick."""
+        """Whether a Host header may name this server. Anyone can have another name lead here, and its page ask."""
         name = re.sub(r":[0-9]*$", "", host.lower()).strip("[]")
-        return not self.is_local or is_loopback(name) or name in self._names
+        if is_loopback(name) or name in self._names:
+            return True
+        return not self.is_local and (_address(name) is not None or name in _own_names(self._host))
 
     def welcomes(self, origin: str, host: str) -> bool:
         """Whether a page from `origin` may ask who was asked for as `host`: ours may, over a proxy with TLS too."""
@@ -212,7 +215,9 @@ class Handler(BaseHTTPRequestHandler):
         host, origin = self.headers.get("Host", ""), self.headers.get("Origin")
         owner = self.server.owner
         if not owner.answers_to(host) or not (origin is None or owner.welcomes(origin, host)):
-            self.send_error(HTTPStatus.FORBIDDEN, "not for this host or origin")
+            self.send_error(
+                HTTPStatus.FORBIDDEN, "not for this host or origin: --http-name adds one"
+            )
             return False
         return True
 
@@ -250,16 +255,27 @@ class Handler(BaseHTTPRequestHandler):
         """Nothing: standard error belongs to the program."""
 
 
+def _own_names(host: str) -> set[str]:
+    """What a server is called that listens on `host`, with the names that this machine has for itself."""
+    machine = socket.gethostname().lower()
+    short = machine.partition(".")[0]
+    return {host.lower(), machine, short, f"{short}.local"}
+
+
 def is_loopback(host: str) -> bool:
     """Whether a name or an address leads to this machine alone."""
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
+    address = _address(host)
+    return host == "localhost" if address is None else address.is_loopback
 
 
 def _is_any(host: str) -> bool:
+    address = _address(host)
+    return address is not None and address.is_unspecified
+
+
+def _address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """None for a name."""
     try:
-        return ipaddress.ip_address(host).is_unspecified
+        return ipaddress.ip_address(host)
     except ValueError:
-        return False
+        return None
