@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from mavwire._wording import did_you_mean
-
-from .checks import listed, text
+from .checks import content, listed, only_known, text
 from .errors import ConfigError
 
 TYPE_CHECKING = False
@@ -54,17 +52,14 @@ def sink_from(table: Any, place: str) -> SinkOptions:
     """A table of `[[sink]]`. ConfigError."""
     known = _checked(table, "address", "mqtt://HOST", ("address", "password_file", "names"))
     path = known.get("password_file")
-    password = None if path is None else _password(text("password_file", path))
+    password = None if path is None else _password("password_file", path)
     return SinkOptions(text("address", known["address"]), password, _names(known), place)
 
 
 def _checked(table: Any, needed: str, such_as: str, options: tuple[str, ...]) -> dict[str, Any]:
     if not isinstance(table, dict) or needed not in table:
         raise ConfigError(f"it needs {needed}, such as {such_as!r}")
-    for option in table:
-        if option not in options:
-            reason = f"unknown option {option!r}{did_you_mean(option, options)}"
-            raise ConfigError(reason, option)
+    only_known(table, options)
     return table
 
 
@@ -72,11 +67,12 @@ def _names(table: dict[str, Any]) -> tuple[str, ...]:
     return tuple(text("names", name) for name in listed("names", table.get("names", ())))
 
 
-def _password(path: str) -> str:
+def _password(name: str, path: object) -> str:
     """The first line of a file."""
     try:
-        with open(path, encoding="utf-8") as file:
-            return file.read(MAX_PASSWORD).partition("\n")[0]
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not text"
-        raise ConfigError(f"password_file: {path}: {reason}", "password_file") from None
+        password = content(name, path, MAX_PASSWORD).decode().partition("\n")[0].rstrip("\r")
+    except UnicodeDecodeError:
+        raise ConfigError(f"{name}: {path}: not text", name) from None
+    if not password:
+        raise ConfigError(f"{name}: {path}: its first line is empty", name)
+    return password

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from mavwire._wording import did_you_mean
-
 from .border import (
     AUTOMATION_OPTIONS,
     BORDER_OPTIONS,
@@ -14,7 +12,7 @@ from .border import (
     automation_from,
     border_from,
 )
-from .checks import flag, listed, rate, seconds, text, whole
+from .checks import flag, listed, only_known, rate, seconds, text, whole
 from .errors import ConfigError
 
 TYPE_CHECKING = False
@@ -133,9 +131,7 @@ def link_from(
         *(f"{verb}_{what}_{way}" for verb in ("allow", "block") for what in _LISTS
           for way in _DIRECTIONS),
     }  # fmt: skip
-    for option in options:
-        if option not in known:
-            raise ConfigError(f"unknown option {option!r}{did_you_mean(option, known)}", option)
+    only_known(options, known)
 
     def message_ids(name: str, values: object) -> list[int]:
         return [_named(name, message_id, value) for value in listed(name, values)]

@@ -324,6 +324,22 @@ address = "ws://:8765"
             "[[sink]]\naddress = 'x'\npassword_file = '/no/such'",
             ":3: sink 1: password_file: /no/such: No such file",
         ),
+        (
+            "[[sink]]\naddress = 'x'\npassword_file = '/dev/null'",
+            ":3: sink 1: password_file: /dev/null: its first line is empty",
+        ),
+        (
+            "[[sink]]\naddress = 'x'\npassword_file = '/dev/zero'",
+            ":3: sink 1: password_file: /dev/zero: longer than 4,096 bytes",
+        ),
+        (
+            '[[sink]]\naddress = "x"\npassword_file = "a\\u0000b"',
+            ":3: sink 1: password_file must be a path, not 'a.x00b'",
+        ),
+        (
+            '[[link]]\nendpoint = "udpin:127.0.0.1:0"\nsign_out = true\nsigning_key_file = "a\\u0000b"',
+            ":4: link 1: signing_key_file must be a path, not 'a.x00b'",
+        ),
         ("dedup = x = 1", "at line 1"),
         ("# a\n\ndedop = 1", ":3: unknown option 'dedop'; did you mean 'dedup'"),
         ("dedup = -1", ":1: dedup must be 0 seconds or more"),
