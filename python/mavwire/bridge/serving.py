@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import ipaddress
 import re
@@ -23,6 +24,11 @@ if TYPE_CHECKING:
     from .web_socket import WebSocket
 
 MAX_CONNECTIONS = 64
+# Who does not take one more piece in so many seconds is given up.
+PATIENCE = 30.0
+PIECE = 16 * 1024
+# Where the system has no more descriptors or memory for a connection.
+EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
 class HttpServer:
@@ -47,6 +53,11 @@ class HttpServer:
             target=self._server.serve_forever, args=(0.1,), name="mavwire-http", daemon=True
         )
         self._thread.start()
+
+    @property
+    def is_ending(self) -> bool:
+        """Whether it was closed, or the bridge was stopped."""
+        return self.closing.is_set() or not self.bridge.running
 
     @property
     def port(self) -> int:
@@ -137,11 +148,23 @@ class _Server(ThreadingHTTPServer):
         socketserver.TCPServer.server_bind(self)
         self.server_name, self.server_port = str(self.server_address[0]), self.server_address[1]
 
+    def get_request(self) -> tuple[socket.socket, Any]:
+        try:
+            return super().get_request()
+        except OSError as error:
+            if error.errno in EXHAUSTED:
+                self.owner.closing.wait(0.1)  # who asks again at once gets the same answer
+            raise
+
     def process_request(self, request: Any, client_address: Any) -> None:
-        if self._requests.take(client_address[0]):
-            super().process_request(request, client_address)
-        else:
+        if not self._requests.take(client_address[0]):
             self.shutdown_request(request)
+            return
+        try:
+            super().process_request(request, client_address)
+        except BaseException:  # there is no thread for it
+            self._requests.leave(client_address[0])
+            raise
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
         try:
@@ -222,13 +245,23 @@ class Handler(BaseHTTPRequestHandler):
         return True
 
     def talk(self, run: Callable[[WebSocket], None]) -> None:
-        """Switch to WebSocket, if that is what is asked for, and run a conversation."""
+        """Switch to WebSocket, if that is what is asked for, and run a conversation; OSError if the other side vanishes."""
+        from wsproto.utilities import ProtocolError
+
         from .web_socket import WebSocket
 
         def accept_and_run() -> None:
             web = WebSocket.accept(self)
-            if web is not None:
+            if web is None:
+                return
+            try:
                 run(web)
+                if self.server.owner.is_ending:
+                    web.close(1001, "the bridge has stopped")
+            except (ProtocolError, ValueError):
+                web.close(1007, "not understood")
+            except RuntimeError:
+                web.close(1001, "the bridge has stopped")
 
         if not self.server.talk(self.client_address[0], accept_and_run):
             self.send_error(HTTPStatus.SERVICE_UNAVAILABLE, "too many others are connected")
@@ -241,7 +274,7 @@ class Handler(BaseHTTPRequestHandler):
         for name, value in (headers or {}).items():
             self.send_header(name, value)
         self.end_headers()
-        self.wfile.write(body)
+        send_all(self.connection, body)
 
     def end_headers(self) -> None:
         """No second request on this connection, and no guesses at what the body is."""
@@ -253,6 +286,14 @@ class Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """Nothing: standard error belongs to the program."""
+
+
+def send_all(connection: socket.socket, data: bytes) -> None:
+    """Send it, however slowly it is taken. TimeoutError once nothing is."""
+    connection.settimeout(PATIENCE)
+    view = memoryview(data)
+    for start in range(0, len(view), PIECE):
+        connection.sendall(view[start : start + PIECE])
 
 
 def _own_names(host: str) -> set[str]:

@@ -176,20 +176,15 @@ class WebSocketPublisher(HttpServer):
 
     def tell(self, web: WebSocket, reader: _Reader, connection: socket.socket) -> None:
         """Send what comes until either side ends it. OSError if the reader vanishes."""
-        from wsproto.utilities import ProtocolError
-
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         with self._lock:
             self._readers.add(reader)
         try:
-            while not self.closing.is_set() and self.bridge.running:
+            while not self.is_ending:
                 for message in reader.messages():
                     web.send(message)
                 if web.hear(0) is None:  # what it says is nothing to us
                     return
-            web.close(1001, "the bridge has stopped")
-        except (ProtocolError, ValueError):
-            web.close(1007, "not understood")
         finally:
             with self._lock:
                 self._readers.discard(reader)
