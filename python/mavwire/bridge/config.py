@@ -159,7 +159,9 @@ def _content(name: str, text: str) -> dict[str, Any]:
     import tomllib
 
     if (line := too_dotted(text)) is not None:
-        raise ConfigError(f"{name}:{line}: more than {MAX_DOTS} dots; no option has so many parts")
+        raise ConfigError(
+            f"{name}:{line}: a key of more than {MAX_DOTS} dots; no option has so many parts"
+        )
     try:
         return tomllib.loads(text)
     except RecursionError:

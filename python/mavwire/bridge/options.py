@@ -194,10 +194,16 @@ def _rates(
         return []
     if not hasattr(rates, "items"):
         raise ConfigError(f"rates must map messages to numbers, not {rates!r}", "rates")
+    known: dict[int, float] = {}
     try:
-        return [(message_id(name), rate(str(name), each) or 0.0) for name, each in rates.items()]
+        for name, each in rates.items():
+            msgid = message_id(name)
+            if msgid in known:
+                raise ConfigError(f"{name!r} is a message that was named before")
+            known[msgid] = rate(str(name), each) or 0.0
     except ConfigError as error:
         raise error.within("rates") from None
+    return list(known.items())
 
 
 def _named(option: str, message_id: Callable[[object], int], value: object) -> int:
