@@ -17,11 +17,12 @@ MAX_PASSWORD = 4096
 
 @dataclass(frozen=True)
 class Listen:
-    """Where an HTTP server listens, and the names that a proxy in front of it answers to."""
+    """Where an HTTP server listens, and the names that a proxy in front of it answers to. `place`: where it is described."""
 
     host: str
     port: int
     names: tuple[str, ...] = ()
+    place: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,11 @@ class SinkOptions:
     names: tuple[str, ...] = ()
     place: str = ""
 
+    @property
+    def takes_names(self) -> bool:
+        """Whether others connect to it."""
+        return self.address.lower().startswith("ws:")
+
 
 def listen_address(address: str) -> tuple[str, int]:
     """[HOST]:PORT. ConfigError."""
@@ -42,10 +48,10 @@ def listen_address(address: str) -> tuple[str, int]:
     return host.strip("[]") or "127.0.0.1", int(port)
 
 
-def listen_from(table: Any) -> Listen:
+def listen_from(table: Any, place: str) -> Listen:
     """A table `[http]` or `[metrics]`. ConfigError."""
     known = _checked(table, "listen", ":8080", ("listen", "names"))
-    return Listen(*listen_address(text("listen", known["listen"])), _names(known))
+    return Listen(*listen_address(text("listen", known["listen"])), _names(known), place)
 
 
 def sink_from(table: Any, place: str) -> SinkOptions:

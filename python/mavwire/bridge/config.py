@@ -125,7 +125,8 @@ class _Toml:
 
     def _listen(self, name: str) -> Listen | None:
         try:
-            return listen_from(self._content[name]) if name in self._content else None
+            place = f"{self._place(name, 'listen')}: {name}"
+            return listen_from(self._content[name], place) if name in self._content else None
         except ConfigError as error:
             raise error.at(f"{self._place(name, error.option)}: {name}") from None
 

@@ -24,6 +24,7 @@ import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_link_error
@@ -92,18 +93,18 @@ def add_arguments(parser: ArgumentParser) -> None:
     show.add_argument(
         "--json", type=duration, metavar="T", help="print the counters as a line of JSON this often"
     )
-    show.add_argument(
-        "--metrics", type=listen_address, metavar="[HOST]:PORT",
-        help="serve /metrics for Prometheus and /stats as JSON; HOST is 127.0.0.1 if not given",
-    )  # fmt: skip
-    show.add_argument(
-        "--http", type=listen_address, metavar="[HOST]:PORT",
-        help="serve a page with all messages, links and plots; HOST is 127.0.0.1 if not given, "
-        "and on others the address that is printed has a token",
-    )  # fmt: skip
+    for option, what in (
+        ("--metrics", "/metrics for Prometheus and /stats as JSON"),
+        ("--http", "a page with all messages, links and plots"),
+    ):
+        show.add_argument(
+            option, type=listen_address, metavar="[HOST]:PORT",
+            help=f"serve {what}; HOST is 127.0.0.1 if not given",
+        )  # fmt: skip
     show.add_argument(
         "--http-name", metavar="NAME", action="append", default=[],
-        help="a name that a proxy in front of --http, --metrics or a WebSocket sink answers to; may be repeated",
+        help="another name of this host, or of a proxy in front of it, that --http, --metrics and WebSocket sinks "
+        "answer to; may be repeated",
     )  # fmt: skip
     parser.add_argument(
         "--sink", metavar="ADDRESS", action="append", default=[],
@@ -207,14 +208,31 @@ def _add_beside(config: Config, args: Namespace) -> None:
     """Options say more than the file, or something else."""
     from mavwire.bridge.beside import Listen, SinkOptions
 
-    names = tuple(args.http_name)
     for name in ("http", "metrics"):
         if getattr(args, name) is not None:
             host, port = getattr(args, name)
-            setattr(config, name, Listen(host, port, names))
-    config.sinks += [SinkOptions(text, None, names, "--sink") for text in args.sink]
+            known = getattr(config, name) or Listen(host, port)
+            place = f"--{name} {host}:{port}"
+            setattr(config, name, replace(known, host=host, port=port, place=place))
+    config.sinks += [SinkOptions(text, place="--sink") for text in args.sink]
+    if args.http_name:
+        _add_names(config, tuple(args.http_name))
     if args.json is None:
         args.json = config.json
+
+
+def _add_names(config: Config, names: tuple[str, ...]) -> None:
+    """Have everything that listens answer to further names."""
+    takes_names = [one.takes_names for one in config.sinks]
+    if not (config.http or config.metrics or any(takes_names)):
+        raise CommandError("--http-name needs --http, --metrics or a sink ws://", 2)
+    for option in ("http", "metrics"):
+        if (server := getattr(config, option)) is not None:
+            setattr(config, option, replace(server, names=server.names + names))
+    config.sinks = [
+        replace(sink, names=sink.names + names) if takes else sink
+        for sink, takes in zip(config.sinks, takes_names, strict=True)
+    ]
 
 
 def _beside(bridge: Bridge, config: Config) -> Iterator[HttpServer | Sink]:
@@ -222,14 +240,15 @@ def _beside(bridge: Bridge, config: Config) -> Iterator[HttpServer | Sink]:
     from mavwire.bridge.metrics import MetricsServer
 
     if config.metrics is not None:
-        yield _served("--metrics", MetricsServer, bridge, config.metrics)
+        yield _served(MetricsServer, bridge, config.metrics)
     if config.http is not None:
         from mavwire.bridge.inspector import Inspector
 
         try:
-            yield _served("--http", Inspector, bridge, config.http)
+            yield _served(Inspector, bridge, config.http)
         except ImportError:
-            raise CommandError("--http needs wsproto: pip install 'mavwire[ws]'") from None
+            reason = "needs wsproto: pip install 'mavwire[ws]'"
+            raise CommandError(f"{config.http.place}: {reason}") from None
     for sink in config.sinks:
         yield _sink(bridge, sink)
 
@@ -251,12 +270,11 @@ def _sink(bridge: Bridge, options: SinkOptions) -> Sink:
         raise CommandError(f"{options.place}: {error}") from None
 
 
-def _served(option: str, server: type[HttpServer], bridge: Bridge, where: Listen) -> HttpServer:
+def _served(server: type[HttpServer], bridge: Bridge, where: Listen) -> HttpServer:
     try:
         return server(bridge, where.host, where.port, names=where.names)
     except OSError as error:
-        address = f"{where.host}:{where.port}"
-        raise CommandError(f"{option} {address}: {error.strerror or error}") from None
+        raise CommandError(f"{where.place}: {error.strerror or error}") from None
 
 
 def _announcement(bridge: Bridge, beside: list[HttpServer | Sink]) -> str:
