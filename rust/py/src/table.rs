@@ -225,8 +225,9 @@ impl RecordBatches {
     /// The same rows with the columns of a table of another log; what does not fit them is null.
     fn fitted(&self, py: Python<'_>, like: &Self) -> PyResult<Self> {
         let schema = schema_of_all(&like.schema);
-        let fitted = py.detach(|| self.batches.iter().map(|batch| fit(batch, &schema)).collect());
-        Ok(Self::new(schema, fitted.map_err(|error: ArrowError| columns_error(error.into()))?))
+        let fit_all = || self.batches.iter().map(|batch| fit(batch, &schema)).collect();
+        let fitted: Result<Vec<_>, ArrowError> = py.detach(fit_all);
+        Ok(Self::new(schema, fitted.map_err(|error| columns_error(error.into()))?))
     }
 
     /// An Arrow stream of tables that an iterator gives, with the columns of this one.
