@@ -5,11 +5,9 @@ from __future__ import annotations
 import atexit
 import dataclasses
 import os
-import threading
+import sys
 from typing import NamedTuple
 from weakref import WeakSet
-
-from mavwire.links.forks import follow_forks
 
 from .checks import listed, seconds, text, whole
 from .endpoints import parse_endpoint
@@ -85,9 +83,6 @@ class Bridge:
             whole("source_system", source_system, 255, least=1),
             whole("source_component", source_component, 255, least=1),
         )
-        # Frames leave in the order of their numbers, whichever threads send.
-        self._renew_lock()
-        follow_forks(self, Bridge._renew_lock)
         self.sinks: list[Sink] = []
         """Those that are open: `open_sink` puts them there."""
         self._groups: list[str] = []
@@ -135,7 +130,7 @@ class Bridge:
         except BaseException:
             core.stop()
             raise
-        self._core = core
+        self._core = self._mav.file = core
         _running_bridges.add(self)
         return self
 
@@ -197,16 +192,12 @@ class Bridge:
         message, which is packed as from `source_system`. TypeError for anything else.
         """
         if isinstance(message, bytes | bytearray | memoryview):
-            self._running().send(bytes(message))
+            self._running().write(bytes(message))
             return
         if not hasattr(message, "pack"):
             raise TypeError(f"a message or the bytes of frames can be sent, not {message!r}")
-        with self._sending:
-            self._running().send(bytes(message.pack(self._mav)))
-            self._mav.seq = (self._mav.seq + 1) % 256
-
-    def _renew_lock(self) -> None:
-        self._sending = threading.Lock()
+        self._running()
+        self._mav.send(message)
 
     def latest(
         self, type: str | int, system: int | None = None, component: int | None = None
@@ -246,12 +237,18 @@ class Bridge:
     # -- what it tells
 
     def kinds(self) -> list[Kind]:
-        """Each message of the dialect from each component that came, in no order."""
+        """Each message of the dialect from each component that came, by system, component and id."""
+        return self.newest_kinds(sys.maxsize)[0]
+
+    def newest_kinds(self, most: int) -> tuple[list[Kind], int]:
+        """Those of which a message came last, and how many there are besides."""
         known = self.dialect.mavlink_map
-        return [
+        rows, hidden = self._running().kinds(whole("most", most, sys.maxsize))
+        kinds = [
             Kind(msgid, known[msgid].msgname, system, component, frames, time, link)
-            for msgid, system, component, frames, time, link in self._running().kinds()
+            for msgid, system, component, frames, time, link in rows
         ]
+        return kinds, hidden
 
     def stats(self) -> dict[str, Any]:
         """Counters of links and components, recording and sinks: what docs/bridge.md lists."""
