@@ -170,7 +170,10 @@ def open_sink(
         url, port, prefix = _split(text)
         if port is None or url.query or "@" in url.netloc:
             raise ConfigError("a WebSocket needs a port to listen on: ws://HOST:PORT/PREFIX")
-        publisher = WebSocketPublisher(bridge, url.hostname or "127.0.0.1", port, prefix, names)
+        try:
+            publisher = WebSocketPublisher(bridge, url.hostname or "127.0.0.1", port, prefix, names)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror or str(error), text) from None
         shown = publisher.url
     else:
         raise ConfigError(f"{shown!r} is no sink; say {FORMS}")
@@ -226,9 +229,15 @@ class _Mqtt:
             self._client.tls_set()
         if user is not None:
             self._client.username_pw_set(user, password)
+        self._refusal: str | None = None
+        self._client.on_connect = self._hear
         self._client.connect_async(host, port)
         self._client.loop_start()
         self._last: Any = None
+
+    def _hear(self, client: Any, data: Any, flags: Any, code: Any, properties: Any) -> None:
+        """What the broker says to a connection."""
+        self._refusal = str(code) if code.is_failure else None
 
     def is_wanted(self) -> bool:
         """A broker may keep what nobody subscribes to."""
@@ -236,7 +245,10 @@ class _Mqtt:
 
     def put(self, key: str, data: bytes, frames: int = 1) -> None:
         if not self._client.is_connected():
-            raise OSError("the broker does not answer")
+            refusal = self._refusal
+            raise OSError(
+                f"the broker says: {refusal}" if refusal else "the broker does not answer"
+            )
         self._last = self._client.publish(key, data)
 
     def flush(self) -> None:

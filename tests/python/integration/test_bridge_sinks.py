@@ -143,6 +143,25 @@ def publish_to_a_peer(port: int) -> None:
         peer.wait(LIMIT)
 
 
+def test_a_broker_that_refuses_is_told_from_one_that_is_silent() -> None:
+    pytest.importorskip(
+        "paho.mqtt", reason="paho-mqtt is not installed: pip install 'mavwire[mqtt]'"
+    )
+    with socket.create_server(("127.0.0.1", 0)) as broker, Bridge() as bridge:
+        broker.settimeout(LIMIT)
+        with open_sink(bridge, f"mqtt://rover:bad@127.0.0.1:{broker.getsockname()[1]}/x") as sink:
+            connection, _ = broker.accept()
+            with connection:
+                assert connection.recv(1000)
+                connection.sendall(bytes([0x20, 2, 0, 5]))  # CONNACK of version 3.1.1
+
+                def told() -> bool:
+                    bridge.send(heartbeat())
+                    return sink.error == "the broker says: Not authorized"
+
+                wait_until("the reason", told)
+
+
 @pytest.mark.parametrize(
     ("text", "wrong"),
     [
