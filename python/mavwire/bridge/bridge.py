@@ -17,7 +17,7 @@ from .options import Endpoint, Link, Recording, Settings, link_from, numbered
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from types import ModuleType
     from typing import Any, Self
 
@@ -86,7 +86,8 @@ class Bridge:
         self.sinks: list[Sink] = []
         """Those that are open: `open_sink` puts them there."""
         self._groups: list[str] = []
-        self._links = [self._link(link, {}) for link in links]
+        given: Iterator[Any] = listed("links", links)
+        self._links = [self._link(link, {}) for link in given]
         self._core: BridgeCore | None = None
 
     @classmethod
@@ -108,7 +109,7 @@ class Bridge:
         for where, endpoint, options in config.links:
             try:
                 link = bridge._link(endpoint, options)
-                if "name" in options and link.name in names:
+                if link.name in names:
                     raise ConfigError(f"another link is called {link.name!r} too", "name")
             except ConfigError as error:
                 raise error.at(config.places.get((where, error.option), where)) from None
@@ -163,6 +164,8 @@ class Bridge:
         link = self._link(endpoint, options)
         if self._core is not None:
             _add(self._core, link)
+        elif any(one.name == link.name for one in self._links):
+            raise BridgeError(f'there is a link called "{link.name}" already')
         self._links.append(link)
         return link.name
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 
 from .border import (
@@ -17,7 +18,6 @@ from .errors import ConfigError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable, Iterable, Mapping
     from typing import Any
 
@@ -86,6 +86,9 @@ class Recording:
     flush_interval: float = 1.0
 
     def __post_init__(self) -> None:
+        if not isinstance(self.directory, str | os.PathLike):
+            reason = f"the directory to record to must be a path, not {self.directory!r}"
+            raise ConfigError(reason, "directory")
         if self.max_bytes is not None:
             whole("max_bytes", self.max_bytes, 2**63 - 1, least=1)
         if self.max_age is not None:

@@ -41,6 +41,10 @@ if TYPE_CHECKING:
 
 # How long the program sleeps at a time when there is nothing to show.
 PAUSE = 0.5
+# What a `Recording` calls the command's options.
+RECORDING_OPTIONS = {
+    "max_bytes": "record_size", "max_age": "record_time", "flush_interval": "record_flush",
+}  # fmt: skip
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -172,6 +176,7 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
 def _bridge(args: Namespace) -> tuple[Bridge, Config]:
     """The bridge, not running yet, and what the file and the options say together."""
     from mavwire.bridge import Bridge, Config, ConfigError, Recording, load_config, parse_endpoint
+    from mavwire.bridge.checks import seconds
 
     try:
         config = load_config(args.config) if args.config else Config()
@@ -185,16 +190,20 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
             if getattr(args, name) is not None:
                 config.settings[name] = getattr(args, name)
         _add_beside(config, args)
-        recording = {
-            "max_bytes": args.record_size,
-            "max_age": args.record_time,
-            "flush_interval": args.record_flush,
-        }
+        if args.json is not None:
+            seconds("--json", args.json, least=1e-3)
         given: dict[str, Any] = {
-            name: value for name, value in recording.items() if value is not None
+            name: getattr(args, option)
+            for name, option in RECORDING_OPTIONS.items()
+            if getattr(args, option) is not None
         }
         if args.record is not None:
-            config.recording = Recording(args.record, **given)
+            try:
+                config.recording = Recording(args.record, **given)
+            except ConfigError as error:
+                option = f"--{RECORDING_OPTIONS[error.option].replace('_', '-')}"
+                reason = str(error).replace(error.option, option, 1)
+                raise CommandError(reason, 2) from None
         elif given:
             raise CommandError("--record-size, --record-time and --record-flush need --record", 2)
         return Bridge.from_options(config), config
@@ -261,13 +270,13 @@ def _sink(bridge: Bridge, options: SinkOptions) -> Sink:
         password, names = options.password, options.names
         return open_sink(bridge, options.address, password=password, names=names)
     except ImportError as error:
-        word = options.address.partition(":")[0]
+        word = options.address.partition(":")[0].lower()
         extra = {"mqtts": "mqtt"}.get(word, word)
         raise CommandError(f"{options.place}: {error}: pip install 'mavwire[{extra}]'") from None
     except ConfigError as error:
         raise CommandError(f"{options.place}: {error}", 2) from None
     except OSError as error:
-        raise CommandError(f"{options.place}: {error}") from None
+        raise CommandError(f"{options.place}: {describe_link_error(error)}") from None
 
 
 def _served(server: type[HttpServer], bridge: Bridge, where: Listen) -> HttpServer:

@@ -279,7 +279,10 @@ endpoint = "{UDP}"
         (["udpin"], 2, "'udpin' is no endpoint"),
         (["serial:/dev/no-such-device:57600"], 1, "no-such-device:57600: No such file"),
         (["--config", "/no/such/file"], 1, "/no/such/file: No such file"),
-        ([UDP, UDP], 1, "there is a link called"),
+        ([UDP, UDP], 2, "another link is called"),
+        ([UDP, "--json", "0"], 2, "--json must be 0.001 seconds or more"),
+        ([UDP, "--record", "x", "--record-time", "0"], 2, "--record-time must be 1 seconds"),
+        ([UDP, "--record", "x", "--record-flush", "0"], 2, "--record-flush must be 0.001"),
         ([UDP, "--dedup", "soon"], 2, "not a time"),
         ([UDP, "--metrics", "here"], 2, "not [HOST]:PORT"),
         ([UDP, "--max-age", "0"], 2, "max_age must be 0.001 seconds or more"),
@@ -316,6 +319,9 @@ def test_a_port_that_is_taken_and_a_wrong_line_are_named(
         for option in ("--metrics", "--http"):
             assert cli.main(["bridge", UDP, option, endpoint.removeprefix("tcpin:")]) == 1
             assert f"{option} 127.0.0.1:" in capsys.readouterr().err
+        sink = f"{endpoint.replace('tcpin:', 'ws://')}/x"
+        assert cli.main(["bridge", UDP, "--sink", sink]) == 1
+        assert f"--sink: {sink}: Address already in use" in capsys.readouterr().err
         toml = tmp_path / "bridge.toml"
         where = endpoint.removeprefix("tcpin:")
         toml.write_text(f"[[link]]\nendpoint = '{UDP}'\n[metrics]\nlisten = '{where}'\n")
