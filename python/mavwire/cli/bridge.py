@@ -160,8 +160,8 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
             for one in _beside(bridge, config):
                 stack.push(one)
                 beside.append(one)
-            print(_announcement(bridge, beside), file=sys.stderr, flush=True)
-            try:
+            try:  # whoever reads that it is announced may end it at once
+                print(_announcement(bridge, beside), file=sys.stderr, flush=True)
                 _watch(bridge, warn, args)
             finally:
                 if args.json is not None:
