@@ -29,7 +29,7 @@ class BridgeCore:
     def stats(self) -> dict[str, Any]:
         """Everything that is counted, as dictionaries and lists. BridgeError if it has stopped."""
 
-    def send(self, frames: bytes) -> None:
+    def write(self, frames: bytes) -> None:
         """Routes whole frames as if they came over a link of their own. BridgeError."""
 
     def latest(self, msgid: int, sysid: int | None, compid: int | None) -> Message | None:
@@ -38,8 +38,10 @@ class BridgeCore:
     def tap(self, messages: list[int] | None, systems: list[int] | None) -> BridgeTap:
         """The frames from now on, of some message ids and systems or of all. BridgeError in a fork."""
 
-    def kinds(self) -> list[tuple[int, int, int, int, float, str]]:
-        """Each kind of message: id, system, component, how many, time and link of the last one."""
+    def kinds(self, most: int) -> tuple[list[tuple[int, int, int, int, float, str]], int]:
+        """The newest kinds of messages: id, system, component, how many, time and link of the last one;
+        and how many kinds there are besides.
+        """
 
     def stop(self) -> None:
         """Stops the bridge and waits for that."""

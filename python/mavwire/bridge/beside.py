@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from mavwire._wording import did_you_mean
-
-from .checks import listed, text
+from .checks import content, listed, only_known, text
 from .errors import ConfigError
 
 TYPE_CHECKING = False
@@ -19,11 +17,12 @@ MAX_PASSWORD = 4096
 
 @dataclass(frozen=True)
 class Listen:
-    """Where an HTTP server listens, and the names that a proxy in front of it answers to."""
+    """Where an HTTP server listens, and the names that a proxy in front of it answers to. `place`: where it is described."""
 
     host: str
     port: int
     names: tuple[str, ...] = ()
+    place: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)
@@ -35,6 +34,11 @@ class SinkOptions:
     names: tuple[str, ...] = ()
     place: str = ""
 
+    @property
+    def takes_names(self) -> bool:
+        """Whether others connect to it."""
+        return self.address.lower().startswith("ws:")
+
 
 def listen_address(address: str) -> tuple[str, int]:
     """[HOST]:PORT. ConfigError."""
@@ -44,27 +48,24 @@ def listen_address(address: str) -> tuple[str, int]:
     return host.strip("[]") or "127.0.0.1", int(port)
 
 
-def listen_from(table: Any) -> Listen:
+def listen_from(table: Any, place: str) -> Listen:
     """A table `[http]` or `[metrics]`. ConfigError."""
     known = _checked(table, "listen", ":8080", ("listen", "names"))
-    return Listen(*listen_address(text("listen", known["listen"])), _names(known))
+    return Listen(*listen_address(text("listen", known["listen"])), _names(known), place)
 
 
 def sink_from(table: Any, place: str) -> SinkOptions:
     """A table of `[[sink]]`. ConfigError."""
     known = _checked(table, "address", "mqtt://HOST", ("address", "password_file", "names"))
     path = known.get("password_file")
-    password = None if path is None else _password(text("password_file", path))
+    password = None if path is None else _password("password_file", path)
     return SinkOptions(text("address", known["address"]), password, _names(known), place)
 
 
 def _checked(table: Any, needed: str, such_as: str, options: tuple[str, ...]) -> dict[str, Any]:
     if not isinstance(table, dict) or needed not in table:
         raise ConfigError(f"it needs {needed}, such as {such_as!r}")
-    for option in table:
-        if option not in options:
-            reason = f"unknown option {option!r}{did_you_mean(option, options)}"
-            raise ConfigError(reason, option)
+    only_known(table, options)
     return table
 
 
@@ -72,11 +73,12 @@ def _names(table: dict[str, Any]) -> tuple[str, ...]:
     return tuple(text("names", name) for name in listed("names", table.get("names", ())))
 
 
-def _password(path: str) -> str:
+def _password(name: str, path: object) -> str:
     """The first line of a file."""
     try:
-        with open(path, encoding="utf-8") as file:
-            return file.read(MAX_PASSWORD).partition("\n")[0]
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not text"
-        raise ConfigError(f"password_file: {path}: {reason}", "password_file") from None
+        password = content(name, path, MAX_PASSWORD).decode().partition("\n")[0].rstrip("\r")
+    except UnicodeDecodeError:
+        raise ConfigError(f"{name}: {path}: not text", name) from None
+    if not password:
+        raise ConfigError(f"{name}: {path}: its first line is empty", name)
+    return password

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 
-from .checks import flag, seconds, whole
+from .checks import content, flag, seconds, whole
 from .errors import ConfigError
 
 TYPE_CHECKING = False
@@ -14,6 +13,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 KEY_LENGTH = 32
+MAX_KEY_FILE = 1024
 # Unlike the systems of ground stations: a vehicle must not take the bridge for one.
 DEFAULT_SYSTEM = 125
 BORDER_OPTIONS = (
@@ -105,13 +105,7 @@ def _key(options: Mapping[str, Any]) -> bytes | None:
         if key is not None:
             raise ConfigError("say signing_key or signing_key_file, not both", "signing_key")
         name = "signing_key_file"
-        if not isinstance(path, str | os.PathLike):
-            raise ConfigError(f"{name} must be a path, not {path!r}", name)
-        try:
-            with open(path, "rb") as file:
-                key = file.read(1024)
-        except OSError as error:
-            raise ConfigError(f"{name}: {path}: {error.strerror or error}", name) from None
+        key = content(name, path, MAX_KEY_FILE)
     if key is None:
         return None
     if isinstance(key, bytes | bytearray) and len(key) == KEY_LENGTH:

@@ -5,11 +5,9 @@ from __future__ import annotations
 import atexit
 import dataclasses
 import os
-import threading
+import sys
 from typing import NamedTuple
 from weakref import WeakSet
-
-from mavwire.links.forks import follow_forks
 
 from .checks import listed, seconds, text, whole
 from .endpoints import parse_endpoint
@@ -19,7 +17,7 @@ from .options import Endpoint, Link, Recording, Settings, link_from, numbered
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from types import ModuleType
     from typing import Any, Self
 
@@ -85,13 +83,11 @@ class Bridge:
             whole("source_system", source_system, 255, least=1),
             whole("source_component", source_component, 255, least=1),
         )
-        # Frames leave in the order of their numbers, whichever threads send.
-        self._renew_lock()
-        follow_forks(self, Bridge._renew_lock)
         self.sinks: list[Sink] = []
         """Those that are open: `open_sink` puts them there."""
         self._groups: list[str] = []
-        self._links = [self._link(link, {}) for link in links]
+        given: Iterator[Any] = listed("links", links)
+        self._links = [self._link(link, {}) for link in given]
         self._core: BridgeCore | None = None
 
     @classmethod
@@ -113,7 +109,7 @@ class Bridge:
         for where, endpoint, options in config.links:
             try:
                 link = bridge._link(endpoint, options)
-                if "name" in options and link.name in names:
+                if link.name in names:
                     raise ConfigError(f"another link is called {link.name!r} too", "name")
             except ConfigError as error:
                 raise error.at(config.places.get((where, error.option), where)) from None
@@ -135,7 +131,7 @@ class Bridge:
         except BaseException:
             core.stop()
             raise
-        self._core = core
+        self._core = self._mav.file = core
         _running_bridges.add(self)
         return self
 
@@ -168,6 +164,8 @@ class Bridge:
         link = self._link(endpoint, options)
         if self._core is not None:
             _add(self._core, link)
+        elif any(one.name == link.name for one in self._links):
+            raise BridgeError(f'there is a link called "{link.name}" already')
         self._links.append(link)
         return link.name
 
@@ -197,16 +195,12 @@ class Bridge:
         message, which is packed as from `source_system`. TypeError for anything else.
         """
         if isinstance(message, bytes | bytearray | memoryview):
-            self._running().send(bytes(message))
+            self._running().write(bytes(message))
             return
         if not hasattr(message, "pack"):
             raise TypeError(f"a message or the bytes of frames can be sent, not {message!r}")
-        with self._sending:
-            self._running().send(bytes(message.pack(self._mav)))
-            self._mav.seq = (self._mav.seq + 1) % 256
-
-    def _renew_lock(self) -> None:
-        self._sending = threading.Lock()
+        self._running()
+        self._mav.send(message)
 
     def latest(
         self, type: str | int, system: int | None = None, component: int | None = None
@@ -246,12 +240,18 @@ class Bridge:
     # -- what it tells
 
     def kinds(self) -> list[Kind]:
-        """Each message of the dialect from each component that came, in no order."""
+        """Each message of the dialect from each component that came, by system, component and id."""
+        return self.newest_kinds(sys.maxsize)[0]
+
+    def newest_kinds(self, most: int) -> tuple[list[Kind], int]:
+        """Those of which a message came last, and how many there are besides."""
         known = self.dialect.mavlink_map
-        return [
+        rows, hidden = self._running().kinds(whole("most", most, sys.maxsize))
+        kinds = [
             Kind(msgid, known[msgid].msgname, system, component, frames, time, link)
-            for msgid, system, component, frames, time, link in self._running().kinds()
+            for msgid, system, component, frames, time, link in rows
         ]
+        return kinds, hidden
 
     def stats(self) -> dict[str, Any]:
         """Counters of links and components, recording and sinks: what docs/bridge.md lists."""

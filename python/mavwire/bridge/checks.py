@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+import os
+from collections.abc import Collection, Iterable, Iterator
+
+from mavwire._wording import did_you_mean
 
 from .errors import ConfigError
 
@@ -65,3 +68,27 @@ def listed(name: str, values: object) -> Iterator[object]:
         if count == MAX_LISTED:
             raise ConfigError(f"{name} has more than {MAX_LISTED:,} items", name)
         yield value
+
+
+def content(name: str, path: object, most: int) -> bytes:
+    """What is in a small file."""
+    if not isinstance(path, str | os.PathLike):
+        raise ConfigError(f"{name} must be a path, not {path!r}", name)
+    try:
+        with open(path, "rb") as file:
+            data = file.read(most + 1)
+    except OSError as error:
+        raise ConfigError(f"{name}: {path}: {error.strerror or error}", name) from None
+    except ValueError:  # it has a null byte
+        raise ConfigError(f"{name} must be a path, not {path!r}", name) from None
+    if len(data) > most:
+        raise ConfigError(f"{name}: {path}: longer than {most:,} bytes", name)
+    return data
+
+
+def only_known(given: Iterable[str], known: Collection[str]) -> None:
+    """Options that there are."""
+    for option in given:
+        if option not in known:
+            reason = f"unknown option {option!r}{did_you_mean(option, known)}"
+            raise ConfigError(reason, option)

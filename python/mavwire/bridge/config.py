@@ -5,10 +5,8 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 
-from mavwire._wording import did_you_mean
-
 from .beside import Listen, SinkOptions, listen_from, sink_from
-from .checks import seconds
+from .checks import only_known, seconds
 from .endpoints import parse_endpoint
 from .errors import ConfigError
 from .options import Recording, Settings
@@ -84,7 +82,7 @@ class _Toml:
             "sink", "link",
         )  # fmt: skip
         try:
-            _check_names(content, known)
+            only_known(content, known)
             for option in ("dedup", "max_age", "sniffer_sysid"):
                 if option in content:
                     config.settings[option] = content[option]
@@ -120,14 +118,15 @@ class _Toml:
         try:
             if not isinstance(record, dict) or not isinstance(record.get("directory"), str):
                 raise ConfigError("it needs a directory")
-            _check_names(record, ("directory", "max_bytes", "max_age", "flush_interval"))
+            only_known(record, ("directory", "max_bytes", "max_age", "flush_interval"))
             return Recording(**record)
         except ConfigError as error:
             raise error.at(f"{self._place('record', error.option)}: record") from None
 
     def _listen(self, name: str) -> Listen | None:
         try:
-            return listen_from(self._content[name]) if name in self._content else None
+            place = f"{self._place(name, 'listen')}: {name}"
+            return listen_from(self._content[name], place) if name in self._content else None
         except ConfigError as error:
             raise error.at(f"{self._place(name, error.option)}: {name}") from None
 
@@ -161,7 +160,9 @@ def _content(name: str, text: str) -> dict[str, Any]:
     import tomllib
 
     if (line := too_dotted(text)) is not None:
-        raise ConfigError(f"{name}:{line}: more than {MAX_DOTS} dots; no option has so many parts")
+        raise ConfigError(
+            f"{name}:{line}: a key of more than {MAX_DOTS} dots; no option has so many parts"
+        )
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -170,10 +171,3 @@ def _content(name: str, text: str) -> dict[str, Any]:
         raise ConfigError(f"{name}: {error}") from None
     except ValueError:  # what int() says is nothing that a user can act upon
         raise ConfigError(f"{name}: a number has thousands of digits") from None
-
-
-def _check_names(given: dict[str, Any], known: tuple[str, ...]) -> None:
-    for option in given:
-        if option not in known:
-            reason = f"unknown option {option!r}{did_you_mean(option, known)}"
-            raise ConfigError(reason, option)

@@ -9,6 +9,7 @@ from queue import SimpleQueue
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import asyncio
     from concurrent.futures import Future
     from typing import Self
 
@@ -28,6 +29,7 @@ class FrameBatches:
         self._max_latency = max_latency
         self._fetcher: _Fetcher | None = None
         self._fetching: Future[FrameBatch | None] | None = None
+        self._awaited: asyncio.Future[FrameBatch | None] | None = None
 
     def next(self, timeout: float | None = None) -> FrameBatch | None:
         """The next batch: empty if nothing came for `timeout` seconds, None at the end."""
@@ -60,18 +62,27 @@ class FrameBatches:
         while True:
             fetching = self._fetching
             if fetching is None or not (fetching.done() or self._has_fetcher()):
-                fetching = self._fetching = self._fetch()
+                fetching, self._awaited = self._fetch(), None
+                self._fetching = fetching
             if not fetching.done():
                 # Who is cancelled here leaves what is fetched to whoever comes next.
                 with suppress(Exception):  # which `result` raises
-                    await asyncio.wrap_future(fetching)
+                    await asyncio.shield(self._in_loop(fetching))
             if self._fetching is not fetching:
                 continue  # another task was quicker
-            self._fetching = None
+            self._fetching = self._awaited = None
             batch = fetching.result()
             if batch is None:
                 raise StopAsyncIteration
             return batch
+
+    def _in_loop(self, fetching: Future[FrameBatch | None]) -> asyncio.Future[FrameBatch | None]:
+        """What is fetched, for the loop that runs: one future, however many wait for it and give up."""
+        import asyncio
+
+        if self._awaited is None or self._awaited.get_loop() is not asyncio.get_running_loop():
+            self._awaited = asyncio.wrap_future(fetching)
+        return self._awaited
 
     def _has_fetcher(self) -> bool:
         """A forked child has none, whatever it was doing."""

@@ -51,20 +51,17 @@ class View:
 
     def tables(self) -> str:
         """Links, components and kinds of messages with their counts; BridgeError at the end."""
-        kinds = sorted(
-            self._bridge.kinds(), key=lambda kind: (kind.system, kind.component, kind.id)
-        )
+        kinds, hidden = self._bridge.newest_kinds(MAX_KINDS)
         stats = self._bridge.stats()
-        shown = kinds[:MAX_KINDS]
         stats["kinds"] = [
             [kind.system, kind.component, kind.id, kind.frames, kind.time, kind.link]
-            for kind in shown
+            for kind in kinds
         ]
         stats["time"] = time.time()
-        stats["hidden"] = len(kinds) - len(shown)
+        stats["hidden"] = hidden
         stats["hidden_components"] += max(0, len(stats["components"]) - MAX_COMPONENTS)
         del stats["components"][MAX_COMPONENTS:]
-        new = {kind.id for kind in shown} - self._described
+        new = {kind.id for kind in kinds} - self._described
         stats["types"] = {str(msgid): self._describe(msgid) for msgid in new}
         self._described |= new
         if stats["recording"]:

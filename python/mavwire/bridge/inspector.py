@@ -15,8 +15,7 @@ from http import HTTPStatus
 from urllib.parse import parse_qs, urlsplit
 
 from .inspection import View
-from .serving import Handler, HttpServer, is_loopback
-from .web_socket import PATIENCE
+from .serving import PATIENCE, Handler, HttpServer, is_loopback, send_all
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -83,7 +82,12 @@ class _Handler(Handler):
         if recording is None:
             self.send_error(HTTPStatus.NOT_FOUND, "nothing is recorded")
             return
-        with open(recording["path"], "rb") as file:
+        try:
+            log = open(recording["path"], "rb")
+        except OSError:
+            self.send_error(HTTPStatus.NOT_FOUND, "the log is not where it was begun")
+            return
+        with log as file:
             left = os.fstat(file.fileno()).st_size
             name = os.path.basename(recording["path"])
             self.send_response(HTTPStatus.OK)
@@ -92,7 +96,7 @@ class _Handler(Handler):
             self.send_header("Content-Disposition", f'attachment; filename="{name}"')
             self.end_headers()
             while left > 0 and (chunk := file.read(min(CHUNK, left))):
-                self.wfile.write(chunk)
+                send_all(self.connection, chunk)
                 left -= len(chunk)
 
     def _tell(self) -> None:
@@ -105,34 +109,27 @@ class _Conversation:
 
     def __init__(self, web: WebSocket, owner: Inspector) -> None:
         self._web = web
-        self._closing = owner.closing
+        self._owner = owner
         self._view = View(owner.bridge)
         self._unseen = 0
 
     def run(self) -> None:
-        """Until either side ends it. OSError if the browser vanishes."""
-        from wsproto.utilities import ProtocolError
-
+        """Until either side ends it. ValueError for nonsense, OSError if the browser vanishes."""
         next_tables = seen = 0.0
-        try:
-            while not self._closing.is_set():
-                now = time.monotonic()
-                texts: list[str | None] = []
-                if self._unseen < MAX_UNSEEN:
-                    seen = now
-                    if now >= next_tables:
-                        next_tables = now + TABLES_INTERVAL
-                        texts.append(self._view.tables())
-                    texts.append(self._view.values())
-                for text in filter(None, texts):
-                    self._unseen += 1
-                    self._web.send(text)
-                if not self._listen(now + VALUES_INTERVAL) or now > seen + PATIENCE:
-                    return
-        except (ProtocolError, ValueError):
-            self._web.close(1007, "not understood")
-        except RuntimeError:
-            self._web.close(1001, "the bridge has stopped")
+        while not self._owner.is_ending:
+            now = time.monotonic()
+            texts: list[str | None] = []
+            if self._unseen < MAX_UNSEEN:
+                seen = now
+                if now >= next_tables:
+                    next_tables = now + TABLES_INTERVAL
+                    texts.append(self._view.tables())
+                texts.append(self._view.values())
+            for text in filter(None, texts):
+                self._unseen += 1
+                self._web.send(text)
+            if not self._listen(now + VALUES_INTERVAL) or now > seen + PATIENCE:
+                return
 
     def _listen(self, until: float) -> bool:
         """Hear what the browser says up to a moment; False if it says no more."""
@@ -168,6 +165,10 @@ class Inspector(HttpServer):
 
         self.token = token or ("" if is_loopback(host) else secrets.token_urlsafe(16))
         super().__init__(bridge, host, port, names)
+
+    def answers_to(self, host: str) -> bool:
+        """By whatever name it is asked for, if the token is needed all the same."""
+        return bool(self.token) or super().answers_to(host)
 
     @property
     def note(self) -> str:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
-
-from mavwire._wording import did_you_mean
 
 from .border import (
     AUTOMATION_OPTIONS,
@@ -14,12 +13,11 @@ from .border import (
     automation_from,
     border_from,
 )
-from .checks import flag, listed, rate, seconds, text, whole
+from .checks import flag, listed, only_known, rate, seconds, text, whole
 from .errors import ConfigError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable, Iterable, Mapping
     from typing import Any
 
@@ -88,6 +86,9 @@ class Recording:
     flush_interval: float = 1.0
 
     def __post_init__(self) -> None:
+        if not isinstance(self.directory, str | os.PathLike):
+            reason = f"the directory to record to must be a path, not {self.directory!r}"
+            raise ConfigError(reason, "directory")
         if self.max_bytes is not None:
             whole("max_bytes", self.max_bytes, 2**63 - 1, least=1)
         if self.max_age is not None:
@@ -133,9 +134,7 @@ def link_from(
         *(f"{verb}_{what}_{way}" for verb in ("allow", "block") for what in _LISTS
           for way in _DIRECTIONS),
     }  # fmt: skip
-    for option in options:
-        if option not in known:
-            raise ConfigError(f"unknown option {option!r}{did_you_mean(option, known)}", option)
+    only_known(options, known)
 
     def message_ids(name: str, values: object) -> list[int]:
         return [_named(name, message_id, value) for value in listed(name, values)]
@@ -198,10 +197,16 @@ def _rates(
         return []
     if not hasattr(rates, "items"):
         raise ConfigError(f"rates must map messages to numbers, not {rates!r}", "rates")
+    known: dict[int, float] = {}
     try:
-        return [(message_id(name), rate(str(name), each) or 0.0) for name, each in rates.items()]
+        for name, each in rates.items():
+            msgid = message_id(name)
+            if msgid in known:
+                raise ConfigError(f"{name!r} is a message that was named before")
+            known[msgid] = rate(str(name), each) or 0.0
     except ConfigError as error:
         raise error.within("rates") from None
+    return list(known.items())
 
 
 def _named(option: str, message_id: Callable[[object], int], value: object) -> int:

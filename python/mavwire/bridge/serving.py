@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import ipaddress
 import re
@@ -23,12 +24,18 @@ if TYPE_CHECKING:
     from .web_socket import WebSocket
 
 MAX_CONNECTIONS = 64
+# Who does not take one more piece in so many seconds is given up.
+PATIENCE = 30.0
+PIECE = 16 * 1024
+# Where the system has no more descriptors or memory for a connection.
+EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
 class HttpServer:
     """Answers HTTP requests about a bridge on threads, until it is closed. OSError if the port is taken.
 
-    `names`: by what else than its address it may be asked for, as through a proxy in front of it.
+    `names`: by what else than its address and the name of this machine it may be asked for, as through a proxy in front
+    of it.
     """
 
     handler: type[Handler]
@@ -46,6 +53,11 @@ class HttpServer:
             target=self._server.serve_forever, args=(0.1,), name="mavwire-http", daemon=True
         )
         self._thread.start()
+
+    @property
+    def is_ending(self) -> bool:
+        """Whether it was closed, or the bridge was stopped."""
+        return self.closing.is_set() or not self.bridge.running
 
     @property
     def port(self) -> int:
@@ -69,9 +81,11 @@ class HttpServer:
         return f"{f'[{host}]' if ':' in host else host}:{self.port}"
 
     def answers_to(self, host: str) -> bool:
-        """Whether a Host header may name this server. On loopback another name is someone's trick."""
+        """Whether a Host header may name this server. Anyone can have another name lead here, and its page ask."""
         name = re.sub(r":[0-9]*$", "", host.lower()).strip("[]")
-        return not self.is_local or is_loopback(name) or name in self._names
+        if is_loopback(name) or name in self._names:
+            return True
+        return not self.is_local and (_address(name) is not None or name in _own_names(self._host))
 
     def welcomes(self, origin: str, host: str) -> bool:
         """Whether a page from `origin` may ask who was asked for as `host`: ours may, over a proxy with TLS too."""
@@ -134,11 +148,23 @@ class _Server(ThreadingHTTPServer):
         socketserver.TCPServer.server_bind(self)
         self.server_name, self.server_port = str(self.server_address[0]), self.server_address[1]
 
+    def get_request(self) -> tuple[socket.socket, Any]:
+        try:
+            return super().get_request()
+        except OSError as error:
+            if error.errno in EXHAUSTED:
+                self.owner.closing.wait(0.1)  # who asks again at once gets the same answer
+            raise
+
     def process_request(self, request: Any, client_address: Any) -> None:
-        if self._requests.take(client_address[0]):
-            super().process_request(request, client_address)
-        else:
+        if not self._requests.take(client_address[0]):
             self.shutdown_request(request)
+            return
+        try:
+            super().process_request(request, client_address)
+        except BaseException:  # there is no thread for it
+            self._requests.leave(client_address[0])
+            raise
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
         try:
@@ -212,18 +238,30 @@ class Handler(BaseHTTPRequestHandler):
         host, origin = self.headers.get("Host", ""), self.headers.get("Origin")
         owner = self.server.owner
         if not owner.answers_to(host) or not (origin is None or owner.welcomes(origin, host)):
-            self.send_error(HTTPStatus.FORBIDDEN, "not for this host or origin")
+            self.send_error(
+                HTTPStatus.FORBIDDEN, "not for this host or origin: --http-name adds one"
+            )
             return False
         return True
 
     def talk(self, run: Callable[[WebSocket], None]) -> None:
-        """Switch to WebSocket, if that is what is asked for, and run a conversation."""
+        """Switch to WebSocket, if that is what is asked for, and run a conversation; OSError if the other side vanishes."""
+        from wsproto.utilities import ProtocolError
+
         from .web_socket import WebSocket
 
         def accept_and_run() -> None:
             web = WebSocket.accept(self)
-            if web is not None:
+            if web is None:
+                return
+            try:
                 run(web)
+                if self.server.owner.is_ending:
+                    web.close(1001, "the bridge has stopped")
+            except (ProtocolError, ValueError):
+                web.close(1007, "not understood")
+            except RuntimeError:
+                web.close(1001, "the bridge has stopped")
 
         if not self.server.talk(self.client_address[0], accept_and_run):
             self.send_error(HTTPStatus.SERVICE_UNAVAILABLE, "too many others are connected")
@@ -236,7 +274,7 @@ class Handler(BaseHTTPRequestHandler):
         for name, value in (headers or {}).items():
             self.send_header(name, value)
         self.end_headers()
-        self.wfile.write(body)
+        send_all(self.connection, body)
 
     def end_headers(self) -> None:
         """No second request on this connection, and no guesses at what the body is."""
@@ -250,16 +288,35 @@ class Handler(BaseHTTPRequestHandler):
         """Nothing: standard error belongs to the program."""
 
 
+def send_all(connection: socket.socket, data: bytes) -> None:
+    """Send it, however slowly it is taken. TimeoutError once nothing is."""
+    connection.settimeout(PATIENCE)
+    view = memoryview(data)
+    for start in range(0, len(view), PIECE):
+        connection.sendall(view[start : start + PIECE])
+
+
+def _own_names(host: str) -> set[str]:
+    """What a server is called that listens on `host`, with the names that this machine has for itself."""
+    machine = socket.gethostname().lower()
+    short = machine.partition(".")[0]
+    return {host.lower(), machine, short, f"{short}.local"}
+
+
 def is_loopback(host: str) -> bool:
     """Whether a name or an address leads to this machine alone."""
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
+    address = _address(host)
+    return host == "localhost" if address is None else address.is_loopback
 
 
 def _is_any(host: str) -> bool:
+    address = _address(host)
+    return address is not None and address.is_unspecified
+
+
+def _address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """None for a name."""
     try:
-        return ipaddress.ip_address(host).is_unspecified
+        return ipaddress.ip_address(host)
     except ValueError:
-        return False
+        return None

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
         def is_wanted(self) -> bool:
             """Whether anyone gets it."""
 
-        def put(self, key: str, data: bytes) -> None:
-            """Publish, OSError if that is not possible now."""
+        def put(self, key: str, data: bytes, frames: int = 1) -> None:
+            """Publish what so many frames are in, OSError if that is not possible now."""
 
         def flush(self) -> None:
             """Wait until what was put is on its way; OSError if it does not get there."""
@@ -98,7 +98,7 @@ class Sink:
             if not self._publisher.is_wanted():
                 continue
             try:
-                self._publisher.put(f"{self._prefix}/out", batch.raw)
+                self._publisher.put(f"{self._prefix}/out", batch.raw, len(batch))
                 for message in batch:
                     self._put(message)
                 self._publisher.flush()
@@ -152,9 +152,16 @@ def open_sink(
     ConfigError for another text, ImportError if the client library is missing, OSError if it cannot
     be opened. A broker that does not answer yet is tried again and again.
     """
-    word = text.partition(":")[0]
+    names, (word, _, place) = tuple(names), text.partition(":")
+    word, shown = word.lower(), text
+    if "@" in text and word != "zenoh":
+        shown = f"{word}://{text.rpartition('@')[2]}"  # without the password
+    if password is not None and word not in ("mqtt", "mqtts"):
+        raise ConfigError(f"{shown}: only a broker of MQTT is told a password", "password_file")
+    if names and word != "ws":
+        raise ConfigError(f"{shown}: only ws: answers to names", "names")
     if word == "zenoh":
-        publisher, prefix = _zenoh(text.partition(":")[2]), DEFAULT_PREFIX
+        publisher, prefix = _zenoh(place), DEFAULT_PREFIX
     elif word in ("mqtt", "mqtts"):
         publisher, prefix = _mqtt(text, password)
     elif word == "ws":
@@ -163,33 +170,41 @@ def open_sink(
         url, port, prefix = _split(text)
         if port is None or url.query or "@" in url.netloc:
             raise ConfigError("a WebSocket needs a port to listen on: ws://HOST:PORT/PREFIX")
-        publisher = WebSocketPublisher(bridge, url.hostname or "127.0.0.1", port, prefix, names)
-        return Sink(bridge, publisher, prefix, publisher.url)
+        try:
+            publisher = WebSocketPublisher(bridge, url.hostname or "127.0.0.1", port, prefix, names)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror or str(error), text) from None
+        shown = publisher.url
     else:
-        raise ConfigError(f"{text!r} is no sink; say {FORMS}")
-    _, at, place = text.rpartition("@")
-    shown = f"{word}://{place}" if at and word != "zenoh" else text  # without the password
+        raise ConfigError(f"{shown!r} is no sink; say {FORMS}")
     return Sink(bridge, publisher, prefix, shown)
 
 
 def _split(text: str) -> tuple[SplitResult, int | None, str]:
-    """An address, its port and the prefix that it names."""
+    """An address, its port and the prefix that it names. What is wrong is told without it: it may have a password."""
     try:
         url = urlsplit(text)
-        return url, url.port, url.path.strip("/") or DEFAULT_PREFIX
-    except ValueError as error:
-        raise ConfigError(f"a sink's address is wrong: {error}") from None
+        port, prefix = url.port, unquote(url.path, errors="strict").strip("/") or DEFAULT_PREFIX
+    except ValueError:
+        reason = f"a sink's port or host is wrong; say {FORMS}"
+        raise ConfigError(f"{reason}, and in a user or password %2F for / and %40 for @") from None
+    if not prefix.isprintable():
+        raise ConfigError(f"a sink's prefix has characters that nobody sees: {prefix!r}")
+    return url, port, prefix
 
 
 def _mqtt(text: str, password: str | None) -> tuple[Publisher, str]:
     url, port, prefix = _split(text)
     if not url.hostname or url.query:
         raise ConfigError(f"no address of an MQTT broker; say {FORMS}")
-    if "#" in text or "+" in prefix:
+    if "#" in text or "#" in prefix or "+" in prefix:
         raise ConfigError("topics that MQTT publishes to have neither # nor +")
     secure = url.scheme == "mqtts"
     user = None if url.username is None else unquote(url.username)
     if url.password is not None:
+        if password is not None:
+            reason = "a password stands in the address and beside it; say one"
+            raise ConfigError(reason, "password_file")
         password = unquote(url.password)
     if password is not None and user is None:
         raise ConfigError("a password needs a user: mqtts://USER@HOST")
@@ -214,17 +229,26 @@ class _Mqtt:
             self._client.tls_set()
         if user is not None:
             self._client.username_pw_set(user, password)
+        self._refusal: str | None = None
+        self._client.on_connect = self._hear
         self._client.connect_async(host, port)
         self._client.loop_start()
         self._last: Any = None
+
+    def _hear(self, client: Any, data: Any, flags: Any, code: Any, properties: Any) -> None:
+        """What the broker says to a connection."""
+        self._refusal = str(code) if code.is_failure else None
 
     def is_wanted(self) -> bool:
         """A broker may keep what nobody subscribes to."""
         return True
 
-    def put(self, key: str, data: bytes) -> None:
+    def put(self, key: str, data: bytes, frames: int = 1) -> None:
         if not self._client.is_connected():
-            raise OSError("the broker does not answer")
+            refusal = self._refusal
+            raise OSError(
+                f"the broker says: {refusal}" if refusal else "the broker does not answer"
+            )
         self._last = self._client.publish(key, data)
 
     def flush(self) -> None:
@@ -273,7 +297,7 @@ class _Zenoh:
         """Someone may come at any time."""
         return True
 
-    def put(self, key: str, data: bytes) -> None:
+    def put(self, key: str, data: bytes, frames: int = 1) -> None:
         import zenoh
 
         try:
@@ -282,13 +306,17 @@ class _Zenoh:
                     publisher.undeclare()
                 self._publishers.clear()  # someone makes up addresses
             if key not in self._publishers:
-                self._publishers[key] = self._session.declare_publisher(key)
+                # What Zenoh drops it does not count; what the sink is too late for is counted.
+                block = zenoh.CongestionControl.BLOCK
+                self._publishers[key] = self._session.declare_publisher(
+                    key, congestion_control=block
+                )
             self._publishers[key].put(data)
         except zenoh.ZError as error:
             raise OSError(str(error)) from None
 
     def flush(self) -> None:
-        """Zenoh drops what does not leave in time."""
+        """What was put has left."""
 
     def close(self) -> None:
         self._session.close()

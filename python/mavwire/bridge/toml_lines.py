@@ -8,9 +8,13 @@ import re
 
 # Names of a longer path are left out: no option has one.
 MAX_DEPTH = 4
-# Dots in a line, without those of numbers: `tomllib` takes time by the square of the parts of a key.
+# Dots in a key: `tomllib` takes time by the square of its parts.
 MAX_DOTS = 32
-_NUMBER = re.compile(r"(?<!\d)\d++\.\d")
+# Begins nowhere but where a part may, and never goes back: linear, whatever the text.
+_TOO_DOTTED = re.compile(
+    r"(?<!\.)(?<!\. )(?:(?:(?<![\w-])[A-Za-z0-9_-]++|(?<!\\)\"(?:[^\"\\\n]|\\.)*+\"|'[^'\n]*+')"
+    rf"[ \t]*+\.[ \t]*+){{{MAX_DOTS + 1}}}"
+)
 _BARE = r"[A-Za-z0-9_-]+"
 _QUOTED = r'"(?:[^"\\]|\\.)*"|\'[^\']*\''
 _NAME = re.compile(rf"{_BARE}|{_QUOTED}")
@@ -27,13 +31,9 @@ _PART_OF_VALUE = re.compile(
 
 
 def too_dotted(text: str) -> int | None:
-    """The first line, from 1, that may have a key of more than `MAX_DOTS` parts. For any text."""
-    for number, line in enumerate(text.split("\n"), 1):
-        if line.count(".") <= MAX_DOTS or line.lstrip().startswith("#"):
-            continue
-        if _NUMBER.sub("", line).count(".") > MAX_DOTS:
-            return number
-    return None
+    """The first line, from 1, with what may be a key of more than `MAX_DOTS` dots. For any text."""
+    found = _TOO_DOTTED.search(text)
+    return None if found is None else text.count("\n", 0, found.start()) + 1
 
 
 def key_lines(text: str) -> dict[tuple[str | int, ...], int]:

@@ -10,7 +10,8 @@ from __future__ import annotations
 import socket
 import threading
 from http import HTTPStatus
-from urllib.parse import unquote, urlsplit
+from typing import NamedTuple
+from urllib.parse import quote, unquote, urlsplit
 
 from .serving import Handler, HttpServer
 
@@ -32,6 +33,14 @@ INTERVAL = 0.1
 RAW = "out"
 
 
+class _Item(NamedTuple):
+    """What is published under a key, and how many frames are in it."""
+
+    key: str
+    data: bytes
+    frames: int = 1
+
+
 class _Reader:
     """What waits for one connection. `wanted` are the parts of a key, `*` for any."""
 
@@ -39,18 +48,18 @@ class _Reader:
         self._wanted = wanted
         self._is_raw = wanted == [RAW]
         self._news = threading.Condition()
-        self._waiting: list[tuple[str, bytes]] = []
+        self._waiting: list[_Item] = []
         self._size = 0
         self.dropped = 0
 
-    def offer(self, batch: list[tuple[str, bytes]]) -> None:
+    def offer(self, batch: list[_Item]) -> None:
         """Have it sent what it wants of a batch."""
-        mine = [(key, data) for key, data in batch if self._wants(key.split("/"))]
+        mine = [item for item in batch if self._wants(item.key.split("/"))]
         if not mine:
             return
         with self._news:
             self._waiting += mine
-            self._size += sum(len(data) for _, data in mine)
+            self._size += sum(len(item.data) for item in mine)
             if self._size > MAX_WAITING:
                 self._keep_newest()
             self._news.notify()
@@ -62,14 +71,15 @@ class _Reader:
 
     def _keep_newest(self) -> None:
         """Keep the newest of each kind, and of more kinds than there is room for those that came last."""
-        kept: dict[str, bytes] = {}
+        kept: dict[str, _Item] = {}
         size = 0
-        for key, data in reversed(self._waiting):
-            if key not in kept and (not kept or size + len(data) <= MAX_WAITING // 2):
-                kept[key] = data
-                size += len(data)
-        self.dropped += len(self._waiting) - len(kept)
-        self._waiting = [*reversed(kept.items())]
+        for item in reversed(self._waiting):
+            if item.key not in kept and (not kept or size + len(item.data) <= MAX_WAITING // 2):
+                kept[item.key] = item
+                size += len(item.data)
+            else:
+                self.dropped += item.frames
+        self._waiting = [*reversed(kept.values())]
         self._size = size
 
     def messages(self) -> Iterator[str | bytes]:
@@ -79,16 +89,16 @@ class _Reader:
                 self._news.wait(INTERVAL)
             waiting, self._waiting, self._size = self._waiting, [], 0
         if self._is_raw:
-            yield from (data for _, data in waiting)
+            yield from (item.data for item in waiting)
             return
         part: list[str] = []
         size = 0
-        for _, data in waiting:
+        for item in waiting:
             if size > MAX_TEXT:
                 yield f"[{','.join(part)}]"
                 part, size = [], 0
-            part.append(data.decode())
-            size += len(data)
+            part.append(item.data.decode())
+            size += len(item.data)
         if part:
             yield f"[{','.join(part)}]"
 
@@ -113,7 +123,7 @@ class WebSocketPublisher(HttpServer):
         import wsproto  # noqa: F401 - without it nobody could connect
 
         self._prefix = prefix
-        self._batch: list[tuple[str, bytes]] = []
+        self._batch: list[_Item] = []
         self._lock = threading.Lock()
         self._readers: set[_Reader] = set()
         self._dropped = 0
@@ -122,7 +132,7 @@ class WebSocketPublisher(HttpServer):
     @property
     def url(self) -> str:
         """Where readers connect to."""
-        return f"ws://{self.shown_address}/{self._prefix}"
+        return f"ws://{self.shown_address}/{quote(self._prefix)}"
 
     @property
     def readers(self) -> int:
@@ -138,13 +148,13 @@ class WebSocketPublisher(HttpServer):
 
     @property
     def dropped(self) -> int:
-        """What readers did not get because they were too slow."""
+        """Frames that readers did not get because they were too slow."""
         with self._lock:
             return self._dropped + sum(reader.dropped for reader in self._readers)
 
-    def put(self, key: str, data: bytes) -> None:
+    def put(self, key: str, data: bytes, frames: int = 1) -> None:
         """Have it sent with the rest of the batch."""
-        self._batch.append((key.removeprefix(f"{self._prefix}/"), data))
+        self._batch.append(_Item(key.removeprefix(f"{self._prefix}/"), data, frames))
 
     def flush(self) -> None:
         """The batch is whole."""
@@ -166,20 +176,15 @@ class WebSocketPublisher(HttpServer):
 
     def tell(self, web: WebSocket, reader: _Reader, connection: socket.socket) -> None:
         """Send what comes until either side ends it. OSError if the reader vanishes."""
-        from wsproto.utilities import ProtocolError
-
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         with self._lock:
             self._readers.add(reader)
         try:
-            while not self.closing.is_set() and self.bridge.running:
+            while not self.is_ending:
                 for message in reader.messages():
                     web.send(message)
                 if web.hear(0) is None:  # what it says is nothing to us
                     return
-            web.close(1001, "the bridge has stopped")
-        except (ProtocolError, ValueError):
-            web.close(1007, "not understood")
         finally:
             with self._lock:
                 self._readers.discard(reader)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-import select
 from http import HTTPStatus
+
+from mavwire.links.waiting import wait_readable
+
+from .serving import send_all
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -15,9 +18,6 @@ if TYPE_CHECKING:
 
 # A request is shorter.
 MAX_REQUEST = 16 * 1024
-# Who does not take one more piece in so many seconds is given up.
-PATIENCE = 30.0
-PIECE = 16 * 1024
 
 
 class WebSocket:
@@ -47,8 +47,7 @@ class WebSocket:
             handler.send_error(HTTPStatus.BAD_REQUEST, "this address speaks WebSocket")
             return None
         handler.close_connection = True
-        handler.connection.settimeout(PATIENCE)
-        handler.connection.sendall(accepted)
+        send_all(handler.connection, accepted)
         return cls(handler.connection, web)
 
     def send(self, message: str | bytes) -> None:
@@ -64,13 +63,11 @@ class WebSocket:
         self._send(CloseConnection(code, reason))
 
     def _send(self, event: Any) -> None:
-        data = memoryview(self._web.send(event))
-        for start in range(0, len(data), PIECE):
-            self._connection.sendall(data[start : start + PIECE])
+        send_all(self._connection, self._web.send(event))
 
     def hear(self, seconds: float) -> list[str | bytes] | None:
         """What is said next, if it is said in time: whole texts, and pieces of what is binary; None at the end."""
-        if not select.select([self._connection], [], [], seconds)[0]:
+        if not wait_readable(self._connection, seconds):
             return []
         data = self._connection.recv(65536)
         if not data:

@@ -59,6 +59,7 @@ def _table(columns: tuple[str, ...], rows: list[list[str]], first_number: int) -
     """A table without the columns of `IF_ANY` in which no row has anything."""
     from rich import box
     from rich.table import Table
+    from rich.text import Text
 
     shown = [
         n
@@ -75,7 +76,7 @@ def _table(columns: tuple[str, ...], rows: list[list[str]], first_number: int) -
             min_width=ENDPOINT_WIDTH if columns[n] == "link" else None,
         )
     for row in rows:
-        table.add_row(*(row[n] for n in shown))
+        table.add_row(*(Text(row[n]) for n in shown))  # in which brackets are no markup
     return table
 
 

@@ -24,6 +24,7 @@ import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_link_error
@@ -40,6 +41,10 @@ if TYPE_CHECKING:
 
 # How long the program sleeps at a time when there is nothing to show.
 PAUSE = 0.5
+# What a `Recording` calls the command's options.
+RECORDING_OPTIONS = {
+    "max_bytes": "record_size", "max_age": "record_time", "flush_interval": "record_flush",
+}  # fmt: skip
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -92,18 +97,18 @@ def add_arguments(parser: ArgumentParser) -> None:
     show.add_argument(
         "--json", type=duration, metavar="T", help="print the counters as a line of JSON this often"
     )
-    show.add_argument(
-        "--metrics", type=listen_address, metavar="[HOST]:PORT",
-        help="serve /metrics for Prometheus and /stats as JSON; HOST is 127.0.0.1 if not given",
-    )  # fmt: skip
-    show.add_argument(
-        "--http", type=listen_address, metavar="[HOST]:PORT",
-        help="serve a page with all messages, links and plots; HOST is 127.0.0.1 if not given, "
-        "and on others the address that is printed has a token",
-    )  # fmt: skip
+    for option, what in (
+        ("--metrics", "/metrics for Prometheus and /stats as JSON"),
+        ("--http", "a page with all messages, links and plots"),
+    ):
+        show.add_argument(
+            option, type=listen_address, metavar="[HOST]:PORT",
+            help=f"serve {what}; HOST is 127.0.0.1 if not given",
+        )  # fmt: skip
     show.add_argument(
         "--http-name", metavar="NAME", action="append", default=[],
-        help="a name that a proxy in front of --http, --metrics or a WebSocket sink answers to; may be repeated",
+        help="another name of this host, or of a proxy in front of it, that --http, --metrics and WebSocket sinks "
+        "answer to; may be repeated",
     )  # fmt: skip
     parser.add_argument(
         "--sink", metavar="ADDRESS", action="append", default=[],
@@ -155,8 +160,8 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
             for one in _beside(bridge, config):
                 stack.push(one)
                 beside.append(one)
-            print(_announcement(bridge, beside), file=sys.stderr, flush=True)
-            try:
+            try:  # whoever reads that it is announced may end it at once
+                print(_announcement(bridge, beside), file=sys.stderr, flush=True)
                 _watch(bridge, warn, args)
             finally:
                 if args.json is not None:
@@ -171,6 +176,7 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
 def _bridge(args: Namespace) -> tuple[Bridge, Config]:
     """The bridge, not running yet, and what the file and the options say together."""
     from mavwire.bridge import Bridge, Config, ConfigError, Recording, load_config, parse_endpoint
+    from mavwire.bridge.checks import seconds
 
     try:
         config = load_config(args.config) if args.config else Config()
@@ -184,16 +190,20 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
             if getattr(args, name) is not None:
                 config.settings[name] = getattr(args, name)
         _add_beside(config, args)
-        recording = {
-            "max_bytes": args.record_size,
-            "max_age": args.record_time,
-            "flush_interval": args.record_flush,
-        }
+        if args.json is not None:
+            seconds("--json", args.json, least=1e-3)
         given: dict[str, Any] = {
-            name: value for name, value in recording.items() if value is not None
+            name: getattr(args, option)
+            for name, option in RECORDING_OPTIONS.items()
+            if getattr(args, option) is not None
         }
         if args.record is not None:
-            config.recording = Recording(args.record, **given)
+            try:
+                config.recording = Recording(args.record, **given)
+            except ConfigError as error:
+                option = f"--{RECORDING_OPTIONS[error.option].replace('_', '-')}"
+                reason = str(error).replace(error.option, option, 1)
+                raise CommandError(reason, 2) from None
         elif given:
             raise CommandError("--record-size, --record-time and --record-flush need --record", 2)
         return Bridge.from_options(config), config
@@ -207,14 +217,31 @@ def _add_beside(config: Config, args: Namespace) -> None:
     """Options say more than the file, or something else."""
     from mavwire.bridge.beside import Listen, SinkOptions
 
-    names = tuple(args.http_name)
     for name in ("http", "metrics"):
         if getattr(args, name) is not None:
             host, port = getattr(args, name)
-            setattr(config, name, Listen(host, port, names))
-    config.sinks += [SinkOptions(text, None, names, "--sink") for text in args.sink]
+            known = getattr(config, name) or Listen(host, port)
+            place = f"--{name} {host}:{port}"
+            setattr(config, name, replace(known, host=host, port=port, place=place))
+    config.sinks += [SinkOptions(text, place="--sink") for text in args.sink]
+    if args.http_name:
+        _add_names(config, tuple(args.http_name))
     if args.json is None:
         args.json = config.json
+
+
+def _add_names(config: Config, names: tuple[str, ...]) -> None:
+    """Have everything that listens answer to further names."""
+    takes_names = [one.takes_names for one in config.sinks]
+    if not (config.http or config.metrics or any(takes_names)):
+        raise CommandError("--http-name needs --http, --metrics or a sink ws://", 2)
+    for option in ("http", "metrics"):
+        if (server := getattr(config, option)) is not None:
+            setattr(config, option, replace(server, names=server.names + names))
+    config.sinks = [
+        replace(sink, names=sink.names + names) if takes else sink
+        for sink, takes in zip(config.sinks, takes_names, strict=True)
+    ]
 
 
 def _beside(bridge: Bridge, config: Config) -> Iterator[HttpServer | Sink]:
@@ -222,14 +249,15 @@ def _beside(bridge: Bridge, config: Config) -> Iterator[HttpServer | Sink]:
     from mavwire.bridge.metrics import MetricsServer
 
     if config.metrics is not None:
-        yield _served("--metrics", MetricsServer, bridge, config.metrics)
+        yield _served(MetricsServer, bridge, config.metrics)
     if config.http is not None:
         from mavwire.bridge.inspector import Inspector
 
         try:
-            yield _served("--http", Inspector, bridge, config.http)
+            yield _served(Inspector, bridge, config.http)
         except ImportError:
-            raise CommandError("--http needs wsproto: pip install 'mavwire[ws]'") from None
+            reason = "needs wsproto: pip install 'mavwire[ws]'"
+            raise CommandError(f"{config.http.place}: {reason}") from None
     for sink in config.sinks:
         yield _sink(bridge, sink)
 
@@ -242,21 +270,20 @@ def _sink(bridge: Bridge, options: SinkOptions) -> Sink:
         password, names = options.password, options.names
         return open_sink(bridge, options.address, password=password, names=names)
     except ImportError as error:
-        word = options.address.partition(":")[0]
+        word = options.address.partition(":")[0].lower()
         extra = {"mqtts": "mqtt"}.get(word, word)
         raise CommandError(f"{options.place}: {error}: pip install 'mavwire[{extra}]'") from None
     except ConfigError as error:
         raise CommandError(f"{options.place}: {error}", 2) from None
     except OSError as error:
-        raise CommandError(f"{options.place}: {error}") from None
+        raise CommandError(f"{options.place}: {describe_link_error(error)}") from None
 
 
-def _served(option: str, server: type[HttpServer], bridge: Bridge, where: Listen) -> HttpServer:
+def _served(server: type[HttpServer], bridge: Bridge, where: Listen) -> HttpServer:
     try:
         return server(bridge, where.host, where.port, names=where.names)
     except OSError as error:
-        address = f"{where.host}:{where.port}"
-        raise CommandError(f"{option} {address}: {error.strerror or error}") from None
+        raise CommandError(f"{where.place}: {error.strerror or error}") from None
 
 
 def _announcement(bridge: Bridge, beside: list[HttpServer | Sink]) -> str:

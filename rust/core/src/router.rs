@@ -21,7 +21,7 @@ mod links;
 mod table;
 
 pub use filter::Filter;
-pub use limit::Limits;
+pub use limit::{ByteRate, Limits};
 pub use links::{LinkId, LinkSet, MAX_LINKS};
 pub use table::ComponentStats;
 
@@ -148,6 +148,8 @@ pub struct Router {
     sniffers: LinkSet,
     /// Links that have an outbound filter or limits.
     screened: LinkSet,
+    /// Frames that were asked about at these.
+    asked: u64,
 }
 
 impl Router {
@@ -167,6 +169,7 @@ impl Router {
             broadcast: LinkSet::EMPTY,
             sniffers: LinkSet::EMPTY,
             screened: LinkSet::EMPTY,
+            asked: 0,
         }
     }
 
@@ -341,15 +344,20 @@ impl Router {
         entry: Option<Entry>,
         now: u64,
     ) -> LinkSet {
+        let screened = links & self.screened;
+        if screened.is_empty() {
+            return links;
+        }
+        self.asked += 1;
         let mut passed = links;
-        for link in (links & self.screened).iter() {
+        for link in screened.iter() {
             let Some(port) = &mut self.ports[link.index()] else { continue };
             if !port.options.outbound.accept(header) {
                 port.stats.filtered_out += 1;
                 passed.remove(link);
             } else if let Some(limiter) = &mut port.limiter {
                 let len = port.options.border.len_outside(frame.len(), header, entry);
-                if limiter.admit(header, len, now.saturating_mul(1000)) {
+                if limiter.admit(header, len, self.asked, now.saturating_mul(1000)) {
                     continue;
                 }
                 port.stats.limited += 1;

@@ -1,7 +1,7 @@
 //! The router: no frame goes back where it came from, and none to a link that is not there.
 
 use mavwire_core::frame::FrameRef;
-use mavwire_core::router::{Fate, Filter, Limits, LinkId, LinkOptions, Router, Settings};
+use mavwire_core::router::{ByteRate, Fate, Filter, Limits, LinkId, LinkOptions, Router, Settings};
 
 use crate::dialects::{ALL, any_frame};
 use crate::input::Input;
@@ -23,7 +23,7 @@ fn options(input: &mut Input<'_>) -> LinkOptions {
     if flags & 32 != 0 {
         let rate = f64::from(input.number());
         options.limits = Limits {
-            bytes_per_second: Some(rate),
+            bytes_per_second: Some(ByteRate::new(rate)),
             message_rate: Some(rate / 100.0),
             ..Limits::default()
         };

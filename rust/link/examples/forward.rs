@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     bridge.add(spec(&case, sink.local_addr()?.port())?)?;
     let mut buffer = [0; 300];
     for _ in 0..count / BLOCK {
-        bridge.send(frames.clone())?;
+        bridge.send(&frames)?;
         for _ in 0..BLOCK {
             sink.recv(&mut buffer)?;
         }

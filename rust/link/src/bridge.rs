@@ -61,6 +61,9 @@ use switch::Switch;
 
 /// Commands that may wait; who has more waits too.
 const MAX_COMMANDS: usize = 1024;
+/// What the program sends becomes commands of so many bytes: 4 MiB may wait, and links wait for no more than the
+/// commands of a round.
+const SENT_PIECE: usize = 4096;
 
 /// The number for what the system has none for: a name that nobody knows, a device that is none.
 pub const NO_SUCH_ADDRESS: i32 = libc::ENXIO;
@@ -134,6 +137,8 @@ impl Waker {
 pub struct Bridge {
     waker: Waker,
     hub: Arc<Hub>,
+    /// Pieces of what two threads send do not mix.
+    sending: Mutex<()>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -160,7 +165,7 @@ impl Bridge {
             EventLoop::new(switch, hub_of_loop, recorder, receiver, for_loop, wake).run();
         };
         let thread = std::thread::Builder::new().name("mavwire-bridge".into()).spawn(run)?;
-        Ok(Self { waker, hub, thread: Mutex::new(Some(thread)) })
+        Ok(Self { waker, hub, sending: Mutex::new(()), thread: Mutex::new(Some(thread)) })
     }
 
     fn tell(&self, command: Command) -> Result<(), BridgeError> {
@@ -207,12 +212,21 @@ impl Bridge {
         Ok(Stats { components, hidden_components, ..stats })
     }
 
-    /// Routes frames as if they came over a link of their own.
+    /// Routes frames as if they came over a link of their own. Waits while more than some MB of them wait.
     ///
     /// # Errors
     /// The bridge has stopped.
-    pub fn send(&self, frames: Vec<u8>) -> Result<(), BridgeError> {
-        self.tell(Command::Send(frames))
+    pub fn send(&self, mut frames: &[u8]) -> Result<(), BridgeError> {
+        self.hub()?; // the lock of a forked child may be held by a thread that it does not have
+        let _sending = self.sending.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            let (piece, rest) = frames.split_at(frames.len().min(SENT_PIECE));
+            self.tell(Command::Send { piece: piece.into(), is_last: rest.is_empty() })?;
+            if rest.is_empty() {
+                return Ok(());
+            }
+            frames = rest;
+        }
     }
 
     /// What came by.

@@ -116,9 +116,9 @@ impl BridgeCore {
         bridge_stats::to_dict(py, &stats)
     }
 
-    /// Routes whole frames as if they came over a link of their own.
-    fn send(&self, py: Python<'_>, #[pyo3(from_py_with = bytes)] frames: Vec<u8>) -> PyResult<()> {
-        py.detach(|| self.bridge.send(frames)).map_err(to_python)
+    /// Routes whole frames as if they came over a link of their own. Called so that a `MAVLink` can send to it.
+    fn write(&self, py: Python<'_>, #[pyo3(from_py_with = bytes)] frames: Vec<u8>) -> PyResult<()> {
+        py.detach(|| self.bridge.send(&frames)).map_err(to_python)
     }
 
     /// The newest message of an id, from a system and a component or from any; `None` if there was none.
@@ -154,17 +154,15 @@ impl BridgeCore {
         Ok(BridgeTap { core: slf.unbind(), tap })
     }
 
-    /// Every kind of message that came: message id, system, component, how many, when the last one came and over which
-    /// link.
-    fn kinds(&self, py: Python<'_>) -> PyResult<Vec<KindRow>> {
+    /// The kinds of messages that came last: message id, system, component, how many, when the last one came and over
+    /// which link; and how many kinds there are besides these `most`.
+    fn kinds(&self, py: Python<'_>, most: usize) -> PyResult<(Vec<KindRow>, usize)> {
         let list = || {
-            let hub = self.bridge.hub()?;
-            let row = |Kind { info, count }: Kind| {
-                let link = hub.link_name(info.link).unwrap_or_default();
-                let time = info.time as f64 / 1e6;
-                (info.msgid, info.sysid, info.compid, count, time, link)
+            let (kinds, hidden) = self.bridge.hub()?.kinds(most);
+            let row = |Kind { info, count, link }: Kind| {
+                (info.msgid, info.sysid, info.compid, count, info.time as f64 / 1e6, link)
             };
-            Ok(hub.kinds().into_iter().map(row).collect())
+            Ok((kinds.into_iter().map(row).collect(), hidden))
         };
         py.detach(list).map_err(to_python)
     }
@@ -172,6 +170,13 @@ impl BridgeCore {
     /// Stops the bridge and waits for that.
     fn stop(&self, py: Python<'_>) {
         py.detach(|| self.bridge.stop());
+    }
+}
+
+/// One that nobody stopped ends without the interpreter's lock: the last write of its recording may take long.
+impl Drop for BridgeCore {
+    fn drop(&mut self) {
+        let _ = Python::try_attach(|py| self.stop(py));
     }
 }
 

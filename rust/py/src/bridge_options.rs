@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use mavwire_core::border::BorderOptions;
-use mavwire_core::router::{Filter, Limits, LinkOptions, Settings};
+use mavwire_core::router::{ByteRate, Filter, Limits, LinkOptions, Settings};
 use mavwire_core::schema::WireVersion;
 use mavwire_core::signing::SecretKey;
 use mavwire_link::bridge::{AutomationOptions, Endpoint, LinkSpec, PortSpec, Recording};
@@ -207,7 +207,7 @@ impl LinkOption {
             inbound: self.inbound.into_filter(),
             outbound: self.outbound.into_filter(),
             limits: Limits {
-                bytes_per_second: self.bytes_per_second,
+                bytes_per_second: self.bytes_per_second.map(ByteRate::new),
                 message_rate: self.message_rate,
                 message_rates: self.message_rates,
                 urgent: self.urgent,

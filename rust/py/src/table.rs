@@ -226,7 +226,7 @@ impl RecordBatches {
     fn fitted(&self, py: Python<'_>, like: &Self) -> PyResult<Self> {
         let schema = schema_of_all(&like.schema);
         let fit_all = || self.batches.iter().map(|batch| fit(batch, &schema)).collect();
-        let fitted: Result<_, ArrowError> = py.detach(fit_all);
+        let fitted: Result<Vec<_>, ArrowError> = py.detach(fit_all);
         Ok(Self::new(schema, fitted.map_err(|error| columns_error(error.into()))?))
     }
 

@@ -9,7 +9,7 @@ import socket
 import threading
 import urllib.request
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -163,15 +163,25 @@ def test_a_flood_from_hostile_peers() -> None:
 
 
 def test_peers_that_come_in_numbers_are_turned_away_not_served_badly() -> None:
-    with Bridge([TCP]) as bridge:
+    with Bridge([TCP]) as bridge, ExitStack() as stack:
         where = ("127.0.0.1", port_of(bridge, TCP))
-        sockets = [socket.create_connection(where, LIMIT) for _ in range(70)]
-        try:
-            wait_until("them", lambda: bridge.stats()["links"][0]["refused"] == 6)
-            assert len(peers(bridge, TCP)) == 64
-        finally:
-            for one in sockets:
-                one.close()
+
+        def connect() -> socket.socket:
+            return stack.enter_context(socket.create_connection(where, LIMIT))
+
+        good = [connect() for _ in range(64)]
+        for one in good:
+            one.sendall(heartbeat())
+        wait_until("them", lambda: [one["received"] for one in peers(bridge, TCP)] == [1] * 64)
+        places = [one["peer"] for one in peers(bridge, TCP)]
+        # Who said nothing for longer than this would have to go.
+        heard = bridge.stats()["uptime"]
+        wait_until("time", lambda: bridge.stats()["uptime"] > heard + 1.1)
+        for _ in range(6):
+            connect()
+        wait_until("them", lambda: bridge.stats()["links"][0]["refused"] == 6)
+        assert [one["peer"] for one in peers(bridge, TCP)] == places
+        stack.close()
         wait_until("their end", lambda: not peers(bridge, TCP))
         with socket.create_connection(where, LIMIT):
             wait_until("a new one", lambda: peers(bridge, TCP))
@@ -248,12 +258,14 @@ address = "ws://:0/field"
 [[link]]
 endpoint = "{UDP}"
 """)
-    with mavwire("bridge", "--config", str(config)) as (process, lines):
+    options = ["--config", str(config), "--http", "127.0.0.1:0", "--http-name", "base.example"]
+    with mavwire("bridge", *options) as (process, lines):
         line = lines.get(timeout=LIMIT)
         url = line.partition("inspector at ")[2].partition(";")[0]
-        request = urllib.request.Request(url, headers={"Host": "rover.example"})
-        with urllib.request.urlopen(request, timeout=LIMIT) as answer:
-            assert b"mavwire bridge" in answer.read()
+        for name in ("rover.example", "base.example"):
+            request = urllib.request.Request(url, headers={"Host": name})
+            with urllib.request.urlopen(request, timeout=LIMIT) as answer:
+                assert b"mavwire bridge" in answer.read()
         assert "; publishing to ws://127.0.0.1:" in line
         process.send_signal(signal.SIGTERM)
         assert process.stdout is not None
@@ -267,13 +279,17 @@ endpoint = "{UDP}"
         (["udpin"], 2, "'udpin' is no endpoint"),
         (["serial:/dev/no-such-device:57600"], 1, "no-such-device:57600: No such file"),
         (["--config", "/no/such/file"], 1, "/no/such/file: No such file"),
-        ([UDP, UDP], 1, "there is a link called"),
+        ([UDP, UDP], 2, "another link is called"),
+        ([UDP, "--json", "0"], 2, "--json must be 0.001 seconds or more"),
+        ([UDP, "--record", "x", "--record-time", "0"], 2, "--record-time must be 1 seconds"),
+        ([UDP, "--record", "x", "--record-flush", "0"], 2, "--record-flush must be 0.001"),
         ([UDP, "--dedup", "soon"], 2, "not a time"),
         ([UDP, "--metrics", "here"], 2, "not [HOST]:PORT"),
         ([UDP, "--max-age", "0"], 2, "max_age must be 0.001 seconds or more"),
         ([UDP, "--sniffer-sysid", "256"], 2, "sniffer_sysid must be a number from 0 to 255"),
         ([UDP, "--http", "here"], 2, "not [HOST]:PORT"),
         ([UDP, "--sink", "kafka://x"], 2, "'kafka://x' is no sink; say mqtt://"),
+        ([UDP, "--http-name", "a.example"], 2, "--http-name needs --http, --metrics or a sink ws:"),
         ([UDP, "--record-size", "1M"], 2, "--record-flush need --record"),
         ([UDP, "--record-flush", "1s"], 2, "--record-flush need --record"),
     ],
@@ -303,6 +319,14 @@ def test_a_port_that_is_taken_and_a_wrong_line_are_named(
         for option in ("--metrics", "--http"):
             assert cli.main(["bridge", UDP, option, endpoint.removeprefix("tcpin:")]) == 1
             assert f"{option} 127.0.0.1:" in capsys.readouterr().err
+        sink = f"{endpoint.replace('tcpin:', 'ws://')}/x"
+        assert cli.main(["bridge", UDP, "--sink", sink]) == 1
+        assert f"--sink: {sink}: Address already in use" in capsys.readouterr().err
+        toml = tmp_path / "bridge.toml"
+        where = endpoint.removeprefix("tcpin:")
+        toml.write_text(f"[[link]]\nendpoint = '{UDP}'\n[metrics]\nlisten = '{where}'\n")
+        assert cli.main(["bridge", "--config", str(toml)]) == 1
+        assert "bridge.toml:4: metrics: Address already in use" in capsys.readouterr().err
     config = tmp_path / "main.conf"
     config.write_text("[General]\nTcpServerPort = 0\n[UdpEndpoint a]\nMod = Normal\n")
     assert cli.main(["bridge", "--config", str(config)]) == 2

@@ -143,12 +143,34 @@ def publish_to_a_peer(port: int) -> None:
         peer.wait(LIMIT)
 
 
+def test_a_broker_that_refuses_is_told_from_one_that_is_silent() -> None:
+    pytest.importorskip(
+        "paho.mqtt", reason="paho-mqtt is not installed: pip install 'mavwire[mqtt]'"
+    )
+    with socket.create_server(("127.0.0.1", 0)) as broker, Bridge() as bridge:
+        broker.settimeout(LIMIT)
+        with open_sink(bridge, f"mqtt://rover:bad@127.0.0.1:{broker.getsockname()[1]}/x") as sink:
+            connection, _ = broker.accept()
+            with connection:
+                assert connection.recv(1000)
+                connection.sendall(bytes([0x20, 2, 0, 5]))  # CONNACK of version 3.1.1
+
+                def told() -> bool:
+                    bridge.send(heartbeat())
+                    return sink.error == "the broker says: Not authorized"
+
+                wait_until("the reason", told)
+
+
 @pytest.mark.parametrize(
     ("text", "wrong"),
     [
         ("kafka://x", "is no sink; say mqtt://"),
         ("mqtt:", "no address of an MQTT broker"),
-        ("mqtt://host:99999/", "wrong: Port out of range"),
+        ("mqtt://host:99999/", "port or host is wrong; say mqtt://"),
+        ("mqtt://host/a%23", r"have neither # nor \+"),
+        ("ws://:1/a%00", "characters that nobody sees"),
+        ("ws://:1/%ff", "port or host is wrong"),
         ("mqtt://host/a/#", r"have neither # nor \+"),
         ("mqtt://host/a/+/b", r"have neither # nor \+"),
         ("ws://127.0.0.1/", "needs a port"),
@@ -158,6 +180,34 @@ def publish_to_a_peer(port: int) -> None:
 def test_wrong_addresses(text: str, wrong: str) -> None:
     with Bridge() as bridge, pytest.raises(ConfigError, match=wrong):
         open_sink(bridge, text)
+
+
+@pytest.mark.parametrize(
+    "text", ["XMPP://rover:hunter2@host", "mqtts://rover:hunter2/x@host", "mqtt://rover:hunter2@"]
+)
+def test_a_password_is_told_to_nobody(text: str) -> None:
+    with Bridge() as bridge, pytest.raises(ConfigError) as raised:
+        open_sink(bridge, text)
+    assert "hunt" not in str(raised.value) and "mqtt://" in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "wrong"),
+    [
+        ("ws://127.0.0.1:0", {"password": "s3cret"}, "only a broker of MQTT is told a password"),
+        ("zenoh:", {"password": "s3cret"}, "only a broker of MQTT is told a password"),
+        ("mqtt://host", {"password": "s3cret"}, "a password needs a user"),
+        ("mqtt://a:b@host", {"password": "s3cret"}, "in the address and beside it"),
+        ("mqtt://a@host", {"names": ["rover.example"]}, "only ws: answers to names"),
+        ("zenoh:", {"names": ["rover.example"]}, "only ws: answers to names"),
+    ],
+)
+def test_what_a_sink_has_no_use_for_is_an_error(
+    text: str, options: dict[str, Any], wrong: str
+) -> None:
+    with Bridge() as bridge, pytest.raises(ConfigError, match=wrong) as raised:
+        open_sink(bridge, text, **options)
+    assert "s3cret" not in str(raised.value)
 
 
 def test_a_sink_of_a_bridge_that_does_not_run() -> None:

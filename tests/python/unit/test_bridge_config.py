@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from mavwire import Bridge
 from mavwire.bridge import Config, ConfigError, Endpoint, load_config, parse_endpoint
 from mavwire.bridge.beside import Listen
-from mavwire.bridge.toml_lines import key_lines
+from mavwire.bridge.config import MAX_SIZE
+from mavwire.bridge.toml_lines import key_lines, too_dotted
 
 
 @pytest.mark.parametrize(
@@ -90,6 +91,7 @@ def test_any_text_is_an_endpoint_or_a_clear_error(text: str) -> None:
         ({"rate": float("nan")}, "rate must be a number"),
         ({"rates": {"ATTITUDE": "fast"}}, "rates: ATTITUDE must be a number"),
         ({"rates": 5}, "rates must map"),
+        ({"rates": {"ATTITUDE": 1, "30": 2}}, "rates: '30' is a message that was named before"),
         ({"bytes_per_second": True}, "bytes_per_second must be a number"),
         ({"queue_bytes": 1}, "queue_bytes must be a number from 1024"),
         ({"datagram_bytes": 70_000}, "datagram_bytes must be a number from 0"),
@@ -265,7 +267,7 @@ endpoint = "udpout:10.0.0.2:14550"
 name = "satellite"
 group = "uplink"
 bytes_per_second = 200
-rates = { ATTITUDE = 1, "30" = 2 }
+rates = { ATTITUDE = 1, "29" = 2 }
 block_messages_out = ["RAW_IMU", 29]
 """
 
@@ -276,7 +278,7 @@ def test_toml(tmp_path: Path) -> None:
     assert config.recording is not None and config.recording.max_bytes == 100_000_000
     link = Bridge.from_options(config)._links[1]
     assert (link.name, link.group, link.group_number) == ("satellite", "uplink", 0)
-    assert (link.bytes_per_second, link.message_rates) == (200.0, [(30, 1.0), (30, 2.0)])
+    assert (link.bytes_per_second, link.message_rates) == (200.0, [(30, 1.0), (29, 2.0)])
     assert link.outbound.block_messages == [27, 29] and link.inbound.allow_messages is None
 
 
@@ -324,6 +326,22 @@ address = "ws://:8765"
             "[[sink]]\naddress = 'x'\npassword_file = '/no/such'",
             ":3: sink 1: password_file: /no/such: No such file",
         ),
+        (
+            "[[sink]]\naddress = 'x'\npassword_file = '/dev/null'",
+            ":3: sink 1: password_file: /dev/null: its first line is empty",
+        ),
+        (
+            "[[sink]]\naddress = 'x'\npassword_file = '/dev/zero'",
+            ":3: sink 1: password_file: /dev/zero: longer than 4,096 bytes",
+        ),
+        (
+            '[[sink]]\naddress = "x"\npassword_file = "a\\u0000b"',
+            ":3: sink 1: password_file must be a path, not 'a.x00b'",
+        ),
+        (
+            '[[link]]\nendpoint = "udpin:127.0.0.1:0"\nsign_out = true\nsigning_key_file = "a\\u0000b"',
+            ":4: link 1: signing_key_file must be a path, not 'a.x00b'",
+        ),
         ("dedup = x = 1", "at line 1"),
         ("# a\n\ndedop = 1", ":3: unknown option 'dedop'; did you mean 'dedup'"),
         ("dedup = -1", ":1: dedup must be 0 seconds or more"),
@@ -361,9 +379,10 @@ address = "ws://:8765"
             ":1: link 2: rate must be",
         ),
         ("a = " + "[" * 100_000, ": nested too deeply"),
-        ("dedup = 1\n" + "a." * 100_000 + "a = 1", ":2: more than 32 dots"),
-        ("[" + "1." * 100_000 + "1]", ":1: more than 32 dots"),
-        ("x = {" + "'=' . " * 100_000 + "a = 1}", ":1: more than 32 dots"),
+        ("dedup = 1\n" + "a." * 100_000 + "a = 1", ":2: a key of more than 32 dots"),
+        ("[" + "1." * 100_000 + "1]", ":1: a key of more than 32 dots"),
+        ("x = {" + "'=' . " * 100_000 + "a = 1}", ":1: a key of more than 32 dots"),
+        ("x = ['''\n'' ''', {" + "a. " * 100_000 + "a = ''}]", ":2: a key of more than 32 dots"),
     ],
 )
 def test_wrong_toml_is_named(tmp_path: Path, text: str, wrong: str) -> None:
@@ -374,8 +393,20 @@ def test_wrong_toml_is_named(tmp_path: Path, text: str, wrong: str) -> None:
 
 def test_dots_that_are_no_key_are_read(tmp_path: Path) -> None:
     numbers = ", ".join(["1.5"] * 100)
-    assert key_lines(text := f"# {'.' * 99}\ndedup = 0.25 # {numbers}") == {("dedup",): 2}
+    dots = "." * 99
+    assert key_lines(text := f"# {dots}\ndedup = 0.25 # {numbers} {dots}") == {("dedup",): 2}
     assert load(tmp_path, "bridge.toml", text).settings == {"dedup": 0.25}
+    names = [f"a{n}.field.example.com" for n in range(20)]
+    config = load(tmp_path, "bridge.toml", f"http = {{ listen = ':1', names = {names} }}")
+    assert config.http is not None and config.http.names == tuple(names)
+
+
+@pytest.mark.parametrize(
+    "text", ["a", "a ", "'", '"', '\\"', '"\\"', '" . ', "a.b", "a . 'b' \"c\". ", "'''a. ", "-"]
+)
+def test_any_text_is_looked_through(text: str) -> None:
+    """In linear time, or it would take hours."""
+    too_dotted(text * (MAX_SIZE // 4 // len(text)))
 
 
 AWKWARD_TOML = '''

@@ -20,11 +20,12 @@ from mavwire import Bridge, open_log
 from mavwire.bridge import Recording, serving
 from mavwire.bridge.inspection import MAX_COMPONENTS, View, plain
 from mavwire.bridge.inspector import MAX_UNSEEN, TABLES_INTERVAL, Inspector
-from mavwire.bridge.web_socket import MAX_REQUEST
+from mavwire.bridge.web_socket import MAX_REQUEST, WebSocket
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, UDP, udp_peer, wait_until
 from unit.link_tools import heartbeat, pack
 from unit.web_tools import PageClient, WebSocketClient
+from wsproto import ConnectionType, WSConnection
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 
@@ -217,6 +218,9 @@ def test_the_recording_can_be_downloaded(tmp_path: Path) -> None:
         bridge.send(heartbeat(seq=9))
         wait_until("the record", lambda: bridge.stats()["recording"]["records"])
         headers, log = fetch(inspector.port, "/recording")
+        for file in tmp_path.iterdir():
+            file.rename(tmp_path / "moved")
+        assert refused(inspector.port, "/recording") == 404
     assert ".tlog" in headers["Content-Disposition"]
     (tmp_path / "copy").write_bytes(log)
     assert [msg.get_seq() for msg in open_log(tmp_path / "copy")] == [9]
@@ -239,6 +243,26 @@ def test_idle_connections_of_one_host_do_not_shut_others_out(
         stack.enter_context(other)
         other.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
         assert other.recv(15) == b"HTTP/1.1 200 OK"
+
+
+def test_a_page_of_a_program_with_many_descriptors() -> None:
+    resource = pytest.importorskip("resource", reason="descriptors are not numbered here")
+    fcntl = pytest.importorskip("fcntl")
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if limits[1] != resource.RLIM_INFINITY and limits[1] < 2000:
+        pytest.skip("there may not be so many")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(limits[0], 2000), limits[1]))
+    one, other = socket.socketpair()
+    try:
+        high = socket.socket(fileno=fcntl.fcntl(one, fcntl.F_DUPFD, 1500))
+        with high:
+            assert WebSocket(high, WSConnection(ConnectionType.SERVER)).hear(0) == []
+            other.close()
+            assert WebSocket(high, WSConnection(ConnectionType.SERVER)).hear(LIMIT) is None
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+        one.close()
+        other.close()
 
 
 def test_a_request_that_never_ends_is_given_up(
@@ -290,5 +314,11 @@ def test_it_ends_with_the_bridge_and_when_it_is_closed(bridge: Bridge) -> None:
         assert page.closed() == 1001
         assert refused(inspector.port, "/recording") == 503
     inspector.close()
+    with Bridge() as other:
+        inspector = Inspector(other, "127.0.0.1", 0)
+        with PageClient(inspector.port, "/ws") as page:
+            page.until(lambda told: "kinds" in told)
+            inspector.close()
+            assert page.closed() == 1001
     with pytest.raises(OSError):
         socket.create_connection(("127.0.0.1", inspector.port), 1)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import socket
 import time
 
 import pytest
 from mavwire import Bridge
 from mavwire.bridge import ConfigError
+from mavwire.bridge.inspection import MAX_KINDS, View
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import TCP, UDP, report, udp_peer, wait_until
 from unit.link_tools import KEY, heartbeat
@@ -78,6 +80,10 @@ def test_newest_values_are_kept_of_a_thousand_vehicles() -> None:
             assert batch is not None
             got += len(batch)
         assert len(bridge.kinds()) == 20_000
+        told = json.loads(View(bridge).tables())
+        assert (len(told["kinds"]), told["hidden"]) == (MAX_KINDS, 20_000 - MAX_KINDS)
+        newest = [frame[5:7] for frame in heartbeats(20_000)[-MAX_KINDS:]]
+        assert sorted(bytes(row[:2]) for row in told["kinds"]) == sorted(newest)
 
 
 def test_a_name_that_nobody_knows_is_told_with_its_link() -> None:

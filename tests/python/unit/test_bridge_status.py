@@ -45,6 +45,20 @@ def test_rows_show_what_is_wrong() -> None:
     assert row[:4] == ["  10.0.0.1:5", "connecting: Connection refused", "50", "25"]
 
 
+def test_brackets_in_names_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
+    from mavwire import Bridge
+    from mavwire.cli._bridge_status import StatusTable
+
+    names = ["[fd00::2]:14550", "[/x] radio"]
+    with Bridge() as bridge:
+        for name in names:
+            bridge.add("udpin:127.0.0.1:0", name=name)
+        StatusTable(bridge).close()
+    out = capsys.readouterr().out
+    assert all(name in out for name in names)
+
+
 def test_the_table_is_drawn_where_rich_is(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
     from mavwire import Bridge

@@ -5,14 +5,19 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from unittest import mock
 
 import pytest
 from mavwire import Bridge, open_log
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, run_alone
 from unit.link_tools import at_once
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 BEAT = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 
@@ -33,6 +38,54 @@ def test_a_cancelled_wait_keeps_nobody() -> None:
         return bridge
 
     asyncio.run(main()).stop()
+
+
+def test_waits_that_are_given_up_leave_nothing_behind() -> None:
+    class Counting(Future):  # type: ignore[type-arg]
+        waits = 0
+
+        def add_done_callback(self, fn: Callable[..., Any]) -> None:
+            type(self).waits += 1
+            super().add_done_callback(fn)
+
+    async def main() -> None:
+        with Bridge() as bridge, bridge.frames() as batches:
+            for _ in range(100):
+                wait = asyncio.ensure_future(anext(batches))
+                await asyncio.sleep(0)
+                wait.cancel()
+                await asyncio.wait([wait])
+            assert Counting.waits == 1
+            bridge.send(BEAT)
+            assert len(await asyncio.wait_for(anext(batches), LIMIT)) == 1
+
+    with mock.patch("concurrent.futures.Future", Counting):
+        asyncio.run(main())
+
+
+def test_a_handler_that_sends_interrupts_one_that_sends() -> None:
+    program = """
+import signal
+from mavwire import Bridge
+from mavwire.dialects.v20 import all as mavlink
+from unit.bridge_tools import LIMIT
+
+class Beat(mavlink.MAVLink_heartbeat_message):
+    def pack(self, *args, **options):
+        signal.raise_signal(signal.SIGTERM)
+        return super().pack(*args, **options)
+
+fields = (6, 8, 0, 0, 4, 3)
+signal.signal(signal.SIGTERM, lambda *_: bridge.send(mavlink.MAVLink_heartbeat_message(*fields)))
+with Bridge() as bridge, bridge.frames() as batches:
+    numbers = []
+    for _ in range(10):
+        bridge.send(Beat(*fields))
+    while len(numbers) < 20:
+        numbers += [frame[4] for frame in batches.next(LIMIT).frames()]
+assert numbers == list(range(20)), numbers
+"""
+    run_alone(program)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")

@@ -13,7 +13,7 @@ pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'ma
 from mavwire import Bridge, mavutil
 from mavwire.bridge.metrics import prometheus
 from mavwire.bridge.sinks import Sink, open_sink
-from mavwire.bridge.web_sink import MAX_TEXT, MAX_WAITING, _Reader
+from mavwire.bridge.web_sink import MAX_TEXT, MAX_WAITING, _Item, _Reader
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, wait_until
 from unit.link_tools import heartbeat, pack
@@ -129,24 +129,27 @@ def test_what_waits_is_bounded_and_the_newest_of_each_kind() -> None:
     reader, raw = _Reader([]), _Reader(["out"])
     fill = "x" * (MAX_WAITING // 8)
     for n in range(20):
-        batch = [(f"1/1/{name}", json.dumps(f"{name}{n}{fill}").encode()) for name in "AB"]
+        texts = {name: json.dumps(f"{name}{n}{fill}").encode() for name in "AB"}
+        batch = [_Item(f"1/1/{name}", text) for name, text in texts.items()]
         for one in (reader, raw):
-            one.offer([("out", b"frames %d" % n), *batch])
-    texts = list(reader.messages())
-    assert all(len(text) <= MAX_TEXT + 2 * len(fill) for text in texts)
-    told = [message for text in texts for message in json.loads(text)]
+            one.offer([_Item("out", b"frames %d" % n, 300), *batch])
+    got = list(reader.messages())
+    assert all(len(text) <= MAX_TEXT + 2 * len(fill) for text in got)
+    told = [message for text in got for message in json.loads(text)]
     assert [message.strip("x") for message in told[-2:]] == ["A19", "B19"]
     assert len(told) + reader.dropped == 40 and sum(map(len, told)) <= MAX_WAITING
     assert list(raw.messages()) == [b"frames %d" % n for n in range(20)]
-    reader.offer([(f"1/1/{n}", json.dumps(fill).encode()) for n in range(6)])
+    reader.offer([_Item(f"1/1/{n}", json.dumps(fill).encode()) for n in range(6)])
     assert [len(json.loads(text)) for text in reader.messages()] == [4, 2]
     # More kinds than there is room for.
     for n in range(20):
-        reader.offer([(f"1/1/{n}", json.dumps(fill).encode())])
+        reader.offer([_Item(f"1/1/{n}", json.dumps(fill).encode())])
     assert 0 < len("".join(map(str, reader.messages()))) <= 2 * MAX_WAITING
     # One that is longer than what may wait.
-    raw.offer([("out", bytes(MAX_WAITING + 1))])
+    for frames in (300, 20):
+        raw.offer([_Item("out", bytes(MAX_WAITING + 1), frames)])
     assert [len(data) for data in raw.messages()] == [MAX_WAITING + 1]
+    assert raw.dropped == 300, "frames, not batches"
 
 
 @pytest.mark.parametrize(
@@ -176,3 +179,11 @@ def test_readers_are_told_of_the_end(bridge: Bridge) -> None:
         wait_for_readers(sink, 1)
         bridge.stop()
         assert client.closed() == 1001
+
+
+def test_a_prefix_is_named_as_in_any_url(bridge: Bridge) -> None:
+    with open_sink(bridge, "ws://127.0.0.1:0/my%20rover/%C3%A4") as sink:
+        assert sink.name.endswith("/my%20rover/%C3%A4")
+        path = sink.name.partition(f":{port(sink)}")[2]
+        with WebSocketClient(port(sink), f"{path}/1") as client:
+            assert client.status == 101

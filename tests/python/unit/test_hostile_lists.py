@@ -86,10 +86,10 @@ def test_bytes_of_a_parser() -> None:
 
 
 def test_frames_messages_and_systems_of_a_bridge(core: Any) -> None:
-    refuses(core.send, 0)
+    refuses(core.write, 0)
     refuses(lambda ids: core.tap(ids, None), 1)
     refuses(lambda ids: core.tap(None, ids), 1)
-    core.send(bytearray(heartbeat()))
+    core.write(bytearray(heartbeat()))
     core.tap({0, 30}, (1,))
 
 

@@ -18,13 +18,19 @@ from wsproto.events import (
     TextMessage,
 )
 
+RECEIVE_BUFFER = 64 * 1024
+
 
 class WebSocketClient:
     """Connected once made; `status` is that of a server that refuses."""
 
     def __init__(self, port: int, path: str, headers: dict[str, str] | None = None) -> None:
         self._web = WSConnection(ConnectionType.CLIENT)
-        self._socket = socket.create_connection(("127.0.0.1", port), LIMIT)
+        self._socket = socket.socket()
+        self._socket.settimeout(LIMIT)
+        # However much the system would hold for a reader: a slow one is to be slow.
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        self._socket.connect(("127.0.0.1", port))
         self._texts: list[str] = []
         self._part = ""
         self.binary = b""

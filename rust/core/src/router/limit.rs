@@ -4,6 +4,7 @@
 //! pace. What comes a little early passes, so that a stream at its limit loses nothing to jitter, and the mean rate is kept.
 
 use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::frame::Header;
 use crate::kind_hash::KindHash;
@@ -19,11 +20,54 @@ const BURST: u64 = 250_000_000;
 const URGENT_BURST: u64 = 2_000_000_000;
 const SECOND: f64 = 1e9;
 
+/// Bytes a second of whole frames, for a link however many peers it has: clones have one account together.
+#[derive(Debug, Clone)]
+pub struct ByteRate(Arc<Mutex<Account>>);
+
+#[derive(Debug)]
+struct Account {
+    /// Nanoseconds that a byte takes.
+    byte_time: f64,
+    /// When all bytes so far are through.
+    due: u64,
+    /// The number of the frame that was asked about last, and whether it may leave.
+    decided: (u64, bool),
+}
+
+impl ByteRate {
+    /// An account of its own.
+    pub fn new(bytes_per_second: f64) -> Self {
+        let byte_time = SECOND / bytes_per_second.max(1e-9);
+        Self(Arc::new(Mutex::new(Account { byte_time, due: 0, decided: (0, true) })))
+    }
+
+    fn account(&self) -> MutexGuard<'_, Account> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether the frame with a number may leave: to all peers that it is for or to none, or else those that are asked
+    /// first would get everything.
+    fn allows(&self, number: u64, now: u64, early: u64) -> bool {
+        let mut account = self.account();
+        if account.decided.0 != number {
+            account.decided = (number, account.due <= now.saturating_add(early));
+        }
+        account.decided.1
+    }
+
+    /// Puts bytes that leave on the account.
+    fn charge(&self, len: usize, now: u64) {
+        let mut account = self.account();
+        let cost = (account.byte_time * len as f64) as u64;
+        account.due = account.due.max(now).saturating_add(cost);
+    }
+}
+
 /// The limits of a link. By default there are none.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct Limits {
-    /// Bytes a second of whole frames.
-    pub bytes_per_second: Option<f64>,
+    /// Bytes a second of all frames.
+    pub bytes_per_second: Option<ByteRate>,
     /// Messages a second of each type that `message_rates` does not name, from each component.
     pub message_rate: Option<f64>,
     /// Messages a second of a message id, from each component.
@@ -43,10 +87,7 @@ impl Limits {
 /// Keeps the limits of a link. Times are in nanoseconds.
 #[derive(Debug, Clone)]
 pub(super) struct Limiter {
-    /// Nanoseconds that a byte takes.
-    byte_time: Option<f64>,
-    /// When all bytes so far are through.
-    bytes_due: u64,
+    bytes: Option<ByteRate>,
     /// Shortest mean interval by message id, sorted.
     intervals: Box<[(u32, u64)]>,
     interval: Option<u64>,
@@ -77,8 +118,7 @@ impl Limiter {
             limits.message_rates.iter().map(|&(msgid, rate)| (msgid, interval(rate))).collect();
         intervals.sort_by_key(|&(msgid, _)| msgid);
         Self {
-            byte_time: limits.bytes_per_second.map(|rate| SECOND / rate.max(1e-9)),
-            bytes_due: 0,
+            bytes: limits.bytes_per_second.clone(),
             intervals: intervals.into(),
             interval: limits.message_rate.map(interval),
             streams: HashMap::default(),
@@ -87,19 +127,16 @@ impl Limiter {
         }
     }
 
-    /// Whether a frame of `len` bytes may leave.
-    pub(super) fn admit(&mut self, header: &Header, len: usize, now: u64) -> bool {
+    /// Whether a frame of `len` bytes may leave, the one that has this `number` at all links.
+    pub(super) fn admit(&mut self, header: &Header, len: usize, number: u64, now: u64) -> bool {
         // The bytes are asked first but counted last: a frame that its type holds back costs nothing.
-        let limited = self.byte_time.is_some();
         let burst = if self.urgent.contains(&header.msgid) { URGENT_BURST } else { BURST };
-        if limited && self.bytes_due > now.saturating_add(burst) {
-            return false;
+        let allowed = self.bytes.as_ref().is_none_or(|bytes| bytes.allows(number, now, burst));
+        let passes = allowed && self.admit_type(header, now);
+        if passes && let Some(bytes) = &self.bytes {
+            bytes.charge(len, now);
         }
-        if !self.admit_type(header, now) {
-            return false;
-        }
-        let cost = self.byte_time.map_or(0.0, |time| time * len as f64) as u64;
-        !limited || pass(&mut self.bytes_due, now, cost, burst)
+        passes
     }
 
     fn admit_type(&mut self, header: &Header, now: u64) -> bool {
@@ -143,7 +180,7 @@ mod tests {
     fn passed(limits: &Limits, msgid: u32, count: u64, interval: u64) -> u64 {
         let mut limiter = Limiter::new(limits);
         let times = (0..count).map(|n| 1_000 * MS + n * interval);
-        times.filter(|&now| limiter.admit(&header(V2, msgid, 0), 50, now)).count() as u64
+        times.filter(|&now| limiter.admit(&header(V2, msgid, 0), 50, now, now)).count() as u64
     }
 
     #[test]
@@ -170,7 +207,7 @@ mod tests {
         for time in [0, 100, 400] {
             for (sysid, msgid) in (1..=255).flat_map(|sysid| (0..20).map(move |id| (sysid, id))) {
                 let header = Header { sysid, ..header(V2, msgid, 0) };
-                assert_eq!(limiter.admit(&header, 50, time * MS), time == 0, "{sysid}: {msgid}");
+                assert_eq!(limiter.admit(&header, 50, 0, time * MS), time == 0, "{sysid}: {msgid}");
             }
         }
     }
@@ -183,7 +220,7 @@ mod tests {
             let addresses = (0..=u8::MAX).flat_map(|sysid| (0..=u8::MAX).map(move |c| (sysid, c)));
             let headers =
                 addresses.map(|(sysid, compid)| Header { sysid, compid, ..header(V2, msgid, 0) });
-            headers.filter(|header| limiter.admit(header, 50, time * MS)).count()
+            headers.filter(|header| limiter.admit(header, 50, 0, time * MS)).count()
         };
         let counts = [passed(0, 0), passed(30, 400), passed(0, 400), passed(30, 1_000)];
         assert_eq!(counts, [MAX_STREAMS, 0, 0, MAX_STREAMS]);
@@ -191,34 +228,41 @@ mod tests {
 
     #[test]
     fn bytes_are_held_to_their_rate_with_a_short_burst() {
-        let limits = Limits { bytes_per_second: Some(5_000.0), ..Limits::default() };
-        let got = passed(&limits, 30, 100_000, MS / 10); // 100 a second of 10,000, for 10 s
+        let limits =
+            || Limits { bytes_per_second: Some(ByteRate::new(5_000.0)), ..Limits::default() };
+        let got = passed(&limits(), 30, 100_000, MS / 10); // 100 a second of 10,000, for 10 s
         assert!((1_000..=1_027).contains(&got), "{got}");
-        assert_eq!(passed(&limits, 30, 1_000, 10 * MS), 1_000, "at the limit");
+        assert_eq!(passed(&limits(), 30, 1_000, 10 * MS), 1_000, "at the limit");
     }
 
     #[test]
     fn urgent_messages_pass_where_others_wait_and_the_rate_is_kept() {
-        let limits =
-            Limits { bytes_per_second: Some(5_000.0), urgent: vec![76], ..Limits::default() };
+        let limits = Limits {
+            bytes_per_second: Some(ByteRate::new(5_000.0)),
+            urgent: vec![76],
+            ..Limits::default()
+        };
         let mut limiter = Limiter::new(&limits);
         let mut passed = [0; 2];
         for now in (0..10_000).map(|n| 1_000 * MS + n * MS) {
-            passed[0] += u32::from(limiter.admit(&header(V2, 30, 0), 50, now));
+            passed[0] += u32::from(limiter.admit(&header(V2, 30, 0), 50, 2 * now, now));
             // 10 of 100 frames a second.
             let is_due = now % (100 * MS) == 0;
-            passed[1] += u32::from(is_due && limiter.admit(&header(V2, 76, 0), 50, now));
+            passed[1] +=
+                u32::from(is_due && limiter.admit(&header(V2, 76, 0), 50, 2 * now + 1, now));
         }
         assert_eq!(passed[1], 100, "all of them");
         assert!((900..=930).contains(&passed[0]), "{passed:?}");
-        let flood = (0..10_000).filter(|n| limiter.admit(&header(V2, 76, 0), 50, n * MS)).count();
+        let flood =
+            (0..10_000).filter(|n| limiter.admit(&header(V2, 76, 0), 50, n + 1, n * MS)).count();
         assert!(flood <= 1_200, "{flood}");
     }
 
     #[test]
     fn odd_numbers_do_no_harm() {
         for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE, 1e300] {
-            let limits = Limits { bytes_per_second: Some(rate), ..Limits::default() };
+            let limits =
+                Limits { bytes_per_second: Some(ByteRate::new(rate)), ..Limits::default() };
             assert!(passed(&limits, 30, 10, MS) >= 1, "{rate}");
             let limits = Limits { message_rate: Some(rate), ..Limits::default() };
             assert!(passed(&limits, 30, 10, MS) >= 1, "{rate}");

@@ -146,7 +146,7 @@ proptest! {
     ) {
         // At most 50 frames of 21 bytes a second, by limits of 50 and of 1,050.
         let limits = Limits {
-            bytes_per_second: Some(1_050.0),
+            bytes_per_second: Some(ByteRate::new(1_050.0)),
             message_rate: Some(50.0),
             ..Limits::default()
         };

@@ -251,7 +251,7 @@ fn filters_and_limits_take_their_share() {
 #[test]
 fn bytes_are_counted_as_they_leave_and_those_of_the_link_itself_too() {
     let link = |sign| LinkOptions {
-        limits: Limits { bytes_per_second: Some(3_400.0), ..Limits::default() },
+        limits: Limits { bytes_per_second: Some(ByteRate::new(3_400.0)), ..Limits::default() },
         outbound: Filter::default().block_messages([30]),
         border: BorderOptions { sign, ..BorderOptions::default() },
         ..LinkOptions::default()
@@ -278,6 +278,24 @@ fn bytes_are_counted_as_they_leave_and_those_of_the_link_itself_too() {
     let header = Header::parse(&frame).expect("a frame");
     let admit = |_: &i32| net.router.admit(&frame, &header, None, LinkId(2), net.now);
     assert!((25..=27).contains(&(0..10_000).filter(admit).count()));
+}
+
+#[test]
+fn peers_of_a_link_have_its_bytes_together_and_each_gets_the_same() {
+    let limits = Limits { bytes_per_second: Some(ByteRate::new(2_100.0)), ..Limits::default() };
+    let peer = LinkOptions { limits, ..LinkOptions::default() };
+    let others = vec![peer; 5];
+    let mut net = Net::new(&[vec![LinkOptions::default()], others].concat(), Settings::new(1));
+    let mut passed = [0; 6];
+    for _ in 0..10_000 {
+        net.now += 1_000;
+        if let Fate::Forwarded(links) = net.send(0, (1, 1), HEARTBEAT, &[1; 9]) {
+            links.iter().for_each(|link| passed[link.index()] += 1);
+        }
+    }
+    // 21,000 bytes in 10 seconds and a quarter of a second's ahead, 105 for each frame.
+    assert!((200..=206).contains(&passed[1]), "{passed:?}");
+    assert!(passed[2..].iter().all(|&count| count == passed[1]), "{passed:?}");
 }
 
 #[test]

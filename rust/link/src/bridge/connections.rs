@@ -21,7 +21,7 @@ use crate::wording::in_words;
 const MAX_PEERS: usize = 64;
 /// The first pause before a connection is tried again, doubled up to the limit of the link; microseconds.
 const FIRST_RETRY: u64 = 250_000;
-/// A peer that needs a signature has this long to send one before another may have its place; microseconds.
+/// A peer has this long to prove itself before another may have its place; microseconds.
 const TIME_TO_PROVE: u64 = 1_000_000;
 
 /// What a link has besides its ports.
@@ -207,9 +207,7 @@ impl EventLoop {
     fn make_room(&mut self, number: u32) -> bool {
         let now = self.switch.moment.now;
         let unproven = self.switch.ports().filter(|port| {
-            port.link == number
-                && (port.muted || port.traffic.routed.received == 0)
-                && now.saturating_sub(port.heard) > TIME_TO_PROVE
+            port.link == number && !port.proven && now.saturating_sub(port.heard) > TIME_TO_PROVE
         });
         let Some(id) = unproven.min_by_key(|port| port.heard).map(|port| port.id) else {
             return false;
@@ -230,13 +228,7 @@ impl EventLoop {
             link.error = Some(in_words(&error));
         }
         if let Kind::Dialled(_, dialling) = &mut link.kind {
-            port.wire = Wire::Down;
-            port.peer = None;
-            port.blocked = false;
-            port.outbox.clear();
-            if let Some(stream) = &mut port.stream {
-                stream.clear();
-            }
+            port.disconnect();
             let heard = port.heard;
             dialling.ended(self.switch.moment.now, heard);
         } else {

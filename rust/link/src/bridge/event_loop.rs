@@ -50,7 +50,11 @@ pub(super) enum Command {
     Add(Box<LinkSpec>, Opened, SyncSender<Result<(), BridgeError>>),
     Remove(String, SyncSender<Result<(), BridgeError>>),
     Stats(SyncSender<(Stats, Heard)>),
-    Send(Vec<u8>),
+    /// A piece of what the program sends.
+    Send {
+        piece: Box<[u8]>,
+        is_last: bool,
+    },
     /// A thread that dials has an answer.
     Dialled(u32, io::Result<Connection>),
     Stop,
@@ -366,9 +370,11 @@ impl EventLoop {
                 Command::Stats(answer) => {
                     let _ = answer.send(self.stats());
                 }
-                Command::Send(bytes) => {
-                    self.feed(self.switch.program(), &bytes);
-                    self.switch.end(self.switch.program());
+                Command::Send { piece, is_last } => {
+                    self.feed(self.switch.program(), &piece);
+                    if is_last {
+                        self.switch.end(self.switch.program());
+                    }
                 }
                 Command::Dialled(number, result) => self.dialled(number, result),
                 Command::Stop => return false,

@@ -30,12 +30,14 @@ pub struct Latest {
 }
 
 /// A message from a component, and how often it came.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kind {
     /// What the newest one is.
     pub info: FrameInfo,
     /// How many came.
     pub count: u64,
+    /// Name of the link that it came over.
+    pub link: String,
 }
 
 #[derive(Debug, Default)]
@@ -146,10 +148,26 @@ impl Hub {
         matching.max_by_key(|latest| latest.order).cloned()
     }
 
-    /// Every kind of message that came, in no order.
-    pub fn kinds(&self) -> Vec<Kind> {
+    /// The kinds of messages that came last, `most` of them, by system, component and message id; how many there are
+    /// besides.
+    pub fn kinds(&self, most: usize) -> (Vec<Kind>, usize) {
+        let all = |state: &State| {
+            let kinds = state.latest.values();
+            kinds.map(|one| (one.order, one.info, one.count)).collect::<Vec<_>>()
+        };
+        let mut kinds = all(&lock(&self.state)); // the event loop does not wait for the rest
+        let hidden = kinds.len().saturating_sub(most);
+        if hidden > 0 {
+            kinds.select_nth_unstable_by_key(hidden - 1, |&(order, ..)| order);
+            kinds.drain(..hidden);
+        }
+        kinds.sort_unstable_by_key(|(_, info, _)| (info.sysid, info.compid, info.msgid));
         let state = lock(&self.state);
-        state.latest.values().map(|one| Kind { info: one.info, count: one.count }).collect()
+        let named = |(_, info, count): (u64, FrameInfo, u64)| {
+            let link = state.link_names.get(&info.link).cloned().unwrap_or_default();
+            Kind { info, count, link }
+        };
+        (kinds.into_iter().map(named).collect(), hidden)
     }
 
     /// A tap for what comes from now on.
@@ -192,7 +210,7 @@ mod tests {
         hub.deliver(&frames([30]));
         hub.deliver(&made_up);
         hub.deliver(&frames([30, 31]));
-        let kinds = hub.kinds();
+        let (kinds, _) = hub.kinds(MAX_LATEST);
         assert!((MAX_LATEST * 8 / 10..MAX_LATEST).contains(&kinds.len()), "{}", kinds.len());
         assert!(hub.latest(31, None, None).is_some(), "what came last is there");
         let newest = made_up.infos.last().expect("it is not empty");
@@ -214,12 +232,15 @@ mod tests {
             (Some(1), Some(1), None)
         );
         assert!(hub.latest(5_000, None, None).is_none(), "the dialect does not know it");
-        let mut counts: Vec<(u32, u8, u64)> = hub
-            .kinds()
-            .iter()
-            .map(|kind| (kind.info.msgid, kind.info.compid, kind.count))
-            .collect();
-        counts.sort_unstable();
-        assert_eq!(counts, [(0, 1, 1), (30, 1, 3), (30, 9, 1)]);
+        hub.name_link(second.infos[0].link, "radio");
+        let told = |most| {
+            let (kinds, hidden) = hub.kinds(most);
+            assert!(kinds.iter().all(|kind| kind.link == "radio"));
+            let rows = kinds.iter().map(|kind| (kind.info.msgid, kind.info.compid, kind.count));
+            (rows.collect::<Vec<_>>(), hidden)
+        };
+        assert_eq!(told(3), (vec![(0, 1, 1), (30, 1, 3), (30, 9, 1)], 0));
+        assert_eq!(told(2), (vec![(30, 1, 3), (30, 9, 1)], 1), "those that came last");
+        assert_eq!(told(0), (vec![], 3));
     }
 }

@@ -17,6 +17,7 @@ use super::automation::Automation;
 use super::endpoint::{Connection, PortSpec, Stream, is_way_gone};
 use super::outbox::Outbox;
 use super::send::{self, cannot_group, send_batch};
+use super::socket_options::overrun;
 use super::stats::Traffic;
 use super::switch::Moment;
 use crate::address::Address;
@@ -59,13 +60,17 @@ pub(super) struct Port {
     pub(super) blocked: bool,
     /// Datagrams of one length leave together.
     grouped: bool,
+    /// What the system dropped at the sockets that it had before this one.
+    overrun: Option<u64>,
     pub(super) traffic: Traffic,
     /// What its frames go through; `None` if they stay as they are.
     pub(super) border: Option<Border>,
     pub(super) automation: Option<Automation>,
     /// Messages that leave before others.
     urgent: Box<[u32]>,
-    /// A peer that has yet to prove itself gets nothing.
+    /// A good frame came, with a good signature where one is needed.
+    pub(super) proven: bool,
+    /// It gets nothing before it has proven itself.
     pub(super) muted: bool,
 }
 
@@ -88,10 +93,12 @@ impl Port {
             heard: now,
             blocked: false,
             grouped: true,
+            overrun: None,
             traffic: Traffic::default(),
             border,
             automation: Automation::new(&spec.automation),
             urgent: spec.options.limits.urgent.as_slice().into(),
+            proven: false,
             muted: false,
         }
     }
@@ -209,6 +216,27 @@ impl Port {
         self.wire = connection.into();
     }
 
+    /// Has none any more.
+    pub(super) fn disconnect(&mut self) {
+        self.overrun = self.overrun();
+        self.wire = Wire::Down;
+        self.peer = None;
+        self.blocked = false;
+        self.outbox.clear();
+        if let Some(stream) = &mut self.stream {
+            stream.clear();
+        }
+    }
+
+    /// Datagrams that the system dropped at its sockets because they were not read in time, where it says so.
+    pub(super) fn overrun(&self) -> Option<u64> {
+        let now = match &self.wire {
+            Wire::Datagrams(socket, _) => overrun(socket),
+            Wire::Stream(_) | Wire::Down | Wire::Program => None,
+        };
+        self.overrun.into_iter().chain(now).reduce(|before, now| before + now)
+    }
+
     /// What came in datagrams so far ends with something that may be the beginning of a frame.
     #[inline]
     pub(super) fn waits_for_datagram(&self) -> bool {
@@ -236,5 +264,29 @@ impl Port {
             dropped: self.outbox.dropped,
             ..self.traffic
         }
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use std::net::Ipv4Addr;
+
+    #[test]
+    fn what_the_system_dropped_is_known_when_its_socket_is_gone() {
+        let socket = || UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let (unread, sender) = (socket(), socket());
+        sender.connect(unread.local_addr().unwrap()).unwrap();
+        let wire = Connection::Datagrams(unread).into();
+        let mut port = Port::new(LinkId(0), 1, wire, &PortSpec::default(), None, 0);
+        while port.overrun() == Some(0) {
+            sender.send(&[0; 1_000]).unwrap();
+        }
+        let lost = port.overrun();
+        assert!(lost > Some(0));
+        port.disconnect();
+        assert_eq!(port.overrun(), lost);
+        port.connect(Connection::Datagrams(socket()));
+        assert_eq!(port.overrun(), lost);
     }
 }

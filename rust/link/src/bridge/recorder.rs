@@ -11,7 +11,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use mavwire_core::log::tlog::{Stamp, recordable};
+use mavwire_core::frame::Header;
+use mavwire_core::log::tlog::{STAMP_LEN, Stamp, recordable};
 
 use super::frames::Frames;
 use crate::clock;
@@ -156,15 +157,28 @@ impl Log {
         Err(io::ErrorKind::AlreadyExists.into())
     }
 
-    /// Writes whole records, or leaves the log as it was.
-    fn write(&mut self, records: &[u8]) -> io::Result<()> {
-        if let Err(error) = self.file.write_all(records) {
-            let _ = self.file.set_len(self.len);
-            let _ = self.file.seek(SeekFrom::Start(self.len));
-            return Err(error);
+    /// Writes records, as far as there is room for whole ones: how many bytes of them, and why not all.
+    fn write(&mut self, records: &[u8]) -> (usize, io::Result<()>) {
+        let mut written = 0;
+        while written < records.len() {
+            match self.file.write(&records[written..]) {
+                Ok(0) => return self.cut(&records[..written], io::ErrorKind::WriteZero.into()),
+                Ok(len) => written += len,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return self.cut(&records[..written], error),
+            }
         }
-        self.len += records.len() as u64;
-        Ok(())
+        self.len += written as u64;
+        (written, Ok(()))
+    }
+
+    /// Takes half a record off the end again.
+    fn cut(&mut self, written: &[u8], error: io::Error) -> (usize, io::Result<()>) {
+        let whole = lengths(written).sum();
+        self.len += whole as u64;
+        let _ = self.file.set_len(self.len);
+        let _ = self.file.seek(SeekFrom::Start(self.len));
+        (whole, Err(error))
     }
 
     fn discard_if_empty(&self) {
@@ -172,6 +186,17 @@ impl Log {
             let _ = std::fs::remove_file(&self.path);
         }
     }
+}
+
+/// How long each record is that is whole.
+fn lengths(bytes: &[u8]) -> impl Iterator<Item = usize> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let frame = Header::parse(bytes.get(at + STAMP_LEN..)?)?;
+        let len = STAMP_LEN + frame.frame_len();
+        at += len;
+        (at <= bytes.len()).then_some(len)
+    })
 }
 
 struct Writer {
@@ -187,16 +212,17 @@ impl Writer {
             if !records.is_empty() {
                 // Where no new log can be begun, the old one goes on, and the next records try again.
                 let rotated = self.rotate();
-                let written = self.log.write(&records);
+                let (len, written) = self.log.write(&records);
+                let kept = if len == records.len() {
+                    count
+                } else {
+                    lengths(&records[..len]).count() as u64
+                };
                 let stats = &mut self.shared.state().stats;
                 stats.path.clone_from(&self.log.path);
-                match &written {
-                    Ok(()) => {
-                        stats.records += count;
-                        stats.bytes += records.len() as u64;
-                    }
-                    Err(_) => stats.dropped += count,
-                }
+                stats.records += kept;
+                stats.bytes += len as u64;
+                stats.dropped += count - kept;
                 stats.error = written.and(rotated).err().map(|error| in_words(&error));
             }
             if stopping {

@@ -1,15 +1,13 @@
 //! What the event loop knows about itself, for who asks.
 
-use std::net::UdpSocket;
-use std::os::fd::AsRawFd as _;
-
 use mavwire_core::router::{ComponentStats, LinkSet};
 
 use super::connections::{Kind, Link};
 use super::event_loop::{EventLoop, PROGRAM_NAME};
 use super::latency::Latency;
-use super::port::{Port, Wire};
+use super::port::Wire;
 use super::recorder::Recorder;
+use super::socket_options::overrun;
 use super::stats::{ComponentReport, LinkReport, Stats};
 
 /// Components that are told of: those that were heard last.
@@ -87,6 +85,9 @@ impl EventLoop {
             ..LinkReport::default()
         };
         let ports = self.switch.ports().filter(|port| port.link == number);
+        // Peers of a server share its socket.
+        let server =
+            if let Kind::DatagramServer(socket, _) = &link.kind { Some(socket) } else { None };
         let mut reports: Vec<LinkReport> = ports
             .map(|port| LinkReport {
                 peer: port.peer.clone(),
@@ -94,7 +95,7 @@ impl EventLoop {
                 traffic: self.switch.traffic(port.id),
                 queued: port.outbox.queued(),
                 latency: percentiles(&port.outbox.latency),
-                overrun: link.socket(port).and_then(overrun),
+                overrun: if server.is_some() { None } else { port.overrun() },
                 ..report.clone()
             })
             .collect();
@@ -107,7 +108,7 @@ impl EventLoop {
                     state: "listening",
                     traffic: link.departed,
                     latency: percentiles(&link.departed_latency),
-                    overrun: link.server_socket().and_then(overrun),
+                    overrun: server.and_then(|socket| overrun(socket)),
                     connections: link.welcomed,
                     ..report
                 };
@@ -122,47 +123,6 @@ impl EventLoop {
         }
         reports
     }
-}
-
-impl Link {
-    /// The socket that all peers of a UDP server share.
-    fn server_socket(&self) -> Option<&UdpSocket> {
-        if let Kind::DatagramServer(socket, _) = &self.kind { Some(socket) } else { None }
-    }
-
-    /// The socket of a port that shares it with no other.
-    fn socket<'a>(&self, port: &'a Port) -> Option<&'a UdpSocket> {
-        match (&self.kind, &port.wire) {
-            (Kind::DatagramServer(..), _) => None,
-            (_, Wire::Datagrams(socket, _)) => Some(socket.as_ref()),
-            _ => None,
-        }
-    }
-}
-
-/// Datagrams that the system dropped because they were not read in time.
-#[cfg(target_os = "linux")]
-fn overrun(socket: &UdpSocket) -> Option<u64> {
-    /// Numbers that tell of a socket's memory (`SK_MEMINFO_VARS`), the last of which counts what was dropped.
-    const COUNT: usize = 9;
-    let mut numbers = [0_u32; COUNT];
-    let mut len = size_of_val(&numbers) as libc::socklen_t;
-    // SAFETY: the pointers are to so many bytes, and to their number, both of which the call may write.
-    let done = unsafe {
-        libc::getsockopt(
-            socket.as_raw_fd(),
-            libc::SOL_SOCKET,
-            libc::SO_MEMINFO,
-            numbers.as_mut_ptr().cast(),
-            &raw mut len,
-        )
-    };
-    (done == 0 && len as usize == size_of_val(&numbers)).then(|| numbers[COUNT - 1].into())
-}
-
-#[cfg(not(target_os = "linux"))]
-fn overrun(_: &UdpSocket) -> Option<u64> {
-    None
 }
 
 fn percentiles(latency: &Latency) -> [Option<u32>; 3] {

@@ -54,3 +54,28 @@ pub(super) fn limit_silence(stream: &TcpStream, patience: Duration) -> io::Resul
 pub(super) fn limit_silence(stream: &TcpStream, _: Duration) -> io::Result<()> {
     set(stream, libc::SOL_SOCKET, libc::SO_KEEPALIVE, 1)
 }
+
+/// Datagrams that the system dropped because they were not read in time.
+#[cfg(target_os = "linux")]
+pub(super) fn overrun(socket: &UdpSocket) -> Option<u64> {
+    /// Numbers that tell of a socket's memory (`SK_MEMINFO_VARS`), the last of which counts what was dropped.
+    const COUNT: usize = 9;
+    let mut numbers = [0_u32; COUNT];
+    let mut len = size_of_val(&numbers) as libc::socklen_t;
+    // SAFETY: the pointers are to so many bytes, and to their number, both of which the call may write.
+    let done = unsafe {
+        libc::getsockopt(
+            socket.as_raw_fd(),
+            libc::SOL_SOCKET,
+            libc::SO_MEMINFO,
+            numbers.as_mut_ptr().cast(),
+            &raw mut len,
+        )
+    };
+    (done == 0 && len as usize == size_of_val(&numbers)).then(|| numbers[COUNT - 1].into())
+}
+
+#[cfg(not(target_os = "linux"))]
+pub(super) fn overrun(_: &UdpSocket) -> Option<u64> {
+    None
+}

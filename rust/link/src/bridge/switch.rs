@@ -201,6 +201,7 @@ impl Switch {
             port.count(tally.damaged, tally.junk_bytes);
             if tally.proven {
                 port.heard = now;
+                port.proven = true;
                 port.muted = false;
             }
         }

@@ -161,7 +161,7 @@ fn one_that_reads_nothing_slows_nobody() {
     wait_for("drops on the stalled one", || {
         let burst: Vec<u8> =
             (0..1_000).flat_map(|n| heartbeat((n % 200) as u8 + 1, (n / 200) as u8)).collect();
-        bridge.send(burst.clone()).unwrap();
+        bridge.send(&burst).unwrap();
         sent += 1_000;
         reading.read_exact(&mut buffer).expect("the other one gets everything");
         assert_eq!(buffer, burst);
@@ -184,7 +184,7 @@ fn a_burst_beyond_the_queue_loses_nothing_where_the_link_takes_it() {
     let burst: Vec<u8> =
         (0..frames).flat_map(|n| heartbeat((n % 200) as u8 + 1, (n / 200) as u8)).collect();
     assert!(burst.len() > 10 * (64 << 10), "sixteen times what may wait");
-    bridge.send(burst).unwrap();
+    bridge.send(&burst).unwrap();
     wait_for("them", || report(&bridge, "station").traffic.sent == frames);
     assert_eq!(report(&bridge, "station").traffic.dropped, 0);
 }
@@ -193,10 +193,10 @@ fn a_burst_beyond_the_queue_loses_nothing_where_the_link_takes_it() {
 fn half_a_frame_does_not_spoil_what_is_sent_next() {
     let bridge = start(None);
     let station = station(&bridge, "station");
-    bridge.send([&heartbeat(1, 1)[..], &heartbeat(1, 2)[..9]].concat()).unwrap();
-    bridge.send(heartbeat(1, 3)).unwrap();
+    bridge.send(&[&heartbeat(1, 1)[..], &heartbeat(1, 2)[..9]].concat()).unwrap();
+    bridge.send(&heartbeat(1, 3)).unwrap();
     // Junk that looks like the start of a frame keeps nothing back either.
-    bridge.send([&[0xFD, 50][..], &heartbeat(1, 4)].concat()).unwrap();
+    bridge.send(&[&[0xFD, 50][..], &heartbeat(1, 4)].concat()).unwrap();
     for seq in [1, 3, 4] {
         assert_eq!(receive(&station).0, heartbeat(1, seq));
     }
@@ -209,7 +209,7 @@ fn links_come_and_go_while_frames_pass() {
     let first = station(&bridge, "first");
     for round in 0..20 {
         let second = station(&bridge, "second");
-        bridge.send(heartbeat(1, round)).unwrap();
+        bridge.send(&heartbeat(1, round)).unwrap();
         assert_eq!(receive(&first).0, heartbeat(1, round));
         assert_eq!(receive(&second).0, heartbeat(1, round));
         bridge.remove("second").unwrap();
@@ -220,7 +220,7 @@ fn links_come_and_go_while_frames_pass() {
     let again = link("first", Endpoint::UdpClient { host: local(), port: 9 });
     assert!(matches!(bridge.add(again), Err(BridgeError::NameTaken(name)) if name == "first"));
     bridge.stop();
-    assert!(matches!(bridge.send(Vec::new()), Err(BridgeError::Stopped)));
+    assert!(matches!(bridge.send(&[]), Err(BridgeError::Stopped)));
     assert!(matches!(bridge.stats(), Err(BridgeError::Stopped)));
 }
 
@@ -279,7 +279,7 @@ fn a_program_that_sends_without_pause_stops_no_link() {
     let got = std::thread::scope(|scope| {
         scope.spawn(|| {
             while !ended.load(std::sync::atomic::Ordering::Relaxed) {
-                bridge.send(Vec::new()).unwrap();
+                bridge.send(&[]).unwrap();
             }
         });
         let sent = vehicle.send(&heartbeat(1, 1));

@@ -30,7 +30,7 @@ fn no_two_links_sign_with_one_link_id() {
         bridge.remove("guest").unwrap();
     }
     let last = add("last");
-    bridge.send(heartbeat(1, 1)).unwrap();
+    bridge.send(&heartbeat(1, 1)).unwrap();
     let [one, other] = [&first, &last].map(|socket| receive(socket).0);
     assert_eq!((one.len(), other.len()), (34, 34), "signed");
     assert_ne!(one[21], other[21], "the link id");
@@ -45,7 +45,7 @@ fn for_a_stranger_nothing_is_dropped() {
     let _stranger = TcpStream::connect(address).unwrap();
     wait_for("it", || report(&bridge, "clients").connections == 1);
     let station = station(&bridge, "station");
-    bridge.send(heartbeat(1, 1)).unwrap();
+    bridge.send(&heartbeat(1, 1)).unwrap();
     receive(&station);
     let links = bridge.stats().unwrap().links;
     let stranger = links.iter().find(|link| link.peer.is_some() && link.name == "clients");
@@ -58,7 +58,7 @@ fn what_left_after_all_was_not_refused() {
     let bridge = start(None);
     drop(station(&bridge, "nobody"));
     for seq in 0..10 {
-        bridge.send(heartbeat(1, seq)).unwrap();
+        bridge.send(&heartbeat(1, seq)).unwrap();
         wait_for("it", || report(&bridge, "nobody").traffic.sent == u64::from(seq) + 1);
     }
     let traffic = report(&bridge, "nobody").traffic;
@@ -93,4 +93,35 @@ fn a_datagram_that_begins_with_a_frame_ends_the_wait_for_another() {
     let links = bridge.stats().unwrap().links;
     let peer = links.iter().find(|link| link.peer.is_some() && link.name == "in");
     assert_eq!(peer.expect("it is there").traffic.junk_bytes, 20);
+}
+
+#[test]
+fn what_is_sent_waits_in_pieces_and_those_of_two_threads_do_not_mix() {
+    let (commands, receiver) = sync_channel(MAX_COMMANDS);
+    let (signal, _wake) = UnixStream::pair().unwrap();
+    signal.set_nonblocking(true).unwrap();
+    let waker = Waker { commands, signal: Arc::new(signal) };
+    let (hub, sending, thread) = (Arc::new(Hub::new()), Mutex::new(()), Mutex::new(None));
+    let bridge = Bridge { waker, hub, sending, thread };
+    let len = 2 * SENT_PIECE * MAX_COMMANDS; // one thread alone has to wait
+    std::thread::scope(|scope| {
+        for byte in 1..=2 {
+            let bridge = &bridge;
+            scope.spawn(move || bridge.send(&vec![byte; len]).unwrap());
+        }
+        let next = || match receiver.recv_timeout(LIMIT) {
+            Ok(Command::Send { piece, is_last }) => (piece, is_last),
+            _ => panic!("nothing else is asked for"),
+        };
+        for _ in 0..2 {
+            let (mut got, mut is_whole) = (Vec::new(), false);
+            while !is_whole {
+                let piece;
+                (piece, is_whole) = next();
+                assert!(piece.len() <= SENT_PIECE);
+                got.extend_from_slice(&piece);
+            }
+            assert!(got.len() == len && got.iter().all(|byte| *byte == got[0]));
+        }
+    });
 }

@@ -24,7 +24,7 @@ fn told(bridge: &Bridge) -> RecordingStats {
 /// Sends a frame and waits until it is written.
 fn write(bridge: &Bridge, frame: Vec<u8>) {
     let before = told(bridge).records;
-    bridge.send(frame).unwrap();
+    bridge.send(&frame).unwrap();
     wait_for("the record", || told(bridge).records > before);
 }
 
@@ -50,7 +50,7 @@ fn recordings_hold_what_passed_without_signatures() {
     let key = frame_of(255, 256, 0, &[7; 42], 71);
     for frames in [heartbeat(1, 0), [key, signed].concat()] {
         let before = bridge.stats().unwrap().recording.unwrap().records;
-        bridge.send(frames).unwrap();
+        bridge.send(&frames).unwrap();
         wait_for("the record", || bridge.stats().unwrap().recording.unwrap().records > before);
     }
     let recorded = bridge.stats().unwrap().recording.unwrap();
