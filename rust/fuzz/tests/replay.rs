@@ -27,7 +27,7 @@ fn the_corpus_is_replayed() {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
     let folders = fs::read_dir(&corpus).expect("the corpus").count();
     assert_eq!(folders, TARGETS.len(), "a folder for each target");
-    for (name, target) in TARGETS {
+    for &(name, target) in TARGETS {
         target(b"");
         for (path, input) in inputs(name) {
             holds(&path, target, &input);
@@ -72,7 +72,7 @@ fn mutated(input: &[u8], other: &[u8], noise: &mut Noise) -> Vec<u8> {
 fn the_corpus_is_replayed_with_changes() {
     let wanted = std::env::var("FUZZ_MUTATIONS").ok().and_then(|count| count.parse().ok());
     let mut noise = Noise(88_172_645_463_325_252);
-    for (name, target) in TARGETS {
+    for &(name, target) in TARGETS {
         let inputs = inputs(name);
         for (_, input) in &inputs {
             for _ in 0..wanted.unwrap_or(20) {
@@ -83,11 +83,31 @@ fn the_corpus_is_replayed_with_changes() {
     }
 }
 
-#[test]
-fn every_target_has_a_program() {
+/// What programs there are in the manifest: their names, and where they stand.
+fn programs() -> Vec<(String, String)> {
     let manifest = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));
     let manifest = manifest.expect("the manifest");
-    for (name, _) in TARGETS {
-        assert!(manifest.contains(&format!("fuzz_targets/{name}.rs")), "{name}");
+    let value = |lines: &str, key: &str| {
+        let line = lines.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
+        line.expect(key).trim_matches('"').to_owned()
+    };
+    let bins = manifest.split("[[bin]]\n").skip(1);
+    bins.map(|lines| (value(lines, "name"), value(lines, "path"))).collect()
+}
+
+#[test]
+fn every_target_has_a_program_of_its_own() {
+    let names: Vec<_> = TARGETS.iter().map(|&(name, _)| name).collect();
+    assert!(names.is_sorted(), "{names:?}");
+    let expected = |name: &&str| (String::from(*name), format!("fuzz_targets/{name}.rs"));
+    assert_eq!(programs(), names.iter().map(expected).collect::<Vec<_>>());
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = fs::read_dir(root.join("fuzz_targets")).expect("the programs");
+    assert_eq!(files.count(), names.len());
+    for name in names {
+        let path = root.join(format!("fuzz_targets/{name}.rs"));
+        let program = fs::read_to_string(&path).expect(name);
+        let call = format!("|data: &[u8]| mavwire_fuzz::{name}(data));");
+        assert!(program.contains(&call), "{name}.rs runs another target");
     }
 }
