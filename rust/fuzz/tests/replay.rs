@@ -1,11 +1,19 @@
 //! Every input of the corpus through its target, as it is and a little changed: fuzzing for any toolchain, without a look
-//! at what is covered. `FUZZ_MUTATIONS` says how many changed copies of each input are tried.
+//! at what is covered. `FUZZ_MUTATIONS` says how many changed copies of each input are tried, `FUZZ_TARGET` of which target
+//! alone.
 
 use std::fs;
 use std::panic::catch_unwind;
 use std::path::Path;
 
 use mavwire_fuzz::{TARGETS, Target};
+
+/// All targets, or the one that is asked for.
+fn targets() -> impl Iterator<Item = (&'static str, Target)> {
+    let only = std::env::var("FUZZ_TARGET").ok();
+    let all = TARGETS.iter().copied();
+    all.filter(move |(name, _)| only.as_ref().is_none_or(|only| only == name))
+}
 
 /// Name and bytes of a target's inputs, sorted.
 fn inputs(name: &str) -> Vec<(String, Vec<u8>)> {
@@ -27,7 +35,7 @@ fn the_corpus_is_replayed() {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
     let folders = fs::read_dir(&corpus).expect("the corpus").count();
     assert_eq!(folders, TARGETS.len(), "a folder for each target");
-    for &(name, target) in TARGETS {
+    for (name, target) in targets() {
         target(b"");
         for (path, input) in inputs(name) {
             holds(&path, target, &input);
@@ -72,7 +80,7 @@ fn mutated(input: &[u8], other: &[u8], noise: &mut Noise) -> Vec<u8> {
 fn the_corpus_is_replayed_with_changes() {
     let wanted = std::env::var("FUZZ_MUTATIONS").ok().and_then(|count| count.parse().ok());
     let mut noise = Noise(88_172_645_463_325_252);
-    for &(name, target) in TARGETS {
+    for (name, target) in targets() {
         let inputs = inputs(name);
         for (_, input) in &inputs {
             for _ in 0..wanted.unwrap_or(20) {

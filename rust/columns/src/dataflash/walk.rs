@@ -280,6 +280,22 @@ mod tests {
     }
 
     #[test]
+    fn a_description_counts_once_in_whatever_blocks_it_stands() {
+        let mut log = log(&[2, 0, 1]);
+        for n in 0..6 {
+            let (len, format, columns) = [(15, "QI", "TimeUS,X"), (11, "Q", "TimeUS")][n % 2];
+            // The record in front of what is no record is looked at again with the next block.
+            log.extend_from_slice(b"\xA3\x95\x02\x01 junk");
+            log.extend(fmt(1, len, "A", format, columns));
+        }
+        let whole = survey(&log, Steps::default());
+        for block in (100..1400).step_by(90) {
+            let found = survey(&log, Steps { block, ..Steps::default() });
+            assert_eq!(found.form.layouts(), whole.form.layouts(), "blocks of {block}");
+        }
+    }
+
+    #[test]
     fn records_without_a_time_have_that_of_the_record_in_front() {
         let log = log(&[2, 0, 1, 0, 3]);
         let survey = survey(&log, Steps::default());
