@@ -2,11 +2,13 @@
 //!
 //! What a log may not tell is changed in a twin of the frame: both twins have to become the same.
 
+use std::sync::LazyLock;
+
 use mavwire_core::anonymize::{Anonymizer, Shift};
 use mavwire_core::codec::read;
 use mavwire_core::frame::{FrameRef, Header};
 use mavwire_core::log::tlog;
-use mavwire_schema::{FieldType, Message, WireVersion};
+use mavwire_schema::{Field, FieldType, Message, WireVersion};
 
 use crate::dialects::{ALL, any_frame, any_message, frame_of, signed};
 use crate::input::Input;
@@ -31,36 +33,54 @@ const WHO: [&str; 16] = [
     "secret_key",
 ];
 
+fn is_who(field: &Field) -> bool {
+    WHO.contains(&field.name.as_str())
+}
+
+/// Messages that tell who or where somebody is.
+static TELLING: LazyLock<Vec<&Message>> = LazyLock::new(|| {
+    let tells = |field: &Field| is_who(field) || ["lat", "lon"].contains(&field.name.as_str());
+    ALL.dialect().messages.iter().filter(|message| message.fields.iter().any(tells)).collect()
+});
+
+/// Shifts, and what shifts by them: making it takes longer than using it.
+pub(crate) static ANONYMIZERS: LazyLock<[(Shift, Anonymizer); 4]> = LazyLock::new(|| {
+    [(10.0, -100.0), (0.0, 1.0), (89.0, 179.0), (-30.0, 90.0)].map(|(latitude, longitude)| {
+        let shift = Shift { latitude, longitude };
+        (shift, Anonymizer::new(ALL.dialect(), shift))
+    })
+});
+
 const SETUP_SIGNING: u32 = 256;
 const KEY: std::ops::Range<usize> = 10..42;
 
 /// Any frame of any message, longer and shorter than its definition.
 pub fn anonymize(data: &[u8]) {
     let mut input = Input::new(data);
-    let message = any_message(&mut input);
-    let (flags, len) = (input.byte(), input.byte());
+    let flags = input.byte();
+    let message = match flags & 4 {
+        0 => any_message(&mut input),
+        _ => TELLING[usize::from(input.number()) % TELLING.len()],
+    };
+    let len = input.byte();
     let v1 = flags & 1 != 0 && message.id < 256;
     let version = if v1 { WireVersion::V1 } else { WireVersion::V2 };
-    let shift = Shift {
-        latitude: f64::from(input.byte() % 90),
-        longitude: f64::from(1 + input.byte() % 180),
-    };
+    let (shift, anonymizer) = &ANONYMIZERS[usize::from(input.byte()) % ANONYMIZERS.len()];
     let header = Header::new(version, input.byte(), input.byte(), input.byte(), message.id);
     let mut payload = [0; 255];
     let some = input.bytes(255);
     payload[..some.len()].copy_from_slice(some);
     let mut twin = payload;
-    for field in message.fields.iter().filter(|field| WHO.contains(&field.name.as_str())) {
+    for field in message.fields.iter().filter(|field| is_who(field)) {
         twin[usize::from(field.offset)..][..field.wire_len()].fill(0xA5);
     }
     // What is longer than its definition has bytes that nobody can say anything about.
     twin[message.max_len.into()..].fill(0x5A);
     let [frame, twin] = [payload, twin].map(|all| frame_of(header, &all, len, message.crc_extra));
     let twin = if flags & 2 != 0 { signed(&twin, 3, flags, 1 << 40) } else { twin };
-    let [Some(made), Some(made_of_twin)] = [&frame, &twin].map(|one| anonymous(one, shift)) else {
-        return;
-    };
+    let [made, made_of_twin] = [&frame, &twin].map(|one| anonymous(anonymizer, one));
     assert_eq!(made, made_of_twin, "{} tells who it was", message.name);
+    let Some(made) = made else { return };
     let whole = FrameRef::parse(&made).expect("a frame");
     assert_eq!(whole.checksum(), whole.calculated_checksum(message.crc_extra));
     assert!(!whole.header().is_signed() && header.msgid != SETUP_SIGNING);
@@ -68,18 +88,13 @@ pub fn anonymize(data: &[u8]) {
     assert_eq!(*whole.header(), unlike, "what is in front of the payload stays");
     assert!(whole.payload().len() <= message.max_len.into());
     let before = FrameRef::parse(&frame).expect("a frame").payload();
-    moved(message, version, [before, whole.payload()], shift);
+    moved(message, version, [before, whole.payload()], *shift);
 }
 
-fn anonymous(frame: &[u8], shift: Shift) -> Option<Vec<u8>> {
+fn anonymous(anonymizer: &Anonymizer, frame: &[u8]) -> Option<Vec<u8>> {
     let header = Header::parse(frame).expect("a header");
     let mut out = b"in front".to_vec();
-    let kept = Anonymizer::new(ALL.dialect(), shift).apply(
-        frame,
-        &header,
-        ALL.lookup(header.msgid),
-        &mut out,
-    );
+    let kept = anonymizer.apply(frame, &header, ALL.lookup(header.msgid), &mut out);
     assert!(out.starts_with(b"in front"), "what stood there stays");
     kept.then(|| out.split_off(8))
 }

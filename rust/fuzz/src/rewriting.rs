@@ -6,11 +6,12 @@ use mavwire_columns::input::Steps;
 use mavwire_columns::rewrite::{Merge, Outcome, Rewrite};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
-use mavwire_core::anonymize::{Anonymizer, Shift};
+use mavwire_core::anonymize::Anonymizer;
 
 use crate::dialects::ALL;
 use crate::input::Input;
 use crate::logs::any_telemetry;
+use crate::private::ANONYMIZERS;
 use crate::reading::{looks_compressed, on_threads, small_steps, source};
 use crate::tables::{Record, one_by_one};
 
@@ -21,14 +22,14 @@ pub fn rewrite(data: &[u8]) {
     let framing = if flags & 1 == 0 { Framing::Stamped } else { Framing::Raw };
     let steps = small_steps(&mut input, 1);
     let wanted = any_wanted(&mut input);
-    let shift = Shift { latitude: f64::from(input.byte()), longitude: f64::from(input.byte()) };
+    let (_, anonymizer) = &ANONYMIZERS[usize::from(input.byte()) % ANONYMIZERS.len()];
     let rest = input.rest();
     let (first, second) = rest.split_at(if flags & 2 == 0 { 0 } else { rest.len() / 2 });
     let bytes = any_telemetry(Input::new(second), framing.lead());
     on_threads(flags & 4 != 0, || {
         repaired(steps, &bytes, framing);
         cut(steps, &bytes, framing, &wanted);
-        anonymous(steps, &bytes, framing, shift);
+        anonymous(steps, &bytes, framing, anonymizer);
         merged(steps, &[any_telemetry(Input::new(first), 8), bytes]);
     });
 }
@@ -94,8 +95,7 @@ fn cut(steps: Steps, bytes: &[u8], framing: Framing, wanted: &Wanted) {
     assert_eq!(out, written(records.iter().filter(is_kept), framing));
 }
 
-fn anonymous(steps: Steps, bytes: &[u8], framing: Framing, shift: Shift) {
-    let anonymizer = Anonymizer::new(ALL.dialect(), shift);
+fn anonymous(steps: Steps, bytes: &[u8], framing: Framing, anonymizer: &Anonymizer) {
     let (records, _) = one_by_one(bytes, framing);
     let mut expected = Vec::new();
     for record in &records {
@@ -105,7 +105,7 @@ fn anonymous(steps: Steps, bytes: &[u8], framing: Framing, shift: Shift) {
             expected.truncate(before);
         }
     }
-    let (out, _) = rewritten(steps, bytes, framing, Wanted::default(), Some(anonymizer));
+    let (out, _) = rewritten(steps, bytes, framing, Wanted::default(), Some(anonymizer.clone()));
     assert_eq!(out, expected);
     for left in one_by_one(&out, framing).0 {
         assert!(left.index.is_some() && left.header.msgid != 256 && !left.header.is_signed());
