@@ -5,16 +5,32 @@ use std::io::{self, Read};
 use mavwire_core::registry::Registry;
 
 use crate::pool;
-use crate::scan::Framing;
+use crate::scan::{Framing, STRETCH};
 
 /// Bytes of a block: large enough for all processors to have a share in it, small enough for the caches.
-pub const BLOCK: usize = 4 << 20;
+const BLOCK: usize = 4 << 20;
 
 /// Room in front of a block for what the block before it left: the start of a record.
 const HEADROOM: usize = 4096;
 
 /// Bytes that tell what kind of log it is.
 const PROBE: usize = 64 << 10;
+
+/// In what steps a log is gone through. They change nothing about what is found, once the first block shows what kind of log
+/// it is; tests make a small log long by small ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Steps {
+    /// Bytes of a block.
+    pub block: usize,
+    /// Bytes of it that one processor searches in one go.
+    pub stretch: usize,
+}
+
+impl Default for Steps {
+    fn default() -> Self {
+        Self { block: BLOCK, stretch: STRETCH }
+    }
+}
 
 /// Undoes gzip and zstd, which are told by their first bytes.
 ///
@@ -149,6 +165,19 @@ impl Blocks {
         let (now, next) = Default::default();
         let source = Source { inner: source, failed: None };
         Self { source, block, now, next, ahead: None, damage: None }
+    }
+
+    /// Blocks of a telemetry log, perhaps compressed, or of one that is known to be framed like this, and plain.
+    pub(crate) fn framed(
+        source: Box<dyn Read + Send>,
+        framing: Option<Framing>,
+        registry: &Registry,
+        block: usize,
+    ) -> io::Result<(Self, Framing)> {
+        match framing {
+            Some(framing) => Ok((Self::of_size(source, block), framing)),
+            None => Self::of_size(decompressed(source)?, block).with_framing(registry),
+        }
     }
 
     /// Looks at the first bytes to tell how a telemetry log is framed.

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::gather::{PAYLOAD, Rows};
-use crate::input::{BLOCK, Blocks};
+use crate::input::{Blocks, Steps};
 use crate::layout::{Layout, Options};
 use crate::piece::{Chosen, PIECE, Piece};
 use crate::scan::{Framing, LogScanner, Scanned};
@@ -97,14 +97,27 @@ impl Reader {
         options: Options,
         limits: Limits,
     ) -> Result<Self, Error> {
-        let (blocks, framing) = match framing {
-            Some(framing) => (Blocks::of_size(source, BLOCK), framing),
-            None => Blocks::new(source)?.with_framing(&registry)?,
-        };
+        Self::in_steps(Steps::default(), source, framing, registry, wanted, options, limits)
+    }
+
+    /// The same in steps of any size.
+    ///
+    /// # Errors
+    /// What reading says.
+    pub fn in_steps(
+        steps: Steps,
+        source: Box<dyn Read + Send>,
+        framing: Option<Framing>,
+        registry: Arc<Registry>,
+        wanted: Wanted,
+        options: Options,
+        limits: Limits,
+    ) -> Result<Self, Error> {
+        let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
         let messages = &registry.dialect().messages;
         let tables = Tables::new(messages.len(), limits);
         let strides = messages.iter().map(|one| PAYLOAD + usize::from(one.max_len)).collect();
-        let scanner = LogScanner::new(registry, framing);
+        let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
         Ok(Self {
             blocks,
             scanner,

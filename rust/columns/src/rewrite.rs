@@ -11,7 +11,7 @@ use mavwire_core::log::tlog::Located;
 use mavwire_core::registry::Registry;
 
 use crate::error::Error;
-use crate::input::Blocks;
+use crate::input::{Blocks, Steps};
 use crate::scan::{Framing, LogScanner, Scanned, header_at};
 use crate::select::Wanted;
 
@@ -63,8 +63,23 @@ impl Rewrite {
         wanted: Wanted,
         anonymizer: Option<Anonymizer>,
     ) -> Result<Self, Error> {
-        let (blocks, framing) = Blocks::new(source)?.with_framing(&registry)?;
-        let scanner = LogScanner::new(registry, framing);
+        Self::in_steps(Steps::default(), source, None, registry, wanted, anonymizer)
+    }
+
+    /// The same in steps of any size, and of a log that may be known to be framed like this, and plain.
+    ///
+    /// # Errors
+    /// What reading says.
+    pub fn in_steps(
+        steps: Steps,
+        source: Box<dyn Read + Send>,
+        framing: Option<Framing>,
+        registry: Arc<Registry>,
+        wanted: Wanted,
+        anonymizer: Option<Anonymizer>,
+    ) -> Result<Self, Error> {
+        let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
+        let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
         Ok(Self { blocks, scanner, framing, wanted, anonymizer, outcome: Outcome::default() })
     }
 
@@ -176,22 +191,26 @@ impl Merge {
         registry: &Arc<Registry>,
     ) -> Result<Result<Self, usize>, Error> {
         let block = (MERGED_BYTES / sources.len().max(1)).max(LEAST_BLOCK);
-        Self::in_blocks(sources, registry, block)
+        Self::in_steps(Steps { block, ..Steps::default() }, sources, registry)
     }
 
-    fn in_blocks(
+    /// The same in steps of any size.
+    ///
+    /// # Errors
+    /// As [`Merge::new`].
+    pub fn in_steps(
+        steps: Steps,
         sources: Vec<Box<dyn Read + Send>>,
         registry: &Arc<Registry>,
-        block: usize,
     ) -> Result<Result<Self, usize>, Error> {
         let mut logs = Vec::new();
         for (place, source) in sources.into_iter().enumerate() {
-            let source = crate::input::decompressed(source)?;
-            let (blocks, framing) = Blocks::of_size(source, block).with_framing(registry)?;
+            let (blocks, framing) = Blocks::framed(source, None, registry, steps.block)?;
             if framing == Framing::Raw {
                 return Ok(Err(place));
             }
-            let scanner = LogScanner::new(Arc::clone(registry), framing);
+            let scanner =
+                LogScanner::new(Arc::clone(registry), framing).with_stretch(steps.stretch);
             let (bytes, records) = (Vec::new(), Vec::new());
             logs.push(Input { blocks, scanner, bytes, records, taken: 0, ended: false });
         }
@@ -316,7 +335,8 @@ mod tests {
                 Box::new(std::io::Cursor::new(log.clone()))
             };
             let sources = logs.iter().map(source).collect();
-            let merge = Merge::in_blocks(sources, &registry, block).expect("reading");
+            let steps = Steps { block, ..Steps::default() };
+            let merge = Merge::in_steps(steps, sources, &registry).expect("reading");
             let (mut merge, mut out) = (merge.expect("times"), Vec::new());
             while merge.advance(&mut out).expect("merging") {}
             assert_eq!(out, expected.concat(), "blocks of {block}");

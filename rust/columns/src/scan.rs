@@ -15,7 +15,7 @@ use mavwire_core::registry::Registry;
 use rayon::prelude::*;
 
 /// Bytes that are searched in one go: few enough for the last processor not to be waited for long.
-const STRETCH: usize = 256 << 10;
+pub(crate) const STRETCH: usize = 256 << 10;
 
 /// After damage, a time stamp further than this from the last good one is not believed. Microseconds.
 const MAX_JUMP: u64 = 3 * 24 * 3600 * 1_000_000;

@@ -170,12 +170,14 @@ impl Anonymizer {
             return true;
         }
         let sent = &frame[header.len()..][..usize::from(header.payload_len)];
+        // Nobody can say what is in bytes behind the definition's.
+        let most = usize::from(entry.max_len);
+        let mut payload = sent[..sent.len().min(most)].to_vec();
         let whole = match header.version {
-            WireVersion::V1 => sent.len(),
-            WireVersion::V2 => entry.max_len.into(),
+            WireVersion::V1 => payload.len(),
+            WireVersion::V2 => most,
         };
-        let mut payload = sent[..sent.len().min(whole)].to_vec();
-        payload.resize(entry.max_len.max(payload.len() as u8).into(), 0);
+        payload.resize(most, 0);
         for edit in edits {
             self.edit(edit, &mut payload);
         }
@@ -529,6 +531,28 @@ mod tests {
             let fields = [("param_id", name.as_bytes()), ("param_value", &[5, 0, 0, 0][..])];
             let made = anonymous("PARAM_VALUE", V2, &fields).expect("a message");
             assert_eq!(value::<4>(&made, "param_value"), [expected, 0, 0, 0], "{name}");
+        }
+    }
+
+    #[test]
+    fn what_is_longer_than_its_definition_is_cut() {
+        let registry = Registry::new(builtin::dialect("all", V2).expect("the dialect"));
+        let anonymizer = Anonymizer::new(registry.dialect(), SHIFT);
+        for version in [V1, V2] {
+            // With an identifier in it, and without anything to change.
+            for msgid in [148, 0] {
+                let entry = registry.lookup(msgid).expect("it is known");
+                let mut payload = vec![1; entry.max_len.into()];
+                payload.extend_from_slice(b"who it was");
+                let (mut frame, mut out) = (Vec::new(), Vec::new());
+                frame::encode(&mut frame, header(version, msgid, 7), &payload, entry.crc_extra)
+                    .expect("a frame");
+                let header = Header::parse(&frame).expect("a header");
+                assert!(anonymizer.apply(&frame, &header, Some(entry), &mut out));
+                let made = FrameRef::parse(&out).expect("a frame");
+                assert!(made.payload().len() <= entry.max_len.into(), "{version:?} {msgid}");
+                assert_eq!(made.calculated_checksum(entry.crc_extra), made.checksum());
+            }
         }
     }
 

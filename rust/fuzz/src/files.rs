@@ -1,75 +1,159 @@
-//! Any bytes as a file, through the readers that keep a window on it.
+//! Any bytes as a file, through the readers that keep a window on it: where the window stands changes nothing.
 
-use std::path::PathBuf;
+use std::fs::{self, File};
+use std::io;
+use std::os::fd::AsRawFd;
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+use std::thread;
 
 use mavwire_core::frame::FrameRef;
-use mavwire_core::log::tlog::STAMP_LEN;
+use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions, trimmed};
+use mavwire_core::log::dataflash::{Definitions, RecordEntry, index};
+use mavwire_core::log::tlog::{FoundRecord, RecordScanner, STAMP_LEN};
 use mavwire_link::dataflash::DataflashFile;
 use mavwire_link::records::{AtOffset, RecordFinder};
 use mavwire_link::text_log::TextLogFile;
 use mavwire_link::window::FileWindow;
 
 use crate::dialects::ALL;
+use crate::input::Input;
 
-/// A file that is gone afterwards.
-struct Temporary(PathBuf);
+/// A file without a name, to be opened as that of its descriptor. It is written again and again: making one takes longer
+/// than reading it.
+struct Temporary {
+    file: File,
+    path: PathBuf,
+}
 
 impl Temporary {
-    fn new(bytes: &[u8]) -> Self {
+    fn new() -> io::Result<Self> {
         let memory = PathBuf::from("/dev/shm");
         let folder = if memory.is_dir() { memory } else { std::env::temp_dir() };
-        let thread = std::thread::current().id();
-        let path = folder.join(format!("mavwire-fuzz-{}-{thread:?}", std::process::id()));
-        std::fs::write(&path, bytes).expect("a temporary file");
-        Self(path)
+        let thread = thread::current().id();
+        let named = folder.join(format!("mavwire-fuzz-{}-{thread:?}", std::process::id()));
+        let file = File::options().read(true).write(true).create_new(true).open(&named)?;
+        fs::remove_file(named)?;
+        let path = format!("/dev/fd/{}", file.as_raw_fd()).into();
+        Ok(Self { file, path })
+    }
+
+    fn write(&self, bytes: &[u8]) -> io::Result<()> {
+        self.file.set_len(0)?;
+        self.file.write_all_at(bytes, 0)
     }
 }
 
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
+thread_local! {
+    static FILE: Temporary = Temporary::new().expect("a temporary file");
 }
 
-/// Each reader comes to the end of the file, and its records stand in their order.
+/// Each reader comes to the end of the file by windows of any size, and finds what stands in its bytes.
 pub fn log_files(data: &[u8]) {
-    let file = Temporary::new(data);
-    telemetry(&file, data);
-    let mut log = DataflashFile::open(&file.0).expect("a file");
-    let mut at = 0;
-    while let Some((entry, record)) = log.record_at(at).expect("a file") {
-        assert!(entry.offset >= at && record.len() == usize::from(entry.len));
-        at = entry.offset + u64::from(entry.len);
-        assert!(at <= data.len() as u64);
-    }
-    log.contents(&mut |_| true).expect("a file");
-    let mut log = TextLogFile::open(&file.0).expect("a file");
-    let (mut at, mut lines) = (0, 0);
-    while let Some((entry, _, next)) = log.record_at(at).expect("a file") {
-        assert!(entry.offset >= at && next > entry.offset);
-        (at, lines) = (next, lines + 1);
-    }
-    assert!(lines <= log.lines());
-    log.contents(&mut |_| true).expect("a file");
-    let offsets = log.offsets(&mut |_| true).expect("a file");
-    assert!(offsets.iter().map(|(_, places)| places.len() as u64).sum::<u64>() <= log.lines());
+    let mut input = Input::new(data);
+    let chunk = usize::from(input.byte()) * 4 + 1;
+    let bytes = input.rest();
+    FILE.with(|file| {
+        file.write(bytes).expect("a temporary file");
+        telemetry(&file.path, chunk, bytes);
+        binary(&file.path, chunk, bytes);
+        text(&file.path, chunk, bytes);
+    });
 }
 
-fn telemetry(file: &Temporary, data: &[u8]) {
+fn telemetry(path: &Path, chunk: usize, bytes: &[u8]) {
     let (mut finder, mut offset) = (RecordFinder::default(), 0_u64);
-    let mut window = FileWindow::open(&file.0).expect("a file");
+    let mut window = FileWindow::in_chunks(path, chunk).expect("a file");
+    let mut found = Vec::new();
     loop {
         let len = match finder.look(&mut window, offset, &ALL).expect("a file") {
             AtOffset::Record { len, .. } => {
                 let start = offset as usize;
-                FrameRef::parse(&data[start + STAMP_LEN..start + len]).expect("a frame");
+                FrameRef::parse(&bytes[start + STAMP_LEN..start + len]).expect("a frame");
+                found.push(start..start + len);
                 len
             }
             AtOffset::Junk { len } => len,
-            AtOffset::End => return,
+            AtOffset::End => break,
         };
         assert!(len > 0);
         offset += len as u64;
-        assert!(offset <= data.len() as u64);
+        assert!(offset <= bytes.len() as u64);
     }
+    // One that may go on is waited for at the end.
+    let whole = scanned(bytes);
+    assert!(whole.starts_with(&found), "{found:?} of {whole:?}");
+    assert!(whole.len() <= found.len() + 1);
+}
+
+/// The records by one scanner over all bytes.
+fn scanned(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
+    let (mut scanner, mut records, mut at) = (RecordScanner::new(), Vec::new(), 0);
+    loop {
+        match scanner.next(&bytes[at..], &ALL, true) {
+            FoundRecord::Record { len, .. } => {
+                records.push(at..at + len);
+                at += len;
+            }
+            FoundRecord::Junk { len } => at += len,
+            FoundRecord::Incomplete { .. } => return records,
+        }
+    }
+}
+
+fn binary(path: &Path, chunk: usize, bytes: &[u8]) {
+    let mut definitions = Definitions::new();
+    definitions.collect(bytes, 0);
+    let mut whole: Vec<RecordEntry> = Vec::new();
+    let (_, junk) = index(bytes, 0, usize::MAX, &definitions, true, |entry, _| whole.push(entry));
+    let mut log = DataflashFile::in_chunks(path, chunk).expect("a file");
+    assert_eq!(log.definitions().layouts(), definitions.layouts());
+    let (mut found, mut at) = (Vec::new(), 0);
+    while let Some((entry, record)) = log.record_at(at).expect("a file") {
+        let start = entry.offset as usize;
+        assert_eq!(record, &bytes[start..start + usize::from(entry.len)]);
+        at = entry.offset + u64::from(entry.len);
+        found.push(entry);
+    }
+    assert_eq!(found, whole);
+    let contents = log.contents(&mut |_| true).expect("a file");
+    assert_eq!(contents.counts.iter().sum::<u64>(), whole.len() as u64);
+    assert_eq!((contents.junk, contents.last), (junk, whole.last().map(|entry| entry.offset)));
+}
+
+/// A place and a line without its end; the bytes are looked at line by line.
+fn lines(bytes: &[u8], longest: usize) -> Vec<(u64, &[u8])> {
+    let (mut lines, mut at) = (Vec::new(), 0);
+    for line in bytes.split(|&byte| byte == b'\n') {
+        let text = trimmed(line);
+        if line.len() < longest && !text.is_empty() {
+            lines.push((at, text));
+        }
+        at += line.len() as u64 + 1;
+    }
+    lines
+}
+
+fn text(path: &Path, chunk: usize, bytes: &[u8]) {
+    let lines = lines(bytes, chunk);
+    let delimiter = Delimiter::of(&bytes[..bytes.len().min(chunk)]);
+    let mut definitions = TextDefinitions::new(delimiter);
+    lines.iter().for_each(|&(at, line)| definitions.collect(line, at));
+    let mut log = TextLogFile::in_chunks(path, chunk).expect("a file");
+    assert_eq!((log.delimiter(), log.layouts()), (delimiter, definitions.layouts()));
+    assert_eq!(log.lines(), lines.len() as u64);
+    let is_record = |&(at, line): &(u64, &[u8])| Some((at, definitions.of_line(line, at)?));
+    let whole: Vec<_> = lines.iter().filter_map(is_record).collect();
+    let (mut found, mut at) = (Vec::new(), 0);
+    while let Some((entry, line, next)) = log.record_at(at).expect("a file") {
+        assert!(bytes[entry.offset as usize..].starts_with(line));
+        found.push((entry.offset, entry.layout));
+        at = next;
+    }
+    assert_eq!(found, whole);
+    let contents = log.contents(&mut |_| true).expect("a file");
+    assert_eq!(contents.counts.iter().sum::<u64>(), whole.len() as u64);
+    let offsets = log.offsets(&mut |_| true).expect("a file");
+    let places: usize = offsets.iter().map(|(_, places)| places.len()).sum();
+    assert!(places == lines.len() || offsets.len() == 4096, "{places} of {}", lines.len());
 }

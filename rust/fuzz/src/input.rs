@@ -1,6 +1,7 @@
 //! Fuzzer bytes as the decisions of a target.
 
 /// Gives out bytes from the front; zeros when there are none left.
+#[derive(Default)]
 pub(crate) struct Input<'a>(&'a [u8]);
 
 impl<'a> Input<'a> {

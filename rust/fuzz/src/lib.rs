@@ -5,38 +5,68 @@
 
 #![forbid(unsafe_code)]
 
+mod addresses;
+mod converters;
 mod dataflash;
+mod dataflash_tables;
 mod definitions;
 mod dialects;
 mod files;
 mod input;
+mod logs;
+mod private;
+mod reading;
+mod rewriting;
 mod router;
 mod signing;
+mod tables;
 mod telemetry;
+mod text_tables;
 mod wire;
 
+pub use addresses::endpoint;
+pub use converters::converters;
 pub use dataflash::{dataflash, dataflash_text};
+pub use dataflash_tables::dataflash_tables;
 pub use definitions::xml;
 pub use files::log_files;
+pub use private::{anonymize, recordable};
+pub use rewriting::rewrite;
 pub use router::router;
 pub use signing::{border, signing};
+pub use tables::tables;
 pub use telemetry::tlog;
+pub use text_tables::text_tables;
 pub use wire::{codec, policies, scanner};
 
 /// A target.
 pub type Target = fn(&[u8]);
 
-/// All targets, by the names of their programs and folders.
-pub const TARGETS: [(&str, Target); 11] = [
-    ("border", border),
-    ("codec", codec),
-    ("dataflash", dataflash),
-    ("dataflash_text", dataflash_text),
-    ("log_files", log_files),
-    ("policies", policies),
-    ("router", router),
-    ("scanner", scanner),
-    ("signing", signing),
-    ("tlog", tlog),
-    ("xml", xml),
-];
+macro_rules! targets {
+    ($($name:ident,)*) => {
+        /// All targets, by the names of their programs and folders.
+        pub const TARGETS: &[(&str, Target)] = &[$((stringify!($name), $name)),*];
+    };
+}
+
+targets! {
+    anonymize,
+    border,
+    codec,
+    converters,
+    dataflash,
+    dataflash_tables,
+    dataflash_text,
+    endpoint,
+    log_files,
+    policies,
+    recordable,
+    rewrite,
+    router,
+    scanner,
+    signing,
+    tables,
+    text_tables,
+    tlog,
+    xml,
+}

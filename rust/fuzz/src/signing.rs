@@ -1,40 +1,55 @@
-//! The signing state: nobody without the key changes it, and no timestamp is taken twice.
+//! The signing state beside a plain account of it: each verdict is foretold, and nobody without the key changes anything.
 
 use std::cell::RefCell;
-use std::collections::HashSet;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
 use mavwire_core::border::{Border, BorderOptions};
 use mavwire_core::frame::{FrameRef, Header, IFLAG_SIGNED};
-use mavwire_core::signing::{MAX_TIMESTAMP, SecretKey, SigningState, Verdict, sign};
+use mavwire_core::signing::{
+    MAX_TIMESTAMP, NEW_STREAM_WINDOW, SigningState, Stream, StreamId, StreamTable, Verdict,
+};
 use mavwire_schema::WireVersion;
 
-use crate::dialects::{ALL, any_frame};
+use crate::dialects::{ALL, any_frame, frame_of, key, signed};
 use crate::input::Input;
 
-fn key(byte: u8) -> SecretKey {
-    SecretKey::new(&[byte; 32]).expect("32 bytes")
+/// Steps of timestamps and clocks, which are about equal, just within the window, or just beyond it.
+const STEPS: [i64; 12] = [
+    0,
+    1,
+    2,
+    100,
+    100_000,
+    -1,
+    -100,
+    NEW_STREAM_WINDOW as i64 - 1,
+    NEW_STREAM_WINDOW as i64,
+    NEW_STREAM_WINDOW as i64 + 1,
+    -(NEW_STREAM_WINDOW as i64),
+    -(NEW_STREAM_WINDOW as i64) - 1,
+];
+
+/// Streams that the table has room for; senders make up more.
+const CAPACITY: usize = 12;
+const MAX_AHEAD: u64 = 1_000_000;
+
+/// A timestamp a small step away from another one.
+fn near(input: &mut Input<'_>, from: u64) -> u64 {
+    let step = STEPS[usize::from(input.byte()) % STEPS.len()];
+    from.saturating_add_signed(step).min(MAX_TIMESTAMP)
 }
 
-/// A small frame from one of a few senders, signed with one of two keys, perhaps with a flipped bit.
-fn signed_frame(input: &mut Input<'_>) -> (Vec<u8>, bool) {
-    let header = Header {
-        version: WireVersion::V2,
-        payload_len: 0,
-        incompat_flags: IFLAG_SIGNED,
-        compat_flags: 0,
-        seq: 0,
-        sysid: input.byte() % 4,
-        compid: input.byte() % 2,
-        msgid: 0,
-    };
-    let mut frame = Vec::new();
-    mavwire_core::frame::encode(&mut frame, header, &[1; 9], 50).expect("it fits");
-    let (key_byte, link_id, timestamp) = (input.byte() % 2, input.byte() % 4, input.long());
-    sign(&mut frame, &key(key_byte), link_id, timestamp >> 16);
-    let mut genuine = key_byte == 0;
-    if input.byte() % 4 == 3 {
+/// A small frame from one of a few senders with a timestamp, signed with one of two keys, perhaps with a flipped bit; and
+/// whether it is as it was signed with the first of them.
+fn signed_frame(input: &mut Input<'_>, timestamp: u64) -> (Vec<u8>, bool) {
+    let header = Header::new(WireVersion::V2, 0, input.byte() % 4, input.byte() % 2, 0);
+    let frame = frame_of(header, &[1; 9], 9, 50);
+    let (key_byte, link_id) = (input.byte() % 4, input.byte() % 4);
+    let mut frame = signed(&frame, u8::from(key_byte == 3), link_id, timestamp);
+    let mut genuine = key_byte != 3;
+    if input.byte() % 8 == 7 {
         let (at, bit) = (usize::from(input.byte()) % frame.len(), input.byte() % 8);
         frame[at] ^= 1 << bit;
         genuine = false;
@@ -42,40 +57,99 @@ fn signed_frame(input: &mut Input<'_>) -> (Vec<u8>, bool) {
     (frame, genuine)
 }
 
-/// Any sequence of sending and receiving.
-pub fn signing(data: &[u8]) {
-    let mut input = Input::new(data);
-    let mut state = SigningState::new();
-    state.set_key(Some(key(0)));
-    state.timestamp = input.long() >> 16;
-    state.max_ahead = (input.byte() % 2 == 1).then_some(1_000_000);
-    let (mut taken, mut sent) = (HashSet::new(), None);
-    while !input.is_empty() {
-        let step = input.byte();
-        let now = (step % 2 == 1).then(|| input.long() >> 16);
-        let before = (state.timestamp, state.streams.iter().collect::<Vec<_>>());
-        if step % 8 > 5 {
-            if let Ok(timestamp) = state.next_timestamp(now) {
-                assert!(timestamp <= MAX_TIMESTAMP && Some(timestamp) > sent);
-                sent = Some(timestamp);
-            }
-            continue;
+/// What has to be said of a frame.
+fn foretold(
+    state: &SigningState,
+    streams: &BTreeMap<StreamId, u64>,
+    frame: &FrameRef<'_>,
+    genuine: bool,
+    now: Option<u64>,
+) -> Verdict {
+    let Some(signature) = frame.signature() else { return Verdict::Unsigned };
+    let (timestamp, local) = (signature.timestamp, state.timestamp);
+    let stream = match streams.get(&stream_of(frame)) {
+        Some(&last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
+        Some(_) => Stream::Known,
+        None if local.saturating_sub(timestamp) > NEW_STREAM_WINDOW => {
+            return Verdict::NewStreamTooOld { timestamp, local };
         }
-        let (frame, genuine) = signed_frame(&mut input);
-        let Ok(whole) = FrameRef::parse(&frame) else { continue };
-        let verdict = state.check(&whole, now);
-        assert!(genuine || !verdict.is_verified(), "{verdict:?} without the key");
-        if verdict.is_verified() {
-            assert!(taken.insert(frame), "taken twice");
-            assert!(state.timestamp >= before.0);
-        } else {
-            assert_eq!((state.timestamp, state.streams.iter().collect::<Vec<_>>()), before);
-        }
-        assert!(verdict != Verdict::NoKey);
+        None => Stream::New,
+    };
+    match now.filter(|_| state.max_ahead.is_some()) {
+        Some(now) if timestamp > now + MAX_AHEAD => Verdict::TooFarAhead { timestamp, now },
+        _ if !genuine => Verdict::Mismatch { stream },
+        _ if stream == Stream::New && streams.len() == CAPACITY => Verdict::TableFull,
+        _ => Verdict::Good { stream },
     }
 }
 
-/// Frames through the border of a link: what leaves has a good checksum, and what was signed here is believed once.
+fn stream_of(frame: &FrameRef<'_>) -> StreamId {
+    let (header, signature) = (frame.header(), frame.signature().expect("it is signed"));
+    StreamId { link_id: signature.link_id, sysid: header.sysid, compid: header.compid }
+}
+
+/// Any sequence of sending and receiving, with and without a key and a clock.
+pub fn signing(data: &[u8]) {
+    let mut input = Input::new(data);
+    let mut state = SigningState::new();
+    state.streams = StreamTable::with_capacity(CAPACITY);
+    state.timestamp = input.long() >> 16;
+    state.max_ahead = (input.byte() % 2 == 1).then_some(MAX_AHEAD);
+    state.set_key(Some(key(0)));
+    let (mut streams, mut sent) = (BTreeMap::new(), None);
+    let (mut clock, mut newest) = (state.timestamp, state.timestamp);
+    while !input.is_empty() {
+        let step = input.byte();
+        let now = (step % 2 == 1).then(|| near(&mut input, clock));
+        clock = now.unwrap_or(clock);
+        match step / 2 % 16 {
+            0 => state.set_key((!state.has_key()).then(|| key(0))),
+            1..=3 => {
+                if let Ok(timestamp) = state.next_timestamp(now) {
+                    assert!(timestamp <= MAX_TIMESTAMP && Some(timestamp) > sent);
+                    assert!(timestamp >= now.unwrap_or(0).min(MAX_TIMESTAMP));
+                    assert_eq!(state.timestamp, timestamp + 1);
+                    sent = Some(timestamp);
+                } else {
+                    assert!(state.timestamp > MAX_TIMESTAMP);
+                }
+            }
+            _ => {
+                let timestamp = near(&mut input, newest);
+                let (frame, genuine) = signed_frame(&mut input, timestamp);
+                let Ok(frame) = FrameRef::parse(&frame) else { continue };
+                received(&mut state, &mut streams, &frame, genuine, now);
+                newest = timestamp;
+            }
+        }
+        assert!(state.streams.iter().eq(streams.iter().map(|(&id, &last)| (id, last))));
+    }
+}
+
+fn received(
+    state: &mut SigningState,
+    streams: &mut BTreeMap<StreamId, u64>,
+    frame: &FrameRef<'_>,
+    genuine: bool,
+    now: Option<u64>,
+) {
+    let before = state.timestamp;
+    let mut expected = foretold(state, streams, frame, genuine, now);
+    if !state.has_key() {
+        expected = Verdict::NoKey;
+    }
+    assert_eq!(state.check(frame, now), expected);
+    if expected.is_verified() {
+        let timestamp = frame.signature().expect("it is signed").timestamp;
+        streams.insert(stream_of(frame), timestamp);
+        assert!(state.timestamp == before || (before..=timestamp).contains(&state.timestamp));
+    } else {
+        assert_eq!(state.timestamp, before, "without the key nothing changes");
+    }
+}
+
+/// Frames through the border of a link: what leaves has a good checksum, what was signed here is believed once, and what a
+/// stranger signed never.
 pub fn border(data: &[u8]) {
     let mut input = Input::new(data);
     let flags = input.byte();
@@ -89,32 +163,71 @@ pub fn border(data: &[u8]) {
         strip_out: flags & 32 != 0,
         link_id: input.byte(),
     };
+    let mut newest = input.long() >> 20;
     let state = || {
         let mut state = SigningState::new();
         state.set_key(Some(key(0)));
+        state.timestamp = newest;
         Rc::new(RefCell::new(state))
     };
     let border = Border::new(options.clone(), state());
     let verify = BorderOptions { verify: true, ..BorderOptions::default() };
     let peer = Border::new(verify, state());
     while !input.is_empty() {
-        let now = input.long() >> 20;
-        let frame = any_frame(&mut input);
-        let entry = ALL.lookup(FrameRef::parse(&frame).expect("a frame").header().msgid);
-        if let Some(left) = border.outgoing(&frame, entry, now) {
-            check(&left);
-            let signed = FrameRef::parse(&left).expect("a frame").header().is_signed();
-            assert_eq!(signed, options.sign);
-            if signed && peer.incoming(&left, now).is_some() {
-                assert!(peer.incoming(&left, now).is_none(), "a replay");
-            }
-        }
-        if let Some(entered) = border.incoming(&frame, now) {
-            check(&entered.frame);
-        }
-        let any = input.bytes(40);
+        let now = near(&mut input, newest);
+        newest = newest.max(now) + 1;
+        let plain = any_frame(&mut input);
+        let by = input.byte();
+        let frame = match by % 4 {
+            0 => plain,
+            one => signed(&plain, u8::from(one == 3), by / 4, near(&mut input, newest)),
+        };
+        leaves(&border, &peer, &options, &frame, now);
+        enters(&border, &options, &frame, by % 4 != 3, now);
+        let any = input.bytes(usize::from(by / 16));
         let _ = (border.incoming(any, now), border.outgoing(any, None, now));
     }
+}
+
+fn leaves(border: &Border, peer: &Border, options: &BorderOptions, frame: &[u8], now: u64) {
+    let before = *FrameRef::parse(frame).expect("a frame").header();
+    let entry = ALL.lookup(before.msgid);
+    let Some(left) = border.outgoing(frame, entry, now) else {
+        let is_old = options.version == Some(WireVersion::V1) && !options.sign;
+        return assert!(options.sign || is_old && before.msgid > 255, "refused for nothing");
+    };
+    check(&left);
+    let after = *FrameRef::parse(&left).expect("a frame").header();
+    let is_kept = before.is_signed()
+        && !options.strip_out
+        && options.version.is_none_or(|version| version == before.version);
+    assert_eq!(after.is_signed(), options.sign || is_kept);
+    let id = |header: Header| (header.msgid, header.seq, header.sysid, header.compid);
+    assert_eq!(id(after), id(before));
+    assert!(left.len() <= options.len_outside(frame.len(), &before, entry));
+    if options.sign {
+        assert!(after.incompat_flags == IFLAG_SIGNED && after.version == WireVersion::V2);
+        if peer.incoming(&left, now).is_some() {
+            assert!(peer.incoming(&left, now).is_none(), "a replay");
+        }
+    }
+}
+
+fn enters(border: &Border, options: &BorderOptions, frame: &[u8], is_own: bool, now: u64) {
+    let header = *FrameRef::parse(frame).expect("a frame").header();
+    let Some(entered) = border.incoming(frame, now) else {
+        let needs_none = !header.is_signed() && options.unsigned.contains(&header.msgid);
+        return assert!(options.verify && !needs_none, "refused for nothing");
+    };
+    check(&entered.frame);
+    if options.verify {
+        assert!(is_own || !header.is_signed(), "signed by a stranger");
+        assert_eq!(entered.proven, header.is_signed());
+        assert!(header.is_signed() || options.unsigned.contains(&header.msgid));
+        assert!(!header.is_signed() || border.incoming(frame, now).is_none(), "a replay");
+    }
+    let after = *FrameRef::parse(&entered.frame).expect("a frame").header();
+    assert_eq!(after.is_signed(), header.is_signed() && !options.strip_in);
 }
 
 fn check(frame: &[u8]) {

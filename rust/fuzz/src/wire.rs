@@ -127,12 +127,17 @@ pub fn codec(data: &[u8]) {
     let payload = payload_extended(whole.payload(), len, &mut space);
     mavwire_core::frame::encode(&mut again, header, payload, entry.crc_extra).expect("it fits");
     assert_eq!(again, frame);
-    let mut shown = String::new();
-    text::write_text(&mut shown, message, whole.payload());
-    text::write_json(&mut shown, message, whole.payload());
+    // What a truncated payload lacks reads as zero: both payloads are the same message.
+    let shown = [whole.payload(), payload].map(|payload| {
+        let (mut shown, mut json) = (String::new(), String::new());
+        text::write_text(&mut shown, message, payload);
+        text::write_json(&mut json, message, payload);
+        assert!(json.is_ascii() && !json.contains(|one: char| one.is_ascii_control()), "{json}");
+        (shown, json)
+    });
+    assert_eq!(shown[0], shown[1]);
     for field in &message.fields {
-        // What a truncated payload lacks reads as zero: both payloads are the same message.
-        assert!(text_bytes(field, whole.payload()).len() <= field.wire_len());
+        assert_eq!(text_bytes(field, whole.payload()), text_bytes(field, payload));
         assert!(field_bytes(field, payload).starts_with(field_bytes(field, whole.payload())));
         for element in 0..field.elements() {
             let at = usize::from(field.offset) + element * field.field_type.size();

@@ -1,11 +1,19 @@
 //! Every input of the corpus through its target, as it is and a little changed: fuzzing for any toolchain, without a look
-//! at what is covered. `FUZZ_MUTATIONS` says how many changed copies of each input are tried.
+//! at what is covered. `FUZZ_MUTATIONS` says how many changed copies of each input are tried, `FUZZ_TARGET` of which target
+//! alone.
 
 use std::fs;
 use std::panic::catch_unwind;
 use std::path::Path;
 
 use mavwire_fuzz::{TARGETS, Target};
+
+/// All targets, or the one that is asked for.
+fn targets() -> impl Iterator<Item = (&'static str, Target)> {
+    let only = std::env::var("FUZZ_TARGET").ok();
+    let all = TARGETS.iter().copied();
+    all.filter(move |(name, _)| only.as_ref().is_none_or(|only| only == name))
+}
 
 /// Name and bytes of a target's inputs, sorted.
 fn inputs(name: &str) -> Vec<(String, Vec<u8>)> {
@@ -27,7 +35,7 @@ fn the_corpus_is_replayed() {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
     let folders = fs::read_dir(&corpus).expect("the corpus").count();
     assert_eq!(folders, TARGETS.len(), "a folder for each target");
-    for (name, target) in TARGETS {
+    for (name, target) in targets() {
         target(b"");
         for (path, input) in inputs(name) {
             holds(&path, target, &input);
@@ -72,10 +80,10 @@ fn mutated(input: &[u8], other: &[u8], noise: &mut Noise) -> Vec<u8> {
 fn the_corpus_is_replayed_with_changes() {
     let wanted = std::env::var("FUZZ_MUTATIONS").ok().and_then(|count| count.parse().ok());
     let mut noise = Noise(88_172_645_463_325_252);
-    for (name, target) in TARGETS {
+    for (name, target) in targets() {
         let inputs = inputs(name);
         for (_, input) in &inputs {
-            for _ in 0..wanted.unwrap_or(20) {
+            for _ in 0..wanted.unwrap_or((200 / inputs.len()).clamp(5, 20)) {
                 let other = &inputs[noise.below(inputs.len())].1;
                 holds(name, target, &mutated(input, other, &mut noise));
             }
@@ -83,11 +91,31 @@ fn the_corpus_is_replayed_with_changes() {
     }
 }
 
-#[test]
-fn every_target_has_a_program() {
+/// What programs there are in the manifest: their names, and where they stand.
+fn programs() -> Vec<(String, String)> {
     let manifest = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));
     let manifest = manifest.expect("the manifest");
-    for (name, _) in TARGETS {
-        assert!(manifest.contains(&format!("fuzz_targets/{name}.rs")), "{name}");
+    let value = |lines: &str, key: &str| {
+        let line = lines.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
+        line.expect(key).trim_matches('"').to_owned()
+    };
+    let bins = manifest.split("[[bin]]\n").skip(1);
+    bins.map(|lines| (value(lines, "name"), value(lines, "path"))).collect()
+}
+
+#[test]
+fn every_target_has_a_program_of_its_own() {
+    let names: Vec<_> = TARGETS.iter().map(|&(name, _)| name).collect();
+    assert!(names.is_sorted(), "{names:?}");
+    let expected = |name: &&str| (String::from(*name), format!("fuzz_targets/{name}.rs"));
+    assert_eq!(programs(), names.iter().map(expected).collect::<Vec<_>>());
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = fs::read_dir(root.join("fuzz_targets")).expect("the programs");
+    assert_eq!(files.count(), names.len());
+    for name in names {
+        let path = root.join(format!("fuzz_targets/{name}.rs"));
+        let program = fs::read_to_string(&path).expect(name);
+        let call = format!("|data: &[u8]| mavwire_fuzz::{name}(data));");
+        assert!(program.contains(&call), "{name}.rs runs another target");
     }
 }

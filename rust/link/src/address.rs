@@ -4,13 +4,24 @@ use std::net::{IpAddr, SocketAddr, SocketAddrV4, SocketAddrV6};
 #[cfg(unix)]
 use std::net::{Ipv4Addr, Ipv6Addr};
 
-/// Where a datagram came from.
+/// Where a datagram came from. Its flow information is a number, as in Python's tuples; the operating system and the standard
+/// library have it in the order of bytes of the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Address(SocketAddr);
 
 impl From<SocketAddr> for Address {
     fn from(address: SocketAddr) -> Self {
-        Self(address)
+        Self(with_flow(address, u32::from_be))
+    }
+}
+
+fn with_flow(address: SocketAddr, change: fn(u32) -> u32) -> SocketAddr {
+    match address {
+        SocketAddr::V4(_) => address,
+        SocketAddr::V6(mut address) => {
+            address.set_flowinfo(change(address.flowinfo()));
+            SocketAddr::V6(address)
+        }
     }
 }
 
@@ -43,7 +54,7 @@ impl Address {
 
     /// The address for the operating system, and how long it is.
     #[cfg(target_os = "linux")]
-    pub(crate) fn to_os(self) -> (libc::sockaddr_storage, libc::socklen_t) {
+    pub fn to_os(self) -> (libc::sockaddr_storage, libc::socklen_t) {
         // SAFETY: all zero is a valid address of no family.
         let mut storage: libc::sockaddr_storage = unsafe { std::mem::zeroed() };
         let start = &raw mut storage;
@@ -63,7 +74,7 @@ impl Address {
                 let name = libc::sockaddr_in6 {
                     sin6_family: libc::AF_INET6 as libc::sa_family_t,
                     sin6_port: address.port().to_be(),
-                    sin6_flowinfo: address.flowinfo(),
+                    sin6_flowinfo: address.flowinfo().to_be(),
                     sin6_addr: libc::in6_addr { s6_addr: address.ip().octets() },
                     sin6_scope_id: address.scope_id(),
                 };
@@ -77,12 +88,12 @@ impl Address {
 
     /// The address as the standard library has it.
     pub fn socket_addr(&self) -> SocketAddr {
-        self.0
+        with_flow(self.0, u32::to_be)
     }
 
     /// What the operating system wrote; `None` for addresses of other families.
     #[cfg(unix)]
-    pub(crate) fn from_os(name: &libc::sockaddr_storage) -> Option<Self> {
+    pub fn from_os(name: &libc::sockaddr_storage) -> Option<Self> {
         match i32::from(name.ss_family) {
             libc::AF_INET => {
                 // SAFETY: of this family, and `sockaddr_storage` is large enough and aligned for all.
@@ -101,6 +112,21 @@ impl Address {
                 ))))
             }
             _ => None,
+        }
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_system_gives_back_the_address_that_it_got() {
+        for host in ["127.0.0.1", "::1", "fe80::1:2", "::ffff:1.2.3.4"] {
+            let address = Address::new(host, 14550, 0x1_2345, 3).expect("a numeric address");
+            assert_eq!(Address::from_os(&address.to_os().0), Some(address), "{host}");
+            assert_eq!(Address::from(address.socket_addr()), address, "{host}");
+            assert_eq!(address.flow_and_scope().is_some(), host.contains(':'));
         }
     }
 }

@@ -11,12 +11,9 @@ use mavwire_core::log::dataflash::{
 };
 
 use crate::tally::Tally;
-use crate::window::FileWindow;
+use crate::window::{CHUNK, FileWindow};
 
 pub use crate::tally::Contents;
-
-/// Bytes that are looked at in one go.
-const STRETCH: usize = 256 * 1024;
 
 /// An open log.
 #[derive(Debug)]
@@ -24,6 +21,8 @@ pub struct DataflashFile {
     window: FileWindow,
     len: u64,
     definitions: Definitions,
+    /// Bytes that are looked at in one go.
+    stretch: usize,
 }
 
 impl DataflashFile {
@@ -32,19 +31,28 @@ impl DataflashFile {
     /// # Errors
     /// What the operating system says.
     pub fn open(path: &Path) -> io::Result<Self> {
-        let mut window = FileWindow::open(path)?;
+        Self::in_chunks(path, CHUNK)
+    }
+
+    /// The same with another number of bytes read at a time, as for [`FileWindow::in_chunks`].
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn in_chunks(path: &Path, chunk: usize) -> io::Result<Self> {
+        let stretch = chunk.max(FMT_LAYOUT_LEN);
+        let mut window = FileWindow::in_chunks(path, stretch)?;
         let len = window.len()?;
         let mut definitions = Definitions::new();
         let mut at = 0;
         while at < len {
-            let bytes = window.at(at, STRETCH)?;
+            let bytes = window.at(at, stretch)?;
             definitions.collect(bytes, at);
-            if bytes.len() < STRETCH {
+            if bytes.len() < stretch {
                 break;
             }
             at += (bytes.len() - (FMT_LAYOUT_LEN - 1)) as u64;
         }
-        Ok(Self { window, len, definitions })
+        Ok(Self { window, len, definitions, stretch })
     }
 
     /// Bytes of the file when it was opened.
@@ -105,14 +113,15 @@ impl DataflashFile {
         units: Units,
         progress: &mut dyn FnMut(u64) -> bool,
     ) -> io::Result<(Contents, bool)> {
-        let Self { window, len, definitions } = self;
+        let Self { window, len, definitions, stretch } = self;
+        let wanted = *stretch + LOOK_LEN;
         let mut tally = Tally::new(definitions.layouts(), units);
         let mut at = 0;
         while at < *len {
-            let bytes = window.at(at, STRETCH + LOOK_LEN)?;
+            let bytes = window.at(at, wanted)?;
             let left = usize::try_from(*len - at).unwrap_or(usize::MAX);
             let bytes = &bytes[..bytes.len().min(left)];
-            let last = bytes.len() < STRETCH + LOOK_LEN || bytes.len() == left;
+            let last = bytes.len() < wanted || bytes.len() == left;
             let add = |entry: RecordEntry, record: &[u8]| {
                 let body = &record[HEAD_LEN..];
                 tally.add(
@@ -121,7 +130,7 @@ impl DataflashFile {
                     |layout, field| field_bytes(layout, field, body),
                 );
             };
-            let (done, junk) = index(bytes, at, STRETCH, definitions, last, add);
+            let (done, junk) = index(bytes, at, *stretch, definitions, last, add);
             tally.contents.junk += junk;
             if done == 0 {
                 break;

@@ -11,7 +11,7 @@ use mavwire_core::log::dataflash::text::{
 use mavwire_core::log::dataflash::{Layout, RecordEntry, Units};
 
 use crate::tally::{Contents, Tally};
-use crate::window::FileWindow;
+use crate::window::{CHUNK, FileWindow};
 
 /// Bytes at the start that show how values are separated.
 const PROBE: usize = 8000;
@@ -29,6 +29,8 @@ pub struct TextLogFile {
     /// First characters of a line up to the comma -> where the first such line starts, and how many there are.
     keys: HashMap<String, (u64, u64)>,
     lines: u64,
+    /// Bytes of the longest line that is looked at.
+    longest: usize,
 }
 
 /// A line of the log.
@@ -66,12 +68,22 @@ impl TextLogFile {
     /// # Errors
     /// What the operating system says.
     pub fn open(path: &Path) -> io::Result<Self> {
-        let mut window = FileWindow::open(path)?;
+        Self::in_chunks(path, CHUNK)
+    }
+
+    /// The same with another number of bytes read at a time, as for [`FileWindow::in_chunks`]; lines that are longer are
+    /// not looked at either.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn in_chunks(path: &Path, chunk: usize) -> io::Result<Self> {
+        let mut window = FileWindow::in_chunks(path, chunk)?;
         let len = window.len()?;
-        let head = window.at(0, PROBE)?;
-        let delimiter = Delimiter::of(&head[..head.len().min(PROBE)]);
+        let (probe, longest) = (PROBE.min(chunk), MAX_LINE_LEN.min(chunk));
+        let head = window.at(0, probe)?;
+        let delimiter = Delimiter::of(&head[..head.len().min(probe)]);
         let definitions = TextDefinitions::new(delimiter);
-        let mut log = Self { window, len, definitions, keys: HashMap::new(), lines: 0 };
+        let mut log = Self { window, len, definitions, keys: HashMap::new(), lines: 0, longest };
         log.collect()?;
         Ok(log)
     }
@@ -163,7 +175,7 @@ impl TextLogFile {
             let next = offset + len as u64 + 1;
             return Ok(Some(Line { offset, next, too_long: false, len }));
         }
-        if end < MAX_LINE_LEN {
+        if end < self.longest {
             let next = offset + end as u64;
             return Ok((end > 0).then_some(Line { offset, next, too_long: false, len: end }));
         }
@@ -171,20 +183,20 @@ impl TextLogFile {
         Ok(Some(Line { offset, next, too_long: true, len: 0 }))
     }
 
-    /// Bytes up to the next line feed, and how many bytes there are at all, at most [`MAX_LINE_LEN`].
+    /// Bytes up to the next line feed, and how many bytes there are at all, at most `longest`.
     fn line_len(&mut self, offset: u64) -> io::Result<(Option<usize>, usize)> {
         let found = memchr::memchr(b'\n', self.window.buffered(offset));
-        if let Some(len) = found.filter(|&len| len < MAX_LINE_LEN) {
+        if let Some(len) = found.filter(|&len| len < self.longest) {
             return Ok((Some(len), 0));
         }
-        let bytes = self.window.at(offset, MAX_LINE_LEN)?;
-        let bytes = &bytes[..bytes.len().min(MAX_LINE_LEN)];
+        let bytes = self.window.at(offset, self.longest)?;
+        let bytes = &bytes[..bytes.len().min(self.longest)];
         Ok((memchr::memchr(b'\n', bytes), bytes.len()))
     }
 
     fn end_of_long_line(&mut self, mut offset: u64) -> io::Result<u64> {
         loop {
-            let bytes = self.window.at(offset, MAX_LINE_LEN)?;
+            let bytes = self.window.at(offset, self.longest)?;
             if let Some(len) = memchr::memchr(b'\n', bytes) {
                 return Ok(offset + len as u64 + 1);
             }

@@ -7,8 +7,8 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-/// Bytes read at a time.
-const CHUNK: usize = 256 * 1024;
+/// Bytes read at a time, unless told otherwise.
+pub const CHUNK: usize = 256 * 1024;
 
 /// A file with a buffer that moves over it. The file may grow or shrink while it is read.
 #[derive(Debug)]
@@ -21,6 +21,8 @@ pub struct FileWindow {
     filled: usize,
     /// Where in the file the buffer begins.
     start: u64,
+    /// Bytes read at a time.
+    chunk: usize,
 }
 
 impl FileWindow {
@@ -29,7 +31,15 @@ impl FileWindow {
     /// # Errors
     /// What the operating system says.
     pub fn open(path: &Path) -> io::Result<Self> {
-        Ok(Self { file: File::open(path)?, buffer: Vec::new(), filled: 0, start: 0 })
+        Self::in_chunks(path, CHUNK)
+    }
+
+    /// The same with another number of bytes read at a time: over a small file the window moves if that is small.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn in_chunks(path: &Path, chunk: usize) -> io::Result<Self> {
+        Ok(Self { file: File::open(path)?, buffer: Vec::new(), filled: 0, start: 0, chunk })
     }
 
     /// Bytes of the file now.
@@ -78,8 +88,8 @@ impl FileWindow {
     #[cold]
     fn refill(&mut self, offset: u64, wanted: usize) -> io::Result<()> {
         // No more than there is, because `wanted` may come from a user.
-        let wanted = if wanted > CHUNK { wanted.min(self.left_from(offset)?) } else { wanted };
-        let wanted = CHUNK.max(wanted);
+        let wanted = if wanted > self.chunk { wanted.min(self.left_from(offset)?) } else { wanted };
+        let wanted = self.chunk.max(wanted);
         if self.buffer.len() < wanted {
             self.buffer.resize(wanted, 0);
         }

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
 from mavwire.dialects.v20 import common
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")

@@ -28,7 +28,7 @@ ALLOWED_CRATES = {
     "columns": {"schema", "core"},
     "link": {"schema", "core"},
     "py": {"schema", "core", "columns", "link"},
-    "fuzz": {"schema", "core", "link"},
+    "fuzz": {"schema", "core", "columns", "link"},
 }
 # Foreign crate -> the crates that may use it.
 RESERVED_CRATES = {
@@ -43,9 +43,9 @@ RESERVED_CRATES = {
     "roxmltree": {"schema"},
     "quick-xml": {"schema"},
     "arrow": {"columns"},
-    "parquet": {"columns"},
-    "mcap": {"columns"},
-    "rayon": {"columns", "link"},
+    "parquet": {"columns", "fuzz"},
+    "mcap": {"columns", "fuzz"},
+    "rayon": {"columns", "link", "fuzz"},
 }
 # Python layers, lowest first: a module imports only from its own layer and from lower ones.
 LAYERS = (

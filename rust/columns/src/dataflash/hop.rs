@@ -12,9 +12,6 @@ use rayon::prelude::*;
 /// Bytes of a record, or fewer: how many records a stretch may be expected to have.
 const USUAL_LEN: usize = 32;
 
-/// Bytes that are hopped over in one go.
-pub(super) const STRETCH: usize = 256 << 10;
-
 /// A record in a block.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {

@@ -63,7 +63,7 @@ impl Reader {
         options: &Options,
         limits: Limits,
     ) -> Result<Self, Error> {
-        let (blocks, _) = begin(open)?;
+        let (blocks, _) = begin(open, survey.steps)?;
         let count = survey.tables.len();
         let is_wanted = |name: &str| {
             wanted.names.as_ref().is_none_or(|some| some.iter().any(|one| one == name))

@@ -17,7 +17,7 @@ pub fn summary<E: From<Error>>(
     gap: u64,
     mut pulse: impl FnMut(u64) -> Result<(), E>,
 ) -> Result<Summary, E> {
-    let (mut blocks, _) = begin(open).map_err(Error::from)?;
+    let (mut blocks, _) = begin(open, survey.steps).map_err(Error::from)?;
     let mut walk = Walk::new(Arc::clone(survey));
     let types = vec![Count::default(); survey.tables.len()];
     let mut sum = Summary { stamped: survey.clock.is_some(), types, ..Summary::default() };

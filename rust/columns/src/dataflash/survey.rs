@@ -14,10 +14,10 @@ use mavwire_core::registry::Registry;
 use mavwire_schema::WireVersion;
 use rayon::prelude::*;
 
-use super::hop::{Place, STRETCH, hop};
+use super::hop::{Place, hop};
 use super::lines::Lines;
 use crate::error::Error;
-use crate::input::{Blocks, decompressed};
+use crate::input::{Blocks, Steps, decompressed};
 use crate::scan::Framing;
 
 /// Opens the log from its start; a log is read more than once.
@@ -100,6 +100,8 @@ pub struct Survey {
     pub(super) table_of: Vec<u16>,
     /// Bytes of the log, decompressed.
     pub(super) bytes: u64,
+    /// In what steps it is read.
+    pub(super) steps: Steps,
 }
 
 impl Survey {
@@ -109,17 +111,29 @@ impl Survey {
     /// What reading says, and what `pulse` answers.
     pub fn read<E: From<Error>>(
         open: Open<'_>,
+        pulse: impl FnMut() -> Result<(), E>,
+    ) -> Result<Option<Self>, E> {
+        Self::in_steps(Steps::default(), open, pulse)
+    }
+
+    /// The same in steps of any size, in which the log is read afterwards, too.
+    ///
+    /// # Errors
+    /// What reading says, and what `pulse` answers.
+    pub fn in_steps<E: From<Error>>(
+        steps: Steps,
+        open: Open<'_>,
         mut pulse: impl FnMut() -> Result<(), E>,
     ) -> Result<Option<Self>, E> {
-        let (mut blocks, form) = begin(open).map_err(Error::from)?;
+        let (mut blocks, form) = begin(open, steps).map_err(Error::from)?;
         let Some(form) = form else { return Ok(None) };
-        let mut run = Run::new(form);
+        let mut run = Run::new(form, steps);
         while run.advance(&mut blocks).map_err(Error::from)? {
             pulse()?;
         }
         if run.missed {
-            run = Run::new(run.form);
-            let (mut blocks, _) = begin(open).map_err(Error::from)?;
+            run = Run::new(run.form, steps);
+            let (mut blocks, _) = begin(open, steps).map_err(Error::from)?;
             while run.advance(&mut blocks).map_err(Error::from)? {
                 pulse()?;
             }
@@ -153,8 +167,8 @@ pub fn recognise(source: Box<dyn Read + Send>) -> io::Result<bool> {
     }
 }
 
-pub(super) fn begin(open: Open<'_>) -> io::Result<(Blocks, Option<Form>)> {
-    Blocks::new(open()?)?.with_head(Form::of)
+pub(super) fn begin(open: Open<'_>, steps: Steps) -> io::Result<(Blocks, Option<Form>)> {
+    Blocks::of_size(decompressed(open()?)?, steps.block).with_head(Form::of)
 }
 
 /// A run over a log.
@@ -168,12 +182,15 @@ struct Run {
     offset: u64,
     /// Bytes behind `offset` that are indexed already.
     ahead: usize,
+    /// Where in the log the bytes end that were searched for descriptions: none may be taken in twice.
+    searched: u64,
     /// Some bytes belong to no record as far as was known then.
     missed: bool,
+    steps: Steps,
 }
 
 impl Run {
-    fn new(form: Form) -> Self {
+    fn new(form: Form, steps: Steps) -> Self {
         Self {
             form,
             units: Units::default(),
@@ -182,7 +199,9 @@ impl Run {
             lines: Lines::default(),
             offset: 0,
             ahead: 0,
+            searched: 0,
             missed: false,
+            steps,
         }
     }
 
@@ -200,7 +219,10 @@ impl Run {
 
     fn add_binary(&mut self, block: &[u8], at_end: bool) -> usize {
         let Form::Binary(definitions) = &mut self.form else { return block.len() };
-        definitions.collect(block, self.offset);
+        let again = (FMT_LAYOUT_LEN - 1) as u64;
+        let new = self.searched.saturating_sub(again).saturating_sub(self.offset) as usize;
+        definitions.collect(&block[new..], self.offset + new as u64);
+        self.searched = self.offset + block.len() as u64;
         let teller = &mut Teller {
             units: &mut self.units,
             finder: &mut self.finder,
@@ -211,7 +233,7 @@ impl Run {
         let from = self.ahead.min(block.len());
         let place = self.offset + from as u64;
         let bytes = &block[from..];
-        let hops = hop(bytes, place, definitions, at_end, STRETCH);
+        let hops = hop(bytes, place, definitions, at_end, self.steps.stretch);
         let telling = &*teller.telling;
         let is_telling = |place: &&Place| telling[usize::from(place.layout)];
         let few = hops.stretches.par_iter().flat_map_iter(|some| some.iter().filter(is_telling));
@@ -266,7 +288,7 @@ impl Run {
     }
 
     fn finish(self) -> Survey {
-        let Self { form, units, finder, offset: bytes, .. } = self;
+        let Self { form, units, finder, offset: bytes, steps, .. } = self;
         let (mut tables, mut known) = (Vec::<Arc<str>>::new(), HashMap::new());
         let mut table_of = Vec::new();
         for layout in form.layouts() {
@@ -282,7 +304,7 @@ impl Run {
             *layouts += 1;
             table_of.push(if *layouts > MAX_OF_NAME { NO_TABLE } else { *table });
         }
-        Survey { clock: finder.finish(), units, tables, table_of, bytes, form }
+        Survey { clock: finder.finish(), units, tables, table_of, bytes, steps, form }
     }
 }
 

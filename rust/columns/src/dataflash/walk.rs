@@ -7,7 +7,7 @@ use mavwire_core::codec::read;
 use mavwire_core::log::dataflash::text::nth_value;
 use mavwire_core::log::dataflash::{FieldKind, HEAD_LEN, Layout, TimeRule, whole};
 
-use super::hop::{Hops, Place, STRETCH, hop};
+use super::hop::{Hops, Place, hop};
 use super::lines::Lines;
 use super::survey::{Form, Survey, number};
 use crate::piece::PIECE;
@@ -22,7 +22,6 @@ pub(super) struct Walk {
     newest: i64,
     lines: Lines,
     offset: u64,
-    stretch: usize,
 }
 
 /// The records of a block.
@@ -52,13 +51,13 @@ impl Walk {
         let both = layouts.iter().zip(&rules);
         let micros = both.map(|(one, rule)| micros_at(one, *rule).filter(|_| is_binary)).collect();
         let newest = survey.clock.map_or(0, |clock| clock.first);
-        Self { rules, micros, newest, survey, lines: Lines::default(), offset: 0, stretch: STRETCH }
+        Self { rules, micros, newest, lines: Lines::default(), offset: 0, survey }
     }
 
     /// Finds the records of a block, which starts where the last one was consumed to.
     pub(super) fn block(&mut self, block: &[u8], at_end: bool) -> Walked {
         let Hops { stretches, bad, consumed } = match &self.survey.form {
-            Form::Binary(all) => hop(block, self.offset, all, at_end, self.stretch),
+            Form::Binary(all) => hop(block, self.offset, all, at_end, self.survey.steps.stretch),
             Form::Text(_) => self.text(block, at_end),
         };
         self.offset += consumed as u64;
@@ -149,6 +148,7 @@ fn micros_at(layout: &Layout, rule: TimeRule) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::error::Error;
+    use crate::input::Steps;
     use mavwire_core::log::dataflash::{Clock, index};
     use proptest::prelude::*;
     use std::io::{Cursor, Read};
@@ -202,9 +202,8 @@ mod tests {
     }
 
     /// Block by block and stretch by stretch.
-    fn walk(survey: &Arc<Survey>, log: &[u8], block: usize, stretch: usize) -> Outcome {
+    fn walk(survey: &Arc<Survey>, log: &[u8], block: usize) -> Outcome {
         let mut walk = Walk::new(Arc::clone(survey));
-        walk.stretch = stretch;
         let (mut out, mut start, mut end) = (Outcome::default(), 0, 0);
         while start < log.len() {
             let at_end = end == log.len();
@@ -245,9 +244,9 @@ mod tests {
         out
     }
 
-    fn survey(log: &[u8]) -> Arc<Survey> {
+    fn survey(log: &[u8], steps: Steps) -> Arc<Survey> {
         let open = || Ok(Box::new(Cursor::new(log.to_vec())) as Box<dyn Read + Send>);
-        let survey = Survey::read(&open, || Ok::<_, Error>(()));
+        let survey = Survey::in_steps(steps, &open, || Ok::<_, Error>(()));
         Arc::new(survey.expect("reading").expect("a dataflash log"))
     }
 
@@ -272,18 +271,35 @@ mod tests {
                     _ => drop(log.splice(at..at, [0xA3, 0x95, byte])),
                 }
             }
-            let survey = survey(&log);
+            // The survey needs more for its head than a block of the walk has.
+            let survey = survey(&log, Steps { stretch, ..Steps::default() });
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            let found = pool.install(|| walk(&survey, &log, block, stretch));
+            let found = pool.install(|| walk(&survey, &log, block));
             prop_assert_eq!(found, sequential(&survey, &log));
+        }
+    }
+
+    #[test]
+    fn a_description_counts_once_in_whatever_blocks_it_stands() {
+        let mut log = log(&[2, 0, 1]);
+        for n in 0..6 {
+            let (len, format, columns) = [(15, "QI", "TimeUS,X"), (11, "Q", "TimeUS")][n % 2];
+            // The record in front of what is no record is looked at again with the next block.
+            log.extend_from_slice(b"\xA3\x95\x02\x01 junk");
+            log.extend(fmt(1, len, "A", format, columns));
+        }
+        let whole = survey(&log, Steps::default());
+        for block in (100..1400).step_by(90) {
+            let found = survey(&log, Steps { block, ..Steps::default() });
+            assert_eq!(found.form.layouts(), whole.form.layouts(), "blocks of {block}");
         }
     }
 
     #[test]
     fn records_without_a_time_have_that_of_the_record_in_front() {
         let log = log(&[2, 0, 1, 0, 3]);
-        let survey = survey(&log);
-        let Outcome(records, bad) = walk(&survey, &log, log.len(), STRETCH);
+        let survey = survey(&log, Steps::default());
+        let Outcome(records, bad) = walk(&survey, &log, log.len());
         let base = survey.clock.map_or(0, |clock| clock.base);
         let times: Vec<_> = records[4..].iter().map(|&(.., time)| time - base).collect();
         assert_eq!(times, [0, 0, 2000, 2000, 4000]);

@@ -1,0 +1,198 @@
+//! Tables as files of other programs: each file can be read back, and holds the rows that were written.
+
+use std::collections::BTreeMap;
+use std::io::{Cursor, Read};
+use std::sync::Arc;
+
+use bytes::Bytes;
+use mavwire_columns::arrow::array::RecordBatch;
+use mavwire_columns::arrow::compute::{cast, concat_batches};
+use mavwire_columns::arrow::ipc::reader::FileReader;
+use mavwire_columns::convert::{Compression, Format, Sink, write_all};
+use mavwire_columns::dataflash::{Reader as DataflashReader, Wanted as DataflashWanted};
+use mavwire_columns::input::{Steps, decompressed};
+use mavwire_columns::layout::Options;
+use mavwire_columns::mcap::{self as to_mcap, McapSink};
+use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
+use mavwire_columns::scan::Framing;
+use mavwire_columns::select::Wanted;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+
+use crate::dataflash_tables::surveyed;
+use crate::dialects::ALL;
+use crate::input::Input;
+use crate::logs::{any_dataflash, any_telemetry, any_text_log};
+use crate::reading::{batches, on_threads, small_limits, source};
+
+const FORMATS: [Option<Format>; 5] = [
+    Some(Format::Parquet),
+    Some(Format::Csv),
+    Some(Format::JsonLines),
+    Some(Format::Arrow),
+    None, // MCAP
+];
+const COMPRESSIONS: [Compression; 5] = [
+    Compression::None,
+    Compression::Zstd,
+    Compression::Snappy,
+    Compression::Gzip,
+    Compression::Lz4,
+];
+
+/// Any log of any kind to any format.
+pub fn converters(data: &[u8]) {
+    let mut input = Input::new(data);
+    let format = FORMATS[usize::from(input.byte()) % FORMATS.len()];
+    let compression = COMPRESSIONS[usize::from(input.byte()) % COMPRESSIONS.len()];
+    let flags = input.byte();
+    let options = Options { si: flags & 1 != 0, enum_names: flags & 2 != 0, columns: None };
+    let limits = small_limits(&mut input);
+    on_threads(flags & 4 != 0, || {
+        let Some(mut reader) = any_reader(flags >> 4, input, &options, limits) else { return };
+        let has_times = reader.has_times();
+        let all = batches(&mut *reader);
+        match format {
+            Some(format) => files(&all, format, compression),
+            None => mcap(&all, compression, has_times),
+        }
+    });
+}
+
+fn any_reader(
+    kind: u8,
+    input: Input<'_>,
+    options: &Options,
+    limits: Limits,
+) -> Option<Box<dyn Decode>> {
+    let bytes = match kind % 4 {
+        0 | 1 => {
+            let framing = if kind % 4 == 0 { Framing::Stamped } else { Framing::Raw };
+            let bytes = any_telemetry(input, framing.lead());
+            let (source, wanted) = (source(&bytes), Wanted::default());
+            let registry = Arc::clone(&ALL);
+            let reader =
+                Reader::new(source, Some(framing), registry, wanted, options.clone(), limits);
+            return Some(Box::new(reader.expect("memory does not fail")));
+        }
+        2 => any_dataflash(input),
+        _ => any_text_log(input),
+    };
+    let survey = surveyed(Steps::default(), &bytes)?;
+    let wanted = DataflashWanted { names: None, start: f64::NEG_INFINITY, end: f64::INFINITY };
+    let open = || Ok(source(&bytes));
+    let reader = DataflashReader::new(survey, &open, wanted, options, limits);
+    Some(Box::new(reader.expect("memory does not fail")))
+}
+
+/// A file for each table.
+fn files(all: &[Batch], format: Format, compression: Compression) {
+    if !format.takes(compression) {
+        return;
+    }
+    let mut tables = BTreeMap::<u16, Vec<&RecordBatch>>::new();
+    for batch in all {
+        tables.entry(batch.index).or_default().push(&batch.rows);
+    }
+    let new = |rows: &Vec<&RecordBatch>| {
+        Sink::new(Vec::new(), &rows[0].schema(), format, compression).expect("a sink")
+    };
+    let mut sinks: Vec<Sink<Vec<u8>>> = tables.values().map(new).collect();
+    write_all(sinks.iter_mut().zip(tables.values().cloned()).collect()).expect("memory");
+    for (sink, rows) in sinks.into_iter().zip(tables.values()) {
+        let schema = rows[0].schema();
+        let rows = concat_batches(&schema, rows.iter().copied()).expect("one schema");
+        assert_eq!(sink.rows(), rows.num_rows() as u64);
+        let file = sink.finish().expect("memory does not fail");
+        match format {
+            Format::Parquet => parquet(file, &rows),
+            Format::Arrow => arrow(file, &rows),
+            Format::Csv => csv(&text(file), &rows),
+            Format::JsonLines => json_lines(&text(file), &rows),
+        }
+    }
+}
+
+fn same_rows(found: &[RecordBatch], rows: &RecordBatch) {
+    let schema = found.first().map_or(rows.schema(), RecordBatch::schema);
+    let found = concat_batches(&schema, found).expect("one schema");
+    assert_eq!((found.num_rows(), found.num_columns()), (rows.num_rows(), rows.num_columns()));
+    for (one, other) in found.columns().iter().zip(rows.columns()) {
+        let other = cast(other, one.data_type()).expect("names as texts");
+        assert_eq!(one.to_data(), other.to_data());
+    }
+}
+
+fn parquet(file: Vec<u8>, rows: &RecordBatch) {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(Bytes::from(file)).expect("a file");
+    let found: Result<Vec<_>, _> = builder.build().expect("a reader").collect();
+    same_rows(&found.expect("rows"), rows);
+}
+
+fn arrow(file: Vec<u8>, rows: &RecordBatch) {
+    let found: Result<Vec<_>, _> =
+        FileReader::try_new(Cursor::new(file), None).expect("a file").collect();
+    same_rows(&found.expect("rows"), rows);
+}
+
+fn text(file: Vec<u8>) -> String {
+    let mut text = String::new();
+    let mut plain = decompressed(Box::new(Cursor::new(file))).expect("memory does not fail");
+    plain.read_to_string(&mut text).expect("text");
+    text
+}
+
+/// A header and a line for each row, all with as many values; line ends within quotes are none.
+fn csv(text: &str, rows: &RecordBatch) {
+    let (mut quoted, mut values, mut lines) = (false, 1, Vec::new());
+    for character in text.chars() {
+        match character {
+            '"' => quoted = !quoted,
+            ',' if !quoted => values += 1,
+            '\n' if !quoted => lines.push(std::mem::replace(&mut values, 1)),
+            _ => {}
+        }
+    }
+    assert!(!quoted && values == 1, "the last line ends");
+    assert_eq!(lines.len(), rows.num_rows() + 1);
+    assert!(lines.iter().all(|&values| values == lines[0]));
+    assert!(lines[0] >= rows.num_columns());
+}
+
+/// An object for each row, without keys that are no columns.
+fn json_lines(text: &str, rows: &RecordBatch) {
+    let mut count = 0;
+    for line in text.lines() {
+        let object: serde_json::Map<String, serde_json::Value> =
+            serde_json::from_str(line).expect("JSON");
+        assert!(object.keys().all(|key| rows.column_by_name(key).is_some()));
+        count += 1;
+    }
+    assert_eq!(count, rows.num_rows());
+}
+
+/// One file of all messages.
+fn mcap(all: &[Batch], compression: Compression, has_times: bool) {
+    if !to_mcap::takes(compression) {
+        return;
+    }
+    let mut sink = McapSink::new(Vec::new(), compression).expect("memory does not fail");
+    let written = sink.write(all);
+    assert_eq!(written.is_ok(), has_times || all.is_empty());
+    if written.is_err() {
+        return;
+    }
+    let rows: usize = all.iter().map(|batch| batch.rows.num_rows()).sum();
+    assert_eq!(sink.rows(), rows as u64);
+    let file = sink.finish().expect("memory does not fail");
+    let (mut count, mut newest) = (0, 0);
+    for message in mcap::MessageStream::new(&file).expect("a file") {
+        let message = message.expect("a message");
+        assert!(message.log_time >= newest, "sorted by time");
+        newest = message.log_time;
+        let _: serde_json::Map<String, serde_json::Value> =
+            serde_json::from_slice(&message.data).expect("JSON");
+        let schema = message.channel.schema.as_ref().expect("a schema");
+        count += usize::from(!schema.name.starts_with("foxglove."));
+    }
+    assert_eq!(count, rows);
+}
