@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from unit.failing_sessions import BRIDGES, GROUP, KINDS, LINKS
+from unit.failing_peers import GROUP
+from unit.failing_sessions import BRIDGES, KINDS, LINKS
 from unit.faults import ENVIRONMENT
 
 HERE = Path(__file__).parent

@@ -15,10 +15,8 @@ pytestmark = pytest.mark.skipif(
 )
 
 ACTIONS = {
-    "messages": "sum(1 for _ in open_log(log))",
     "link": "drain(mavutil.mavlink_connection(log))",
     "parquet": "convert([log], out)",
-    "csv": "convert([log], out, format='csv')",
     "mcap": "convert([log], out, format='mcap')",
     "repair": "repair(log, out / 'made.tlog')",
     "bridge": """

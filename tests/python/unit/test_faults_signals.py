@@ -88,7 +88,7 @@ def test_a_storm_of_signals_loses_no_message(kind: str) -> None:
     done = python(f"""{STORM}{PAIRS[kind]}
 storm()
 number = 0
-while seen < 200 or number < 400:
+while seen < 60 or number < 200:
     for sender, receiver in ((other, one), (one, other)):
         first, number = number, number + 20
         for n in range(first, number):
@@ -111,7 +111,7 @@ with Bridge(links) as bridge:
         bridge.send(heartbeat(sysid=9))
     storm()
     number = rounds = 0
-    while rounds < 20 or not ({blocked} or seen >= 200):
+    while rounds < 20 or not ({blocked} or seen >= 60):
         if {blocked}:
             signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGALRM])
         rounds += 1
@@ -131,18 +131,16 @@ with Bridge(links) as bridge:
 
 FORMATS = {
     "csv": ["convert", "LOG", "-o", "OUT", "--format", "csv"],
-    "jsonl": ["convert", "LOG", "-o", "OUT", "--format", "jsonl", "--compression", "gzip"],
     "mcap": ["convert", "LOG", "-o", "OUT", "--format", "mcap"],
     "parquet": ["convert", "LOG", "-o", "OUT"],
     "repair": ["repair", "LOG", "-o", "OUT/made.tlog"],
     "merge": ["merge", "LOG", "LOG", "-o", "OUT/made.tlog"],
-    "cut": ["cut", "LOG", "-o", "OUT/made.tlog", "--types", "ATTITUDE"],
 }
 
 
 def test_a_storm_of_signals_changes_no_conversion(tmp_path: Path) -> None:
     log = tmp_path / "flight.tlog"
-    traffic.generate(log, 3000)
+    traffic.generate(log, 1000)
     done = python(f"""{STORM}
 import pathlib
 from mavwire import cli
@@ -162,7 +160,7 @@ quiet = made("quiet")
 assert len(quiet) >= {len(FORMATS)}
 storm()
 turn = 0
-while seen < 200 or not turn:
+while seen < 60 or not turn:
     turn += 1
     assert made(str(turn)) == quiet
 signal.setitimer(signal.ITIMER_REAL, 0)
