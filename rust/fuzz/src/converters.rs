@@ -66,7 +66,7 @@ fn any_reader(
 ) -> Option<Box<dyn Decode>> {
     let bytes = match kind % 4 {
         0 | 1 => {
-            let framing = if kind % 4 == 0 { Framing::Stamped } else { Framing::Raw };
+            let framing = if kind.is_multiple_of(4) { Framing::Stamped } else { Framing::Raw };
             let bytes = any_telemetry(input, framing.lead());
             let (source, wanted) = (source(&bytes), Wanted::default());
             let registry = Arc::clone(&ALL);

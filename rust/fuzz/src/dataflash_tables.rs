@@ -46,11 +46,21 @@ pub(crate) fn tables_of(
     (tables, reader.bad_bytes())
 }
 
+/// A log that was read.
+pub(crate) struct ReadLog {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) survey: Arc<Survey>,
+    pub(crate) options: Options,
+    pub(crate) tables: BTreeMap<u16, RecordBatch>,
+    /// Bytes that belong to no record.
+    pub(crate) bad: u64,
+}
+
 /// The tables of any log in small steps on one thread, if those are the ones of the whole at once on several.
 pub(crate) fn in_any_steps(
     input: &mut Input<'_>,
     log: impl FnOnce(Input<'_>) -> Vec<u8>,
-) -> Option<(Vec<u8>, Arc<Survey>, Options, BTreeMap<u16, RecordBatch>, u64)> {
+) -> Option<ReadLog> {
     let options = Options { si: input.byte() & 1 == 1, ..Options::default() };
     let (steps, limits) = (small_steps(input, 256), small_limits(input));
     let bytes = log(std::mem::take(input));
@@ -72,7 +82,7 @@ pub(crate) fn in_any_steps(
         let tables = on_threads(false, || tables_of(&stepped, &bytes, &options, limits));
         assert_eq!((&tables.0, tables.1), (&found, bad), "steps and threads");
     }
-    Some((bytes, survey, options, found, bad))
+    Some(ReadLog { bytes, survey, options, tables: found, bad })
 }
 
 fn same_form(one: &Form, other: &Form) -> bool {
@@ -93,7 +103,7 @@ pub(crate) fn table_of_layout(survey: &Survey) -> BTreeMap<usize, u16> {
 /// Any log, in any steps.
 pub fn dataflash_tables(data: &[u8]) {
     let read = in_any_steps(&mut Input::new(data), any_dataflash);
-    let Some((bytes, survey, options, found, bad)) = read else { return };
+    let Some(ReadLog { bytes, survey, options, tables: found, bad }) = read else { return };
     let Form::Binary(definitions) = &survey.form else { return };
     let (records, junk) = one_by_one(&survey, definitions, &bytes);
     assert_eq!(bad, junk);

@@ -14,7 +14,7 @@ pub fn xml(data: &[u8]) {
         Err(error) => return check(&error),
     };
     let again = decode_blob(&encode_blob(std::slice::from_ref(&definitions)));
-    assert_eq!(again.expect("what was encoded"), [definitions.clone()]);
+    assert_eq!(again.expect("what was encoded"), std::slice::from_ref(&definitions));
     for version in [WireVersion::V1, WireVersion::V2] {
         let mut lookup = |path: &str| match path {
             "my.xml" => Ok(definitions.clone()),

@@ -138,7 +138,9 @@ fn text(path: &Path, chunk: usize, bytes: &[u8]) {
     let lines = lines(bytes, chunk);
     let delimiter = Delimiter::of(&bytes[..bytes.len().min(chunk)]);
     let mut definitions = TextDefinitions::new(delimiter);
-    lines.iter().for_each(|&(at, line)| definitions.collect(line, at));
+    for &(at, line) in &lines {
+        definitions.collect(line, at);
+    }
     let mut log = TextLogFile::in_chunks(path, chunk).expect("a file");
     assert_eq!((log.delimiter(), log.layouts()), (delimiter, definitions.layouts()));
     assert_eq!(log.lines(), lines.len() as u64);

@@ -1,7 +1,7 @@
 //! Logs of good records, damaged here and there, as an input decides.
 
 use mavwire_core::frame::Header;
-use mavwire_core::log::dataflash::{FMT_TYPE, HEAD};
+use mavwire_core::log::dataflash::{FMT_TYPE, FieldKind, HEAD};
 use mavwire_schema::WireVersion;
 
 use crate::dialects::{any_message, frame_of, signed};
@@ -103,7 +103,7 @@ fn any_description(input: &mut Input<'_>) -> Description {
     let (mut format, mut columns, mut len) = (String::new(), Vec::new(), 3);
     for _ in 0..count {
         let kind = KINDS[usize::from(input.byte()) % KINDS.len()];
-        let size = mavwire_core::log::dataflash::FieldKind::from_char(kind).map_or(0, |k| k.size());
+        let size = FieldKind::from_char(kind).map_or(0, FieldKind::size);
         if len + size > 255 {
             break;
         }
@@ -188,7 +188,7 @@ pub(crate) fn any_text_log(mut input: Input<'_>) -> Vec<u8> {
     if flags == 0 {
         return input.rest().to_vec();
     }
-    let separator = if flags % 2 == 0 { ", " } else { "," };
+    let separator = if flags.is_multiple_of(2) { ", " } else { "," };
     let line = |description: Description| {
         let (type_id, len, name, format, columns) = description;
         let values = [&type_id.to_string(), &len.to_string(), name, &format, &columns];
@@ -205,7 +205,7 @@ pub(crate) fn any_text_log(mut input: Input<'_>) -> Vec<u8> {
                     log.extend_from_slice(separator.as_bytes());
                     log.extend_from_slice(VALUES[usize::from(input.byte()) % VALUES.len()]);
                 }
-                log.extend_from_slice(if kind % 5 == 0 { b"\r\n" } else { b"\n" });
+                log.extend_from_slice(if kind.is_multiple_of(5) { b"\r\n" } else { b"\n" });
             }
             224..240 => {
                 let len = usize::from(input.byte() % 64);

@@ -150,7 +150,7 @@ pub fn router(data: &[u8]) {
         now += u64::from(input.number()) * 100;
         let step = input.byte();
         let count = account.links.len();
-        if count == 0 || step % 8 == 0 && count < 16 {
+        if count == 0 || step.is_multiple_of(8) && count < 16 {
             let options = options(&mut input);
             let link = router.add_link(options.clone()).expect("there is room");
             account.links.insert(link, (options, LinkStats::default()));

@@ -67,7 +67,7 @@ fn by_runs(bytes: &[u8], lead: usize, stretch: usize) -> Records {
 /// Any bytes as a log, searched in stretches of any length.
 pub fn tlog(data: &[u8]) {
     let mut input = Input::new(data);
-    let lead = if input.byte() % 2 == 0 { 8 } else { 0 };
+    let lead = if input.byte().is_multiple_of(2) { 8 } else { 0 };
     let stretch = usize::from(input.number()) % 2048 + 1;
     let bytes = input.rest();
     let stretch = stretch.max(bytes.len() / 64);

@@ -8,7 +8,7 @@ use mavwire_core::log::dataflash::text::{
 };
 use mavwire_core::log::dataflash::{FieldKind, Layout, whole};
 
-use crate::dataflash_tables::{in_any_steps, summarised, table_of_layout};
+use crate::dataflash_tables::{ReadLog, in_any_steps, summarised, table_of_layout};
 use crate::input::Input;
 use crate::logs::any_text_log;
 
@@ -18,7 +18,7 @@ type Record<'a> = (u16, i64, &'a [u8]);
 /// Any log, in any steps.
 pub fn text_tables(data: &[u8]) {
     let read = in_any_steps(&mut Input::new(data), any_text_log);
-    let Some((bytes, survey, options, found, bad)) = read else { return };
+    let Some(ReadLog { bytes, survey, options, tables: found, bad }) = read else { return };
     let Form::Text(definitions) = &survey.form else { return };
     let (records, unused) = one_by_one(&survey, definitions, &bytes);
     assert_eq!(bad, unused);

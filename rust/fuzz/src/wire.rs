@@ -67,7 +67,7 @@ fn streamed(policy: Resync, mut bytes: &[u8], sizes: &[u8]) -> Outcome {
         let size = *sizes.next().unwrap_or(&0);
         let (chunk, rest) = bytes.split_at((usize::from(size) + 1).min(bytes.len()));
         bytes = rest;
-        if size % 2 == 0 {
+        if size.is_multiple_of(2) {
             stream.push(chunk);
             while let Some(piece) = stream.next(&ALL) {
                 outcome.take(piece.bytes, piece.found);

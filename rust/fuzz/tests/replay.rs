@@ -83,7 +83,7 @@ fn the_corpus_is_replayed_with_changes() {
     for (name, target) in targets() {
         let inputs = inputs(name);
         for (_, input) in &inputs {
-            for _ in 0..wanted.unwrap_or((200 / inputs.len()).clamp(5, 20)) {
+            for _ in 0..wanted.unwrap_or((120 / inputs.len()).clamp(4, 20)) {
                 let other = &inputs[noise.below(inputs.len())].1;
                 holds(name, target, &mutated(input, other, &mut noise));
             }
