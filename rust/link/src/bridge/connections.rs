@@ -12,7 +12,7 @@ use super::BridgeError;
 use super::endpoint::{Connection, LinkSpec, Opened, Stream};
 use super::event_loop::{Command, EventLoop, PROGRAM_NAME, TICK, TURNS};
 use super::latency::Latency;
-use super::port::Wire;
+use super::port::{Standing, Wire};
 use super::stats::Traffic;
 use crate::address::Address;
 use crate::wording::in_words;
@@ -207,7 +207,9 @@ impl EventLoop {
     fn make_room(&mut self, number: u32) -> bool {
         let now = self.switch.moment.now;
         let unproven = self.switch.ports().filter(|port| {
-            port.link == number && !port.proven && now.saturating_sub(port.heard) > TIME_TO_PROVE
+            port.link == number
+                && port.standing != Standing::Proven
+                && now.saturating_sub(port.heard) > TIME_TO_PROVE
         });
         let Some(id) = unproven.min_by_key(|port| port.heard).map(|port| port.id) else {
             return false;

@@ -43,6 +43,17 @@ impl From<Connection> for Wire {
     }
 }
 
+/// What is known of a peer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Standing {
+    /// No good frame came from it.
+    New,
+    /// The same, and it gets nothing before one with a good signature came.
+    Muted,
+    /// A good frame came, with a good signature where one is needed.
+    Proven,
+}
+
 /// A peer, its half-read frame and its queue.
 #[derive(Debug)]
 pub(super) struct Port {
@@ -68,10 +79,7 @@ pub(super) struct Port {
     pub(super) automation: Option<Automation>,
     /// Messages that leave before others.
     urgent: Box<[u32]>,
-    /// A good frame came, with a good signature where one is needed.
-    pub(super) proven: bool,
-    /// It gets nothing before it has proven itself.
-    pub(super) muted: bool,
+    pub(super) standing: Standing,
 }
 
 impl Port {
@@ -98,8 +106,7 @@ impl Port {
             border,
             automation: Automation::new(&spec.automation),
             urgent: spec.options.limits.urgent.as_slice().into(),
-            proven: false,
-            muted: false,
+            standing: Standing::New,
         }
     }
 
@@ -114,7 +121,7 @@ impl Port {
     ) {
         match self.wire {
             Wire::Program => return,
-            _ if self.muted => return, // nothing is meant for it yet
+            _ if self.standing == Standing::Muted => return, // nothing is meant for it yet
             Wire::Down => {
                 self.outbox.dropped += 1;
                 return;
@@ -136,7 +143,8 @@ impl Port {
 
     /// Whether there is anyone to send to.
     pub(super) fn is_up(&self) -> bool {
-        matches!(self.wire, Wire::Stream(_) | Wire::Datagrams(..)) && !self.muted
+        matches!(self.wire, Wire::Stream(_) | Wire::Datagrams(..))
+            && self.standing != Standing::Muted
     }
 
     /// The descriptor that only this port reads from.

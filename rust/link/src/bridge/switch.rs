@@ -15,7 +15,7 @@ use mavwire_core::stream::Piece;
 use super::endpoint::PortSpec;
 use super::frames::{FrameInfo, Frames};
 use super::latency::Latency;
-use super::port::{Port, Wire};
+use super::port::{Port, Standing, Wire};
 use super::stats::Traffic;
 
 /// The link number that stands for the program around the bridge.
@@ -95,7 +95,9 @@ impl Switch {
     pub(super) fn add_peer(&mut self, link: u32, wire: Wire, spec: &PortSpec) -> Option<&mut Port> {
         let id = self.add(link, wire, spec)?;
         let port = self.port(id)?;
-        port.muted = spec.options.border.verify;
+        if spec.options.border.verify {
+            port.standing = Standing::Muted;
+        }
         Some(port)
     }
 
@@ -201,8 +203,7 @@ impl Switch {
             port.count(tally.damaged, tally.junk_bytes);
             if tally.proven {
                 port.heard = now;
-                port.proven = true;
-                port.muted = false;
+                port.standing = Standing::Proven;
             }
         }
     }
