@@ -102,7 +102,7 @@ def test_pipes_are_refused_and_not_waited_for(tmp_path, capsys):
     for look in looks:
         with pytest.raises(OSError, match="save what comes out of it in a file"):
             look(pipe)
-    writing = [[command, "-o", str(tmp_path / "out")] for command in ("convert", "cut", "map")]
+    writing = [[name, "-o", str(tmp_path / f"{name}.html")] for name in ("convert", "cut", "map")]
     plot = ["plot", "ATTITUDE.roll", "-o", str(tmp_path / "plot.html")]
     for command, *rest in (*writing, plot, ["info"], ["dump"]):
         assert cli.main([command, str(pipe), *rest]) != 0

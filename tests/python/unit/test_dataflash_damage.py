@@ -227,7 +227,8 @@ def test_a_word_in_the_place_of_an_instance_costs_no_other_line(tmp_path: Path) 
     with DFReader_text(str(path)) as log:
         times = [message.TimeUS for message in iter(lambda: log.recv_match(type="IMU"), None)]
         assert times == list(range(6))
-        assert sorted(log.messages) == ["FMT", "FMTU", "IMU", "IMU[0]", "IMU[1]", "MAV"]
+        kinds = {name for name in log.messages if name.startswith("IMU")}
+        assert kinds == {"IMU", "IMU[0]", "IMU[1]"}
         assert (log.messages["IMU[0]"].TimeUS, log.messages["IMU[1]"].TimeUS) == (5, 4)
 
 

@@ -296,21 +296,22 @@ def test_mistakes_are_one_line(
 
 
 @pytest.mark.parametrize(
-    ("device", "module", "package"),
+    ("device", "module", "extra"),
     [
-        ("/dev/ttyUSB0", "serial", "pyserial"),
-        ("ws:127.0.0.1:5", "wsproto", "wsproto"),
-        ("wss:127.0.0.1:5", "wsproto", "wsproto"),
-        ("wsserver:127.0.0.1:0", "wsproto", "wsproto"),
+        ("/dev/ttyUSB0", "serial", "serial"),
+        ("ws:127.0.0.1:5", "wsproto", "ws"),
+        ("wss:127.0.0.1:5", "wsproto", "ws"),
+        ("wsserver:127.0.0.1:0", "wsproto", "ws"),
     ],
 )
 def test_packages_that_a_link_needs_are_named(
-    device: str, module: str, package: str,
+    device: str, module: str, extra: str,
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     monkeypatch.setitem(sys.modules, module, None)
     assert cli.main(["sim", "--duration", "1ms", "--out", device]) == 1
-    reason = f"mavwire sim: error: {device} needs {package}: pip install {package}\n"
+    package = {"serial": "pyserial"}.get(module, module)
+    reason = f"mavwire sim: error: {device} needs {package}: pip install 'mavwire[{extra}]'\n"
     assert capsys.readouterr().err == reason
 
 
