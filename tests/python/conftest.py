@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import re
+from collections.abc import Iterator
 
 import pytest
 
@@ -46,6 +47,18 @@ def oracle() -> str:
     if importlib.util.find_spec(ORACLE) is None:
         pytest.skip(f"{ORACLE} is not installed: pip install -r requirements/test.txt")
     return ORACLE
+
+
+@pytest.fixture
+def mavlink20() -> Iterator[None]:
+    """Links of this test speak MAVLink 2 and know all messages; those of the next one what they did before."""
+    from mavwire import mavutil
+
+    mavutil.set_wire_protocol("2.0")
+    mavutil.set_dialect("all")
+    yield
+    mavutil.set_wire_protocol(None)
+    mavutil.set_dialect("all")
 
 
 @pytest.fixture(autouse=True)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from mavwire import aio, mavutil
+from mavwire import aio
 from mavwire.sim import Impairment, Runner, Vehicle, serve
 from unit.aio_tools import LOOPS, run
 from unit.link_tools import KEY, free_port
@@ -25,13 +25,7 @@ PATIENCE = {"retries": 30, "timeout": 2.0}
 PERSISTENCE = {"retries": 200, "timeout": 0.3}
 
 
-@pytest.fixture(autouse=True)
-def mavlink20():
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 @contextmanager

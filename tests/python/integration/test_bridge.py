@@ -8,7 +8,6 @@ import signal
 import socket
 import threading
 import urllib.request
-from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
@@ -33,14 +32,7 @@ from unit.bridge_tools import (
 )
 from unit.link_tools import heartbeat, pack
 
-
-@pytest.fixture(autouse=True)
-def mavlink20() -> Iterator[None]:
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 def message(link: Any, name: str, condition: str | None = None) -> Any:

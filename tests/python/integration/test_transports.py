@@ -23,13 +23,7 @@ MAV_CMD_REQUEST_MESSAGE = 512
 KEY = bytes(range(32))
 
 
-@pytest.fixture(autouse=True)
-def mavlink20() -> Iterator[None]:
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 @contextlib.contextmanager

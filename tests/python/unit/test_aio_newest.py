@@ -11,14 +11,7 @@ from mavwire.dialects.v20 import all as mavlink
 from unit.aio_tools import attitude, eventually, number, run, udp_link
 from unit.link_tools import T0, Capture, drain, heartbeat, pack, record
 
-
-@pytest.fixture(autouse=True)
-def mavlink20():
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 @pytest.fixture

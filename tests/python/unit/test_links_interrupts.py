@@ -24,16 +24,10 @@ WAIT = 60.0
 FRAME = 10
 INTERRUPTS = 300
 
-pytestmark = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs timers")
-
-
-@pytest.fixture(autouse=True)
-def mavlink20() -> Iterator[None]:
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = [
+    pytest.mark.usefixtures("mavlink20"),
+    pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs timers"),
+]
 
 
 class Stop(TimeoutError):

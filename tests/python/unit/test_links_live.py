@@ -21,13 +21,7 @@ WAIT = 60.0
 RADIO = pack(mavlink.MAVLink_radio_status_message(1, 2, 3, 4, 5, 6, 7), sysid=51, compid=68)
 
 
-@pytest.fixture(autouse=True)
-def mavlink20():
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 def receive(link, **kw):

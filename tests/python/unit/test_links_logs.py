@@ -25,13 +25,7 @@ LOG = b"".join(RECORDS)
 NAMES = ["HEARTBEAT", "ATTITUDE", "BATTERY_STATUS", "HEARTBEAT", "ATTITUDE"]
 
 
-@pytest.fixture(autouse=True)
-def mavlink20():
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 def whole_records(cut: int) -> int:

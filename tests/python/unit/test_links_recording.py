@@ -19,13 +19,7 @@ LONG = mavlink.MAVLink_statustext_message(6, b"x" * 50)
 SETUP = mavlink.MAVLink_setup_signing_message(1, 1, KEY[::-1], 99)
 
 
-@pytest.fixture(autouse=True)
-def mavlink20():
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 def decoded(frame: bytes):

@@ -33,13 +33,7 @@ HEARTBEAT = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
 SETUP = mavlink.MAVLink_setup_signing_message(1, 1, list(KEY[::-1]), 99)
 
 
-@pytest.fixture(autouse=True)
-def mavlink20():
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 def link_with_key(key=KEY, **kw) -> Capture:

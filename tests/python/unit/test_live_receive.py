@@ -22,16 +22,10 @@ PROMPTLY = 5.0
 # Datagrams that a socket holds under the usual limits of Linux, with room to spare.
 BACKLOG = 250
 # Signals and descriptors of other kinds than sockets.
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="native receiving is for POSIX systems")
-
-
-@pytest.fixture(autouse=True)
-def mavlink20():
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = [
+    pytest.mark.usefixtures("mavlink20"),
+    pytest.mark.skipif(os.name != "posix", reason="native receiving is for POSIX systems"),
+]
 
 
 class Datagrams:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -20,13 +19,7 @@ RECORDS = [record(frame, T0 + 4 * number) for number, frame in enumerate(FRAMES)
 LOG = b"".join(RECORDS)
 
 
-@pytest.fixture(autouse=True)
-def wire_protocol() -> Iterator[None]:
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 def received(log: Any, size: int | None, takes_in: bool = False) -> list[Any]:

@@ -21,13 +21,7 @@ STRAY = b"\xfd"
 FALSE_HEADER = b"\xfd\xff\x01"
 
 
-@pytest.fixture(autouse=True)
-def mavlink20():
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 def telemetry(count: int, rand: Random) -> list[bytes]:

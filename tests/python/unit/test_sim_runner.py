@@ -24,13 +24,7 @@ from watchdog import watched
 WAIT = 60.0
 
 
-@pytest.fixture(autouse=True)
-def mavlink20() -> Iterator[None]:
-    mavutil.set_wire_protocol("2.0")
-    mavutil.set_dialect("all")
-    yield
-    mavutil.set_wire_protocol(None)
-    mavutil.set_dialect("all")
+pytestmark = pytest.mark.usefixtures("mavlink20")
 
 
 @pytest.fixture
