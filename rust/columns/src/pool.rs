@@ -26,8 +26,17 @@ pub(crate) fn run<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     }
     match pool() {
         Some(pool) => pool.install(work),
-        None => work(),
+        None => {
+            become_pool();
+            work()
+        }
     }
+}
+
+/// Makes the calling thread one of rayon's, for good: where no thread can be started, rayon panics over its own pool.
+fn become_pool() {
+    let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+    let _: Option<&ThreadPool> = alone.ok().map(|pool| &*Box::leak(Box::new(pool)));
 }
 
 fn pool() -> Option<&'static ThreadPool> {
