@@ -52,7 +52,11 @@ class HttpServer:
         self._thread = threading.Thread(
             target=self._server.serve_forever, args=(0.1,), name="mavwire-http", daemon=True
         )
-        self._thread.start()
+        try:
+            start(self._thread)
+        except OSError:
+            self._server.server_close()
+            raise
 
     @property
     def is_ending(self) -> bool:
@@ -100,7 +104,8 @@ class HttpServer:
     def close(self) -> None:
         """Answer no more."""
         self.closing.set()
-        self._server.shutdown()
+        if self._thread.is_alive():  # which it is not in a forked child
+            self._server.shutdown()
         self._server.server_close()
         self._thread.join()
 
@@ -235,8 +240,10 @@ class Handler(BaseHTTPRequestHandler):
 
     def _is_meant(self) -> bool:
         """The names in Host and Origin are ours: no other site's page asks in its visitor's name."""
-        host, origin = self.headers.get("Host", ""), self.headers.get("Origin")
-        owner = self.server.owner
+        host, origin = self.headers.get("Host"), self.headers.get("Origin")
+        if host is None and origin is None:
+            return True  # no browser: these say whom they ask
+        host, owner = host or "", self.server.owner
         if not owner.answers_to(host) or not (origin is None or owner.welcomes(origin, host)):
             self.send_error(
                 HTTPStatus.FORBIDDEN, "not for this host or origin: --http-name adds one"
@@ -286,6 +293,14 @@ class Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """Nothing: standard error belongs to the program."""
+
+
+def start(thread: threading.Thread) -> None:
+    """Start a thread. OSError where the system has none left."""
+    try:
+        thread.start()
+    except RuntimeError as error:
+        raise OSError(errno.EAGAIN, str(error)) from error
 
 
 def send_all(connection: socket.socket, data: bytes) -> None:

@@ -12,6 +12,7 @@ from urllib.parse import SplitResult, unquote, urlsplit
 
 from .errors import ConfigError
 from .inspection import plain
+from .serving import start
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -63,13 +64,13 @@ class Sink:
         self.error: str | None = None
         self._publisher = publisher
         self._prefix = prefix
+        self._thread = threading.Thread(target=self._run, name="mavwire-sink", daemon=True)
         try:
             self._batches = bridge.frames()
+            start(self._thread)
         except BaseException:
             publisher.close()
             raise
-        self._thread = threading.Thread(target=self._run, name="mavwire-sink", daemon=True)
-        self._thread.start()
         self._listed = bridge.sinks
         self._listed.append(self)
 

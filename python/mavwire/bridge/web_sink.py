@@ -71,15 +71,18 @@ class _Reader:
 
     def _keep_newest(self) -> None:
         """Keep the newest of each kind, and of more kinds than there is room for those that came last."""
-        kept: dict[str, _Item] = {}
+        kept: list[_Item] = []
+        seen: set[str] = set()
         size = 0
         for item in reversed(self._waiting):
-            if item.key not in kept and (not kept or size + len(item.data) <= MAX_WAITING // 2):
-                kept[item.key] = item
+            is_newest = item.key not in seen
+            seen.add(item.key)
+            if is_newest and (not kept or size + len(item.data) <= MAX_WAITING // 2):
+                kept.append(item)
                 size += len(item.data)
             else:
                 self.dropped += item.frames
-        self._waiting = [*reversed(kept.values())]
+        self._waiting = kept[::-1]
         self._size = size
 
     def messages(self) -> Iterator[str | bytes]:

@@ -43,6 +43,8 @@ class LogFile:
         self._file = file
         # Where the frame stands that `read_frame` began to read.
         self._frame = range(0)
+        # Where bytes stand that are no record, as far as they were looked through.
+        self._junk = range(0)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._file, name)
@@ -81,19 +83,25 @@ class LogFile:
         file.
         """
         here = self.tell()
+        if here in self._junk:
+            return self._read_junk(here, size)
         if here not in self._frame:
             head = self._peek(here, RECORD_HEAD)
             if len(head) < RECORD_HEAD:
                 return b""
             length = frame_length(head[STAMP_LEN:])
             if not length:
-                junk = self._junk_at(here)
-                return self.read(junk if size is None else min(size, junk))
+                self._junk = range(here, here + self._junk_at(here))
+                return self._read_junk(here, size)
             self._link._seek(here)  # another record, whether or not the last one was taken in
             LogLink.pre_message(self._link)
             self._frame = range(here + STAMP_LEN, here + STAMP_LEN + length)
         left = self._frame.stop - self.tell()
         return LogLink.recv(self._link, left if size is None else min(size, left))
+
+    def _read_junk(self, here: int, size: int | None) -> bytes:
+        left = self._junk.stop - here
+        return self.read(left if size is None else min(size, left))
 
     def _junk_at(self, offset: int) -> int:
         """Bytes from `offset`, where no record begins, to the next one: one or more.

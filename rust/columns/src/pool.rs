@@ -12,8 +12,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 /// threads that only its parent has.
 struct Generation {
     process: u32,
-    /// `None` where no thread could be started.
-    pool: Option<ThreadPool>,
+    pool: ThreadPool,
     child: OnceLock<&'static Self>,
 }
 
@@ -39,6 +38,7 @@ fn become_pool() {
     let _: Option<&ThreadPool> = alone.ok().map(|pool| &*Box::leak(Box::new(pool)));
 }
 
+/// `None` where no thread can be started now.
 fn pool() -> Option<&'static ThreadPool> {
     let process = process::id();
     let mut place = &FIRST;
@@ -46,14 +46,14 @@ fn pool() -> Option<&'static ThreadPool> {
         let generation = match place.get() {
             Some(generation) => generation,
             None => {
-                let pool = ThreadPoolBuilder::new().build().ok();
+                let pool = ThreadPoolBuilder::new().build().ok()?;
                 let new = Generation { process, pool, child: OnceLock::new() };
                 // Whoever loses a race takes what the winner has made.
                 place.get_or_init(|| Box::leak(Box::new(new)))
             }
         };
         if generation.process == process {
-            return generation.pool.as_ref();
+            return Some(&generation.pool);
         }
         place = &generation.child;
     }

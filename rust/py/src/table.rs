@@ -16,7 +16,8 @@ use mavwire_columns::arrow::ipc::reader::StreamReader;
 use mavwire_columns::arrow::ipc::writer::StreamWriter;
 use mavwire_columns::fit::{fit, schema_of_all};
 use mavwire_columns::instances::split;
-use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyKeyError, PyKeyboardInterrupt, PyTypeError, PyValueError};
+use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyIterator, PyList, PyTuple};
 
@@ -237,7 +238,12 @@ impl RecordBatches {
         tables: Py<PyIterator>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
         let schema = schema_of_all(&self.schema);
-        let batches = TableBatches { schema: Arc::clone(&schema), tables, left: VecDeque::new() };
+        let batches = TableBatches {
+            schema: Arc::clone(&schema),
+            tables,
+            left: VecDeque::new(),
+            failed: None,
+        };
         let stream = FFI_ArrowArrayStream::new(Box::new(RecordBatchIterator::new(batches, schema)));
         PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
     }
@@ -302,13 +308,15 @@ struct TableBatches {
     tables: Py<PyIterator>,
     /// Those of the last table.
     left: VecDeque<RecordBatch>,
+    /// Why there are no more; who asks again is told again.
+    failed: Option<String>,
 }
 
 impl TableBatches {
     /// The batches of the next table; None behind the last one.
     fn step(&self) -> PyResult<Option<Vec<RecordBatch>>> {
         Python::attach(|py| {
-            let Some(table) = self.tables.bind(py).clone().next().transpose()? else {
+            let Some(table) = self.tables.bind(py).items()?.next().transpose()? else {
                 return Ok(None);
             };
             Ok(Some(table.cast::<RecordBatches>()?.get().batches.clone()))
@@ -320,15 +328,31 @@ impl Iterator for TableBatches {
     type Item = Result<RecordBatch, ArrowError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        while self.left.is_empty() {
+        while self.left.is_empty() && self.failed.is_none() {
             match self.step() {
                 Ok(None) => return None,
                 Ok(Some(batches)) => self.left.extend(batches),
-                Err(error) => return Some(Err(ArrowError::ExternalError(Box::new(error)))),
+                Err(error) => self.failed = Some(failure(&error)),
             }
+        }
+        if let Some(failed) = &self.failed {
+            return Some(Err(ArrowError::ExternalError(failed.as_str().into())));
         }
         self.left.pop_front().map(|batch| fit(&batch, &self.schema))
     }
+}
+
+/// What a stream says of an exception: it can carry no more than a text. Ctrl-C is raised again where the reader is back in
+/// Python.
+fn failure(error: &PyErr) -> String {
+    Python::attach(|py| {
+        let text = error.to_string();
+        if error.is_instance_of::<PyKeyboardInterrupt>(py) {
+            // SAFETY: an attached thread; it only notes that a signal came. Nothing of Python's may run behind it here.
+            unsafe { ffi::PyErr_SetInterrupt() };
+        }
+        text
+    })
 }
 
 /// Raises `ValueError` where the texts of a column would be more than `most` bytes in one piece.

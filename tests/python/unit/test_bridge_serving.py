@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import socket
 import socketserver
+import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -43,7 +44,9 @@ def test_a_name_that_someone_has_lead_here_reads_nothing(
         for host in ("evil.example", f"evil.example:{port}", "1.2.3.4.evil.example", ""):
             assert status(port, f"Host: {host}") == b"403"
             assert status(port, f"Host: {host}\r\nOrigin: http://{host}") == b"403"
-        assert status(port, "Accept: text/plain") == b"403"
+        # Browsers always say both whom they ask and for whom.
+        assert status(port, "Accept: text/plain") == b"200"
+        assert status(port, "Origin: http://evil.example") == b"403"
 
 
 def test_what_has_no_thread_keeps_no_place(monkeypatch: pytest.MonkeyPatch, bridge: Bridge) -> None:
@@ -57,6 +60,22 @@ def test_what_has_no_thread_keeps_no_place(monkeypatch: pytest.MonkeyPatch, brid
                 with socket.create_connection(("127.0.0.1", server.port), LIMIT) as client:
                     assert client.recv(1) == b""
         assert status(server.port) == b"200"
+
+
+def test_a_server_that_gets_no_thread_leaves_its_port(
+    monkeypatch: pytest.MonkeyPatch, bridge: Bridge
+) -> None:
+    def no_thread(*_: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    with monkeypatch.context() as patched, pytest.raises(OSError, match="new thread") as failed:
+        patched.setattr(threading.Thread, "start", no_thread)
+        MetricsServer(bridge, "127.0.0.1", port)
+    assert failed.value.errno == errno.EAGAIN
+    with MetricsServer(bridge, "127.0.0.1", port):
+        assert status(port) == b"200"
 
 
 def test_a_server_without_descriptors_rests(

@@ -145,6 +145,12 @@ def test_what_waits_is_bounded_and_the_newest_of_each_kind() -> None:
     for n in range(20):
         reader.offer([_Item(f"1/1/{n}", json.dumps(fill).encode())])
     assert 0 < len("".join(map(str, reader.messages()))) <= 2 * MAX_WAITING
+    # A newer one that does not fit leaves no older one in its place.
+    lengths = (9, MAX_WAITING * 3 // 4, MAX_WAITING // 3)
+    for key, length in zip("KKA", lengths, strict=True):
+        reader.offer([_Item(f"1/1/{key}", json.dumps(key * length).encode())])
+    [text] = reader.messages()
+    assert [message[0] for message in json.loads(text)] == ["A"]
     # One that is longer than what may wait.
     for frames in (300, 20):
         raw.offer([_Item("out", bytes(MAX_WAITING + 1), frames)])

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime as dt
 import importlib.util
 import os
 import pickle
+import signal
 import sys
 from pathlib import Path
 
@@ -265,6 +267,39 @@ def test_a_scan_of_one_type_is_a_stream(flight, tmp_path):
     for types in (None, ["ATTITUDE", "HEARTBEAT"]):
         with pytest.raises(TypeError, match="name one type"):
             pa.table(mavwire.scan(flight, types))
+
+
+def failing_stream(flight, error):
+    pa = pytest.importorskip("pyarrow")
+    batches = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]._batches
+
+    def tables():
+        yield batches
+        raise error
+
+    reader = pa.RecordBatchReader._import_from_c_capsule(batches.stream(tables()))
+    assert len(reader.read_next_batch()) > 0
+    return reader
+
+
+def test_a_stream_that_fails_says_so_again(flight):
+    reader = failing_stream(flight, ValueError("no more of it"))
+    for _ in range(2):
+        with pytest.raises(Exception, match="no more of it"):
+            reader.read_next_batch()
+
+
+def test_ctrl_c_in_a_stream_reaches_the_program(flight):
+    reader = failing_stream(flight, KeyboardInterrupt())
+    handler = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            with contextlib.suppress(Exception):
+                reader.read_next_batch()
+            while True:  # what a program does next
+                pass
+    finally:
+        signal.signal(signal.SIGINT, handler)
 
 
 def test_a_stream_of_logs_that_describe_a_type_in_several_ways(tmp_path):

@@ -37,6 +37,11 @@ def messages(path):
 with multiprocessing.get_context("fork").Pool(2) as pool:
     assert pool.map(messages, [path] * 4) == [2000] * 4
 """,
+    "the HTTP server of a bridge": """
+from mavwire.bridge.metrics import MetricsServer
+with mavwire.Bridge() as bridge, MetricsServer(bridge, "127.0.0.1", 0) as server:
+    forks(server.close)
+""",
     "a link": """
 link, out = udp()
 def each():

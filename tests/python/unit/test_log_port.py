@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.links.log_file import LogFile
 from unit.link_tools import T0, pack, record
 
 TEXTS = [f"line {number}".encode() for number in range(40)]
@@ -92,6 +93,20 @@ def test_bytes_that_are_missing_cost_no_more_than_in_a_stream(
     taken = damaged | {max(damaged) + 1}
     assert set(TEXTS) - set(found) <= {TEXTS[number] for number in taken}
     assert found == [text for text in TEXTS if text in found]
+
+
+def test_noise_in_small_pieces_is_looked_through_once(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked: list[int] = []
+    look = LogFile._junk_at
+    monkeypatch.setattr(
+        LogFile, "_junk_at", lambda file, at: [look(file, at), looked.append(at)][0]
+    )
+    path.write_bytes(RECORDS[0] + bytes(9000) + RECORDS[1])
+    with mavutil.mavlink_connection(str(path)) as log:
+        assert texts(received(log, 1)) == TEXTS[:2]
+    assert len(looked) <= 4
 
 
 @pytest.mark.parametrize("takes_in", [False, True])
