@@ -391,10 +391,12 @@ class Signing:
         timestamp: int,
         follows_clock: bool,
         keep: Callable[[int], int] | None,
+        max_ahead: int | None,
     ) -> None:
         """Key, policy and timestamps at once, so that no other thread sees some of them without the
         rest. Timestamps follow the clock or count up, and `keep(timestamp) -> mark` is called before
-        those from the mark on are used."""
+        those from the mark on are used. Received timestamps may be `max_ahead` units ahead of the
+        clock, or any number where it is None."""
 
     def _share(self, other: Signing) -> bool:
         """Shares the stream table of `other` if that has the same key; whether it has."""

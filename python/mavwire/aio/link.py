@@ -188,15 +188,17 @@ class Link(Parameters):
         initial_timestamp: int | None = None,
         link_id: int | None = None,
         timestamp_store: Any = None,
+        max_ahead: float | None = None,
     ) -> None:
         """What `sync.setup_signing` does, with the same arguments and errors, but a `timestamp_store`
         does not hold up the loop: it is read and written by threads."""
         begin = self.sync._begin_signing
         policy = (secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id)
         if timestamp_store is None:
-            begin(prepared(*policy))
+            begin(prepared(*policy, None, max_ahead))
         else:
-            begin(await in_background(lambda: prepared(*policy, AheadStore(timestamp_store))))
+            store = AheadStore(timestamp_store)
+            begin(await in_background(lambda: prepared(*policy, store, max_ahead)))
 
     # -- state
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from mavwire.links.signing import UNITS_PER_SECOND
+
 from .checks import content, flag, seconds, whole
 from .errors import ConfigError
 
@@ -18,7 +20,7 @@ MAX_KEY_FILE = 1024
 DEFAULT_SYSTEM = 125
 BORDER_OPTIONS = (
     "version", "signing_key", "signing_key_file", "verify_in", "allow_unsigned_in", "sign_out",
-    "strip_in", "strip_out",
+    "strip_in", "strip_out", "max_ahead_in",
 )  # fmt: skip
 AUTOMATION_OPTIONS = ("heartbeat", "request_streams", "own_system")
 
@@ -35,6 +37,8 @@ class Border:
     sign: bool = False
     strip_in: bool = False
     strip_out: bool = False
+    max_ahead: int | None = None
+    """How far ahead of the clock a signature may be, in 10 us units; None sets no limit."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,9 @@ def border_from(
     unsigned = options.get("allow_unsigned_in")
     if unsigned is not None and not flags["verify_in"]:
         raise ConfigError("allow_unsigned_in does nothing without verify_in", "allow_unsigned_in")
+    ahead = options.get("max_ahead_in")
+    if ahead is not None and not flags["verify_in"]:
+        raise ConfigError("max_ahead_in does nothing without verify_in", "max_ahead_in")
     return Border(
         version=version,
         key=key,
@@ -80,6 +87,7 @@ def border_from(
         sign=flags["sign_out"],
         strip_in=flags["strip_in"],
         strip_out=flags["strip_out"],
+        max_ahead=None if ahead is None else int(seconds("max_ahead_in", ahead) * UNITS_PER_SECOND),
     )
 
 

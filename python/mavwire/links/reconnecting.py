@@ -104,7 +104,10 @@ class ReconnectingLink(StreamLink):
             self._note_failure(error)
 
     def _note_failure(self, error: OSError) -> None:
-        """Keep why connecting failed, and log it unless it was the same the last time."""
+        """Keep why connecting failed, and log it unless it was the same the last time. Of a link that was closed
+        meanwhile it is no news: nobody tries again."""
+        if self._closed:
+            return
         # Without the frames it went through, which hold the link and what it has tried.
         last, self.connect_error = self.connect_error, error.with_traceback(None)
         if str(error) != str(last):

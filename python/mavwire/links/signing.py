@@ -46,7 +46,7 @@ def check_key(secret_key: bytes) -> None:
         raise ValueError(f"a signing key has {KEY_LEN} bytes, not {len(secret_key)}")
 
 
-def _check_number(name: str, value: int, largest: int) -> None:
+def _check_number(name: str, value: float, largest: int) -> None:
     """OverflowError unless a signature has room for the value, TypeError if it is no number."""
     try:
         fits = 0 <= value <= largest
@@ -54,6 +54,16 @@ def _check_number(name: str, value: int, largest: int) -> None:
         raise TypeError(f"{name} is a number, not {value!r}") from None
     if not fits:
         raise OverflowError(f"{name} is 0 to {largest}, not {value}")
+
+
+def _units_ahead(max_ahead: float | None, follows_clock: bool) -> int | None:
+    """`max_ahead` seconds as units. ValueError where there is no clock to be ahead of, otherwise as `_check_number`."""
+    if max_ahead is None:
+        return None
+    if not follows_clock:
+        raise ValueError("max_ahead is measured by the clock, which an initial_timestamp replaces")
+    _check_number("max_ahead", max_ahead, MAX_TIMESTAMP // UNITS_PER_SECOND)
+    return int(max_ahead * UNITS_PER_SECOND)
 
 
 def stored_timestamp(store: Any) -> int:
@@ -97,13 +107,13 @@ def _tried(
     _check_number("initial_timestamp", timestamp, MAX_TIMESTAMP)
     tried = SigningState()
     tried._set_up(
-        secret_key, sign_outgoing, allow_unsigned_callback, number, timestamp, False, None
+        secret_key, sign_outgoing, allow_unsigned_callback, number, timestamp, False, None, None
     )
     return tried
 
 
 def _forget_key(signing: Any) -> None:
-    signing._set_up(None, False, None, 0, 0, False, None)
+    signing._set_up(None, False, None, 0, 0, False, None, None)
     if _with_key is not None:
         _with_key.discard(signing)
 
@@ -154,11 +164,13 @@ def prepared(
     initial_timestamp: int | None = None,
     link_id: int | None = None,
     timestamp_store: Any = None,
+    max_ahead: float | None = None,
 ) -> tuple[Any, ...]:
     """What `_begin_signing` needs, from the arguments of `setup_signing`, with its errors; as slow as
     the store is. All is checked before anything is touched, and the store is the last that may fail.
     """
     follows_clock = initial_timestamp is None
+    units_ahead = _units_ahead(max_ahead, follows_clock)
     if initial_timestamp is None:
         initial_timestamp = signing_timestamp(time.time())
     tried = _tried(secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id)
@@ -173,7 +185,7 @@ def prepared(
     number = _number(asked, getattr(store, "_claim", None))
     return (
         tried.secret_key, tried.sign_outgoing, allow_unsigned_callback,
-        number, timestamp, follows_clock, keep,
+        number, timestamp, follows_clock, keep, units_ahead,
     )  # fmt: skip
 
 
@@ -192,6 +204,7 @@ class Signing:
         initial_timestamp: int | None = None,
         link_id: int | None = None,
         timestamp_store: Any = None,
+        max_ahead: float | None = None,
     ) -> None:
         """Sign what is sent and check what is received with the 32-byte `secret_key`.
 
@@ -200,15 +213,16 @@ class Signing:
         and defaults to now, and then follows the clock. Links without a `link_id` are numbered in
         order, process-wide. `timestamp_store`, the path of a file or an object with `load` and
         `save`, keeps timestamps rising over restarts whatever the clock does; links of processes
-        that share a file are numbered differently. ValueError for a key of another length;
-        OverflowError for numbers that a signature has no room for; TypeError for what is no number or
-        key; OSError, or what the object raises, for a store that cannot be used. Nothing is
-        changed by an error.
+        that share a file are numbered differently. A signature more than `max_ahead` seconds ahead of
+        the clock is a bad one; None sets no limit. ValueError for a key of another length, and for
+        `max_ahead` beside an `initial_timestamp`, which stands for no clock; OverflowError for numbers
+        that a signature has no room for; TypeError for what is no number or key; OSError, or what the
+        object raises, for a store that cannot be used. Nothing is changed by an error.
         """
         self._begin_signing(
             prepared(
                 secret_key, sign_outgoing, allow_unsigned_callback, initial_timestamp, link_id,
-                timestamp_store,
+                timestamp_store, max_ahead,
             )
         )  # fmt: skip
 

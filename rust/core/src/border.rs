@@ -38,6 +38,8 @@ pub struct BorderOptions {
     pub strip_in: bool,
     /// Signatures are taken off what leaves.
     pub strip_out: bool,
+    /// Signatures whose timestamp is further ahead of the clock are not good ones; `None` sets no limit.
+    pub max_ahead: Option<u64>,
     /// The link id of the signatures made here.
     pub link_id: u8,
 }
@@ -93,7 +95,9 @@ impl Border {
         let whole = FrameRef::parse(frame).ok()?;
         let mut proven = true;
         if self.options.verify {
-            match self.signing.borrow_mut().check(&whole, Some(now)) {
+            let mut signing = self.signing.borrow_mut();
+            signing.max_ahead = self.options.max_ahead; // this link's: others share the state
+            match signing.check(&whole, Some(now)) {
                 Verdict::Good { .. } => {}
                 Verdict::Unsigned if self.options.unsigned.contains(&whole.header().msgid) => {
                     proven = false;
@@ -263,6 +267,28 @@ mod tests {
         }
         let old = leaves(&here, &registry, &HEARTBEAT_V1).expect("version 2 from here on");
         assert!(there.incoming(&old, NOW).is_some());
+    }
+
+    #[test]
+    fn r52_each_link_says_how_far_ahead_a_signature_may_be() {
+        let shared = state(1);
+        let with = |max_ahead| {
+            let options = BorderOptions { verify: true, max_ahead, ..<_>::default() };
+            Border::new(options, Rc::clone(&shared))
+        };
+        let (near, any) = (with(Some(10)), with(None));
+        let key = SecretKey::new(&[1; 32]).expect("32 bytes");
+        let ahead = |timestamp| {
+            let header = Header { incompat_flags: IFLAG_SIGNED, ..header(V2, 0, 7) };
+            let mut frame = Vec::new();
+            encode(&mut frame, header, &[1; 9], 50).expect("it fits");
+            crate::signing::sign(&mut frame, &key, 3, NOW + timestamp);
+            frame
+        };
+        assert!(near.incoming(&ahead(10), NOW).is_some());
+        assert!(near.incoming(&ahead(11), NOW).is_none());
+        assert!(any.incoming(&ahead(12), NOW).is_some());
+        assert!(near.incoming(&ahead(13), NOW).is_none(), "its own limit again");
     }
 
     #[test]

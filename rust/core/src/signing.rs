@@ -26,7 +26,7 @@ pub const EPOCH_UNIX_SECONDS: u64 = 1_420_070_400;
 pub const UNITS_PER_SECOND: u64 = 100_000;
 /// Largest timestamp that 48 bits hold, reached in 2104.
 pub const MAX_TIMESTAMP: u64 = (1 << 48) - 1;
-/// How far a new stream's first timestamp may lie behind the local one: one minute.
+/// How far a new stream's first timestamp may lie behind the local one, and behind the clock: one minute.
 pub const NEW_STREAM_WINDOW: u64 = 60 * UNITS_PER_SECOND;
 /// How far received timestamps may move the local one ahead of the clock: one day.
 pub const MAX_LOCAL_LEAD: u64 = 24 * 3600 * UNITS_PER_SECOND;
@@ -77,11 +77,11 @@ pub enum Verdict {
         /// Last timestamp of the stream.
         last: u64,
     },
-    /// First of its stream, and more than a minute behind the local timestamp.
+    /// First of its stream, and more than a minute behind the local timestamp or the clock.
     NewStreamTooOld {
         /// Timestamp of the frame.
         timestamp: u64,
-        /// The local timestamp.
+        /// The local timestamp or the clock, whichever is later.
         local: u64,
     },
     /// Further ahead of the clock than the application allows.
@@ -112,7 +112,8 @@ impl Verdict {
 #[derive(Debug, Default)]
 pub struct SigningState {
     key: Option<SecretKey>,
-    /// The timestamp of the next frame to sign, and what new streams are measured against. Not above 2^48.
+    /// The timestamp of the next frame to sign. New streams are measured against it, or the clock where that is later.
+    /// Not above 2^48.
     pub timestamp: u64,
     /// Last timestamp of each verified stream.
     pub streams: StreamTable,
@@ -162,12 +163,14 @@ impl SigningState {
         let id =
             StreamId { link_id: signature.link_id, sysid: header.sysid, compid: header.compid };
         let timestamp = signature.timestamp;
+        // Who only listens has no timestamp of its own that goes on.
+        let local = self.timestamp.max(now.unwrap_or(0));
         let place = streams.find(id);
         let stream = match place.map(|at| streams.timestamp(at)) {
             Ok(last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
             Ok(_) => Stream::Known,
-            Err(_) if timestamp + NEW_STREAM_WINDOW < self.timestamp => {
-                return Verdict::NewStreamTooOld { timestamp, local: self.timestamp };
+            Err(_) if timestamp + NEW_STREAM_WINDOW < local => {
+                return Verdict::NewStreamTooOld { timestamp, local };
             }
             Err(_) => Stream::New,
         };

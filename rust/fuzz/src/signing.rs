@@ -66,7 +66,7 @@ fn foretold(
     now: Option<u64>,
 ) -> Verdict {
     let Some(signature) = frame.signature() else { return Verdict::Unsigned };
-    let (timestamp, local) = (signature.timestamp, state.timestamp);
+    let (timestamp, local) = (signature.timestamp, state.timestamp.max(now.unwrap_or(0)));
     let stream = match streams.get(&stream_of(frame)) {
         Some(&last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
         Some(_) => Stream::Known,
@@ -161,6 +161,7 @@ pub fn border(data: &[u8]) {
         sign: flags & 8 != 0,
         strip_in: flags & 16 != 0,
         strip_out: flags & 32 != 0,
+        max_ahead: (flags & 64 != 0).then_some(MAX_AHEAD),
         link_id: input.byte(),
     };
     let mut newest = input.long() >> 20;

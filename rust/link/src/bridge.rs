@@ -127,9 +127,10 @@ impl Waker {
         Ok(())
     }
 
+    /// Wakes the loop at once if the system lets it. What fails is no loss: of a full pipe, as the loop is about to wake
+    /// anyway, and of any other cause, as it obeys at each tick too, only later.
     fn wake(&self) {
-        // A full pipe means that the loop is about to wake anyway.
-        let _ = (&*self.signal).write(&[0]);
+        let _ = (&*self.signal).write_all(&[0]);
     }
 }
 

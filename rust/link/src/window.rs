@@ -61,7 +61,7 @@ impl FileWindow {
     /// The bytes from `offset` on: `wanted` or more, fewer only where the file ends.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// What the operating system says; `OutOfMemory` where there is no memory for so many.
     #[inline]
     pub fn at(&mut self, offset: u64, wanted: usize) -> io::Result<&[u8]> {
         if let Some(skip) = offset.checked_sub(self.start)
@@ -91,6 +91,8 @@ impl FileWindow {
         let wanted = if wanted > self.chunk { wanted.min(self.left_from(offset)?) } else { wanted };
         let wanted = self.chunk.max(wanted);
         if self.buffer.len() < wanted {
+            // A program may ask for more of a long log than there is memory for.
+            self.buffer.try_reserve_exact(wanted - self.buffer.len())?;
             self.buffer.resize(wanted, 0);
         }
         self.start = offset;

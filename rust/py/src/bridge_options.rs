@@ -115,6 +115,8 @@ struct BorderOption {
     sign: bool,
     strip_in: bool,
     strip_out: bool,
+    /// In units of signing timestamps.
+    max_ahead: Option<u64>,
 }
 
 impl BorderOption {
@@ -129,6 +131,7 @@ impl BorderOption {
             sign: self.sign,
             strip_in: self.strip_in,
             strip_out: self.strip_out,
+            max_ahead: self.max_ahead,
             ..BorderOptions::default()
         })
     }

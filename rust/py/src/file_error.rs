@@ -6,7 +6,7 @@ use std::path::Path;
 
 use mavwire_link::files::Unwritten;
 use mavwire_link::wording::in_words;
-use pyo3::exceptions::PyOSError;
+use pyo3::exceptions::{PyMemoryError, PyOSError};
 use pyo3::prelude::*;
 
 /// The error of the operating system that is behind another one, if there is one.
@@ -28,4 +28,10 @@ pub(crate) fn of_file(error: &io::Error, path: Option<&Path>, advice: &str) -> O
         Some(path) => PyOSError::new_err((code, text, path.as_os_str().to_owned())),
         None => PyOSError::new_err((code, text)),
     })
+}
+
+/// An error of reading, where `MemoryError` is for bytes that there is no memory for.
+pub(crate) fn of_reading(error: io::Error) -> PyErr {
+    let is_ours = error.raw_os_error().is_none() && error.kind() == io::ErrorKind::OutOfMemory;
+    if is_ours { PyMemoryError::new_err(error.to_string()) } else { error.into() }
 }

@@ -7,6 +7,7 @@ use mavwire_schema::WireVersion;
 use pyo3::prelude::*;
 
 use crate::calling::Calling;
+use crate::file_error::of_reading;
 use crate::log::LogLink;
 use crate::log_index::{Indexed, LogIndex, Stop, find_record};
 use crate::turn;
@@ -88,7 +89,7 @@ fn add_first(
         return Ok(());
     }
     log.invoke_method1("_index_first", (name, message))?;
-    index.add(found, record.offset);
+    index.add(found, record.offset).map_err(of_reading)?;
     let instance =
         LogLink::reader(log, |reader| index.new_instance(&mut reader.window, found, record))?;
     if let Some(Some(instance)) = instance {

@@ -13,6 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 
 use crate::calling::{Calling, truth};
+use crate::file_error::of_reading;
 use crate::filter::Filter;
 use crate::index_build;
 use crate::link::{Link, overrides, set_attr};
@@ -67,7 +68,7 @@ impl LogLink {
         act: impl FnOnce(&mut LogReader) -> std::io::Result<T>,
     ) -> PyResult<Option<T>> {
         match slf.as_super().get().state().reader.as_mut() {
-            Some(reader) => Ok(Some(act(reader)?)),
+            Some(reader) => act(reader).map(Some).map_err(of_reading),
             None => Ok(None),
         }
     }
@@ -251,13 +252,19 @@ impl LogLink {
     /// Up to `n` bytes of the log; empty at its end.
     #[pyo3(signature = (n = None))]
     fn recv<'py>(slf: &Bound<'py, Self>, n: Option<usize>) -> PyResult<Bound<'py, PyBytes>> {
+        let py = slf.py();
         let bytes = Self::reader(slf, |reader| {
             if !reader.begin_record()? {
-                return Ok(Vec::new());
+                return Ok(None);
             }
-            Ok(reader.take(n.unwrap_or(usize::from(u16::MAX)))?.to_vec())
+            let bytes = reader.take(n.unwrap_or(usize::from(u16::MAX)))?;
+            // Unlike `new`, which panics where there is no memory.
+            Ok(Some(PyBytes::new_with(py, bytes.len(), |into| {
+                into.copy_from_slice(bytes);
+                Ok(())
+            })))
         })?;
-        Ok(PyBytes::new(slf.py(), &bytes.unwrap_or_default()))
+        bytes.flatten().unwrap_or_else(|| Ok(PyBytes::new(py, b"")))
     }
 
     /// Takes a message into the state, stamped with its record's time and link number.

@@ -215,12 +215,16 @@ impl LogIndex {
         !self.offsets[usize::from(index)].is_empty()
     }
 
-    pub(crate) fn add(&mut self, index: u16, offset: u64) {
-        if !self.knows(index) {
+    /// Adds a record; `OutOfMemory` for one too many.
+    pub(crate) fn add(&mut self, index: u16, offset: u64) -> io::Result<()> {
+        let offsets = &mut self.offsets[usize::from(index)];
+        offsets.try_reserve(1)?;
+        if offsets.is_empty() {
             self.order.push(index);
         }
-        self.offsets[usize::from(index)].push(offset);
+        offsets.push(offset);
         self.count += 1;
+        Ok(())
     }
 
     pub(crate) fn forget_instances(&mut self) {
@@ -271,7 +275,8 @@ impl LogIndex {
             };
             if let Some(entry) = registry.lookup(msgid) {
                 let index = usize::from(entry.index);
-                if self.offsets[index].is_empty() {
+                let is_known = !self.offsets[index].is_empty();
+                if !is_known || self.offsets[index].try_reserve(1).is_err() {
                     return at;
                 }
                 if let Some(place) = self.instances[index] {
@@ -332,10 +337,10 @@ impl LogIndex {
                 return Ok(Stop::FirstOfType { index, record });
             }
             if self.instances[usize::from(index)].is_none() {
-                self.add(index, record.offset);
+                self.add(index, record.offset)?;
             } else if record.payload + u64::from(record.header.payload_len) <= size {
                 // Of a type with instances a payload that the file cuts off is not indexed.
-                self.add(index, record.offset);
+                self.add(index, record.offset)?;
                 if let Some(instance) = self.new_instance(window, index, &record)? {
                     return Ok(Stop::NewInstance { index, instance, next: offset });
                 }

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use mavwire_core::frame::{self, FrameError, FrameRef, Header, IFLAG_SIGNED};
 use mavwire_core::registry::Entry;
 use mavwire_core::x25;
-use pyo3::exceptions::{PyAttributeError, PyIndexError, PyRuntimeError};
+use pyo3::exceptions::{PyAttributeError, PyIndexError, PyMemoryError, PyRuntimeError};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyString, PyType};
@@ -30,8 +30,11 @@ fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
         converted.cast::<PyBytes>()?.as_bytes()
     };
     let this = mav.get();
+    let mut parser = this.parser();
+    // A program may hand over more than there is memory for twice.
+    parser.reserve(bytes.len()).map_err(|error| PyMemoryError::new_err(error.to_string()))?;
     shared::add(&this.counters.bytes_received, bytes.len() as u64);
-    Ok(this.parser().push(bytes))
+    Ok(parser.push(bytes))
 }
 
 /// Takes over what the module says about checksums, which user code may change at any time.

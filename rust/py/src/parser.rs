@@ -3,6 +3,8 @@
 //! Calls nothing of Python's, so that its lock is never held while Python code runs. Good frames of
 //! known messages are taken off in runs: bytes first, under the lock, objects afterwards without it.
 
+use std::collections::TryReserveError;
+
 use mavwire_core::frame::{
     CHECKSUM_LEN, FrameError, HEADER_LEN_V1, HEADER_LEN_V2, Header, IFLAG_SIGNED, STX_V2,
 };
@@ -156,6 +158,11 @@ impl Parser {
 
     pub(crate) fn bytes_needed(&self) -> usize {
         self.expected_length.saturating_sub(self.unread().len()).max(1)
+    }
+
+    /// Has room for so much input, or says that there is no memory for it.
+    pub(crate) fn reserve(&mut self, len: usize) -> Result<(), TryReserveError> {
+        self.buffer.try_reserve(len)
     }
 
     /// Takes input; true if it is worth a look now.

@@ -308,6 +308,7 @@ impl Signing {
 
     /// Key, policy and timestamps at once, so that no other thread sees some of them without the rest. Timestamps follow
     /// the clock or count up, and `keep(timestamp) -> mark` is called before those from the mark on are used.
+    /// Received timestamps may be `max_ahead` units ahead of the clock, or any number where it is None.
     #[allow(clippy::too_many_arguments)] // each is a part of what must change at once
     fn _set_up(
         &self,
@@ -319,6 +320,7 @@ impl Signing {
         #[pyo3(from_py_with = timestamp_of)] timestamp: u64,
         follows_clock: bool,
         keep: Option<Py<PyAny>>,
+        max_ahead: Option<u64>,
     ) -> PyResult<()> {
         let key = key.map(secret_key).transpose()?;
         // Dropped at the end: that may run Python code.
@@ -327,7 +329,9 @@ impl Signing {
         self.sign_outgoing.store(sign_outgoing, Relaxed);
         self.link_id.store(link_id, Relaxed);
         self.follows_clock.store(follows_clock, Relaxed);
-        self.state().timestamp = timestamp;
+        let mut state = self.state();
+        (state.timestamp, state.max_ahead) = (timestamp, max_ahead);
+        drop(state);
         self.mark.store(if keep.is_some() { 0 } else { u64::MAX }, Relaxed);
         self.allow_unsigned.set(allow_unsigned_callback);
         self.keep.set(keep);

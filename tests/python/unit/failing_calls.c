@@ -10,7 +10,6 @@
 #include <stdatomic.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 enum { SOCKET, BIND, CONNECT, LISTEN, SETSOCKOPT, GETSOCKOPT, GETSOCKNAME, POLL, RECEIVE, SEND, ACCEPT, CLOSE, KINDS };
@@ -41,21 +40,11 @@ int faults_count(int kind) { return counts[kind]; }
 
 void faults_stand_aside(int on) { aside = on; }
 
-/* One of two sockets without names, by which a thread wakes another: not a way to anybody. */
-static int is_pair(int descriptor)
-{
-    struct sockaddr own = {0}, other = {0};
-    socklen_t own_size = sizeof own, other_size = sizeof other;
-    return !syscall(SYS_getsockname, descriptor, &own, &own_size) &&
-           !syscall(SYS_getpeername, descriptor, &other, &other_size) && own.sa_family == AF_UNIX &&
-           own_size == sizeof own.sa_family && other_size == sizeof other.sa_family;
-}
-
 /* Whether a descriptor is a socket, a terminal, or with `pipes` a pipe. */
 static int is_for_data(int descriptor, int pipes)
 {
     struct stat status;
-    int before = errno, known = descriptor > 2 && !fstat(descriptor, &status) && !is_pair(descriptor);
+    int before = errno, known = descriptor > 2 && !fstat(descriptor, &status);
     errno = before;
     if (!known)
         return 0;
@@ -93,6 +82,7 @@ typedef long call(long, long, long, long, long, long);
     }
 
 FAILING(SOCKET, socket)
+FAILING(SOCKET, socketpair)
 FAILING(BIND, bind)
 FAILING(CONNECT, connect)
 FAILING(LISTEN, listen)

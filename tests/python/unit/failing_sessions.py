@@ -198,10 +198,9 @@ class BridgeSession:
             self.other.address = None
 
     def run(self) -> None:
-        bridge = Bridge()
         try:
             try:
-                with bridge:
+                with Bridge() as bridge:
                     name = bridge.add(self.endpoint, name="link", **self.options)
                     bridge.add(f"udpout:127.0.0.1:{self.other.number}", name="other")
                     self.use(bridge, name)

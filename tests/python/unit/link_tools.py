@@ -46,6 +46,11 @@ WRONG_SIGNING: list[dict[str, Any]] = [
     {"secret_key": "a text of thirty-two characters."},
     {"secret_key": None},
     {"sign_outgoing": Undecided()},
+    {"max_ahead": -1},
+    {"max_ahead": float("nan")},
+    {"max_ahead": float("inf")},
+    {"max_ahead": "x"},
+    {"max_ahead": 60, "initial_timestamp": 0},
 ]
 
 

@@ -78,6 +78,19 @@ def test_signatures_are_verified_and_taken_off_on_the_way_in() -> None:
             assert (other["sent"], other["received"]) == (0, 1), "who proves nothing gets nothing"
 
 
+def test_signatures_far_ahead_of_the_clock_can_be_refused() -> None:
+    """R52."""
+    with Bridge() as bridge, udp_peer() as station, udp_peer() as vehicle:
+        bridge.add(f"udpout:127.0.0.1:{station.getsockname()[1]}", name="station")
+        bridge.add(UDP, name="radio", signing_key=KEY, verify_in=True, strip_in=True, max_ahead_in=600)  # fmt: skip
+        vehicle.connect(("127.0.0.1", port_of(bridge, "radio")))
+        vehicle.send(now_signed(BEAT, later=1200 * 100_000))
+        wait_until("it", lambda: sum(one["unverified"] for one in peers(bridge, "radio")) == 1)
+        vehicle.send(now_signed(BEAT, later=60 * 100_000))
+        assert receive(station)[:1] == b"\xfd"
+        assert sum(one["unverified"] for one in peers(bridge, "radio")) == 1
+
+
 @pytest.mark.parametrize("key", [{}, {"signing_key": KEY, "verify_in": True}])
 def test_strangers_keep_nobody_out(key: dict[str, Any]) -> None:
     """Who has the key, or anything to say at all where none is needed."""
@@ -197,6 +210,11 @@ def test_latency_and_drops_of_the_system_are_told() -> None:
         ({"verify_in": True}, "verify_in needs signing_key"),
         ({"signing_key": KEY}, "signing_key does nothing without verify_in or sign_out"),
         ({"allow_unsigned_in": ["RADIO_STATUS"]}, "does nothing without verify_in"),
+        ({"max_ahead_in": 60}, "max_ahead_in does nothing without verify_in"),
+        (
+            {"max_ahead_in": -1, "verify_in": True, "signing_key": KEY},
+            "max_ahead_in must be 0 seconds or more",
+        ),
         ({"own_system": 9}, "own_system does nothing without heartbeat"),
         ({"sign_out": True}, "sign_out needs signing_key"),
         ({"sign_out": True, "signing_key": KEY, "version": 1}, "carry no signature"),

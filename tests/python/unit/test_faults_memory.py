@@ -96,3 +96,63 @@ print(json.dumps(found))
             made = {path: size for path, size in left.items() if not path.endswith(DRAFTS)}
             assert made.items() <= whole.items(), (name, how)
     assert ends != {"done"}, "there was memory enough for all"
+
+
+# What a program or an option asks for beyond the memory that there is: the action, and what comes of it.
+ASKED = {
+    "a piece of a log": (
+        "mavutil.mavlogfile(sparse, notimestamps=True).recv(1 << 40)",
+        "MemoryError",
+    ),
+    "input": ("mav.parse_buffer(large)", "MemoryError"),
+    "what goes on after that": (
+        """
+with contextlib.suppress(MemoryError):
+    mav.parse_buffer(large)
+assert mav.total_bytes_received == 0
+assert [msg.get_type() for msg in mav.parse_buffer(heartbeat())] == ["HEARTBEAT"]
+""",
+        "done",
+    ),
+    "a queue": (
+        """
+with socket.create_server(("127.0.0.1", 0)) as server, Bridge() as bridge:
+    bridge.add(f"tcp:127.0.0.1:{server.getsockname()[1]}", name="link", queue_bytes=1 << 30)
+    peer = server.accept()[0]  # which reads nothing
+    def link():
+        return next(one for one in bridge.stats()["links"] if one["name"] == "link")
+    while link()["state"] != "up":
+        pass
+    while not link()["dropped"]:
+        bridge.send(frames)
+    assert link()["queued_bytes"] < 1 << 30
+""",
+        "done",
+    ),
+}
+
+
+def test_what_is_asked_for_beyond_the_memory_is_refused(tmp_path: Path) -> None:
+    """A size that a program or an option says ends no process."""
+    sparse = tmp_path / "sparse.tlog"
+    traffic.generate(sparse, 10)
+    with open(sparse, "r+b") as file:
+        file.truncate(1 << 32)
+    program = f"""{SQUEEZED}
+import contextlib, socket
+from mavwire.dialects.v20 import all as mavlink
+from unit.link_tools import pack
+sparse = log
+mav = mavlink.MAVLink(None)
+large = bytes(300 << 20)
+frames = pack(mavlink.MAVLink_file_transfer_protocol_message(0, 0, 0, [1] * 251), 0) * 10_000
+told = {{}}
+for name, (text, _) in {ASKED!r}.items():
+    code = compile(text, name, "exec")
+    told[name] = squeezed(lambda: exec(code, globals()), 200_000)
+print(json.dumps(told))
+"""
+    done = python(program, str(sparse), str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout.splitlines()[-1])
+    assert told == {name: end for name, (_, end) in ASKED.items()}, done.stderr

@@ -387,6 +387,26 @@ def test_a_websocket_that_is_closed_during_an_attempt_stays_closed(websockets):
     assert (link.port, link.ws, link.fd) == (None, None, None)
 
 
+def test_an_attempt_that_fails_once_the_link_is_closed_is_no_news(server, caplog):
+    link, peer = server.link()
+    begun, leave = threading.Event(), threading.Event()
+
+    def fail():
+        begun.set()
+        assert leave.wait(WAIT)
+        raise TimeoutError("no answer")
+
+    link._connect = fail
+    lose(link, peer)
+    assert begun.wait(WAIT)
+    link.close()
+    leave.set()
+    with watched(WAIT):
+        while link._connecting.locked():
+            pass
+    assert (link.connect_error, caplog.records) == (None, [])
+
+
 def test_messages_that_come_with_the_handshake_are_received():
     wsproto = pytest.importorskip("wsproto")
     listener = socket.create_server(("127.0.0.1", 0))
@@ -424,8 +444,9 @@ WRONG_KEY = (
         (WRONG_KEY, "does not speak WebSocket"),
     ],
 )
-def test_a_websocket_that_is_refused_says_why(answer, reason, caplog):
+def test_a_websocket_that_is_refused_says_why(answer, reason, caplog, monkeypatch):
     pytest.importorskip("wsproto")
+    monkeypatch.setattr(websocket, "HANDSHAKE_TIMEOUT", WAIT)  # whatever else the machine does
     listener = socket.create_server(("127.0.0.1", 0))
     device = f"ws:127.0.0.1:{listener.getsockname()[1]}"
     stop = threading.Event()

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import io
 import logging
+import time
 
 import pytest
 from encoder import attitude, signed
 from mavwire.dialects.v20 import common as mavlink
+from mavwire.links.signing import EPOCH, UNITS_PER_SECOND, signing_timestamp
 from unit.link_tools import KEY, Capture, drain, types
 
-MINUTE = 60 * 100_000
+MINUTE = 60 * UNITS_PER_SECOND
 STREAMS = 1024
 """Places in the table of a link."""
 
@@ -25,18 +27,62 @@ def taken(link: Capture, data: bytes) -> list[str]:
     return [name for name in types(drain(link)) if name != "BAD_DATA"]
 
 
-def test_new_streams_are_measured_by_the_clock_of_the_set_up_and_of_what_is_sent() -> None:
+def now() -> int:
+    return signing_timestamp(time.time())
+
+
+def test_new_streams_are_measured_by_the_clock() -> None:
     """R40."""
     link = Capture()
     link.setup_signing(KEY)
-    for system in (1, 2):
-        now = link.mav.signing.timestamp
-        assert taken(link, attitude_at(now - MINUTE - 1, sysid=system)) == []
-        assert taken(link, attitude_at(now - MINUTE, sysid=system)) == ["ATTITUDE"]
-        link.mav.heartbeat_send(6, 8, 0, 0, 0)  # the clock goes on
-        assert link.mav.signing.timestamp > now
+    early = now() - MINUTE - 1
+    assert taken(link, attitude_at(early)) == []
+    first = now() - MINUTE // 2
+    assert taken(link, attitude_at(first)) == ["ATTITUDE"]
     # A stream that is known may be as late as it likes.
-    assert taken(link, attitude_at(now - MINUTE + 1)) == ["ATTITUDE"]
+    assert taken(link, attitude_at(first + 1)) == ["ATTITUDE"]
+
+
+def test_a_link_that_never_sends_takes_no_old_stream_either(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """R40: what was recorded while it listened to nobody is a replay."""
+    link = Capture()
+    with monkeypatch.context() as patch:
+        patch.setattr(time, "time", lambda: EPOCH + 1)  # it was set up years ago
+        link.setup_signing(KEY)
+    start = link.mav.signing.timestamp
+    assert taken(link, attitude_at(start + MINUTE)) == []
+    assert link.mav.signing.timestamp == start
+    assert link.mav.signing.stream_timestamps == {}
+    assert taken(link, attitude_at(now())) == ["ATTITUDE"]
+
+
+def test_without_a_clock_new_streams_are_measured_by_the_initial_timestamp() -> None:
+    """R40, as pymavlink."""
+    link = Capture()
+    link.setup_signing(KEY, initial_timestamp=MINUTE + 1000)
+    assert taken(link, attitude_at(999)) == []
+    assert taken(link, attitude_at(1000)) == ["ATTITUDE"]
+
+
+def test_a_signature_far_ahead_of_the_clock_can_be_refused(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """R52."""
+    link = Capture()
+    link.setup_signing(KEY, max_ahead=0.5 * MINUTE / UNITS_PER_SECOND)
+    before = link.mav.signing.timestamp
+    with caplog.at_level(logging.INFO):
+        assert taken(link, attitude_at(now() + 10 * MINUTE)) == []
+    assert "timestamp too far ahead" in caplog.text
+    assert link.mav.signing.badsig_count == 1
+    assert (link.mav.signing.timestamp, link.mav.signing.stream_timestamps) == (before, {})
+    assert taken(link, attitude_at(now() + MINUTE // 4)) == ["ATTITUDE"]
+    link.setup_signing(KEY)  # no limit
+    assert taken(link, attitude_at(now() + 10 * MINUTE)) == ["ATTITUDE"]
+    link.setup_signing(KEY, max_ahead=0)
+    assert taken(link, attitude_at(now() + 20 * MINUTE)) == []
 
 
 def test_more_streams_than_there_is_room_for(caplog: pytest.LogCaptureFixture) -> None:

@@ -163,6 +163,18 @@ fn r40_a_new_stream_may_be_a_minute_behind() {
 }
 
 #[test]
+fn r40_the_window_of_one_that_only_listens_follows_the_clock() {
+    let mut state = receiver();
+    let now = 1000 + NEW_STREAM_WINDOW;
+    let expected = Verdict::NewStreamTooOld { timestamp: 999, local: now };
+    assert_eq!(check(&mut state, &signed(999, 3), Some(now)), expected);
+    assert_eq!(state.timestamp, 0, "nothing was verified");
+    assert_eq!(check(&mut state, &signed(1000, 3), Some(now)), GOOD_NEW);
+    // A stream that is known has to rise, and no more.
+    assert_eq!(check(&mut state, &signed(1001, 3), Some(2 * now)), GOOD_KNOWN);
+}
+
+#[test]
 fn r42_links_that_share_a_state_refuse_each_others_replays() {
     let mut shared = receiver();
     let heard_on_link_a = signed(1000, 3);

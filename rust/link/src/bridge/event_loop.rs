@@ -81,6 +81,8 @@ pub(super) struct EventLoop {
     started: Instant,
     pace: Pace,
     next_tick: u64,
+    /// More was asked for than a round obeys.
+    more_commands: bool,
     inbox: Inbox,
     buffer: Vec<u8>,
     watched: Vec<libc::pollfd>,
@@ -109,6 +111,7 @@ impl EventLoop {
             started: Instant::now(),
             pace: Pace::default(),
             next_tick: 0,
+            more_commands: false,
             inbox: Inbox::default(),
             buffer: vec![0; READ_SIZE],
             watched: Vec::new(),
@@ -131,18 +134,19 @@ impl EventLoop {
             self.watched.iter_mut().for_each(|watched| watched.revents = 0);
         }
         self.switch.moment = Moment { now: self.now(), unix: (clock::unix_seconds() * 1e6) as u64 };
-        let mut running = true;
         for n in 0..self.watched.len() {
             if self.watched[n].revents == 0 {
                 continue;
             }
             match self.tokens[n] {
-                Token::Wake => running &= self.obey(),
+                Token::Wake => self.empty_wake(),
                 Token::Link(number) => self.read_link(number),
                 Token::Port(id) => self.read_port(id),
                 Token::Writable(id) => self.unblock(id),
             }
         }
+        // In every round, and so at each tick, as a signal may be lost. Last, when what was found ready is done with.
+        let running = self.obey();
         self.redial();
         self.switch.automate();
         if self.switch.moment.now >= self.next_tick {
@@ -200,6 +204,9 @@ impl EventLoop {
 
     /// How long there is nothing to do unless something arrives.
     fn until_due(&self) -> Duration {
+        if self.more_commands {
+            return Duration::ZERO;
+        }
         let now = self.now();
         let retries = self.links.values().filter_map(|link| match &link.kind {
             Kind::Dialled(_, dialling) => dialling.at,
@@ -354,10 +361,15 @@ impl EventLoop {
 
     // -- commands
 
-    /// Does what the handle asked for; false if that was to stop.
-    fn obey(&mut self) -> bool {
+    /// Takes the signals that have woken the loop.
+    fn empty_wake(&mut self) {
         let mut signals = [0; 256];
         while matches!(self.wake.read(&mut signals), Ok(len) if len > 0) {}
+    }
+
+    /// Does what the handle asked for; false if that was to stop.
+    fn obey(&mut self) -> bool {
+        self.more_commands = false;
         for _ in 0..COMMANDS {
             let Ok(command) = self.commands.try_recv() else { return true };
             match command {
@@ -380,8 +392,7 @@ impl EventLoop {
                 Command::Stop => return false,
             }
         }
-        // There may be more, for the next round.
-        self.waker.wake();
+        self.more_commands = true;
         true
     }
 }

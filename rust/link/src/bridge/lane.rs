@@ -41,14 +41,20 @@ impl Lane {
         &self.bytes[self.start..]
     }
 
+    /// Appends a frame; false where there is no memory for it.
     #[inline]
-    pub(super) fn push(&mut self, frame: &[u8], since: u32) {
+    #[must_use]
+    pub(super) fn push(&mut self, frame: &[u8], since: u32) -> bool {
         if self.start > self.bytes.len() / 2 {
             self.bytes.drain(..self.start);
             self.start = 0;
         }
+        if self.bytes.try_reserve(frame.len()).is_err() || self.waiting.try_reserve(1).is_err() {
+            return false;
+        }
         self.bytes.extend_from_slice(frame);
         self.waiting.push_back(Waiting { len: frame.len() as u16, since });
+        true
     }
 
     /// Length of the oldest frame, and when it arrived.

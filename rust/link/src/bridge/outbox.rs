@@ -79,7 +79,8 @@ impl Outbox {
                 self.lanes[URGENT].take_front();
             }
         }
-        self.lanes[if urgent { URGENT } else { PLAIN }].push(frame, since);
+        let is_queued = self.lanes[if urgent { URGENT } else { PLAIN }].push(frame, since);
+        self.dropped += u64::from(!is_queued);
     }
 
     /// The lane whose turn it is.

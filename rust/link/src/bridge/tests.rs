@@ -291,6 +291,18 @@ fn a_program_that_sends_without_pause_stops_no_link() {
 }
 
 #[test]
+fn what_is_asked_for_is_done_where_nothing_wakes_the_loop() {
+    let mut bridge = start(None);
+    // Nobody is at the other end: each write fails. The loop's own signal stays open, as its waker has it too.
+    bridge.waker.signal = Arc::new(UnixStream::pair().unwrap().0);
+    let station = station(&bridge, "station");
+    bridge.send(&heartbeat(1, 1)).unwrap();
+    assert_eq!(receive(&station).0, heartbeat(1, 1));
+    bridge.remove("station").unwrap();
+    bridge.stop();
+}
+
+#[test]
 fn however_the_loop_ends_its_taps_do() {
     let (commands, receiver) = sync_channel(1);
     let (signal, wake) = UnixStream::pair().unwrap();
