@@ -24,6 +24,23 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
+def in_words(error: BaseException, path: str | None = None) -> str:
+    """What an exception says, without the name of its class where it says something by itself.
+
+    The name of a file is left out where it is `path`, which stands in front then.
+    """
+    if isinstance(error, OSError) and error.strerror:
+        named = error.filename is not None and error.filename != path
+        return f"{error.filename}: {error.strerror}" if named else error.strerror
+    if isinstance(error, FileNotFoundError):  # what file systems of Python raise has no number
+        return f"no such file: {error}"
+    if isinstance(error, KeyError) and error.args:
+        return f"there is no {error.args[0]!r}"
+    if isinstance(error, MemoryError) and not error.args:
+        return "there is not enough memory"
+    return str(error) or type(error).__name__
+
+
 def no_such_dialect(dialect: str) -> str:
     """What to say of a dialect that nothing defines: which would do, or which there are."""
     from mavwire.dialects import names

@@ -17,6 +17,7 @@ __all__ = [
     "RecordBatches",
     "align_tables",
     "decompress",
+    "draft_stem",
     "empty_table",
     "log_summary",
     "write_table",
@@ -256,6 +257,9 @@ class LogRewrite:
     def abandon(self) -> None:
         """Removes what was written and not committed."""
 
+    def barren(self) -> list[int]:
+        """The places of the logs that hold something and no record, once all of them were read."""
+
     def outcome(self) -> dict[str, Any]:
         """What became of the logs so far; see `mavwire.logs.rewriting.Rewritten`."""
 
@@ -263,6 +267,11 @@ def write_table(
     table: RecordBatches, path: str | PathLike[str], format: str, compression: str
 ) -> None:
     """Writes a table to a file, which appears when it is complete."""
+
+def draft_stem(name: str) -> str:
+    """What the name of a file begins with until the file is complete: its own name, or one made of
+    it where that is long.
+    """
 
 def decompress(path: str | PathLike[str], out: str | PathLike[str]) -> str | None:
     """Writes what a file holds that is compressed with gzip or zstd; what is wrong with that file.

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from functools import partial
 from itertools import chain, islice
 
-from mavwire._wording import no_such_dialect, printable
+from mavwire._wording import in_words, no_such_dialect, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._progress import Progress
 
@@ -131,7 +131,7 @@ def _condition_error(condition: str, error: Exception) -> CommandError:
     """What went wrong with a condition, which is shown."""
     if not condition.strip():
         return CommandError(f"--condition {condition!r}: the condition is empty")
-    return CommandError(f"--condition {condition!r}: {type(error).__name__}: {error}")
+    return CommandError(f"--condition {condition!r}: {in_words(error)}")
 
 
 def _word_in(msg: Any) -> ValueError | None:

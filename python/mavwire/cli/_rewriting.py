@@ -48,7 +48,7 @@ def report(out: str, done: Rewritten) -> str:
     if done.restamped:
         lines.append(f"  replaced {done.restamped:,} times that damage made implausible")
     if done.damage:
-        lines.append(f"  the compressed log ends early: {done.damage}")
+        lines.append(f"  the compressed log is cut off or damaged: {done.damage}")
     return "\n".join(lines)
 
 

@@ -62,8 +62,26 @@ def build(node: ast.AST) -> Closure:
     """The closure of one node."""
     builder = _BUILDERS.get(type(node))
     if builder is None:
-        raise _refused(node, f"{type(node).__name__} is not allowed")
+        raise _refused(node, f"{_in_words(node)} is not allowed")
     return builder(node)
+
+
+_WORDS: dict[type[ast.AST], str] = {
+    ast.Await: "await",
+    ast.JoinedStr: "an f-string",
+    ast.Lambda: "lambda",
+    ast.NamedExpr: "an assignment",
+    ast.Starred: "unpacking with *",
+    ast.Yield: "yield",
+    ast.YieldFrom: "yield",
+    ast.Attribute: "an attribute",
+    ast.Subscript: "an item",
+}
+
+
+def _in_words(node: ast.AST) -> str:
+    """What somebody wrote who does not know the names of Python's parser."""
+    return _WORDS.get(type(node), "this")
 
 
 def _refused(node: ast.AST, reason: str) -> ExpressionError:
@@ -360,7 +378,7 @@ def _target(node: ast.AST) -> Callable[[dict[str, Any], Any], None]:
         check_name(name, node.col_offset)
         return lambda bound, item: _bind(bound, name, item)
     if not isinstance(node, ast.Tuple | ast.List):
-        raise _refused(node, f"{type(node).__name__} is not allowed as a variable")
+        raise _refused(node, f"{_in_words(node)} is not allowed as a variable")
     targets = [_target(part) for part in node.elts]
 
     def bind(bound: dict[str, Any], item: Any) -> None:

@@ -10,6 +10,7 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
+from mavwire._wording import in_words
 from mavwire.logs.conversion import prepare
 from mavwire.logs.journal import Journal
 from mavwire.logs.manifest import Converted, Manifest
@@ -157,7 +158,7 @@ class _Run:
         for path, name in names.items():
             found = known[path]
             if isinstance(found, Exception):
-                failed.append(Converted(path, name, error=f"{type(found).__name__}: {found}"))
+                failed.append(Converted(path, name, error=in_words(found, path)))
             elif (row := self.manifest.done(path)) is not None:
                 self.rows[path] = row
                 self._done += 1
@@ -221,8 +222,7 @@ class _Run:
             return [self._submit(client, [piece]) for piece in pieces]
         error = future.exception()
         self.manifest.remove_named(pieces[0].path, pieces[0].name)  # it may have ended halfway
-        text = f"{type(error).__name__}: {error}"
-        self._add(Converted(pieces[0].path, pieces[0].name, error=text))
+        self._add(Converted(pieces[0].path, pieces[0].name, error=in_words(error, pieces[0].path)))
         return []
 
     def _cut(self, piece: Piece, ranges: list[Part]) -> list[Piece]:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import secrets
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.store import Store, drafts_of
+from mavwire.logs.store import Store, draft_of, drafts_of
 
 from .places import file_system, is_url
 
@@ -89,7 +88,7 @@ class Remote:
         if self._whole:
             put(path)
             return
-        draft = f"{path}.{os.getpid()}-{secrets.token_hex(4)}.part"
+        draft = draft_of(path)
         try:
             put(draft)
             try:

@@ -14,6 +14,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from mavwire._wording import in_words
 from mavwire.logs.conversion import Job
 from mavwire.logs.manifest import Converted
 from mavwire.logs.reading import native_dialect
@@ -71,7 +72,7 @@ def _convert(piece: Piece, recipe: Recipe) -> Converted:
     except (
         Exception
     ) as error:  # whatever fsspec's file systems raise: one log does not end the rest
-        return Converted(piece.path, piece.name, error=f"{type(error).__name__}: {error}")
+        return Converted(piece.path, piece.name, error=in_words(error, piece.path))
 
 
 def publish(folder: str, made: Converted, recipe: Recipe) -> None:
@@ -85,7 +86,7 @@ def publish(folder: str, made: Converted, recipe: Recipe) -> None:
             store.publish(os.path.join(folder, *name.split("/")), name)
             made.stale.append(name)
     except Exception as error:  # whatever fsspec's file systems raise
-        made.files, made.rows, made.error = {}, 0, f"{type(error).__name__}: {error}"
+        made.files, made.rows, made.error = {}, 0, in_words(error)
     else:
         made.files, made.stale = names, []
 

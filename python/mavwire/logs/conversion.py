@@ -15,6 +15,8 @@ import os
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from mavwire._wording import in_words
+
 from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest, file_status
@@ -186,7 +188,7 @@ class Job:
                 row.size, row.mtime_ns = file_status(path)
             self._convert(path if source is None else source, row)
         except (OSError, ValueError) as error:
-            row.error = f"{type(error).__name__}: {error}"
+            row.error = in_words(error, path)
         return row
 
     def _convert(self, source: Source, row: Converted) -> None:

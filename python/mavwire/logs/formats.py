@@ -11,6 +11,11 @@ TABLE_FORMATS = tuple(one for one in FORMATS if one not in ONE_FILE)
 TEXTS = ("csv", "jsonl")
 TEXT_SUFFIXES = {"zstd": ".zst", "gzip": ".gz"}
 """What follows the suffix of a text that is compressed."""
+SUFFIXES = (
+    *FORMATS.values(),
+    *(FORMATS[text] + more for text in TEXTS for more in TEXT_SUFFIXES.values()),
+)
+"""All that names of converted files end in."""
 COMPRESSIONS = {
     "parquet": ("zstd", "snappy", "none"),
     "csv": ("none", "gzip", "zstd"),

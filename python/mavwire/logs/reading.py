@@ -139,13 +139,16 @@ def tables_of(found: Mapping[str, RecordBatches], path: str, wide: bool) -> dict
 
 
 def check_records(run: LogColumns, path: str, source: Source | None = None) -> None:
-    """Raise LogFormatError where a run over a file found no record, and it is no log cut off."""
+    """Raise LogFormatError where a run over a file found no record, and it is no log cut off in its
+    first one.
+    """
     from .telemetry import HEAD_SIZE, is_foreign, not_telemetry
 
-    if run.position and run.bad_bytes == run.position:
+    damage = run.damage
+    if run.bad_bytes == run.position and (run.position or damage):
         head = head_of(path if source is None else source, HEAD_SIZE)
         if is_foreign(head):
-            raise not_telemetry(path, head)
+            raise not_telemetry(path, head, damage)
 
 
 def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:

@@ -16,9 +16,9 @@ from mavwire._native import LogRewrite
 
 from .query import Query
 from .reading import check_readable, native_dialect
-from .sources import is_dataflash
+from .sources import head_of, is_dataflash
 from .targets import file_to_write
-from .telemetry import LogFormatError
+from .telemetry import HEAD_SIZE, LogFormatError, is_foreign, not_telemetry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -123,7 +123,7 @@ def merge(
     """Write the good records of several logs as one, in the order of time.
 
     Each log is read in its own order; of records of one time those of the first log come first.
-    ValueError for a raw stream, which has no times.
+    ValueError for a raw stream, which has no times, LogFormatError for what is no telemetry log.
     """
     _, native = native_dialect(dialect)
     inputs, target = _checked(paths, out)
@@ -156,8 +156,12 @@ def _run(rewrite: Any, paths: list[str], progress: Callable[[int], object] | Non
             if progress is not None:
                 progress(rewrite.outcome()["bytes"])
         done = Rewritten(**rewrite.outcome())
-        if done.bytes and not done.records:
-            raise LogFormatError(f"no telemetry log, there is no record in it: {paths[0]!r}")
+        for path in (paths[place] for place in rewrite.barren()):
+            head = head_of(path, HEAD_SIZE)
+            if not done.records or is_foreign(
+                head
+            ):  # beside others one may be cut off in its first
+                raise not_telemetry(path, head, done.damage)
         rewrite.commit()
     finally:
         rewrite.abandon()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import Converter, DataflashTables, LogColumns, decompress
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from .query import Query
 
@@ -79,9 +79,10 @@ def is_compressed(path: str) -> bool:
 
 
 @contextmanager
-def decompressed(path: str) -> Iterator[str]:
+def decompressed(path: str, warn: Callable[[str], object] = lambda damage: None) -> Iterator[str]:
     """A file with the bytes of a log, for readers that go to and fro in it: the log itself, or for
-    the time being a file of what is in a compressed one, as far as that is whole.
+    the time being a file of what is in a compressed one, as far as that is whole. `warn` is told
+    what is wrong with it; LogFormatError where nothing of it is whole.
     """
     if not is_compressed(path):
         yield path
@@ -91,5 +92,11 @@ def decompressed(path: str) -> Iterator[str]:
         name = name.removesuffix(suffix)
     with tempfile.TemporaryDirectory(prefix="mavwire-") as folder:
         copy = os.path.join(folder, name or "log")  # names tell kinds of logs
-        decompress(path, copy)
+        damage = decompress(path, copy)
+        if damage is not None:
+            if not os.path.getsize(copy):
+                from .telemetry import not_telemetry
+
+                raise not_telemetry(path, head_of(path, 4), damage)
+            warn(damage)
         yield copy

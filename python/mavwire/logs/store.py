@@ -13,6 +13,10 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
+from mavwire._native import draft_stem
+
+from .formats import SUFFIXES
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -117,12 +121,20 @@ class Store:
 
 def drafts_of(name: str) -> re.Pattern[str]:
     """What incomplete files of a log are called."""
-    return re.compile(re.escape(name) + r"(\.[a-z]+){1,2}\.\d+-[0-9a-f]+\.part")
+    hashed = "|".join(re.escape(draft_stem(name + suffix)) for suffix in SUFFIXES)
+    return re.compile(rf"({re.escape(name)}(\.[a-z]+){{1,2}}|{hashed})\.\d+-[0-9a-f]+\.part")
+
+
+def draft_of(path: str) -> str:
+    """What a file is called until it is complete; nobody else's is. A URL is a path, too."""
+    name = os.path.basename(path)
+    stem = path.removesuffix(name) + draft_stem(name)
+    return f"{stem}.{os.getpid()}-{secrets.token_hex(4)}.part"
 
 
 def write_file(path: str, content: bytes) -> None:
     """Write or replace a file, which is never seen half written. An OSError names it."""
-    draft = f"{path}.{os.getpid()}-{secrets.token_hex(4)}.part"  # nobody else has it
+    draft = draft_of(path)
     try:
         with open(draft, "xb") as file:
             file.write(content)

@@ -225,22 +225,25 @@ class TelemetryLog(Log):
         if not head:
             return
         self.compressed = head.startswith(COMPRESSED)
-        if self.compressed and self._has_records():
-            return
+        damage = None
+        if self.compressed:
+            found, damage = self._first_records()
+            if found:
+                return
         if is_foreign(head) and (
             _other_format(head) is not None
             or (size <= FOREIGN_PROBE and next(iter(self), None) is None)
         ):
-            raise not_telemetry(self.path, head)
+            raise not_telemetry(self.path, head, damage)
 
-    def _has_records(self) -> bool:
-        """Whether the log begins with records, once it is decompressed."""
+    def _first_records(self) -> tuple[bool, str | None]:
+        """Whether the log begins with records, once it is decompressed; else what is wrong with it."""
         from mavwire._native import LogColumns
 
         from .query import Query
 
         batches = LogColumns(self.path, self.dialect.MAVLink(None)._dialect, Query(batch_rows=0))
-        return any(next(batches, ()))
+        return any(next(batches, ())), batches.damage
 
 
 def is_foreign(head: bytes) -> bool:
@@ -249,9 +252,15 @@ def is_foreign(head: bytes) -> bool:
     return not begins or _other_format(head) is not None
 
 
-def not_telemetry(path: str, head: bytes) -> LogFormatError:
-    """The error that tells what a file without records is, by its first bytes."""
+def not_telemetry(path: str, head: bytes, damage: str | None = None) -> LogFormatError:
+    """The error that tells what a file without records is, by its first bytes, and what is wrong
+    with a compressed one.
+    """
     other = _other_format(head)
+    if other is not None and damage:
+        return LogFormatError(
+            f"a {other}, not a telemetry log, as far as it can be read ({damage}): {path!r}"
+        )
     if other is not None:
         return LogFormatError(f"a {other}, not a telemetry log: {path!r}")
     return LogFormatError(f"no telemetry log, there is no record in it: {path!r}")

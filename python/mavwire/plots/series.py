@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
+from mavwire._wording import in_words
 from mavwire.expression import evaluate_expression
 from mavwire.links.recognise import log_kind
 from mavwire.logs.sources import decompressed
@@ -220,8 +221,7 @@ def _holds(condition: str | None, link: Any) -> bool:
     try:
         return bool(link.check_condition(condition))
     except Exception as error:  # whatever a function of an expression raises
-        text = f"{type(error).__name__}: {error}"
-        raise ValueError(f"the condition {condition!r}: {text}") from error
+        raise ValueError(f"the condition {condition!r}: {in_words(error)}") from error
 
 
 def vehicle_messages(
@@ -262,7 +262,7 @@ class _Collector:
             place = msg._timestamp if self._xaxis is None else _number(self._xaxis, messages)
         except Exception as error:  # whatever a function of an expression raises
             self._failed += 1
-            self._error = self._error or f"{type(error).__name__}: {error}"
+            self._error = self._error or in_words(error)
             return
         if number is None or place is None:
             return

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from mavwire._wording import in_words
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli.plot import check_output, is_log
@@ -169,7 +170,7 @@ class Series:
         try:
             return evaluate_expression(text, messages)
         except Exception as error:  # whatever a function of an expression raises
-            raise CommandError(f"{text!r}: {type(error).__name__}: {error}") from error
+            raise CommandError(f"{text!r}: {in_words(error)}") from error
 
     def draw(self, graph: Graph, label: str, field: str, colour: int) -> None:
         """Add what was gathered to the graph; say so if that is nothing."""

@@ -6,13 +6,14 @@ With --exact natively: every good record of damaged logs, times to the microseco
 from __future__ import annotations
 
 import os
-from contextlib import AbstractContextManager, ExitStack, nullcontext
+import sys
+from contextlib import ExitStack
 from heapq import merge
 from operator import attrgetter
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import open_output
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import definitions, opening, reading
 from mavwire.tools._telemetry import is_damaged, record, require_telemetry
 
 TYPE_CHECKING = False
@@ -35,7 +36,7 @@ def main(args: Namespace) -> int:
     if args.exact:
         return _merge_exactly(args)
     with definitions("all", "2.0"), ExitStack() as stack:
-        plain = [stack.enter_context(_decompressed(path)) for path in args.logs]
+        plain = [_plain(path, stack) for path in args.logs]
         logs = [stack.enter_context(reading("merge", path)) for path in plain]
         for log in logs:
             require_telemetry(log)
@@ -50,11 +51,18 @@ def main(args: Namespace) -> int:
     return 0
 
 
-def _decompressed(path: str) -> AbstractContextManager[str]:
-    """A log, or what is in a compressed one; `reading` tells what is wrong with it."""
+def _plain(path: str, stack: ExitStack) -> str:
+    """A log, or what is in a compressed one until `stack` ends; what is wrong with that is said."""
     from mavwire.logs.sources import decompressed
 
-    return decompressed(path) if os.path.isfile(path) else nullcontext(path)
+    def warn(damage: str) -> None:
+        text = f"mavwire merge: the compressed log is cut off or damaged ({damage}): {path!r}"
+        print(text, file=sys.stderr)
+
+    if not os.path.isfile(path):  # `reading` tells what it is
+        return path
+    with opening(path):
+        return stack.enter_context(decompressed(path, warn))
 
 
 def _merge_exactly(args: Namespace) -> int:

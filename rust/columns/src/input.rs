@@ -4,11 +4,16 @@ use std::io::{self, Read};
 
 use mavwire_core::registry::Registry;
 
+use crate::gzip::Members;
 use crate::pool;
 use crate::scan::{Framing, STRETCH};
 
 /// Bytes of a block: large enough for all processors to have a share in it, small enough for the caches.
 const BLOCK: usize = 4 << 20;
+
+/// Bytes that the blocks of logs have together that are read side by side, and the least that one of them has.
+const SHARED: usize = 8 << 20;
+const LEAST_BLOCK: usize = 256 << 10;
 
 /// Room in front of a block for what the block before it left: the start of a record.
 const HEADROOM: usize = 4096;
@@ -32,6 +37,14 @@ impl Default for Steps {
     }
 }
 
+impl Steps {
+    /// Those of each of some logs that are read side by side: their blocks have room together, and whoever reads them may
+    /// stop soon.
+    pub fn shared_by(logs: usize) -> Self {
+        Self { block: (SHARED / logs.max(1)).max(LEAST_BLOCK), ..Self::default() }
+    }
+}
+
 /// Undoes gzip and zstd, which are told by their first bytes.
 ///
 /// # Errors
@@ -45,7 +58,7 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     }
     let whole = io::Cursor::new(magic[..len].to_vec()).chain(source);
     Ok(match magic {
-        [0x1F, 0x8B, 8, _] => Box::new(flate2::read::MultiGzDecoder::new(whole)),
+        [0x1F, 0x8B, 8, _] => Box::new(Members::new(whole)),
         [0x28, 0xB5, 0x2F, 0xFD] => Box::new(zstd::stream::read::Decoder::new(whole)?),
         _ => Box::new(whole),
     })

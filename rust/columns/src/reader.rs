@@ -90,21 +90,6 @@ impl Reader {
     /// # Errors
     /// What reading says.
     pub fn new(
-        source: Box<dyn Read + Send>,
-        framing: Option<Framing>,
-        registry: Arc<Registry>,
-        wanted: Wanted,
-        options: Options,
-        limits: Limits,
-    ) -> Result<Self, Error> {
-        Self::in_steps(Steps::default(), source, framing, registry, wanted, options, limits)
-    }
-
-    /// The same in steps of any size.
-    ///
-    /// # Errors
-    /// What reading says.
-    pub fn in_steps(
         steps: Steps,
         source: Box<dyn Read + Send>,
         framing: Option<Framing>,

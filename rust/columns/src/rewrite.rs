@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::collections::binary_heap::PeekMut;
 use std::io::{Read, Write};
+use std::iter::Sum;
 use std::sync::Arc;
 
 use mavwire_core::anonymize::Anonymizer;
@@ -33,12 +34,30 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Whether there is something, and no record in it.
+    fn is_barren(&self, blocks: &Blocks) -> bool {
+        self.records == 0 && (self.bytes > 0 || blocks.damage().is_some())
+    }
+
     fn add(&mut self, scanned: &Scanned) {
         self.bytes += scanned.consumed as u64;
         self.records += scanned.records.len() as u64;
         self.bad_bytes += scanned.bad.iter().map(|range| range.len() as u64).sum::<u64>();
         self.bad_places += scanned.bad.len() as u64;
         self.restamped += scanned.distrusted.len() as u64;
+    }
+}
+
+impl Sum for Outcome {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |sum, one| Self {
+            bytes: sum.bytes + one.bytes,
+            records: sum.records + one.records,
+            written: sum.written + one.written,
+            bad_bytes: sum.bad_bytes + one.bad_bytes,
+            bad_places: sum.bad_places + one.bad_places,
+            restamped: sum.restamped + one.restamped,
+        })
     }
 }
 
@@ -53,24 +72,12 @@ pub struct Rewrite {
 }
 
 impl Rewrite {
-    /// A run that keeps what is `wanted`.
+    /// A run that keeps what is `wanted` of a log, perhaps compressed, or of one that is known to be framed like this, and
+    /// plain.
     ///
     /// # Errors
     /// What reading says.
     pub fn new(
-        source: Box<dyn Read + Send>,
-        registry: Arc<Registry>,
-        wanted: Wanted,
-        anonymizer: Option<Anonymizer>,
-    ) -> Result<Self, Error> {
-        Self::in_steps(Steps::default(), source, None, registry, wanted, anonymizer)
-    }
-
-    /// The same in steps of any size, and of a log that may be known to be framed like this, and plain.
-    ///
-    /// # Errors
-    /// What reading says.
-    pub fn in_steps(
         steps: Steps,
         source: Box<dyn Read + Send>,
         framing: Option<Framing>,
@@ -96,6 +103,11 @@ impl Rewrite {
     /// What is wrong with the compressed file, of which everything before that was read.
     pub fn damage(&self) -> Option<&str> {
         self.blocks.damage()
+    }
+
+    /// Whether the log, which was read to its end, holds something and no record.
+    pub fn is_barren(&self) -> bool {
+        self.outcome.is_barren(&self.blocks)
     }
 
     /// Writes what is kept of another block; false at the end.
@@ -159,15 +171,9 @@ fn put(
     true
 }
 
-/// Bytes that the blocks of all logs have together: whoever merges may stop between two blocks.
-const MERGED_BYTES: usize = 8 << 20;
-/// The least that a block has.
-const LEAST_BLOCK: usize = 256 << 10;
-
 /// Several logs being merged in the order of time.
 pub struct Merge {
     logs: Vec<Input>,
-    outcome: Outcome,
 }
 
 /// One of them: the records of a block, and how many of them were taken.
@@ -179,6 +185,7 @@ struct Input {
     records: Vec<(u64, usize)>,
     taken: usize,
     ended: bool,
+    outcome: Outcome,
 }
 
 impl Merge {
@@ -187,18 +194,6 @@ impl Merge {
     /// # Errors
     /// What reading says; a raw stream, which has no times, with its place among the logs.
     pub fn new(
-        sources: Vec<Box<dyn Read + Send>>,
-        registry: &Arc<Registry>,
-    ) -> Result<Result<Self, usize>, Error> {
-        let block = (MERGED_BYTES / sources.len().max(1)).max(LEAST_BLOCK);
-        Self::in_steps(Steps { block, ..Steps::default() }, sources, registry)
-    }
-
-    /// The same in steps of any size.
-    ///
-    /// # Errors
-    /// As [`Merge::new`].
-    pub fn in_steps(
         steps: Steps,
         sources: Vec<Box<dyn Read + Send>>,
         registry: &Arc<Registry>,
@@ -212,14 +207,28 @@ impl Merge {
             let scanner =
                 LogScanner::new(Arc::clone(registry), framing).with_stretch(steps.stretch);
             let (bytes, records) = (Vec::new(), Vec::new());
-            logs.push(Input { blocks, scanner, bytes, records, taken: 0, ended: false });
+            logs.push(Input {
+                blocks,
+                scanner,
+                bytes,
+                records,
+                taken: 0,
+                ended: false,
+                outcome: Outcome::default(),
+            });
         }
-        Ok(Ok(Self { logs, outcome: Outcome::default() }))
+        Ok(Ok(Self { logs }))
     }
 
     /// What became of the logs so far.
     pub fn outcome(&self) -> Outcome {
-        self.outcome
+        self.logs.iter().map(|log| log.outcome).sum()
+    }
+
+    /// The places of the logs, which were read to their ends, that hold something and no record.
+    pub fn barren(&self) -> Vec<usize> {
+        let is_barren = |log: &Input| log.outcome.is_barren(&log.blocks);
+        (0..self.logs.len()).filter(|&place| is_barren(&self.logs[place])).collect()
     }
 
     /// What is wrong with the compressed files.
@@ -234,7 +243,7 @@ impl Merge {
     pub fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
         for log in &mut self.logs {
             while log.taken == log.records.len() && !log.ended {
-                log.refill(&mut self.outcome)?;
+                log.refill()?;
             }
         }
         let next = |(place, log): (usize, &Input)| Some(Reverse((log.time()?, place)));
@@ -244,7 +253,7 @@ impl Merge {
         while let Some(mut front) = fronts.peek_mut() {
             let log = &mut self.logs[front.0.1];
             merged.extend_from_slice(log.take());
-            (any, self.outcome.written) = (true, self.outcome.written + 1);
+            any = true;
             match log.time() {
                 Some(time) => front.0.0 = time,
                 None if log.ended => drop(PeekMut::pop(front)),
@@ -266,11 +275,12 @@ impl Input {
         let start = if self.taken == 0 { 0 } else { self.records[self.taken - 1].1 };
         let end = self.records[self.taken].1;
         self.taken += 1;
+        self.outcome.written += 1;
         &self.bytes[start..end]
     }
 
-    fn refill(&mut self, outcome: &mut Outcome) -> Result<(), Error> {
-        let Self { blocks, scanner, bytes, records, taken, ended } = self;
+    fn refill(&mut self) -> Result<(), Error> {
+        let Self { blocks, scanner, bytes, records, taken, ended, outcome } = self;
         bytes.clear();
         records.clear();
         *taken = 0;
@@ -336,7 +346,7 @@ mod tests {
             };
             let sources = logs.iter().map(source).collect();
             let steps = Steps { block, ..Steps::default() };
-            let merge = Merge::in_steps(steps, sources, &registry).expect("reading");
+            let merge = Merge::new(steps, sources, &registry).expect("reading");
             let (mut merge, mut out) = (merge.expect("times"), Vec::new());
             while merge.advance(&mut out).expect("merging") {}
             assert_eq!(out, expected.concat(), "blocks of {block}");

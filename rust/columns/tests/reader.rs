@@ -7,6 +7,7 @@ use std::io::Cursor;
 use std::sync::LazyLock;
 
 use common::{damage, log, registry};
+use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
 use mavwire_columns::reader::{Decode, Limits, Reader};
 use mavwire_columns::select::Wanted;
@@ -23,7 +24,8 @@ static LOG: LazyLock<Vec<u8>> = LazyLock::new(|| {
 fn reader(limits: Limits) -> Reader {
     let (registry, source) = (registry(), Box::new(Cursor::new(&LOG[..])));
     let (wanted, options) = (Wanted::default(), Options::default());
-    Reader::new(source, None, registry, wanted, options, limits).expect("a reader")
+    Reader::new(Steps::default(), source, None, registry, wanted, options, limits)
+        .expect("a reader")
 }
 
 /// Rows, and batches, by message index.

@@ -8,6 +8,7 @@ use common::{damage, log, registry};
 use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::arrow::compute::concat_batches;
 use mavwire_columns::convert::{Compression, Format, Sink};
+use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
 use mavwire_columns::reader::{Decode, Limits, Reader};
 use mavwire_columns::select::Wanted;
@@ -19,9 +20,16 @@ fn batches(records: usize, si: bool) -> Vec<RecordBatch> {
     damage(&mut bytes, 4, 3);
     let options = Options { si, enum_names: si, ..Options::default() };
     let source = Box::new(Cursor::new(bytes));
-    let mut reader =
-        Reader::new(source, None, registry(), Wanted::default(), options, Limits::NONE)
-            .expect("a reader");
+    let mut reader = Reader::new(
+        Steps::default(),
+        source,
+        None,
+        registry(),
+        Wanted::default(),
+        options,
+        Limits::NONE,
+    )
+    .expect("a reader");
     let mut found = Vec::new();
     while let Some(batches) = reader.advance().expect("batches") {
         found.extend(batches.into_iter().map(|batch| batch.rows));

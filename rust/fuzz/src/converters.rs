@@ -70,8 +70,15 @@ fn any_reader(
             let bytes = any_telemetry(input, framing.lead());
             let (source, wanted) = (source(&bytes), Wanted::default());
             let registry = Arc::clone(&ALL);
-            let reader =
-                Reader::new(source, Some(framing), registry, wanted, options.clone(), limits);
+            let reader = Reader::new(
+                Steps::default(),
+                source,
+                Some(framing),
+                registry,
+                wanted,
+                options.clone(),
+                limits,
+            );
             return Some(Box::new(reader.expect("memory does not fail")));
         }
         2 => any_dataflash(input),

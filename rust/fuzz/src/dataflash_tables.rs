@@ -26,7 +26,7 @@ use crate::tables::{numbers, same};
 /// What a log says about itself, read in such steps; `None` for something else than a dataflash log.
 pub(crate) fn surveyed(steps: Steps, bytes: &[u8]) -> Option<Arc<Survey>> {
     let open = || Ok(source(bytes));
-    let survey = Survey::in_steps(steps, &open, || Ok::<_, Error>(()));
+    let survey = Survey::read(steps, &open, || Ok::<_, Error>(()));
     survey.expect("memory does not fail").map(Arc::new)
 }
 

@@ -23,22 +23,33 @@ pub(crate) fn any_telemetry(mut input: Input<'_>, lead: usize) -> Vec<u8> {
     if input.byte() == 0 {
         return input.rest().to_vec();
     }
-    let (mut log, mut time, mut seq) = (Vec::new(), START, 0);
+    let (mut time, mut seq) = (START, 0);
+    damaged(input, Vec::new(), |kind, input, log| {
+        time = time.wrapping_add_signed(STEPS[usize::from(kind % 8)]);
+        seq += 1;
+        log.extend_from_slice(&time.to_be_bytes()[..lead]);
+        log.extend(small_frame(input, kind, seq));
+    })
+}
+
+/// A log that begins like this, with the records that `append` makes of a kind below 224, bytes of no record between them, and
+/// places where some bytes are missing. Of the start enough stays to tell the kind of log by it.
+fn damaged<'a>(
+    mut input: Input<'a>,
+    start: Vec<u8>,
+    mut append: impl FnMut(u8, &mut Input<'a>, &mut Vec<u8>),
+) -> Vec<u8> {
+    let (least, mut log) = (start.len().min(3), start);
     while !input.is_empty() {
         match input.byte() {
-            kind @ 0..224 => {
-                time = time.wrapping_add_signed(STEPS[usize::from(kind % 8)]);
-                seq += 1;
-                log.extend_from_slice(&time.to_be_bytes()[..lead]);
-                log.extend(small_frame(&mut input, kind, seq));
-            }
+            kind @ 0..224 => append(kind, &mut input, &mut log),
             224..240 => {
-                let len = usize::from(input.byte() % 32);
+                let len = usize::from(input.byte() % 64);
                 log.extend_from_slice(input.bytes(len));
             }
             240.. => {
                 let cut = usize::from(input.byte() % 32);
-                log.truncate(log.len().saturating_sub(cut));
+                log.truncate(log.len().saturating_sub(cut).max(least));
             }
         }
     }
@@ -121,35 +132,23 @@ pub(crate) fn any_dataflash(mut input: Input<'_>) -> Vec<u8> {
     if input.byte() == 0 {
         return input.rest().to_vec();
     }
-    let mut log = description_record((FMT_TYPE, 89, "FMT", "BBnNZ".into(), "Type,Length".into()));
+    let fmt = description_record((FMT_TYPE, 89, "FMT", "BBnNZ".into(), "Type,Length".into()));
     let (mut lens, mut time) = ([4; 8], 0_u64);
-    while !input.is_empty() {
-        match input.byte() {
-            0..48 => {
-                let description = any_description(&mut input);
-                lens[usize::from(description.0)] = description.1;
-                log.extend(description_record(description));
-            }
-            kind @ 48..224 => {
-                let (type_id, few) = (kind % 8, usize::from(input.byte() % 16));
-                time += 1000;
-                let mut record = vec![HEAD[0], HEAD[1], type_id];
-                record.extend_from_slice(&time.to_le_bytes());
-                record.extend_from_slice(input.bytes(few));
-                record.resize(lens[usize::from(type_id)].max(3).into(), type_id);
-                log.extend(record);
-            }
-            224..240 => {
-                let len = usize::from(input.byte() % 64);
-                log.extend_from_slice(input.bytes(len));
-            }
-            240.. => {
-                let cut = usize::from(input.byte() % 32);
-                log.truncate(log.len().saturating_sub(cut).max(3));
-            }
+    damaged(input, fmt, |kind, input, log| {
+        if kind < 48 {
+            let description = any_description(input);
+            lens[usize::from(description.0)] = description.1;
+            log.extend(description_record(description));
+        } else {
+            let (type_id, few) = (kind % 8, usize::from(input.byte() % 16));
+            time += 1000;
+            let mut record = vec![HEAD[0], HEAD[1], type_id];
+            record.extend_from_slice(&time.to_le_bytes());
+            record.extend_from_slice(input.bytes(few));
+            record.resize(lens[usize::from(type_id)].max(3).into(), type_id);
+            log.extend(record);
         }
-    }
-    log
+    })
 }
 
 fn description_record((type_id, len, name, format, columns): Description) -> Vec<u8> {
@@ -195,27 +194,16 @@ pub(crate) fn any_text_log(mut input: Input<'_>) -> Vec<u8> {
         format!("FMT{separator}{}\n", values.join(separator))
     };
     let fmt = (FMT_TYPE, 89, "FMT", "BBnNZ".into(), "Type,Length,Name,Format,Columns".into());
-    let mut log = line(fmt).into_bytes();
-    while !input.is_empty() {
-        match input.byte() {
-            0..48 => log.extend(line(any_description(&mut input)).into_bytes()),
-            kind @ 48..224 => {
-                log.extend_from_slice(NAMES[usize::from(kind) % NAMES.len()].as_bytes());
-                for _ in 0..kind % 10 {
-                    log.extend_from_slice(separator.as_bytes());
-                    log.extend_from_slice(VALUES[usize::from(input.byte()) % VALUES.len()]);
-                }
-                log.extend_from_slice(if kind.is_multiple_of(5) { b"\r\n" } else { b"\n" });
+    damaged(input, line(fmt).into_bytes(), |kind, input, log| {
+        if kind < 48 {
+            log.extend(line(any_description(input)).into_bytes());
+        } else {
+            log.extend_from_slice(NAMES[usize::from(kind) % NAMES.len()].as_bytes());
+            for _ in 0..kind % 10 {
+                log.extend_from_slice(separator.as_bytes());
+                log.extend_from_slice(VALUES[usize::from(input.byte()) % VALUES.len()]);
             }
-            224..240 => {
-                let len = usize::from(input.byte() % 64);
-                log.extend_from_slice(input.bytes(len));
-            }
-            240.. => {
-                let cut = usize::from(input.byte() % 32);
-                log.truncate(log.len().saturating_sub(cut));
-            }
+            log.extend_from_slice(if kind.is_multiple_of(5) { b"\r\n" } else { b"\n" });
         }
-    }
-    log
+    })
 }

@@ -52,7 +52,7 @@ fn rewritten(
     anonymizer: Option<Anonymizer>,
 ) -> (Vec<u8>, Outcome) {
     let (source, registry) = (source(bytes), Arc::clone(&ALL));
-    let rewrite = Rewrite::in_steps(steps, source, Some(framing), registry, wanted, anonymizer);
+    let rewrite = Rewrite::new(steps, source, Some(framing), registry, wanted, anonymizer);
     let (mut rewrite, mut out) = (rewrite.expect("memory does not fail"), Vec::new());
     while rewrite.advance(&mut out).expect("memory does not fail") {}
     (out, rewrite.outcome())
@@ -123,7 +123,7 @@ fn merged(steps: Steps, logs: &[Vec<u8>; 2]) {
     }
     let sources = logs.iter().map(|log| source(log)).collect();
     // A log whose first block looks like one without times is refused.
-    let Ok(mut merge) = Merge::in_steps(steps, sources, &ALL).expect("memory does not fail") else {
+    let Ok(mut merge) = Merge::new(steps, sources, &ALL).expect("memory does not fail") else {
         return;
     };
     let mut out = Vec::new();

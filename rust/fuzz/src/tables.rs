@@ -86,8 +86,7 @@ fn tables_of(
 ) -> (BTreeMap<u16, RecordBatch>, u64) {
     let (registry, wanted) = (Arc::clone(&ALL), Wanted::default());
     let (source, framing) = (source(bytes), Some(framing));
-    let reader =
-        Reader::in_steps(steps, source, framing, registry, wanted, options.clone(), limits);
+    let reader = Reader::new(steps, source, framing, registry, wanted, options.clone(), limits);
     let mut reader = reader.expect("memory does not fail");
     let tables = whole_tables(&mut reader);
     assert_eq!(reader.position(), bytes.len() as u64);

@@ -1,6 +1,8 @@
 //! Files read from start to end, and files that appear whole or not at all.
 
+use std::borrow::Cow;
 use std::error::Error;
+use std::ffi::OsStr;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
@@ -154,12 +156,28 @@ pub fn commit_all(mut drafts: Vec<Draft>) -> io::Result<()> {
     Ok(())
 }
 
-/// Makes a file that nobody else has, in the folder of `path`: `NAME.PROCESS-NUMBER.part`.
+/// Bytes of a name that leave room for what a draft's name has more; file systems take 255.
+const LONG_NAME: usize = 200;
+
+/// What the name of a file begins with until it is complete: its own name, or one made of it where that is long.
+pub fn draft_stem(name: &OsStr) -> Cow<'_, OsStr> {
+    let bytes = name.as_encoded_bytes();
+    if bytes.len() <= LONG_NAME {
+        return Cow::Borrowed(name);
+    }
+    // FNV-1a: the same in each version, since what a killed process left is looked for by it.
+    let hash = bytes.iter().fold(0xCBF2_9CE4_8422_2325_u64, |hash, &byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)
+    });
+    Cow::Owned(format!("mavwire-{hash:016x}").into())
+}
+
+/// Makes a file that nobody else has, in the folder of `path`: `STEM.PROCESS-NUMBER.part`.
 fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
-    let name = path.file_name().unwrap_or_default();
+    let stem = draft_stem(path.file_name().unwrap_or_default());
     loop {
-        let mut part = name.to_owned();
+        let mut part = stem.clone().into_owned();
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
         part.push(format!(".{}-{number}.part", std::process::id()));
         let part = path.with_file_name(part);
@@ -206,6 +224,20 @@ mod tests {
             assert_eq!(std::fs::read_to_string(&path).expect("reading"), expected);
         }
         assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 1);
+        std::fs::remove_dir_all(folder).expect("removing");
+    }
+
+    #[test]
+    fn a_name_may_be_as_long_as_names_are() {
+        let folder = std::env::temp_dir().join(format!("mavwire-long-{}", std::process::id()));
+        for len in [200, 201, 244, 255] {
+            let path = folder.join("x".repeat(len));
+            let mut draft = Draft::create(&path).expect("creating");
+            draft.write_all(b"one").expect("writing");
+            draft.commit().expect("committing");
+            assert_eq!(std::fs::read(&path).expect("reading"), b"one");
+        }
+        assert_eq!(std::fs::read_dir(&folder).expect("listing").count(), 4);
         std::fs::remove_dir_all(folder).expect("removing");
     }
 

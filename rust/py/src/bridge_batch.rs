@@ -3,6 +3,7 @@
 use std::io::Cursor;
 use std::sync::Arc;
 
+use mavwire_columns::input::Steps;
 use mavwire_columns::reader::Reader;
 use mavwire_columns::scan::Framing;
 use mavwire_link::bridge::{FrameInfo, Frames, Hub};
@@ -106,7 +107,8 @@ impl FrameBatch {
             let (records, registry) = (self.records(), Arc::clone(&dialect.registry));
             let (size, wanted) = (records.len() as u64, query.wanted(dialect));
             let (framing, source) = (Some(Framing::Stamped), Box::new(Cursor::new(records)));
-            Reader::new(source, framing, registry, wanted, query.options(), query.limits())
+            let (steps, options, limits) = (Steps::default(), query.options(), query.limits());
+            Reader::new(steps, source, framing, registry, wanted, options, limits)
                 .map(|reader| reader.with_size(size))
         };
         let reader = py.detach(open).map_err(columns_error)?;

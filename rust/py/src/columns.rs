@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use mavwire_columns::Error;
+use mavwire_columns::input::Steps;
 use mavwire_columns::layout::{Layout, Options};
 use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
 use mavwire_columns::scan::Framing;
@@ -86,7 +87,8 @@ impl Query {
         let (source, size) = (log.open()?, log.size());
         let registry = Arc::clone(&dialect.registry);
         let (wanted, options) = (self.wanted(dialect), self.options());
-        let reader = Reader::new(source, log.framing(), registry, wanted, options, self.limits())?;
+        let (steps, framing, limits) = (Steps::default(), log.framing(), self.limits());
+        let reader = Reader::new(steps, source, framing, registry, wanted, options, limits)?;
         self.checked(Box::new(reader.with_size(size)))
     }
 

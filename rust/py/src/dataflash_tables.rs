@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use mavwire_columns::Error;
 use mavwire_columns::dataflash::{self, Form, Survey, Wanted, table_layout};
+use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
 use mavwire_columns::reader::Decode;
 use pyo3::exceptions::PyKeyError;
@@ -48,7 +49,7 @@ impl DataflashTables {
             if !dataflash::recognise(open().map_err(Error::from)?).map_err(Error::from)? {
                 return Ok(None);
             }
-            Survey::read(&open, || tell.tell(0))
+            Survey::read(Steps::default(), &open, || tell.tell(0))
         });
         let survey = survey.map_err(Stopped::into_err)?;
         Ok(survey.map(|survey| Self { log, survey: Arc::new(survey) }))

@@ -1,5 +1,7 @@
-//! `decompress`: a compressed file as a plain one, for readers that go to and fro in a log.
+//! `decompress`: a compressed file as a plain one, for readers that go to and fro in a log; and what files are called until
+//! they are complete.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -28,4 +30,10 @@ pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> PyResul
         Ok(blocks.damage().map(str::to_owned))
     });
     done.map_err(Stopped::into_err)
+}
+
+/// What the name of a file begins with until it is complete: its own name, or one made of it where that is long.
+#[pyfunction]
+pub(crate) fn draft_stem(name: OsString) -> OsString {
+    files::draft_stem(&name).into_owned()
 }

@@ -126,7 +126,7 @@ mod _native {
     #[pymodule_export]
     use crate::dataflash_tables::DataflashTables;
     #[pymodule_export]
-    use crate::decompress::decompress;
+    use crate::decompress::{decompress, draft_stem};
     #[pymodule_export]
     use crate::describe::describe;
     #[pymodule_export]

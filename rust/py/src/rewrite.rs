@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use mavwire_columns::Error;
+use mavwire_columns::input::Steps;
 use mavwire_columns::rewrite::{Merge, Outcome, Rewrite};
 use mavwire_columns::scan::Framing;
 use mavwire_core::anonymize::{Anonymizer, Shift};
@@ -29,6 +30,14 @@ impl Run {
         match self {
             Self::One(rewrite) => rewrite.advance(out),
             Self::Several(merge) => merge.advance(out),
+        }
+    }
+
+    fn barren(&self) -> Vec<usize> {
+        match self {
+            Self::One(rewrite) if rewrite.is_barren() => vec![0],
+            Self::One(_) => Vec::new(),
+            Self::Several(merge) => merge.barren(),
         }
     }
 
@@ -83,8 +92,10 @@ impl LogRewrite {
         let anonymizer = shift.map(|(latitude, longitude)| {
             Anonymizer::new(registry.dialect(), Shift { latitude, longitude })
         });
-        let rewrite = py
-            .detach(|| Rewrite::new(files::open(&path)?, Arc::clone(registry), wanted, anonymizer));
+        let rewrite = py.detach(|| {
+            let (steps, source) = (Steps::default(), files::open(&path)?);
+            Rewrite::new(steps, source, None, Arc::clone(registry), wanted, anonymizer)
+        });
         let rewrite = rewrite.map_err(columns_error)?;
         if is_timed && rewrite.framing() == Framing::Raw {
             return Err(no_times(&path));
@@ -102,8 +113,9 @@ impl LogRewrite {
     ) -> PyResult<Self> {
         let merge = py.detach(|| {
             let open = |path: &PathBuf| files::open(path).map_err(|error| named(path, error));
-            let sources = paths.iter().map(open).collect::<Result<_, _>>()?;
-            Merge::new(sources, &dialect.registry).map_err(columns_error)
+            let sources: Vec<_> = paths.iter().map(open).collect::<Result<_, _>>()?;
+            Merge::new(Steps::shared_by(sources.len()), sources, &dialect.registry)
+                .map_err(columns_error)
         });
         match merge? {
             Ok(merge) => Self::new(Run::Several(merge), &out),
@@ -130,6 +142,11 @@ impl LogRewrite {
     /// Removes what was written and not committed.
     fn abandon(&self, py: Python<'_>) {
         py.detach(|| self.with(|work| drop(work.draft.take())));
+    }
+
+    /// The places of the logs that hold something and no record; once all of them were read.
+    fn barren(&self, py: Python<'_>) -> Vec<usize> {
+        py.detach(|| self.with(|work| work.run.barren()))
     }
 
     /// What became of the logs so far, as a dict of counts; see `mavwire.logs.rewriting`.

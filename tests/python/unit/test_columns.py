@@ -316,6 +316,35 @@ def test_compressed_logs(flight, tmp_path):
     assert mavwire.open_log(path).info().damage
 
 
+@pytest.mark.parametrize("behind", [bytes(20_000), bytes(512) + gzip.compress(b"")])
+def test_zeros_behind_a_gzip_file_are_no_damage(flight, tmp_path, behind):
+    path = tmp_path / "flight.tlog.gz"
+    path.write_bytes(gzip.compress(flight.read_bytes()) + behind)
+    log = mavwire.open_log(path)
+    assert log.info().damage is None
+    assert log.info().messages == mavwire.open_log(flight).info().messages
+
+
+def test_junk_behind_a_gzip_file_costs_nothing(flight, tmp_path):
+    path = tmp_path / "flight.tlog.gz"
+    path.write_bytes(gzip.compress(flight.read_bytes()) + b"junk")
+    info = mavwire.open_log(path).info()
+    assert info.damage == "what follows its end is neither gzip nor padding"
+    assert info.messages == mavwire.open_log(flight).info().messages
+    (row,) = convert([path], tmp_path / "out")
+    assert (row.error, row.rows) == (info.damage, info.messages)
+
+
+@pytest.mark.parametrize("cut_at", [2, 4, 7, 10, 11])
+def test_a_gzip_file_cut_off_in_its_head_is_no_log(flight, tmp_path, cut_at):
+    path = tmp_path / "flight.tlog.gz"
+    path.write_bytes(gzip.compress(flight.read_bytes())[:cut_at])
+    for read in (mavwire.open_log, mavwire.read, lambda log: list(mavwire.scan(log))):
+        with pytest.raises(mavwire.logs.LogFormatError, match="a gzip file"):
+            read(path)
+    assert convert([path], tmp_path / "out")[0].error
+
+
 def test_damage_costs_no_intact_record(flight, tmp_path):
     random = Random(7)
     original = flight.read_bytes()[:200_000]

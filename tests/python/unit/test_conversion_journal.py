@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from typing import Any
 
 import pytest
 from mavwire import traffic
+from mavwire._native import draft_stem
 from mavwire.logs import journal
 from mavwire.logs.conversion import convert
 from mavwire.logs.manifest import JOURNAL, MANIFEST
@@ -212,7 +214,7 @@ def test_a_log_that_failed_in_between_leaves_no_file_of_before(tmp_path, fails):
         assert sorted(stored["stale"]) == sorted(first.files)
     log.unlink()
     (row,) = convert([log], out)
-    assert "FileNotFoundError" in row.error and sorted(row.stale) == sorted(first.files)
+    assert row.error == "No such file or directory" and sorted(row.stale) == sorted(first.files)
     log.write_bytes(record(heartbeat()))
     (row,) = convert([log], out)
     assert (row.files, row.stale) == ({"HEARTBEAT/one.parquet": 1}, [])
@@ -245,6 +247,28 @@ def test_a_draft_of_the_manifest_is_removed(tiny, tmp_path):
     (tmp_path / JOURNAL).write_bytes(b'{"version": 1, "opt')
     convert(tiny[:1], tmp_path)
     assert [path.name for path in tmp_path.iterdir() if path.is_file()] == [MANIFEST]
+
+
+@pytest.mark.parametrize(("format", "suffix"), [("parquet", ".parquet"), ("csv", ".csv.gz")])
+@pytest.mark.parametrize("length", [200, 201, 244, 255])
+def test_names_as_long_as_names_are(tiny, tmp_path, length, format, suffix):
+    log = tmp_path / f"{'x' * (length - len(suffix))}"
+    shutil.copy(tiny[0], log)
+    out = tmp_path / "out"
+    compression = "gzip" if format == "csv" else None
+    (row,) = convert([log], out, format=format, compression=compression)
+    (made,) = (out / "HEARTBEAT").iterdir()
+    assert (row.error, len(made.name)) == (None, length)
+    # What a run that was killed left of it is found again.
+    left = made.with_name(f"{draft_stem(made.name)}.123-4.part")
+    other = made.with_name(f"{draft_stem('y' + made.name[1:])}.123-4.part")
+    for path in (left, other):
+        path.write_text("left")
+    manifest = json.loads((out / MANIFEST).read_text())
+    manifest["logs"][0]["error"] = journal.BEGUN
+    (out / MANIFEST).write_text(json.dumps(manifest))
+    convert([log], out, format=format, compression=compression)
+    assert not left.exists() and other.exists() and made.exists()
 
 
 def test_drafts_of_a_killed_run_are_removed(tiny, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import subprocess
 import sys
 import types
@@ -128,6 +129,20 @@ def test_error_says_what_and_where() -> None:
         "expression refused at column 11: the name '__class__' is out of reach"
     )
     assert isinstance(raised.value, ValueError)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[lambda: 1]", "lambda is not allowed"),
+        ("(x := 1)", "an assignment is not allowed"),
+        ("[a for a, *b in [[1]]]", "unpacking with * is not allowed as a variable"),
+        ("[1 for ATT.Roll in [1]]", "an attribute is not allowed as a variable"),
+    ],
+)
+def test_error_says_it_in_words(text: str, words: str) -> None:
+    with pytest.raises(ExpressionError, match=re.escape(words)):
+        evaluate_expression(text, MESSAGES)
 
 
 def test_nothing_that_an_expression_knows_is_a_module() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import shutil
@@ -88,7 +87,7 @@ print(json.dumps([full, run_all(commands, log, out)]))
     for name in ("cut", "repair", "anonymize", "merge"):
         assert f"{tmp_path}/{name}/made.tlog: File too large" in full[name][1]
     for name in ("parquet", "csv", "jsonl", "arrow", "mcap"):
-        assert f"OSError: [Errno {errno.EFBIG}] File too large: " in full[name][1]
+        assert ": File too large" in full[name][1]
     for name, (code, said, made) in again.items():
         assert (code, said) == (0, ""), name
         assert any(one != "manifest.json" for one in made)
@@ -186,7 +185,7 @@ def test_a_log_that_vanishes_before_its_turn_is_a_row(flight: Path, tmp_path: Pa
 
     rows = convert(logs, tmp_path / "out", progress=vanish)
     assert [row.rows for row in rows] == [3000, 0, 3000]
-    assert str(rows[1].error).startswith("FileNotFoundError: ")
+    assert rows[1].error == "No such file or directory"
 
 
 def test_a_log_that_vanishes_while_it_is_read_is_read_to_its_end(

@@ -211,7 +211,7 @@ def test_object_stores(small, inside):
         again = to_parquet("memory://fleet-in/*.tlog", "memory://fleet-out", inside)
         assert [row.skipped for row in again] == [True, True, False]
         gone = to_parquet("memory://fleet-in/none.tlog", "memory://fleet-out", inside)
-        assert "FileNotFoundError" in str(gone[0].error)
+        assert gone[0].error == "no such file: /fleet-in/none.tlog"
         frame = dask_frame("memory://fleet-in/flight0.tlog", "HEARTBEAT", ["seq"])
         table = mavwire.open_log(small[0])["HEARTBEAT"]
         assert frame.compute(scheduler="sync")["seq"].tolist() == table["seq"].tolist()
@@ -330,7 +330,7 @@ def test_a_log_that_ends_its_workers_is_a_row_and_its_neighbours_are_tried_alone
     while pending:
         pending += run._completed(client, pending.pop(0))
     assert client.submitted == [pieces, *([piece] for piece in pieces)]
-    assert {row.error for row in run.rows.values()} == {"MemoryError: the worker is gone"}
+    assert {row.error for row in run.rows.values()} == {"the worker is gone"}
 
 
 @pytest.mark.parametrize(

@@ -217,7 +217,7 @@ def test_what_a_task_that_died_published_is_removed(tmp_path, mixed, remote):
             store.publish(str(tmp_path / "draft"), f"ATTITUDE/{name}.parquet")
         assert run._completed(None, Dies()) == []
         assert set(store.names()) - {JOURNAL} == {"ATTITUDE/other.parquet", MANIFEST}
-        assert run.rows[str(mixed)].error == "RuntimeError: no worker is left"
+        assert run.rows[str(mixed)].error == "no worker is left"
     finally:
         if remote:
             fsspec.filesystem("memory").rm("/fleet-died", recursive=True)

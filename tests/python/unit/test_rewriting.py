@@ -84,6 +84,61 @@ def test_compressed(flight, tmp_path):
     assert flight.read_bytes().startswith(out.read_bytes()[:1000])
 
 
+COMMANDS = [["cut"], ["repair"], ["anonymize"], ["merge", "-q"], ["merge", "--exact", "-q"]]
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_zeros_behind_a_gzip_file_are_no_damage(flight, tmp_path, command, capsys):
+    packed, out, same = tmp_path / "a.tlog.gz", tmp_path / "out.tlog", tmp_path / "same.tlog"
+    packed.write_bytes(gzip.compress(flight.read_bytes()) + bytes(10_000))
+    if command == ["anonymize"]:
+        command = [*command, "--shift", "1,2"]
+    for log, to in ((packed, out), (flight, same)):
+        assert main([*command, str(log), "-o", str(to)]) == 0
+    said = capsys.readouterr()
+    assert "damaged" not in said.out + said.err
+    assert out.read_bytes() == same.read_bytes()
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+@pytest.mark.parametrize("cut_at", [4, 7, 10, 11])
+def test_a_gzip_file_cut_off_in_its_head_is_an_error(flight, tmp_path, command, cut_at, capsys):
+    packed, out = tmp_path / "a.tlog.gz", tmp_path / "out.tlog"
+    packed.write_bytes(gzip.compress(flight.read_bytes())[:cut_at])
+    assert main([*command, str(packed), "-o", str(out)]) == 1
+    assert "a gzip file, not a telemetry log, as far as it can be read" in capsys.readouterr().err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_junk_behind_a_gzip_file_is_told_of(flight, tmp_path, command, capsys):
+    packed, out = tmp_path / "a.tlog.gz", tmp_path / "out.tlog"
+    packed.write_bytes(gzip.compress(flight.read_bytes()) + b"junk")
+    command = [one for one in command if one != "-q"]
+    assert main([*command, str(packed), "-o", str(out)]) == 0
+    said = capsys.readouterr()
+    assert "what follows its end is neither gzip nor padding" in said.out + said.err
+    assert len(mavwire.read(out)["ATTITUDE"]) == len(mavwire.read(flight)["ATTITUDE"])
+
+
+@pytest.mark.parametrize(
+    "junk", [b"\x7fELF" + bytes(range(3, 250)) * 20, gzip.compress(b"x" * 999)]
+)
+def test_an_exact_merge_takes_no_file_without_a_record(flight, tmp_path, junk, capsys):
+    other, out = tmp_path / "other.tlog", tmp_path / "out.tlog"
+    other.write_bytes(junk)
+    for logs in ([flight, other], [other, flight], [other]):
+        with pytest.raises(mavwire.logs.LogFormatError, match="not a telemetry log.*other.tlog"):
+            merge(logs, out)
+    assert main(["merge", "--exact", str(flight), str(other), "-o", str(out)]) == 1
+    assert "not a telemetry log" in capsys.readouterr().err
+    assert not out.exists()
+    other.write_bytes(flight.read_bytes()[:20])
+    assert merge([flight, other], out).written == 5000, "a log that is cut off in its first record"
+    other.write_bytes(b"")
+    assert merge([flight, other], out).written == 5000, "an empty log"
+
+
 def zstd(content: bytes) -> bytes:
     return bytes(pytest.importorskip("zstandard").compress(content))
 

@@ -105,22 +105,12 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Goes through a log; `None` if it is no dataflash log. `pulse` is asked now and then whether to go on.
+    /// Goes through a log; `None` if it is no dataflash log. It is read in the same steps afterwards. `pulse` is asked
+    /// now and then whether to go on.
     ///
     /// # Errors
     /// What reading says, and what `pulse` answers.
     pub fn read<E: From<Error>>(
-        open: Open<'_>,
-        pulse: impl FnMut() -> Result<(), E>,
-    ) -> Result<Option<Self>, E> {
-        Self::in_steps(Steps::default(), open, pulse)
-    }
-
-    /// The same in steps of any size, in which the log is read afterwards, too.
-    ///
-    /// # Errors
-    /// What reading says, and what `pulse` answers.
-    pub fn in_steps<E: From<Error>>(
         steps: Steps,
         open: Open<'_>,
         mut pulse: impl FnMut() -> Result<(), E>,

@@ -246,7 +246,7 @@ mod tests {
 
     fn survey(log: &[u8], steps: Steps) -> Arc<Survey> {
         let open = || Ok(Box::new(Cursor::new(log.to_vec())) as Box<dyn Read + Send>);
-        let survey = Survey::in_steps(steps, &open, || Ok::<_, Error>(()));
+        let survey = Survey::read(steps, &open, || Ok::<_, Error>(()));
         Arc::new(survey.expect("reading").expect("a dataflash log"))
     }
 
