@@ -171,6 +171,9 @@ class Dialect:
     def enums(self) -> list[_EnumRow]:
         """All enums, each with its end marker as the last entry."""
 
+    def layout_bytes(self, types: set[int] | None = None) -> bytes:
+        """What tables of some messages are made of, or of all; it differs where any of it does."""
+
     def descriptions(self, name: str) -> tuple[str, dict[str, str]]:
         """What the definitions themselves say of a message and its fields, empty for built-in ones.
 

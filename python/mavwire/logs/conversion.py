@@ -21,7 +21,7 @@ from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest, file_status
 from .query import Query, check_tables
-from .reading import allow_described, check_readable, native_dialect, no_rows, paths_of
+from .reading import allow_described, check_readable, native_dialect, paths_of
 from .sources import head_of, is_dataflash, open_converter
 from .store import Store
 from .telemetry import HEAD_SIZE, not_telemetry
@@ -140,7 +140,7 @@ def prepare(
     query.batch_bytes = BATCH_BYTES
     how = {"format": format, "compression": compression, "output": OUTPUT, **_asked(query)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))
-    how["definitions"] = _fingerprint(module, native, query)
+    how["definitions"] = _fingerprint(native, query)
     return compression, native, query, how
 
 
@@ -152,14 +152,10 @@ def _asked(query: Query) -> dict[str, Any]:
     return how
 
 
-def _fingerprint(module: Any, native: Any, query: Query) -> str:
+def _fingerprint(native: Any, query: Query) -> str:
     """What tells the definitions of the wanted messages from others under the same name."""
-    every = module.mavlink_map
-    told = hashlib.sha256()
-    for msgid in sorted(every if query.types is None else query.types):
-        table = no_rows(native, msgid, query)
-        columns = table.types(), table.metadata()
-        told.update(repr((msgid, every[msgid].msgname, every[msgid].crc_extra, columns)).encode())
+    types = None if query.types is None else set(query.types)
+    told = hashlib.sha256(native.layout_bytes(types))
     if query.enum_names:
         told.update(repr(native.enums()).encode())
     return told.hexdigest()

@@ -1,19 +1,19 @@
 //! A dialect as Python holds it: the registry that scans frames, and one Python class per message, made on first use.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, OnceLock};
 
 use mavwire_core::builtin;
 use mavwire_core::registry::Registry;
 use mavwire_schema::{
-    Definitions, ParseOptions, SchemaError, WireVersion, dialect_name, parse_definitions, reserved,
-    resolve,
+    Definitions, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion, dialect_name,
+    parse_definitions, reserved, resolve,
 };
 use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyString, PyType};
+use pyo3::types::{PyBytes, PyDict, PyList, PyString, PyType};
 
 use crate::calling::Calling;
 use crate::create;
@@ -277,6 +277,22 @@ impl Dialect {
         Ok(rows)
     }
 
+    /// What tables of some messages are made of, or of all, as bytes that differ where any of it does.
+    #[pyo3(signature = (types=None))]
+    fn layout_bytes<'py>(
+        &self,
+        py: Python<'py>,
+        types: Option<HashSet<u32>>,
+    ) -> Bound<'py, PyBytes> {
+        let mut bytes = Vec::new();
+        for message in &self.registry.dialect().messages {
+            if types.as_ref().is_none_or(|some| some.contains(&message.id)) {
+                put_message(&mut bytes, message);
+            }
+        }
+        PyBytes::new(py, &bytes)
+    }
+
     /// Descriptions that the definitions themselves carry: `(message text, {field: text})`; empty for built-in ones.
     fn descriptions(&self, name: &str) -> PyResult<(String, HashMap<String, String>)> {
         let index = self.by_name.get(name).ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
@@ -302,6 +318,30 @@ impl Dialect {
         }
         Ok(())
     }
+}
+
+fn put_message(bytes: &mut Vec<u8>, message: &SchemaMessage) {
+    bytes.extend_from_slice(&message.id.to_be_bytes());
+    put_text(bytes, Some(&message.name));
+    // 255 is no field: a message has 64 at most.
+    let instance = message.instance_field.unwrap_or(u8::MAX);
+    bytes.extend_from_slice(&[message.crc_extra, instance, message.fields.len() as u8]);
+    for field in &message.fields {
+        bytes.extend_from_slice(&[field.field_type as u8, field.array_length]);
+        put_text(bytes, Some(&field.name));
+        let told =
+            [&field.units, &field.enum_name, &field.display, &field.multiplier, &field.invalid];
+        for text in told {
+            put_text(bytes, text.as_deref());
+        }
+    }
+}
+
+/// The length first: what follows each other stays apart.
+fn put_text(bytes: &mut Vec<u8>, text: Option<&str>) {
+    let len = text.map_or(u64::MAX, |text| text.len() as u64);
+    bytes.extend_from_slice(&len.to_be_bytes());
+    bytes.extend_from_slice(text.unwrap_or_default().as_bytes());
 }
 
 fn end_name(definition: &mavwire_schema::Enum) -> String {

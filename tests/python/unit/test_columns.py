@@ -202,6 +202,7 @@ class Halves:
     def __init__(self, *arguments):
         self.found = LogColumns(*arguments)
         self.position = self.bad_bytes = 0
+        self.damage = None
 
     def __iter__(self):
         for tables in self.found:

@@ -408,7 +408,7 @@ def test_the_files_of_a_log_that_is_gone_stay(flight, tmp_path):
     out = tmp_path / "out"
     convert([gone], out, types="ATTITUDE")
     gone.unlink()
-    assert "FileNotFoundError" in str(convert([gone], out, types="ATTITUDE")[0].error)
+    assert "No such file" in str(convert([gone], out, types="ATTITUDE")[0].error)
     row = convert([other], out, types="ATTITUDE")[0]
     assert list(row.files) == ["ATTITUDE/flight-2.parquet"]
 

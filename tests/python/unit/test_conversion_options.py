@@ -15,6 +15,7 @@ import mavwire
 import pytest
 from dataflash_writer import sample
 from mavwire import cli, traffic
+from mavwire.dialects import load
 from mavwire.logs.conversion import convert
 
 
@@ -55,6 +56,32 @@ def test_files_of_another_output_are_made_anew(flight, tmp_path, monkeypatch):
     convert([flight], tmp_path, types="HEARTBEAT")
     monkeypatch.setattr(conversion, "OUTPUT", conversion.OUTPUT + 1)
     assert not convert([flight], tmp_path, types="HEARTBEAT")[0].skipped
+
+
+@pytest.mark.parametrize(
+    ("said", "instead", "same"),
+    [
+        ('units="m"', 'units="m"', True),
+        ('units="m"', 'units="cm"', False),
+        ('name="far"', 'name="near"', False),
+        ('enum="COLOUR" ', "", False),
+        ("uint16_t", "int16_t", False),
+    ],
+)
+def test_other_definitions_under_the_same_name_are_other_options(
+    flight: Path, tmp_path: Path, said: str, instead: str, same: bool
+) -> None:
+    text = """<mavlink><enums><enum name="COLOUR"><entry value="1" name="RED"/></enum></enums>
+    <messages><message id="200" name="SIGHT"><field type="uint16_t" name="far" enum="COLOUR" units="m">-</field>
+    </message></messages></mavlink>"""
+    xml = tmp_path / "sights.xml"
+    skipped = []
+    for definitions in (text, text.replace(said, instead)):
+        xml.write_text(definitions)
+        [row] = convert([flight], tmp_path / "out", dialect=load(xml))
+        assert row.error is None
+        skipped.append(row.skipped)
+    assert skipped == [False, same]
 
 
 def test_a_file_that_was_emptied_is_made_anew(flight, tmp_path):
