@@ -43,8 +43,8 @@ from mavwire._stubs.sending import (
     StreamWriter,
     TlsPort,
     Turn,
-    ask,
     ask_port,
+    hang_up,
 )
 
 __all__ = [
@@ -85,7 +85,6 @@ __all__ = [
     "__version__",
     "add_message",
     "align_tables",
-    "ask",
     "ask_port",
     "build",
     "decompress",
@@ -94,6 +93,7 @@ __all__ = [
     "dump_log",
     "empty_table",
     "forget_states",
+    "hang_up",
     "instance_dict",
     "log_summary",
     "message_class",

@@ -76,7 +76,7 @@ class StreamWriter:
         """Drops and counts what is queued: the connection it was meant for is gone."""
 
     def end(self, port: Any, link: LiveLink, fd: int | None) -> bool:
-        """Lets go of the connection `port` of `link`, which waits on `fd` without one: its `port` is None, what
+        """Closes the connection `port` of `link`, which waits on `fd` without one: its `port` is None, what
         is queued is dropped and counted, and what was received of a frame is forgotten. False if that was done
         before."""
 
@@ -86,8 +86,8 @@ class PortError(Exception):
 def ask_port(port: Any, name: str, *args: Any) -> Any:
     """`port.name(*args)`; None where it would have to wait. Its own errors come as PortError."""
 
-def ask(one: Any, name: str, *args: Any) -> Any:
-    """`one.name(*args)`, whose own errors come as PortError."""
+def hang_up(port: Any) -> None:
+    """Closes a port. Where that is an error the system has let go of the descriptor all the same."""
 
 @final
 class DescriptorPort:

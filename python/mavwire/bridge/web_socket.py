@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from http import HTTPStatus
 
-from mavwire.links.waiting import wait_readable
+from mavwire.links.readiness import wait_readable
 
 from .serving import send_all
 

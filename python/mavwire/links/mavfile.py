@@ -13,12 +13,12 @@ from mavwire._native import Link, MAVLink, instance_dict
 from . import state
 from .commands import Commands
 from .conditions import evaluate_condition
+from .readiness import from_handler, wait_readable
 from .recording import open_recording, recorded
 from .signing import Signing
 from .target import Target
 from .tracking import Tracking
 from .vehicle_state import SystemStates, mavfile_state, param_state
-from .waiting import wait_readable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -252,9 +252,8 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
                 self._recording_failed(file, error)
 
     def _recording_failed(self, file: Any, error: Exception) -> None:
-        is_python_s = type(file).__module__ == "_io"
-        if is_python_s and isinstance(error, OSError) and error.errno is None:
-            raise error  # a signal handler's
+        if type(file).__module__ == "_io" and from_handler(error):
+            raise error
         self.logfile_errors += 1
         if self.logfile_errors == 1:
             import logging
@@ -333,7 +332,9 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
                 # Closing a descriptor wakes nobody who waits for it.
                 if timeout <= 0 or self.fd != fd:
                     return False
-        except (OSError, ValueError, TypeError):
+        except (OSError, ValueError, TypeError) as error:
+            if from_handler(error):
+                raise
             time.sleep(max(0.0, min(WAIT_SLICE, timeout)))  # callers come again at once
             return False
         return True

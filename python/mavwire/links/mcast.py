@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from mavwire._native import PortError, ask
+from mavwire._native import PortError, ask_port, hang_up
 
 from .chunked import ChunkedLink
 from .udp import NOTHING_RECEIVED, UDP_MAX_PACKET_LEN
@@ -12,7 +12,6 @@ from .waiting import (
     address_family,
     ask_for_room,
     datagrams_dropped,
-    hang_up,
     interface_index,
     set_close_on_exec,
     socket_address,
@@ -148,6 +147,8 @@ class mavmcast(ChunkedLink):
     def write(self, buf: bytes) -> None:
         """Send to the group; errors are counted, not raised."""
         try:
-            ask(self.port_out, "send", buf)
+            sent = ask_port(self.port_out, "send", buf)
         except PortError:
+            sent = None
+        if sent is None:
             self.write_errors += 1

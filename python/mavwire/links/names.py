@@ -5,12 +5,21 @@ The system looks a name up for as long as its servers take to answer, and nothin
 
 from __future__ import annotations
 
+import errno
+import os
+
+from mavwire._native import hang_up
+
+from .readiness import from_handler, wait_writable
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
 # How long a wait goes on without a look at signals, in seconds.
 WAIT_SLICE = 0.1
+# What a socket that does not block says while it is being connected.
+IN_PROGRESS = getattr(errno, "WSAEWOULDBLOCK", errno.EINPROGRESS)
 
 
 def look_up(host: str, number: int, family: int, kind: int) -> list[Any]:
@@ -70,18 +79,33 @@ def connect_to(host: str, number: int, timeout: float) -> Any:
     `timeout` seconds; the last error if none does."""
     import socket
 
-    failure = OSError(f"no address of {host!r} is known")
+    failure = OSError(errno.EADDRNOTAVAIL, f"no address of {host!r} is known")
     for family, kind, protocol, _, address in look_up(host, number, 0, socket.SOCK_STREAM):
         port = socket.socket(family, kind, protocol)
         try:
-            port.settimeout(timeout)
-            port.connect(address)
-        except OSError as error:
-            port.close()
+            connect(port, address, timeout)
+        except BaseException as error:
+            hang_up(port)
+            if not isinstance(error, OSError) or from_handler(error):
+                raise
             failure = error
-        except BaseException:
-            port.close()
-            raise
         else:
             return port
     raise failure
+
+
+def connect(port: Any, address: Any, timeout: float) -> None:
+    """Connect a socket, which then waits for `timeout` seconds in all it does; an OSError with a number if that fails."""
+    import socket
+
+    # Without waiting: by its own time-out, which has no number, nobody could tell what a signal handler raises from it.
+    port.setblocking(False)
+    failure = port.connect_ex(address)
+    if failure == IN_PROGRESS:
+        has_answered = wait_writable(port.fileno(), timeout)
+        failure = (
+            port.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) if has_answered else errno.ETIMEDOUT
+        )
+    if failure:
+        raise OSError(failure, os.strerror(failure))
+    port.settimeout(timeout)

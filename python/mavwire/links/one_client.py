@@ -10,15 +10,11 @@ import errno
 import logging
 from time import monotonic, sleep
 
+from mavwire._native import hang_up
+
+from .readiness import from_handler, wait_readable
 from .stream import StreamLink
-from .waiting import (
-    address_family,
-    bind,
-    hang_up,
-    prepare_tcp,
-    set_close_on_exec,
-    wait_readable,
-)
+from .waiting import address_family, bind, prepare_tcp, set_close_on_exec
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -74,7 +70,7 @@ class OneClientLink(StreamLink):
         except (BlockingIOError, InterruptedError, ConnectionError):
             return None
         except OSError as error:
-            if error.errno in CLOSED or error.errno is None:  # a signal handler's
+            if error.errno in CLOSED or from_handler(error):
                 raise
             if not self.waits_for_descriptors:
                 raise AcceptError(error.errno, error.strerror) from error
@@ -85,9 +81,11 @@ class OneClientLink(StreamLink):
         try:
             port.setblocking(False)
             prepare_tcp(port)
-        except OSError:  # gone again
+        except OSError as error:
             hang_up(port)
-            return None
+            if from_handler(error):
+                raise
+            return None  # gone again
         set_close_on_exec(port.fileno())
         self._heard_at, self._heard_count = monotonic(), self.mav_count
         self._forget_unsent()
@@ -128,8 +126,10 @@ class OneClientLink(StreamLink):
     def _somebody_waits(self) -> bool:
         try:
             return wait_readable(self.listen, 0)
-        except (OSError, ValueError):  # another thread is closing the link
-            return False
+        except (OSError, ValueError) as error:
+            if from_handler(error):
+                raise
+            return False  # another thread is closing the link
 
     def _patience(self) -> float:
         """Seconds that a client may be silent while another one waits."""

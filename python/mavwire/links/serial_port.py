@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import time
 
-from mavwire._native import Turn
+from mavwire._native import Turn, hang_up
 
 from .chunked import READ_SIZE
 from .helpers import FakeSerial
+from .readiness import wait_writable
 from .stream import DescriptorPort, PortError, StreamLink, StreamWriter, ask_port
-from .waiting import set_close_on_exec, wait_writable
+from .waiting import set_close_on_exec
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -38,20 +39,6 @@ def _check_baud(baud: Any, device: str) -> None:
 def _is_plain(port: Any) -> bool:
     """Whether writing to the descriptor of `port` is all that writing to it does."""
     return type(port).__module__ == "serial.serialposix"
-
-
-def _close(port: Any) -> None:
-    """Close a port. Where that is an error pyserial stops half way: its own pipes are left open, and the descriptor, whose
-    number may be somebody else's next, would be closed once more."""
-    from contextlib import suppress
-
-    try:
-        port.close()
-    except OSError:
-        if _is_plain(port) and port.is_open:
-            with suppress(OSError):
-                port.fd = os.open(os.devnull, os.O_RDONLY)
-                port.close()
 
 
 class mavserial(StreamLink):
@@ -130,7 +117,7 @@ class mavserial(StreamLink):
 
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
-        _close(self.port)
+        hang_up(self.port)
         self._forget_unsent()
 
     def recv(self, n: int | None = None) -> bytes:
@@ -181,7 +168,7 @@ class mavserial(StreamLink):
         if port is not self.port:
             return
         self.fd = None
-        _close(port)
+        hang_up(port)
         self._forget_unsent()
         self._drop_partial()
 
@@ -272,7 +259,7 @@ class mavserial(StreamLink):
             )
         except (OSError, ValueError):  # SerialException is an OSError
             return False
-        _close(self.port)  # it is gone, which is why it is replaced
+        hang_up(self.port)  # it is gone, which is why it is replaced
         self._forget_unsent()
         self._drop_partial()
         self.portdead = False

@@ -5,8 +5,6 @@ from __future__ import annotations
 from mavwire._native import DescriptorPort, PortError, StreamWriter, ask_port
 
 from .chunked import ChunkedLink
-from .pipes import ends_program, survived
-from .waiting import hang_up
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -27,18 +25,12 @@ class StreamLink(ChunkedLink):
 
     def _send_frame(self, port: Any, frame: bytes) -> None:
         """Send or queue a frame; PortError when the connection `port` is gone."""
-        if ends_program():
-            survived(self._writer.write, port, frame, self)
-        else:
-            self._writer.write(port, frame, self)
+        self._writer.write(port, frame, self)
 
     def _send_rest(self, port: Any) -> None:
         """Send what was queued, as far as the peer takes it now."""
         if self._has_unsent or self._writer.unsent:
-            if ends_program():
-                survived(self._writer.flush, port, self)
-            else:
-                self._writer.flush(port, self)
+            self._writer.flush(port, self)
 
     def _forget_unsent(self) -> None:
         """Drop and count what is queued: the connection it was meant for is gone."""
@@ -49,8 +41,5 @@ class StreamLink(ChunkedLink):
         return None
 
     def _let_go(self, port: Any) -> bool:
-        """Let go of the connection `port`; False if that was done before, as it may be the next one's turn by then."""
-        if not self._writer.end(port, self, self._idle_fd()):
-            return False
-        hang_up(port)
-        return True
+        """Close the connection `port`; False if that was done before, as it may be the next one's turn by then."""
+        return self._writer.end(port, self, self._idle_fd())

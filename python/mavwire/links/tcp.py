@@ -5,11 +5,14 @@ from __future__ import annotations
 import time
 from _thread import get_ident
 
+from mavwire._native import hang_up
+
 from .chunked import READ_SIZE
 from .names import connect_to
+from .readiness import from_handler
 from .reconnecting import ReconnectingLink
 from .stream import PortError, ask_port
-from .waiting import hang_up, prepare_tcp, set_close_on_exec, split_host_port
+from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -72,7 +75,7 @@ class mavtcp(ReconnectingLink):
                 self._use(self._connect())
                 return
             except OSError as error:
-                if attempt == attempts:
+                if attempt == attempts or from_handler(error):
                     raise
                 print(f"{error} sleeping")
                 time.sleep(self.reconnect_delay)

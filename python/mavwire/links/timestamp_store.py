@@ -54,8 +54,8 @@ class TimestampStore:
     def save(self, timestamp: int) -> None:
         """Store `timestamp` for good, unless a later one is; OSError if that fails."""
         fd = os.open(self._path, os.O_RDWR | os.O_CREAT | _BINARY, 0o600)
-        self._open[fd] = get_ident()
         try:
+            self._open[fd] = get_ident()
             _lock(fd)
             slots = self._slots(fd)
             if timestamp > max(slots):
@@ -64,9 +64,11 @@ class TimestampStore:
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self._path)
                 os.fsync(fd)
         finally:
-            _unlock(fd)
-            del self._open[fd]
-            os.close(fd)
+            try:
+                _unlock(fd)
+            finally:  # or it stays locked, also for this process
+                self._open.pop(fd, None)
+                os.close(fd)
 
     def _close_copies(self) -> None:
         """In a forked process: what other threads have locked stays so for as long as there is a copy."""

@@ -9,16 +9,16 @@ from __future__ import annotations
 import errno
 import time
 
-from mavwire._native import PortError, ask
+from mavwire._native import PortError, ask_port, hang_up
 
 from .chunked import ChunkedLink
 from .names import look_up
+from .readiness import from_handler
 from .waiting import (
     address_family,
     ask_for_room,
     bind,
     datagrams_dropped,
-    hang_up,
     set_close_on_exec,
     split_host_port,
 )
@@ -210,10 +210,12 @@ class mavudp(ChunkedLink):
     def _send(self, buf: bytes, address: Any) -> bool:
         """Whether the system took the datagram, or may take the next one."""
         try:
-            ask(self.port, "sendto", buf, address)
-        except PortError as failure:
+            sent = ask_port(self.port, "sendto", buf, address)
+        except PortError:
             self.write_errors += 1
-            return isinstance(failure.args[0], BlockingIOError)
+            return False
+        if sent is None:  # there is no room for it
+            self.write_errors += 1
         return True
 
     # -- where to send to
@@ -261,7 +263,7 @@ class mavudp(ChunkedLink):
         try:
             found = look_up(host, number, 0, socket.SOCK_DGRAM)
         except (OSError, UnicodeError, OverflowError) as error:
-            if getattr(error, "errno", 0) is None:  # a signal handler's
+            if from_handler(error):
                 raise
             return None
         own = self.port.family

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from mavwire._native import hang_up
+
+from .names import connect
 from .tcp import CONNECT_TIMEOUT, mavtcp
-from .waiting import hang_up
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -34,9 +36,8 @@ class mavuds(mavtcp):
 
         port = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
-            port.settimeout(CONNECT_TIMEOUT)
-            port.connect(self.destination_addr)
-        except OSError:
+            connect(port, self.destination_addr, CONNECT_TIMEOUT)
+        except BaseException:
             hang_up(port)
             raise
         return port

@@ -1,9 +1,11 @@
-"""Waiting for a descriptor, and finding an endpoint's address: what every socket link needs."""
+"""Finding an endpoint's address, and setting up sockets: what every socket link needs."""
 
 from __future__ import annotations
 
 import errno
 import os
+
+from mavwire._native import PortError, ask_port
 
 from .names import is_numeric, look_up
 from .recognise import is_serial_name
@@ -15,51 +17,12 @@ if TYPE_CHECKING:
 MAX_PORT = 65535
 
 
-def wait_readable(fd: Any, timeout: float) -> bool:
-    """Whether `fd` becomes readable within `timeout` seconds; OSError, ValueError or TypeError when it cannot be
-    watched."""
-    import select
-
-    if hasattr(select, "poll"):
-        # Unlike select(), poll() takes descriptors beyond 1023: a bridge may hold many links.
-        poller = select.poll()
-        poller.register(fd, select.POLLIN)
-        events = poller.poll(max(timeout, 0.0) * 1000.0)
-        if events and events[0][1] & select.POLLNVAL:
-            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
-        return bool(events)
-    readable, _, _ = select.select([fd], [], [], max(timeout, 0.0))
-    return bool(readable)
-
-
-def wait_writable(fd: int, timeout: float) -> bool:
-    """Whether `fd` takes something within `timeout` seconds, or an error."""
-    import select
-
-    if hasattr(select, "poll"):
-        poller = select.poll()
-        poller.register(fd, select.POLLOUT)
-        return bool(poller.poll(timeout * 1000.0))
-    return bool(select.select([], [fd], [], timeout)[1])
-
-
-def hang_up(port: Any) -> None:
-    """Close a socket. Where that is an error the system has let go of the descriptor all the same."""
-    from contextlib import suppress
-
-    with suppress(OSError):
-        port.close()
-
-
 def set_close_on_exec(fd: int) -> None:
     """Keep `fd` out of child processes where the platform can; never fails."""
-    try:
-        import fcntl
+    from contextlib import suppress
 
-        flags = fcntl.fcntl(fd, fcntl.F_GETFD)
-        fcntl.fcntl(fd, fcntl.F_SETFD, flags | fcntl.FD_CLOEXEC)
-    except (ImportError, OSError, ValueError):
-        pass
+    with suppress(PortError):
+        ask_port(os, "set_inheritable", fd, False)
 
 
 # A peer that vanished (power, radio, cable) ends no connection. It is asked after 10 s of silence and
@@ -78,8 +41,8 @@ def prepare_tcp(port: Any) -> None:
     port.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for name, value in _KEEPALIVE:
         if hasattr(socket, name):
-            with suppress(OSError):  # named by the headers, not known to the system
-                port.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
+            with suppress(PortError):  # named by the headers, not known to the system
+                ask_port(port, "setsockopt", socket.IPPROTO_TCP, getattr(socket, name), value)
 
 
 # What a receive buffer should hold: a tenth of a second of 100,000 datagrams a second, which count
@@ -94,11 +57,11 @@ def ask_for_room(port: Any) -> None:
     from contextlib import suppress
 
     if sys.platform.startswith("linux"):
-        with suppress(OSError):  # only the superuser may have more than the limit
-            port.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, RECEIVE_BUFFER)
+        with suppress(PortError):  # only the superuser may have more than the limit
+            ask_port(port, "setsockopt", socket.SOL_SOCKET, _SO_RCVBUFFORCE, RECEIVE_BUFFER)
             return
-    with suppress(OSError):  # some systems refuse instead of giving less
-        port.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+    with suppress(PortError):  # some systems refuse instead of giving less
+        ask_port(port, "setsockopt", socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
 
 
 # Linux: a receive buffer beyond the system's limit.

@@ -8,14 +8,15 @@ from __future__ import annotations
 import errno
 import os
 
-from mavwire._native import TlsPort, Turn
+from mavwire._native import TlsPort, Turn, hang_up
 
 from .chunked import READ_SIZE
 from .names import connect_to
 from .one_client import OneClientLink, listen_on
+from .readiness import from_handler
 from .reconnecting import ReconnectingLink
 from .stream import PortError, StreamLink, StreamWriter, ask_port
-from .waiting import hang_up, prepare_tcp, set_close_on_exec, split_host_port
+from .waiting import prepare_tcp, set_close_on_exec, split_host_port
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,31 +29,34 @@ HANDSHAKE_TIMEOUT = 5.0
 class _WebSocketLink(StreamLink):
     """What both ends share: a socket under a wsproto connection."""
 
-    ws: Any
+    # The connection that was made last: its socket and its protocol.
+    _made: tuple[Any, Any] = (None, None)
 
     def __init__(
         self, fd: int | None, address: str, source_system: int, source_component: int
     ) -> None:
-        self.port = self.ws = None
+        self.port = None
         self._writer = StreamWriter()
         self._reading = Turn()
         super().__init__(
             fd, address, source_system=source_system, source_component=source_component
         )
 
+    @property
+    def ws(self) -> Any:
+        """wsproto's object for the connection; None without one."""
+        port, ws = self._made
+        return ws if port is self.port else None
+
     def _start(self, port: Any, ws: Any) -> None:
         port.setblocking(False)
         set_close_on_exec(port.fileno())
-        self.port, self.ws, self.fd = port, ws, port.fileno()
+        self._made = port, ws
+        self.port, self.fd = port, port.fileno()
 
     def close_port(self) -> None:
         """Drop the connection; the link itself stays usable."""
         self._let_go(self.port)
-
-    def _let_go(self, port: Any) -> bool:
-        if port is self.port:
-            self.ws = None
-        return super()._let_go(port)
 
     def _send_event(self, event: Any) -> None:
         """Send an event of the protocol; drop the connection if that fails."""
@@ -248,6 +252,8 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         try:
             port = self._reach()
         except OSError as error:
+            if from_handler(error):
+                raise
             self._note_failure(error)
             return False
         self._use(self._opened(port))
@@ -299,6 +305,8 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
                 data = port.recv(READ_SIZE)
                 ws.receive_data(data or None)
         except TimeoutError:
+            if monotonic() < deadline:
+                raise  # a signal handler's
             raise TimeoutError(f"no WebSocket handshake from {self.address}") from None
         except RemoteProtocolError as error:
             reason = f"{self.address} does not speak WebSocket: {error}"

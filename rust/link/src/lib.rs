@@ -13,6 +13,7 @@ pub mod datagrams;
 pub mod files;
 pub mod readiness;
 pub mod records;
+pub mod sigpipe;
 mod tally;
 pub mod text_log;
 pub mod window;

@@ -41,6 +41,7 @@ mod extra;
 mod file_error;
 mod filter;
 mod frame_bytes;
+mod hang_up;
 mod index_build;
 mod info;
 mod instances;
@@ -90,12 +91,13 @@ mod table;
 mod text;
 mod thread_lock;
 mod thread_number;
+mod tls_port;
 mod tracking;
 mod turn;
 mod values;
 mod x25;
 
-#[pymodule(gil_used = false)]
+#[pymodule(gil_used = true)]
 mod _native {
     use pyo3::prelude::*;
 
@@ -138,6 +140,8 @@ mod _native {
     #[pymodule_export]
     use crate::dump::dump_log;
     #[pymodule_export]
+    use crate::hang_up::hang_up;
+    #[pymodule_export]
     use crate::info::MessageInfo;
     #[pymodule_export]
     use crate::instances::add_message_alone;
@@ -160,7 +164,7 @@ mod _native {
     #[pymodule_export]
     use crate::open_log::LogScan;
     #[pymodule_export]
-    use crate::ports::{DescriptorPort, PortError, TlsPort, ask, ask_port};
+    use crate::ports::{DescriptorPort, PortError, ask_port};
     #[pymodule_export]
     use crate::recording::recordable;
     #[pymodule_export]
@@ -175,6 +179,8 @@ mod _native {
     use crate::system::{SystemState, forget_states};
     #[pymodule_export]
     use crate::table::RecordBatches;
+    #[pymodule_export]
+    use crate::tls_port::TlsPort;
     #[pymodule_export]
     use crate::x25::x25_accumulate;
 

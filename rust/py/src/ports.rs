@@ -2,27 +2,30 @@
 //! called them, since no handler runs in between.
 
 use std::io;
-use std::sync::OnceLock;
 use std::time::Duration;
 
 use mavwire_link::bytes::{read_some, write_some};
 use mavwire_link::readiness;
+use mavwire_link::sigpipe::HeldBack;
 use pyo3::create_exception;
 use pyo3::exceptions::{
-    PyBlockingIOError, PyBrokenPipeError, PyConnectionAbortedError, PyException,
-    PyInterruptedError, PyOSError, PyOverflowError, PyValueError,
+    PyBlockingIOError, PyBrokenPipeError, PyException, PyInterruptedError, PyOSError,
+    PyOverflowError, PyValueError,
 };
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString, PyTuple};
 
-use crate::calling::{Calling, Known, import};
-use crate::thread_lock::ThreadLock;
+use crate::calling::{Calling, Known};
+use crate::tls_port::TlsPort;
 
 /// The same number on all systems.
 const EPIPE: i32 = 32;
 
 static STRERROR: Known = Known::new("os", "strerror");
+static SOCKET: Known = Known::new("socket", "socket");
+/// Not on all systems.
+static NO_SIGNAL: Known = Known::new("socket", "MSG_NOSIGNAL");
 
 create_exception!(
     mavwire._native,
@@ -46,24 +49,20 @@ pub(crate) fn ask_port<'py>(
     judged(port.py(), answer)
 }
 
-/// `one.name(*args)`, whose own errors come as `PortError`.
-#[pyfunction]
-#[pyo3(signature = (one, name, *args))]
-pub(crate) fn ask<'py>(
-    one: &Bound<'py, PyAny>,
-    name: &Bound<'py, PyString>,
-    args: Bound<'py, PyTuple>,
-) -> PyResult<Bound<'py, PyAny>> {
-    own_errors(one.py(), one.invoke_method1(name, args))?
-        .map_err(|error| PortError::new_err((error,)))
-}
-
-/// `port.send(data)` as `ask_port` does it.
+/// `port.send(data)` as `ask_port` does it, without arguments in a tuple, and without the signal that ends programs which
+/// write to who has hung up.
 pub(crate) fn send<'py>(
     port: &Bound<'py, PyAny>,
     data: &Bound<'py, PyAny>,
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
     let (py, name) = (port.py(), intern!(port.py(), "send"));
+    if port.get_type().is(SOCKET.get(py)?)
+        && let Ok(no_signal) = NO_SIGNAL.get(py)
+    {
+        let answer = port.invoke_method1(name, (data, no_signal));
+        return judged(py, own_errors(py, answer)?);
+    }
+    let _held_back = HeldBack::default();
     let answer = match port.cast::<TlsPort>() {
         Ok(tls) => tls.get().act(name, (data,))?,
         Err(_) => own_errors(py, port.invoke_method_with(name, data))?,
@@ -72,9 +71,9 @@ pub(crate) fn send<'py>(
 }
 
 /// What came of asking a port: `Err` is not the port's own.
-type Answer<'py> = PyResult<PyResult<Bound<'py, PyAny>>>;
+pub(crate) type Answer<'py> = PyResult<PyResult<Bound<'py, PyAny>>>;
 
-fn own_errors<'py>(py: Python<'py>, answer: PyResult<Bound<'py, PyAny>>) -> Answer<'py> {
+pub(crate) fn own_errors<'py>(py: Python<'py>, answer: PyResult<Bound<'py, PyAny>>) -> Answer<'py> {
     match answer {
         Err(error)
             if !error.is_instance_of::<PyOSError>(py)
@@ -172,96 +171,4 @@ fn failed(py: Python<'_>, error: &io::Error) -> PyErr {
 
 fn broken() -> PyErr {
     PyBrokenPipeError::new_err((EPIPE, "Broken pipe"))
-}
-
-/// A TLS connection as the non-blocking socket that links read and write. Waiting for the peer is no error of its own kind,
-/// and several threads may use it, which OpenSSL does not allow.
-#[pyclass(frozen, module = "mavwire._native")]
-pub(crate) struct TlsPort {
-    port: Py<PyAny>,
-    /// A signal handler may write in the middle of a read.
-    lock: ThreadLock,
-    /// Why nobody knows what was sent or received.
-    torn: OnceLock<&'static str>,
-}
-
-impl TlsPort {
-    fn act<'py>(
-        &self,
-        name: &Bound<'py, PyString>,
-        args: impl IntoPyObject<'py, Target = PyTuple>,
-    ) -> Answer<'py> {
-        let py = name.py();
-        let guard = self.lock.lock(py)?;
-        if guard.is_inherited() {
-            let _ = self.torn.set("the TLS connection is the parent process's");
-        }
-        if let Some(&reason) = self.torn.get() {
-            return Ok(Err(PyConnectionAbortedError::new_err(reason)));
-        }
-        match self.port.bind(py).invoke_method1(name, args) {
-            Err(error) if waits_for_peer(py, &error)? => {
-                let waits = PyBlockingIOError::new_err("TLS waits for the peer");
-                waits.set_cause(py, Some(error));
-                Ok(Err(waits))
-            }
-            Err(error) if is_of_system(py, &error) => Ok(Err(error)),
-            Err(error) => {
-                let _ = self.torn.set("the TLS connection was interrupted by a signal");
-                Err(error)
-            }
-            answer => Ok(answer),
-        }
-    }
-}
-
-/// Signal handlers run inside of the methods of TLS sockets, but hardly any names a number of the system.
-fn is_of_system(py: Python<'_>, error: &PyErr) -> bool {
-    let number = error.value(py).attribute_opt(intern!(py, "errno"));
-    error.is_instance_of::<PyOSError>(py) && matches!(number, Ok(Some(number)) if !number.is_none())
-}
-
-fn waits_for_peer(py: Python<'_>, error: &PyErr) -> PyResult<bool> {
-    let ssl = import(py, intern!(py, "ssl"))?;
-    let names = [intern!(py, "SSLWantReadError"), intern!(py, "SSLWantWriteError")];
-    for name in names {
-        if error.is_instance(py, &ssl.attribute(name)?) {
-            return Ok(true);
-        }
-    }
-    Ok(false)
-}
-
-#[pymethods]
-impl TlsPort {
-    #[new]
-    fn new(port: Py<PyAny>) -> Self {
-        Self { port, lock: ThreadLock::new(), torn: OnceLock::new() }
-    }
-
-    /// Up to `n` bytes.
-    fn recv<'py>(&self, n: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.act(intern!(n.py(), "recv"), (n,))?
-    }
-
-    /// How many of the bytes it took.
-    fn send<'py>(&self, data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.act(intern!(data.py(), "send"), (data,))?
-    }
-
-    fn fileno<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.port.bind(py).invoke_method0(intern!(py, "fileno"))
-    }
-
-    fn close<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.port.bind(py).invoke_method0(intern!(py, "close"))
-    }
-
-    fn setblocking<'py>(&self, flag: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.port.bind(flag.py()).invoke_method_with(intern!(flag.py(), "setblocking"), flag)
-    }
-
-    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        visit.call(&self.port)
-    }
 }

@@ -9,7 +9,6 @@ use pyo3::types::{PyBytes, PyTuple};
 use crate::calling::Calling;
 use crate::encode::Payload;
 use crate::info::{Info, MessageInfo};
-use crate::live::LiveLink;
 use crate::mavlink::{MAVLink, overridden};
 use crate::pack::no_arguments;
 use crate::raw::{self, Arguments};
@@ -22,13 +21,33 @@ pub(crate) fn send(
     force_mavlink1: bool,
 ) -> PyResult<()> {
     let py = mav.py();
-    let guard = begin(mav)?;
     let kwargs = pyo3::types::PyDict::new(py);
     kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
-    let frame = message.invoke_method(intern!(py, "pack"), (mav,), Some(&kwargs))?;
-    let len = frame.len()?;
-    write(mav, &frame, len, guard)?;
+    in_turn(mav, || {
+        let frame = message.invoke_method(intern!(py, "pack"), (mav,), Some(&kwargs))?;
+        let len = frame.len()?;
+        Ok((frame, len))
+    })?;
     mav.get().send_callback.call(message)
+}
+
+/// Writes the frame that `pack` makes, and its length says, before other threads write theirs.
+///
+/// Where somebody passed meanwhile, in a `pack` or a timestamp store of the program's own, the frame may have a number that
+/// is used, or a timestamp that is too old: it is made again, once, since that may take as long.
+#[inline]
+fn in_turn<'py>(
+    mav: &Bound<'py, MAVLink>,
+    pack: impl Fn() -> PyResult<(Bound<'py, PyAny>, usize)>,
+) -> PyResult<()> {
+    let mut guard = begin(mav)?;
+    let mut packed = pack()?;
+    if !guard.is_held() {
+        drop(guard);
+        guard = begin(mav)?;
+        packed = pack()?;
+    }
+    write(mav, &packed.0, packed.1, guard)
 }
 
 /// Waits until no other thread sends. One that is at the same frame for a second may be waiting for what this thread has, as
@@ -53,14 +72,22 @@ fn write(
     let seq = sending.seq();
     let file = mav.get().file.get(py).unwrap_or_else(|| py.None().into_bound(py));
     let written = file.invoke_method_with(intern!(py, "write"), frame);
-    // A link raises what a signal handler does, and its frame may have left. A number that is not used is one lost frame to
-    // receivers, one that is used twice is 255.
-    if written.is_ok() || file.cast::<LiveLink>().is_ok() {
+    // A number that is not used is one lost frame to receivers, one that is used twice is 255.
+    if written.is_ok() || may_have_sent(&file) {
         sending.advance(seq);
     }
     written?;
     sending.count(len);
     Ok(())
+}
+
+/// Whether `file` is a link, which raises what a signal handler does, also behind the frame.
+#[cold]
+fn may_have_sent(file: &Bound<'_, PyAny>) -> bool {
+    // Asked of the class: a file of the program's own may have any attribute.
+    file.get_type()
+        .attribute_opt(intern!(file.py(), "_raises_behind_frames"))
+        .is_ok_and(|flag| flag.is_some())
 }
 
 /// `send_values(mav, info, force_mavlink1, *values)` for `mav.<message>_send(...)`: straight from the arguments to the
@@ -129,10 +156,11 @@ fn send_directly(
     } else {
         (WireVersion::V1, &payload.as_slice()[..usize::from(definition.min_len)])
     };
-    let guard = begin(mav)?;
-    let mut frame = FrameBuffer::default();
-    let sender = this.sender(py)?;
-    sender.frame(&mut frame, definition.id, payload, definition.crc_extra, version)?;
-    write(mav, PyBytes::new(py, &frame).as_any(), frame.len(), guard)?;
+    in_turn(mav, || {
+        let mut frame = FrameBuffer::default();
+        let sender = this.sender(py)?;
+        sender.frame(&mut frame, definition.id, payload, definition.crc_extra, version)?;
+        Ok((PyBytes::new(py, &frame).into_any(), frame.len()))
+    })?;
     Ok(true)
 }

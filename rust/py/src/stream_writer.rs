@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::calling::Calling;
+use crate::hang_up::hang_up;
 use crate::link_turn::Turn;
 use crate::lists;
 use crate::live::LiveLink;
@@ -225,7 +226,7 @@ impl StreamWriter {
         }
     }
 
-    /// Lets go of the connection `port` of `link`, which waits on `fd` without one: its `port` is `None`, what is queued is
+    /// Closes the connection `port` of `link`, which waits on `fd` without one: its `port` is `None`, what is queued is
     /// dropped and counted, and what was received of a frame is forgotten. False if that was done before.
     #[pyo3(signature = (port, link, fd))]
     fn end<'py>(
@@ -245,6 +246,7 @@ impl StreamWriter {
         link.as_super().get().drop_partial();
         link.set_attribute(intern!(py, "fd"), fd)?;
         link.set_attribute(intern!(py, "port"), py.None())?;
+        hang_up(port)?;
         Ok(true)
     }
 }

@@ -2,8 +2,12 @@
 //! again.
 //!
 //! Nearly always the lock is free, and taken in two nanoseconds; a standard mutex is another five for every message sent.
+//!
+//! A lock that is freed is free: nobody is handed it, since who waits may be busy with a signal's handler. Instead, who comes
+//! to it leaves it once to those who have waited for long. These are known while they are parked, and run nothing else
+//! before they take it, so that it is not left to anybody who does not come.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::Relaxed, Ordering::SeqCst};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed, Ordering::SeqCst};
 use std::thread::{self, Thread};
 use std::time::{Duration, Instant};
 
@@ -19,8 +23,8 @@ const INTERVAL: Duration = Duration::from_millis(10);
 /// So often, that is for a second, in which the lock did not change hands. Counted, not timed: where a process or all of a
 /// machine stood still, nobody has waited.
 const PATIENCE: u32 = 100;
-/// Whoever has waited for so long is handed the lock. Before that it may be taken by a thread that is running anyway, since
-/// changing threads takes longer than most of what the lock is held for.
+/// Whoever has waited for so long has the lock left to it. Before that it may be taken by a thread that is running anyway,
+/// since changing threads takes longer than most of what the lock is held for.
 const FAIR_WAIT: Duration = Duration::from_micros(500);
 
 static IS_FINALIZING: Known = Known::new("sys", "is_finalizing");
@@ -33,16 +37,15 @@ pub(crate) fn prepare(py: Python<'_>) -> PyResult<()> {
 /// See the module.
 pub(crate) struct ThreadLock {
     owner: Owner,
-    /// The owner was handed the lock, and has not noticed yet.
-    handed: AtomicBool,
     /// How often it was taken.
     turns: AtomicU64,
-    /// The length of `waiters`.
+    /// The length of `parked`.
     waiting: AtomicU32,
     /// Who has waited the longest comes first.
-    waiters: Lock<Vec<Waiter>>,
+    parked: Lock<Vec<Waiter>>,
 }
 
+#[derive(Clone)]
 struct Waiter {
     number: u64,
     thread: Thread,
@@ -66,10 +69,9 @@ impl ThreadLock {
     pub(crate) const fn new() -> Self {
         Self {
             owner: Owner::new(),
-            handed: AtomicBool::new(false),
             turns: AtomicU64::new(0),
             waiting: AtomicU32::new(0),
-            waiters: Lock::new(Vec::new()),
+            parked: Lock::new(Vec::new()),
         }
     }
 
@@ -84,89 +86,82 @@ impl ThreadLock {
         self.take(py, true)
     }
 
+    /// Does not wait: `None` while somebody holds it, be it this thread.
+    pub(crate) fn try_lock(&self, py: Python<'_>) -> Option<ThreadGuard<'_>> {
+        let thread = thread_number::current();
+        let way = self.claim(thread).or_else(|| self.inherit(py, thread))?;
+        Some(ThreadGuard { lock: self, thread, way })
+    }
+
     #[inline]
     fn take(&self, py: Python<'_>, may_pass: bool) -> PyResult<ThreadGuard<'_>> {
         let thread = thread_number::current();
         let way = if self.owner.number() == thread {
-            if !self.accept(py, thread) {
-                return Ok(ThreadGuard { lock: self, thread, way: Way::Nested });
-            }
-            Way::Free // a signal handler gets it before what it interrupts in its wait
-        } else if self.owner.claim(thread) {
-            Way::Free
+            Way::Nested
+        } else if self.waiting.load(SeqCst) == 0
+            && let Some(way) = self.claim(thread)
+        {
+            way
         } else {
             self.wait(py, thread, may_pass)?
         };
-        shared::add(&self.turns, 1);
         Ok(ThreadGuard { lock: self, thread, way })
     }
 
-    /// Whether this thread was handed the lock.
-    fn accept(&self, py: Python<'_>, thread: u64) -> bool {
-        self.handed.load(SeqCst) && {
-            let _waiters = self.waiters.lock(py);
-            self.owner.number() == thread && self.handed.swap(false, SeqCst)
-        }
-    }
-
-    /// Takes the lock from its `owner`. One that was handed it and has not noticed was not in the middle of anything.
-    fn seize(&self, py: Python<'_>, owner: u64, thread: u64, way: Way) -> Option<Way> {
-        let _waiters = self.waiters.lock(py);
-        let is_seized = self.owner.replace(owner, thread);
-        is_seized.then(|| if self.handed.swap(false, SeqCst) { Way::Free } else { way })
+    #[inline]
+    fn claim(&self, thread: u64) -> Option<Way> {
+        self.taken(self.owner.claim(thread), Way::Free)
     }
 
     #[cold]
     fn wait(&self, py: Python<'_>, thread: u64, may_pass: bool) -> PyResult<Way> {
-        let waiter = Waiter { number: thread, thread: thread::current(), since: Instant::now() };
-        self.change_waiters(py, |waiters| waiters.push(waiter));
-        let way = self.wait_for_way(py, thread, may_pass);
-        self.change_waiters(py, |waiters| {
-            // The last one, if the thread waits in a signal handler too.
-            if let Some(place) = waiters.iter().rposition(|waiter| waiter.number == thread) {
-                waiters.remove(place);
-            }
-        });
-        if way.is_err() && self.accept(py, thread) {
-            self.free(py, thread);
-        }
-        way
-    }
-
-    fn change_waiters(&self, py: Python<'_>, change: impl FnOnce(&mut Vec<Waiter>)) {
-        let mut waiters = self.waiters.lock(py);
-        change(&mut waiters);
-        self.waiting.store(waiters.len() as u32, SeqCst);
-    }
-
-    fn wait_for_way(&self, py: Python<'_>, thread: u64, may_pass: bool) -> PyResult<Way> {
+        let this = Waiter { number: thread, thread: thread::current(), since: Instant::now() };
         let (mut turns, mut waits) = (self.turns.load(Relaxed), 0);
+        if self.is_left_to_others(py, &this) {
+            self.park(py, &this);
+        }
         loop {
-            if self.accept(py, thread) || self.owner.claim(thread) {
-                return Ok(Way::Free);
-            }
-            if let Some(way) = self.inherit(py, thread) {
+            if let Some(way) = self.claim(thread).or_else(|| self.inherit(py, thread)) {
                 return Ok(way);
             }
-            if waits >= PATIENCE && may_pass {
-                let owner = self.owner.number();
-                if self.is_same_turn(turns)
-                    && let Some(way) = self.seize(py, owner, thread, Way::Passed)
-                {
-                    return Ok(way);
-                }
+            if may_pass
+                && waits >= PATIENCE
+                && let Some(way) = self.pass(thread, turns)
+            {
+                return Ok(way);
             }
-            py.detach(|| thread::park_timeout(INTERVAL));
+            self.park(py, &this);
             py.check_signals()?;
             waits += 1;
-            if !self.is_same_turn(turns) {
+            if self.turns.load(Relaxed) != turns {
                 (turns, waits) = (self.turns.load(Relaxed), 0);
             }
         }
     }
 
-    fn is_same_turn(&self, turns: u64) -> bool {
-        self.turns.load(Relaxed) == turns
+    /// Whether somebody else has waited for long.
+    fn is_left_to_others(&self, py: Python<'_>, this: &Waiter) -> bool {
+        self.change_parked(py, |parked| {
+            parked.first().is_some_and(|first| this.since - first.since >= FAIR_WAIT)
+        })
+    }
+
+    /// Waits to be woken, for an interval at most. Nothing of the user's runs while others count on this thread.
+    fn park(&self, py: Python<'_>, this: &Waiter) {
+        self.change_parked(py, |parked| {
+            let place = parked.partition_point(|other| other.since <= this.since);
+            parked.insert(place, this.clone());
+        });
+        py.detach(|| thread::park_timeout(INTERVAL));
+        self.change_parked(py, |parked| parked.retain(|other| other.number != this.number));
+    }
+
+    fn change_parked<T>(&self, py: Python<'_>, change: impl FnOnce(&mut Vec<Waiter>) -> T) -> T {
+        let mut parked = self.parked.lock(py);
+        parked.retain(|waiter| !thread_number::is_gone(waiter.number));
+        let result = change(&mut parked);
+        self.waiting.store(parked.len() as u32, SeqCst);
+        result
     }
 
     /// Takes the lock from a thread that will never free it: it does not exist in this process, which was forked while it
@@ -174,22 +169,31 @@ impl ThreadLock {
     fn inherit(&self, py: Python<'_>, thread: u64) -> Option<Way> {
         let owner = self.owner.number();
         let is_left = owner != 0 && (thread_number::is_gone(owner) || is_ending(py));
-        if is_left { self.seize(py, owner, thread, Way::Inherited) } else { None }
+        self.taken(is_left && self.owner.replace(owner, thread), Way::Inherited)
     }
 
-    /// Hands the lock to who has waited for long, or frees it and tells whoever waits.
+    /// Takes the lock from a thread that has kept it since the turn before `turns`.
+    fn pass(&self, thread: u64, turns: u64) -> Option<Way> {
+        let owner = self.owner.number();
+        let is_stuck = owner != 0 && self.turns.load(Relaxed) == turns;
+        self.taken(is_stuck && self.owner.replace(owner, thread), Way::Passed)
+    }
+
+    #[inline]
+    fn taken(&self, is_taken: bool, way: Way) -> Option<Way> {
+        if is_taken {
+            shared::add(&self.turns, 1);
+        }
+        is_taken.then_some(way)
+    }
+
+    /// Wakes who has waited for the longest.
     #[cold]
-    fn free(&self, py: Python<'_>, thread: u64) {
-        self.change_waiters(py, |waiters| {
-            waiters.retain(|waiter| !thread_number::is_gone(waiter.number));
-            let Some(first) = waiters.first() else { return self.owner.give_up(thread) };
-            if first.since.elapsed() < FAIR_WAIT {
-                self.owner.give_up(thread);
-            } else if self.owner.number() == thread {
-                self.handed.store(true, SeqCst);
-                self.owner.replace(thread, first.number);
+    fn wake(&self, py: Python<'_>) {
+        self.change_parked(py, |parked| {
+            if let Some(first) = parked.first() {
+                first.thread.unpark();
             }
-            first.thread.unpark();
         });
     }
 }
@@ -208,6 +212,12 @@ pub(crate) struct ThreadGuard<'a> {
 }
 
 impl ThreadGuard<'_> {
+    /// Nobody passed.
+    #[inline]
+    pub(crate) fn is_held(&self) -> bool {
+        self.lock.owner.number() == self.thread
+    }
+
     /// Somebody is in the middle of what the lock guards: this thread, or one that was passed.
     pub(crate) fn is_beside(&self) -> bool {
         matches!(self.way, Way::Nested | Way::Passed)
@@ -225,11 +235,10 @@ impl Drop for ThreadGuard<'_> {
         if self.way == Way::Nested {
             return;
         }
-        if self.lock.waiting.load(SeqCst) == 0 {
-            self.lock.owner.give_up(self.thread);
-        } else {
+        self.lock.owner.give_up(self.thread);
+        if self.lock.waiting.load(SeqCst) != 0 {
             // SAFETY: a guard lives in a call from Python, which it ends in attached.
-            self.lock.free(unsafe { Python::assume_attached() }, self.thread);
+            self.lock.wake(unsafe { Python::assume_attached() });
         }
     }
 }

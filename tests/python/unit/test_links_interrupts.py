@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import select
 import signal
 import socket
 import threading
@@ -16,7 +17,16 @@ from typing import Any
 
 import pytest
 from mavwire import mavutil
-from mavwire._native import DescriptorPort, PortError, Section, StreamWriter, TlsPort, Turn
+from mavwire._native import (
+    DescriptorPort,
+    PortError,
+    Section,
+    StreamWriter,
+    TlsPort,
+    Turn,
+    hang_up,
+)
+from mavwire.links.waiting import ask_for_room, prepare_tcp, set_close_on_exec
 from unit.link_tools import heartbeat
 from watchdog import watched
 
@@ -212,6 +222,98 @@ def test_turns_and_sections_are_free_after_interrupts(interrupted: Any) -> None:
     assert not thread.is_alive()
 
 
+def silent(listener: socket.socket) -> list[socket.socket]:
+    """Fills the queue of who listens, so that connections to it are not answered."""
+    listener.listen(0)
+    waiting: list[socket.socket] = []
+    while True:
+        client = socket.socket()
+        waiting.append(client)
+        client.setblocking(False)
+        if client.connect_ex(listener.getsockname()) == 0:
+            continue
+        if not select.select([], [client], [], 0.2)[1]:
+            return waiting
+
+
+@pytest.mark.parametrize("kind", ["tcp", "ws", "ws, of a server that does not shake hands"])
+def test_a_handlers_timeout_ends_the_attempt_to_connect(kind: str) -> None:
+    """An alarm around `mavlink_connection` is no time-out of the connection, which is tried again."""
+    if kind != "tcp":
+        pytest.importorskip("wsproto")
+
+    def handle(*_: object) -> None:
+        raise Stop
+
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        clients = [] if "," in kind else silent(listener)
+        before = signal.signal(signal.SIGALRM, handle)
+        device = f"{kind.partition(',')[0]}:127.0.0.1:{listener.getsockname()[1]}"
+        with pytest.raises(Stop):
+            signal.setitimer(signal.ITIMER_REAL, 0.3)
+            mavutil.mavlink_connection(device, retries=2)
+        signal.signal(signal.SIGALRM, before)
+        for client in clients:
+            client.close()
+
+
+def each_step() -> Iterator[Callable[[], object]]:
+    """What closes, prepares and watches a socket."""
+    pair = socket.socketpair()
+    link = mavutil.mavlink_connection("tcpin:127.0.0.1:0")
+    yield lambda: hang_up(socket.socket())
+    yield lambda: (prepare_tcp(link.listen), pair)
+    yield lambda: ask_for_room(pair[0])
+    yield lambda: set_close_on_exec(pair[0].fileno())
+    yield lambda: link.select(0.0)
+    yield link._somebody_waits
+    link.close()
+    for end in pair:
+        end.close()
+
+
+def test_what_a_handler_raises_is_not_taken_for_the_systems(interrupted: Any) -> None:
+    for act in each_step():
+        interrupted(act)
+
+
+def test_sigpipe_is_not_held_back_after_interrupts(interrupted: Any) -> None:
+    """By programs that let it end them."""
+    link, peer = tcp_link()
+    reader = Reader(peer.fileno())
+    before = signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    interrupted(lambda: link.mav.heartbeat_send(6, 8, 0, 0, 0))
+    held_back = signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGPIPE])
+    signal.signal(signal.SIGPIPE, before)
+    link.close()
+    reader.end()
+    peer.close()
+    assert signal.SIGPIPE not in held_back
+
+
+@pytest.mark.parametrize("is_gone", [False, True])
+def test_a_serial_port_is_closed_whole(is_gone: bool) -> None:
+    """Also where the system says an error."""
+    link, device = serial_link()
+    port = link.port
+    names = ["fd", *(f"pipe_abort_{end}" for end in ("read_r", "read_w", "write_r", "write_w"))]
+    open_before = [getattr(port, name) for name in names]
+    if is_gone:
+        os.close(port.fd)
+    hang_up(port)
+    hang_up(port)
+    for fd in open_before:
+        with pytest.raises(OSError, match="Bad file"):
+            os.fstat(fd)
+    assert {getattr(port, name) for name in names} == {None}
+    assert not port.is_open
+    link.close()
+    device.close()
+
+
 def test_a_turn_is_had_by_one() -> None:
     turn = Turn()
     assert turn.run(lambda: (turn.run(int), turn.locked())) == (None, True)
@@ -264,3 +366,32 @@ def test_a_tls_connection_is_not_gone_on_with_if_nobody_knows_what_was_sent() ->
     for act in (writer.flush, lambda port: port.recv(3)):
         with pytest.raises((ConnectionAbortedError, PortError), match="signal"):
             act(port)
+
+
+class Used:
+    """A TLS socket that is closed while it is used, by a signal handler and by another thread."""
+
+    is_closed = closed_meanwhile = False
+
+    def send(self, data: bytes) -> int:
+        self.port.close()
+        thread = threading.Thread(target=self.port.close)
+        thread.start()
+        thread.join(WAIT)
+        assert not thread.is_alive()
+        self.closed_meanwhile = self.is_closed
+        return len(data)
+
+    def close(self) -> None:
+        self.is_closed = True
+
+
+def test_a_tls_connection_is_closed_by_who_uses_it() -> None:
+    """OpenSSL does not allow it meanwhile, and who closes it does not wait."""
+    used = Used()
+    used.port = port = TlsPort(used)
+    with watched(WAIT):
+        assert port.send(bytes(FRAME)) == FRAME
+    assert (used.closed_meanwhile, used.is_closed) == (False, True)
+    with pytest.raises(ConnectionAbortedError, match="closed"):
+        port.send(bytes(FRAME))

@@ -101,6 +101,10 @@ class Unreachable:
         if address[0] in self.gone:
             raise OSError(errno.EHOSTUNREACH, "No route to host")
         self.sent.append(address[0])
+        return len(data)
+
+    def close(self):
+        pass
 
 
 def test_a_host_that_moved_is_found_again(names, monkeypatch):

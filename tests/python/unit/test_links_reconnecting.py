@@ -12,6 +12,7 @@ from itertools import pairwise
 import pytest
 from mavwire import mavutil
 from mavwire.links import reconnecting, tcp, websocket
+from mavwire.links.stream import StreamLink
 from unit.link_tools import heartbeat
 from watchdog import watched
 
@@ -501,7 +502,7 @@ def test_a_websocket_server_that_is_not_up_yet_is_logged_once(attempts, caplog):
 @pytest.mark.parametrize(
     "error",
     [
-        TimeoutError("timed out"),
+        OSError(errno.ETIMEDOUT, "Connection timed out"),
         OSError(errno.ENETUNREACH, "Network is unreachable"),
         socket.gaierror(socket.EAI_NONAME, "Name or service not known"),
     ],
@@ -519,6 +520,45 @@ def test_a_websocket_server_that_cannot_be_reached_is_waited_for(error, attempts
     attempts.now += 1
     link.recv_match()
     assert len(attempts.moments) == 1
+    link.close()
+
+
+def test_a_websocket_whose_end_was_interrupted_is_connected_again(
+    websockets, attempts, monkeypatch
+):
+    class Stop(Exception):
+        pass
+
+    let_go = StreamLink._let_go
+
+    def interrupt(one, port):
+        if one is link:
+            raise Stop
+        return let_go(one, port)
+
+    link = mavutil.mavlink_connection(websockets.device)
+    attempts.of(link)
+    with monkeypatch.context() as patch, watched(WAIT):
+        patch.setattr(StreamLink, "_let_go", interrupt)
+        websockets.link.close_port()
+        with pytest.raises(Stop):
+            while True:
+                link.recv_msg()
+    with watched(WAIT):
+        while not attempts.moments:
+            link.recv_msg()
+            attempts.now += 1
+    assert link._established()
+    link.close()
+
+
+def test_who_lets_go_of_a_connection_has_closed_it(server):
+    """Whatever a signal handler raises next."""
+    link, peer = server.link()
+    port = link.port
+    assert link._writer.end(port, link, None)
+    assert (port.fileno(), link.port) == (-1, None)
+    peer.close()
     link.close()
 
 

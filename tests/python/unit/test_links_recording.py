@@ -91,6 +91,16 @@ def test_a_closed_log_does_not_stop_reception(tmp_path):
     assert link.logfile_errors == 1
 
 
+def test_a_log_that_is_open_for_reading_does_not_stop_reception(tmp_path):
+    link = Capture()
+    path = tmp_path / "a.tlog"
+    path.touch()
+    with path.open("rb") as link.logfile:
+        link.rx += heartbeat()
+        assert types(drain(link)) == ["HEARTBEAT"]
+        assert link.logfile_errors == 1
+
+
 def test_records_reach_the_file_within_the_flush_interval(tmp_path, monkeypatch):
     clock = SimpleNamespace(now=100.0)
     link = Capture()

@@ -3,6 +3,7 @@ are known to each link."""
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -16,7 +17,7 @@ import pytest
 from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import signing as signing_module
-from mavwire.links import state
+from mavwire.links import state, timestamp_store
 from mavwire.links.link_ids import claim
 from mavwire.links.timestamp_store import TimestampStore
 from unit.faults import ENVIRONMENT, python
@@ -357,6 +358,20 @@ def test_a_signal_handler_that_raises_is_no_failing_store(tmp_path, monkeypatch)
             sent(link)
     sent(link)
     assert TimestampStore(tmp_path / "timestamps").load() > mark
+
+
+def test_a_store_whose_unlocking_fails_is_not_left_locked(tmp_path, monkeypatch):
+    def fail(fd):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    store = TimestampStore(tmp_path / "store")
+    with monkeypatch.context() as patch:
+        patch.setattr(timestamp_store, "_unlock", fail)
+        with pytest.raises(OSError, match="No locks"):
+            store.save(1)
+    with watched(WAIT):
+        store.save(2)
+    assert (store.load(), store._open) == (2, {})
 
 
 def test_a_store_that_is_replaced_while_it_stores_has_no_say_over_the_next(tmp_path):

@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 from mavwire import mavutil
+from mavwire._native import Section
+from mavwire.aio.outgoing import Outgoing
 from mavwire.dialects.v20 import common
 from unit.link_tools import heartbeat
 
@@ -170,6 +172,83 @@ def test_who_stops_waiting_for_the_lock_leaves_it_to_others(threads: Any) -> Non
     assert numbers(device.frames) == [0, 1, 2]
 
 
+def in_section() -> tuple[Callable[[], object], Held]:
+    section, held = Section(), Held()
+    return lambda: section.run(held.write, b""), held
+
+
+def in_send() -> tuple[Callable[[], object], Held]:
+    mav = common.MAVLink(held := Held())
+    return lambda: send(mav), held
+
+
+@pytest.mark.parametrize("make", [in_section, in_send])
+def test_a_signal_handler_may_wait_for_who_has_the_lock(make: Any, threads: Any) -> None:
+    """The thread in whose wait for the lock the handler runs does not get it meanwhile."""
+    act, held = make()
+
+    def work() -> None:
+        for _ in range(300):
+            act()
+
+    worker = threads(work)
+    assert held.inside.wait(WAIT)
+    ended: list[bool] = []
+    is_waiting, looks, stopped = False, 0, threading.Event()
+
+    def handle(*_: object) -> None:
+        nonlocal looks
+        looks += is_waiting
+        if looks == 5:  # it has waited for some of these by now
+            held.go.set()
+            worker.join(WAIT)
+            ended.append(not worker.is_alive())
+            stopped.set()
+
+    def interrupt() -> None:
+        while not stopped.wait(0.01):
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, handle)
+    interrupter = threads(interrupt)
+    is_waiting = True
+    act()
+    interrupter.join(WAIT)
+    signal.signal(signal.SIGINT, before)
+    assert ended == [True]
+
+
+@pytest.mark.parametrize("waits_first", [True, False])
+def test_a_frame_that_others_passed_while_it_was_packed_is_packed_again(
+    waits_first: bool, threads: Any
+) -> None:
+    """It has a number that is used, or comes behind later ones, and is too old if it is signed."""
+    inside, go, packed, frames = threading.Event(), threading.Event(), threading.Event(), []
+
+    class Slow(common.MAVLink_heartbeat_message):  # type: ignore[misc]
+        def pack(self, *args: Any, **kw: Any) -> Any:
+            frame = None if waits_first else super().pack(*args, **kw)
+            inside.set()
+            assert go.wait(WAIT)
+            frame = frame or super().pack(*args, **kw)
+            packed.set()
+            return frame
+
+    class Device:
+        def write(self, frame: bytes) -> None:
+            frames.append(bytes(frame))
+            go.set()
+            assert packed.wait(WAIT)
+
+    mav = common.MAVLink(Device())
+    thread = threads(mav.send, Slow(6, 8, 0, 0, 0, 3))
+    assert inside.wait(WAIT)
+    send(mav)  # passes after a while
+    thread.join(WAIT)
+    assert numbers(frames) == [1, 2]
+    assert (mav.seq, mav.total_packets_sent) == (3, 2)
+
+
 def test_writes_are_kept_apart_again_after_one_that_stood_still(threads: Any) -> None:
     device = Held()
     mav = common.MAVLink(device)
@@ -231,9 +310,9 @@ def test_a_frame_that_is_sent_in_the_middle_of_another_one_has_the_next_number()
     assert (mav.seq, mav.total_packets_sent) == (300 % 256, 300)
 
 
-@pytest.mark.parametrize(("to_link", "seq"), [(True, 1), (False, 0)])
+@pytest.mark.parametrize(("to", "seq"), [("link", 1), ("asyncio", 1), ("device", 0)])
 def test_a_number_is_used_again_only_where_no_frame_left(
-    to_link: bool, seq: int, monkeypatch: pytest.MonkeyPatch
+    to: str, seq: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A link raises what a signal handler does, perhaps behind the frame; a device that fails took nothing."""
 
@@ -242,7 +321,10 @@ def test_a_number_is_used_again_only_where_no_frame_left(
 
     link = mavutil.mavlink_connection("udpout:127.0.0.1:14550")
     monkeypatch.setattr(type(link), "write", write)
-    if not to_link:
+    if to == "asyncio":
+        file = type("Sender", (Outgoing,), {"write": write})
+        link.mav.file = file.__new__(file)
+    elif to == "device":
         link.mav.file = type("Device", (), {"write": write})()
     with pytest.raises(TimeoutError):
         send(link.mav)

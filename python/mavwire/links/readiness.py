@@ -1,0 +1,45 @@
+"""Waiting for a descriptor, and what is raised meanwhile."""
+
+from __future__ import annotations
+
+import errno
+import os
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+
+def wait_readable(fd: Any, timeout: float) -> bool:
+    """Whether `fd` becomes readable within `timeout` seconds; OSError, ValueError or TypeError when it cannot be
+    watched."""
+    import select
+
+    if hasattr(select, "poll"):
+        # Unlike select(), poll() takes descriptors beyond 1023: a bridge may hold many links.
+        poller = select.poll()
+        poller.register(fd, select.POLLIN)
+        events = poller.poll(max(timeout, 0.0) * 1000.0)
+        if events and events[0][1] & select.POLLNVAL:
+            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+        return bool(events)
+    readable, _, _ = select.select([fd], [], [], max(timeout, 0.0))
+    return bool(readable)
+
+
+def wait_writable(fd: int, timeout: float) -> bool:
+    """Whether `fd` takes something within `timeout` seconds, or has an error."""
+    import select
+
+    if hasattr(select, "poll"):
+        poller = select.poll()
+        poller.register(fd, select.POLLOUT)
+        return bool(poller.poll(timeout * 1000.0))
+    _, writable, failed = select.select([], [fd], [fd], timeout)
+    return bool(writable or failed)
+
+
+def from_handler(error: BaseException) -> bool:
+    """Whether an error of one of Python's own functions is what a signal handler raised in it: those of the system have
+    a number. `io.UnsupportedOperation`, a ValueError too, is of the function itself."""
+    return isinstance(error, OSError) and error.errno is None and not isinstance(error, ValueError)
