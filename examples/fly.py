@@ -22,7 +22,9 @@ from mavwire import mavutil
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 
 WAIT = 60.0  # seconds of real time after which something is wrong
+AGAIN = 3.0  # seconds after which what was sent may be lost
 HEIGHT = 10.0
+ON_THE_GROUND = 1.0  # metres that a height may be wrong by
 SIDE = 30.0
 CORNERS = ((SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE), (0.0, 0.0))
 BAR = 8  # characters; a line fits into a terminal of 80 columns
@@ -122,42 +124,61 @@ class Session:
             self.highest = max(self.highest, msg.relative_alt / 1e3)
         self.view.show(self.link)
 
-    def command(self, number: int, *params: float) -> None:
-        """COMMAND_LONG, sent again while it is lost or the vehicle is not ready for it."""
+    def command(self, number: int, *params: float, done: Callable[[], bool]) -> None:
+        """COMMAND_LONG, sent again while it is lost or the vehicle is not ready for it. It may be the
+        answer that is lost, and what was done is refused then: `done` tells that it was.
+        """
         name = mavlink.enums["MAV_CMD"][number].name
         padded = [*params, *[0.0] * (7 - len(params))]
         deadline, result = time.monotonic() + WAIT, mavlink.MAV_RESULT_FAILED
-        while result in LATER and time.monotonic() < deadline:
+        while result in LATER and not done() and time.monotonic() < deadline:
             self.link.mav.command_long_send(
                 self.link.target_system, mavlink.MAV_COMP_ID_AUTOPILOT1, number, 0, *padded
             )
             try:
-                result = self.until(lambda msg: is_ack(msg, number), name, seconds=3).result
+                result = self.until(lambda msg: is_ack(msg, number), name, seconds=AGAIN).result
             except TimeoutError:
                 continue
             if result in LATER:
                 time.sleep(0.5)
-        if result != mavlink.MAV_RESULT_ACCEPTED:
+        if result != mavlink.MAV_RESULT_ACCEPTED and not done():
             raise RuntimeError(f"{name}: {mavlink.enums['MAV_RESULT'][result].name}")
+
+    def repeat(
+        self, send: Callable[[], object], wanted: Callable[[Any], object], what: str
+    ) -> None:
+        """Send now, and again as it may be lost, until there is a message that is wanted."""
+        deadline = time.monotonic() + WAIT
+        while time.monotonic() < deadline:
+            send()
+            try:
+                self.until(wanted, what, seconds=AGAIN)
+            except TimeoutError:
+                continue
+            return
+        raise TimeoutError(f"{what}: not within {WAIT:.0f} s")
 
     def mode(self, name: str) -> None:
         """Change the flight mode."""
-        self.link.set_mode(name)
-        self.until(lambda _: self.link.flightmode == name, f"mode {name}")
+        self.repeat(
+            lambda: self.link.set_mode(name),
+            lambda _: self.link.flightmode == name,
+            f"mode {name}",
+        )
 
     def go_to(self, north: float, east: float) -> None:
         """Fly to a point, in metres from where the vehicle was switched on."""
-        self.link.mav.set_position_target_local_ned_send(
-            0, self.link.target_system, mavlink.MAV_COMP_ID_AUTOPILOT1,
-            mavlink.MAV_FRAME_LOCAL_NED, ONLY_POSITION, north, east, -HEIGHT, *[0.0] * 8,
-        )  # fmt: skip
-        self.until(
+        self.repeat(
+            lambda: self.link.mav.set_position_target_local_ned_send(
+                0, self.link.target_system, mavlink.MAV_COMP_ID_AUTOPILOT1,
+                mavlink.MAV_FRAME_LOCAL_NED, ONLY_POSITION, north, east, -HEIGHT, *[0.0] * 8,
+            ),
             lambda msg: (
                 msg.get_type() == "LOCAL_POSITION_NED"
                 and math.hypot(msg.x - north, msg.y - east) < 2.5
             ),
             f"the corner {north:.0f} m north, {east:.0f} m east",
-        )
+        )  # fmt: skip
 
 
 def is_ack(msg: Any, number: int) -> bool:
@@ -178,8 +199,11 @@ def fly(link: Any, view: View) -> None:
     )
     view.say("It knows where it is: arming and taking off")
     session.mode("GUIDED")
-    session.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
-    session.command(mavlink.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, HEIGHT)
+    session.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1, done=link.motors_armed)
+    session.command(
+        mavlink.MAV_CMD_NAV_TAKEOFF, 0, 0, 0, 0, 0, 0, HEIGHT,
+        done=lambda: session.highest > ON_THE_GROUND,
+    )  # fmt: skip
     session.until(lambda _: session.highest > HEIGHT - 0.5, f"{HEIGHT:.0f} m of height")
     view.say(f"At {HEIGHT:.0f} m: flying a square of {SIDE:.0f} m")
     for north, east in CORNERS:

@@ -12,7 +12,8 @@ from mavwire.dialects.v20 import common as mavlink
 device = sys.argv[1] if len(sys.argv) > 1 else "udpin:127.0.0.1:14550"
 HEIGHT = 20.0
 SIDE = 4e-4  # degrees
-WAIT = 10.0
+TRIES = 10
+WAIT = 2.0  # seconds after which what was sent may be lost
 
 
 def item(seq: int, command: int, lat: float, lon: float, height: float) -> Any:
@@ -38,20 +39,32 @@ def square(lat: float, lon: float) -> list[Any]:
 
 
 def upload(link: Any, items: list[Any]) -> str:
-    """Announce the number, hand out what the vehicle asks for; the name of the result."""
-    link.waypoint_count_send(len(items))
+    """Announce the number, again if that gets lost, and hand out what the vehicle asks for; the name of
+    the result.
+    """
     asked = ["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"]
-    while (msg := link.recv_match(type=asked, blocking=True, timeout=WAIT)) is not None:
-        if msg.get_type() == "MISSION_ACK":
-            return mavlink.enums["MAV_MISSION_RESULT"][msg.type].name
-        link.mav.send(items[msg.seq])
+    for _ in range(TRIES):
+        link.waypoint_count_send(len(items))
+        while (msg := link.recv_match(type=asked, blocking=True, timeout=WAIT)) is not None:
+            if msg.get_type() == "MISSION_ACK":
+                return mavlink.enums["MAV_MISSION_RESULT"][msg.type].name
+            link.mav.send(items[msg.seq])
     return "no answer"
+
+
+def item_count(link: Any) -> int:
+    """Ask for the number of items, again if that gets lost."""
+    for _ in range(TRIES):
+        link.waypoint_request_list_send()
+        msg = link.recv_match(type="MISSION_COUNT", blocking=True, timeout=WAIT)
+        if msg is not None:
+            return int(msg.count)
+    raise SystemExit("the vehicle does not say how many items it has")
 
 
 def download(link: Any) -> list[Any]:
     """Ask for the number, and for one item after the other; again for what got lost."""
-    link.waypoint_request_list_send()
-    count = link.recv_match(type="MISSION_COUNT", blocking=True, timeout=WAIT).count
+    count = item_count(link)
     items: list[Any] = []
     while len(items) < count:
         link.mav.mission_request_int_send(link.target_system, link.target_component, len(items))

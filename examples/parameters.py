@@ -1,5 +1,10 @@
 #!/usr/bin/env python3
-"""Parameters: read them all, ask again for what got lost, change one, and see that it changed."""
+"""Parameters: read them all, ask again for what got lost, change one, and see that it changed.
+
+python examples/parameters.py [DEVICE [NAME VALUE]]
+
+Without a name it is one that ArduPilot has.
+"""
 
 from __future__ import annotations
 
@@ -49,5 +54,7 @@ with mavutil.mavlink_connection(device) as link:
     link.wait_heartbeat()
     params = fetch_all(link)
     print(f"{len(params)} parameters")
+    if NAME not in params:
+        raise SystemExit(f"{NAME} is not among them: name another one, and its new value")
     print(f"{NAME} is {params[NAME]:g}")
     print(f"{NAME} is now {change(link, NAME, float(VALUE)):g}")

@@ -7,6 +7,7 @@ accepted, and with a signing key that means a good signature.
 from __future__ import annotations
 
 import errno
+import math
 import time
 
 from mavwire._native import PortError, ask_port, hang_up
@@ -33,6 +34,8 @@ UDP_MAX_PACKET_LEN = 65535
 # Each reply target costs a send per message. A full table replaces a peer silent this long.
 MAX_CLIENTS = 128
 CLIENT_SILENCE = 60.0
+# How long ago a peer was heard at most for what `recv` hands out not to be looked at.
+HEARD_LATELY = 1.0
 # Looking up a name may block for seconds: the least time between two attempts.
 LOOKUP_PAUSE = 10.0
 
@@ -119,11 +122,34 @@ class mavudp(ChunkedLink):
                 return b""
             raise
         self._switch_peer(self.last_address)
+        if not self._heard_lately(self.last_address) and self._holds_trusted(data):
+            self._heard(self.last_address)
         return data
+
+    def _heard_lately(self, address: Any) -> bool:
+        """Whether hearing `address` once more would change nothing."""
+        if not self.udp_server:
+            return not self.broadcast
+        heard = self.clients_last_alive.get(address, -math.inf)
+        return address in self.clients and abs(time.time() - heard) < HEARD_LATELY
+
+    def _holds_trusted(self, data: bytes) -> bool:
+        """Whether `data` has a message that may say who is there. What reads with `recv` need not parse
+        with this link, or at all. Another parser looks, so that `mav` finds all as it was: with a key a
+        message is good once.
+        """
+        mav = self._new_mav()
+        mav.robust_parsing = True
+        signing = getattr(self.mav, "signing", None)
+        if signing is not None and signing.secret_key is not None:
+            mav.signing.secret_key = signing.secret_key
+            mav.signing.timestamp = signing.timestamp
+            mav.signing.stream_timestamps = signing.stream_timestamps
+        return any(map(self._is_trusted, mav.parse_buffer(data) or ()))
 
     def post_message(self, msg: Message) -> None:
         """Take a received message into the link's state, once. Its sender, which is that of the last
-        datagram, is answered from now on: programs may read with `recv` and parse by themselves.
+        datagram, is answered from now on.
         """
         is_new = not getattr(msg, "_posted", False)
         if is_new and self.last_address is not None and self._is_trusted(msg):

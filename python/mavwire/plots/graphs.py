@@ -105,6 +105,16 @@ class Graph:
         return self.shades[-1]
 
 
+def check(style: Style) -> None:
+    """ValueError, in matplotlib's words, for what it does not know."""
+    from matplotlib.figure import Figure
+
+    axes: Any = Figure().gca()
+    axes.plot([], **style.line())
+    for place in (style.legend, style.legend2):
+        axes.legend([], [], loc=place)
+
+
 def draw(figure: Any, graph: Graph) -> None:
     """Draw it into a figure of matplotlib."""
     left = figure.gca()

@@ -14,7 +14,7 @@ from mavwire.cli._reading import definitions, reading
 from mavwire.cli.plot import check_output, is_log
 from mavwire.expression import evaluate_expression
 from mavwire.plots.expressions import STATE_NAMES, parse
-from mavwire.plots.graphs import SIZE, Graph, Style, draw
+from mavwire.plots.graphs import SIZE, Graph, Style, check, draw
 from mavwire.plots.series import is_instance
 from mavwire.tools._arguments import add_condition, add_dialect, add_no_timestamps, add_planner
 from mavwire.tools._figures import open_figures
@@ -59,8 +59,7 @@ def main(args: Namespace) -> int:
     _check(args, logs, fields)
     check_output(args.output or "", logs)
     figures = open_figures(args.output)
-    style = Style(args.legend, args.legend2, args.marker, args.linestyle, args.xaxis is not None)
-    graph = Graph(style)
+    graph = Graph(_style(args))
     expressions = [_parsed(one) for one in fields]
     x = None if args.xaxis is None else _parsed(args.xaxis)
     for number, path in enumerate(logs):
@@ -71,6 +70,8 @@ def main(args: Namespace) -> int:
         for place, one in enumerate(series, number * len(fields)):
             colour = place - number * len(fields) if args.multi else place
             one.draw(graph, names[place], fields[place - number * len(fields)], colour)
+    if fields and not graph.lines:  # which was said
+        return 1
     draw(figures.figure("", figsize=SIZE), graph)
     figures.finish()
     return 0
@@ -90,6 +91,15 @@ def _check(args: Namespace, logs: list[str], fields: list[str]) -> None:
             f"Unknown flight controller '{args.flightmode}' in specification of --flightmode"
             f" (choose from {','.join(VEHICLES)})"
         )
+
+
+def _style(args: Namespace) -> Style:
+    style = Style(args.legend, args.legend2, args.marker, args.linestyle, args.xaxis is not None)
+    try:
+        check(style)
+    except ValueError as error:
+        raise CommandError(f"--legend, --legend2, --marker or --linestyle: {error}") from error
+    return style
 
 
 def _parsed(text: str) -> Expression:

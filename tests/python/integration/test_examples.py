@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 from mavwire import mavutil, traffic
+from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.sim import Impairment, Vehicle, serve
 from unit.link_tools import KEY, free_port
 from unit.sim_tools import PATIENT
@@ -33,6 +34,27 @@ class Recorder(Vehicle):
     def handle(self, msg: Any) -> None:
         self.__dict__.setdefault("heard", []).append(msg)
         super().handle(msg)
+
+
+class Forgetful(Vehicle):
+    """A vehicle on a link that loses the first message of each of these kinds."""
+
+    losing: set[str]
+
+    def handle(self, msg: Any) -> None:
+        if not self._is_lost(msg, "to"):
+            super().handle(msg)
+
+    def send(self, msg: Any) -> None:
+        if not self._is_lost(msg, "from"):
+            super().send(msg)
+
+    def _is_lost(self, msg: Any, way: str) -> bool:
+        kind = f"{way} {msg.get_type()}"
+        losing = self.__dict__.setdefault("losing", set())  # it speaks while it is made
+        is_lost = kind in losing
+        losing.discard(kind)
+        return is_lost
 
 
 def start(name: str, *arguments: object, folder: Path | None = None) -> subprocess.Popen[str]:
@@ -140,6 +162,23 @@ def test_mission() -> None:
     lines = run("mission.py", vehicle)
     assert (lines[0], lines[-1]) == ("upload: MAV_MISSION_ACCEPTED", "the same")
     assert len(lines) == 2 + 7 == 2 + len(vehicle.mission)
+
+
+def test_a_mission_whose_numbers_get_lost() -> None:
+    vehicle = Forgetful()
+    vehicle.losing = {"to MISSION_COUNT", "to MISSION_REQUEST_LIST", "from MISSION_COUNT"}
+    lines = run("mission.py", vehicle)
+    assert (lines[0], lines[-1]) == ("upload: MAV_MISSION_ACCEPTED", "the same")
+    assert not vehicle.losing
+
+
+def test_a_parameter_that_the_vehicle_does_not_have() -> None:
+    port = free_port(socket.SOCK_DGRAM)
+    with serve(f"udpout:127.0.0.1:{port}", Vehicle("px4"), speed=5):
+        example = start("parameters.py", f"udpin:127.0.0.1:{port}")
+        _, err = example.communicate(timeout=TIMEOUT)
+    assert example.returncode == 1
+    assert err.startswith("WPNAV_SPEED is not among them: name another one")
 
 
 # -- the program with a device of its own
@@ -257,6 +296,27 @@ def test_the_live_view_on_a_terminal() -> None:
     assert len(drawn) > 20
     assert all(len(line) < 60 and "\n" not in line for line in drawn)
     assert "Landed. Highest" in text
+
+
+class Unheard(Forgetful):
+    """A vehicle that loses what begins a flight, and says of no take-off that it obeys."""
+
+    def _is_lost(self, msg: Any, way: str) -> bool:
+        is_taking_off = (
+            msg.get_type() == "COMMAND_ACK"
+            and (msg.command, msg.result)
+            == (mavlink.MAV_CMD_NAV_TAKEOFF, mavlink.MAV_RESULT_ACCEPTED)
+        )  # fmt: skip
+        return is_taking_off or super()._is_lost(msg, way)
+
+
+def test_a_flight_on_a_link_that_loses() -> None:
+    vehicle = Unheard(params=PATIENT["ardupilot"])
+    vehicle.losing = {"to COMMAND_LONG", "to SET_POSITION_TARGET_LOCAL_NED"}
+    text = "\n".join(run("fly.py", vehicle, speed=8))
+    assert "At 10 m: flying a square" in text
+    assert "Landed. Highest" in text
+    assert not vehicle.losing
 
 
 def read_all(fd: int) -> str:

@@ -17,7 +17,7 @@ from mavwire.aio.transports import OneClientServer
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import one_client, udp
 from unit.aio_tools import eventually, run
-from unit.link_tools import Capture, drain_in_portions, free_port, heartbeat, pack
+from unit.link_tools import KEY, Capture, drain_in_portions, free_port, heartbeat, pack, signed
 from watchdog import watched
 
 WAIT = 60.0
@@ -501,6 +501,51 @@ def test_who_sent_what_a_program_parsed_itself_is_answered():
         link.mav.ping_send(1, 2, 0, 0)
         assert peer.recv(300)[7] == mavlink.MAVLINK_MSG_ID_PING
         assert link.target_system == 1 and link.mav_count == 1
+
+
+def test_who_sent_what_a_program_only_parsed_is_answered():
+    """R61. MAVProxy does no more than that with its outputs."""
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
+        for nonsense in (b"x", heartbeat()[:-1], b"\xfd" * 300):
+            peer.send(nonsense)
+            assert link.select(WAIT) and link.recv() == nonsense
+        assert not link.clients
+        peer.send(b"x" + heartbeat())
+        assert link.select(WAIT)
+        (msg,) = link.mav.parse_buffer(link.recv()[1:])
+        assert link.clients == {peer.getsockname()}
+        link.write(msg.get_msgbuf())
+        assert peer.recv(300) == heartbeat()
+
+
+def test_with_a_key_who_sent_what_a_program_only_parsed_needs_a_good_signature(monkeypatch):
+    """What was looked at is still new to the program's parser; what was believed once is not again."""
+    monkeypatch.setattr(udp, "HEARD_LATELY", -1.0)
+    beat = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
+        link.setup_signing(KEY, initial_timestamp=0, allow_unsigned_callback=lambda *_: True)
+        peer.send(heartbeat())
+        assert link.select(WAIT) and link.mav.parse_buffer(link.recv())
+        assert not link.clients
+        peer.send(signed(beat, timestamp=100))
+        assert link.select(WAIT)
+        (msg,) = link.mav.parse_buffer(link.recv())
+        assert msg.get_signed() and link.clients == {peer.getsockname()}
+        with peer_of(link) as replayer:
+            replayer.send(signed(beat, timestamp=100))
+            assert link.select(WAIT) and link.recv()
+        assert link.clients == {peer.getsockname()}
+
+
+def test_a_client_whose_messages_a_program_only_hands_on_counts_as_heard():
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
+        peer.send(heartbeat())
+        assert link.select(WAIT) and link.recv()
+        address = peer.getsockname()
+        link.clients_last_alive[address] = 1.0
+        peer.send(heartbeat(seq=1))
+        assert link.select(WAIT) and link.recv()
+        assert link.clients_last_alive[address] > 1.0
 
 
 def test_nobody_else_is_answered_for_what_a_program_parsed_itself():

@@ -165,10 +165,16 @@ def test_what_graphs_refuse(
         "Unknown flight controller 'x'": (log, "ATTITUDE.roll", "--flightmode", "x", *out),
         "ATTITUDE.foo": (log, "ATTITUDE.foo", *out),
         "no expression: '1+'": (log, "1+", *out),
+        "'a' is not a valid value for loc": (log, "ATTITUDE.roll", "--legend", "a", *out),
+        "'b' is not a valid value for loc": (log, "ATTITUDE.roll", "--legend2", "b", *out),
+        "marker style 'Q'": (log, "ATTITUDE.roll", "--marker", "Q", *out),
+        "'zz' is not a valid value": (log, "ATTITUDE.roll", "--linestyle", "zz", *out),
         "images are .": (log, "ATTITUDE.roll", "--output", "out.nope"),
         "is a log that is read": (log, "ATTITUDE.roll", "--output", log.name),
     }.items():  # fmt: skip
         assert wanted in fails(capsys, "graph", *arguments)
+    assert cli.main(["graph", log.name, "NOPE.x", *out]) == 1
+    assert "Failed to find any values for field NOPE.x" in capsys.readouterr().out
     assert sorted(path.name for path in tmp_path.iterdir()) == ["flight.tlog"]
 
 
