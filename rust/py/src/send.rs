@@ -40,14 +40,15 @@ fn in_turn<'py>(
     mav: &Bound<'py, MAVLink>,
     pack: impl Fn() -> PyResult<(Bound<'py, PyAny>, usize)>,
 ) -> PyResult<()> {
-    let mut guard = begin(mav)?;
-    let mut packed = pack()?;
-    if !guard.is_held() {
-        drop(guard);
-        guard = begin(mav)?;
-        packed = pack()?;
+    let mut is_again = false;
+    loop {
+        let guard = begin(mav)?;
+        let (frame, len) = pack()?;
+        if is_again || guard.is_held() {
+            return write(mav, &frame, len, guard);
+        }
+        is_again = true;
     }
-    write(mav, &packed.0, packed.1, guard)
 }
 
 /// Waits until no other thread sends. One that is at the same frame for a second may be waiting for what this thread has, as
