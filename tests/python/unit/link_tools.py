@@ -46,6 +46,8 @@ WRONG_SIGNING: list[dict[str, Any]] = [
     {"secret_key": "a text of thirty-two characters."},
     {"secret_key": None},
     {"sign_outgoing": Undecided()},
+    {"allow_unsigned_callback": 5},
+    {"timestamp_store": 5},
 ]
 
 
