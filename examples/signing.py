@@ -29,8 +29,11 @@ with mavutil.mavlink_connection(device, dialect="common") as link:
     )
     beat = link.wait_heartbeat(timeout=10)
     if beat is None:
-        rejected = link.mav.signing.badsig_count
-        raise SystemExit(f"no heartbeat signed with this key; {rejected} bad signatures")
+        counts = link.mav.signing
+        raise SystemExit(
+            f"no heartbeat signed with this key; {counts.badsig_count} bad signatures, "
+            f"{counts.reject_count} messages refused"
+        )
     print(f"system {link.target_system}: signed {beat.get_signed()}, link id {beat.get_link_id()}")
 
     # What is sent is signed too, or the vehicle would not answer.

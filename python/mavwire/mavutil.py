@@ -281,10 +281,12 @@ def mavlink_connection(
     mcast:[[GROUP:]PORT]; ws:, wss: or wsserver: with HOST:PORT; exec:PROGRAM; csv:FILE; the
     path of a log; or a serial port with optional `,BAUD`. `dialect` is set process-wide first.
     `resync="rescan"` finds every good frame behind a damaged one; the default skips the whole
-    of it, as pymavlink does. Unknown keyword arguments go to the CSV reader.
+    of it, as pymavlink does. `retries` is how often a TCP or Unix domain link tries to connect at first,
+    once at least, and `reconnect_delay` the seconds between attempts. Unknown keyword arguments go to the CSV reader.
     """
-    from .links.connection import Options, connect
+    from .links.connection import Options, check_pauses, connect
 
+    check_pauses(retries, reconnect_delay)
     if resync not in (None, "skip", "rescan"):
         raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
     if dialect is not None:

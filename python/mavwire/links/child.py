@@ -24,6 +24,8 @@ class mavchildexec(StreamLink):
     ) -> None:
         import subprocess
 
+        if not filename:
+            raise ValueError("the program to run must be named: exec:PROGRAM")
         self.filename = filename
         self.child = subprocess.Popen(
             [filename], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0

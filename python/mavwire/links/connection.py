@@ -6,6 +6,7 @@ puts its own class there is heard. The first form that fits wins; prefixes are l
 
 from __future__ import annotations
 
+import math
 import os
 
 from . import state
@@ -69,6 +70,18 @@ class Options:
             "zero_time_base": self.zero_time_base,
             "progress_callback": self.progress_callback,
         }
+
+
+def check_pauses(retries: Any, reconnect_delay: Any) -> None:
+    """TypeError for what is no number, ValueError for a pause that none can last. `retries` may be
+    negative, as with pymavlink."""
+    for name, value in (("retries", retries), ("reconnect_delay", reconnect_delay)):
+        try:
+            fits = 0 <= value < math.inf
+        except TypeError:
+            raise TypeError(f"{name} is a number, not {value!r}") from None
+    if not fits:
+        raise ValueError(f"reconnect_delay is a number of seconds from 0 on, not {reconnect_delay}")
 
 
 def _tcp(address: str, o: Options) -> Any:

@@ -39,13 +39,37 @@ class Backoff:
         self._factor = 1
 
 
-class ReconnectingLink(StreamLink):
+class RetryingLink(StreamLink):
+    """A link that is opened again, and keeps why that failed."""
+
+    # Why the last attempt to connect failed; None when it succeeded.
+    connect_error: OSError | None = None
+
+    def _note_failure(self, error: OSError) -> None:
+        """Keep why connecting failed, and log it unless it was the same the last time. Of a link that was closed
+        meanwhile it is no news: nobody tries again."""
+        if self._closed:
+            return
+        # Without the frames it went through, which hold the link and what it has tried.
+        last, self.connect_error = self.connect_error, error.with_traceback(None)
+        if str(error) != str(last):
+            import logging
+
+            reason = error.strerror or str(error)
+            if str(self.address) not in reason:
+                reason = f"{self.address}: {reason}"
+            logging.getLogger("mavwire.mavutil").warning("%s; trying again", reason)
+
+    def _note_success(self) -> None:
+        if self.connect_error is not None:
+            self.connect_error = None
+
+
+class ReconnectingLink(RetryingLink):
     """A client over a stream socket. With `autoreconnect` a lost connection is made again."""
 
     autoreconnect: bool
     reconnect_delay: float
-    # Why the last attempt to connect failed; None when it succeeded.
-    connect_error: OSError | None = None
     # When the link was connected, and the messages that it had received by then.
     _connected_at = 0.0
     _count_before = 0
@@ -78,8 +102,7 @@ class ReconnectingLink(StreamLink):
         self._forget_unsent()  # it may end inside a frame that another connection began
         self._drop_partial()
         self._connected_at, self._count_before = monotonic(), self.mav_count
-        if self.connect_error is not None:
-            self.connect_error = None
+        self._note_success()
         self._install(connection)
         if self._closed:
             self._disconnect()
@@ -102,21 +125,6 @@ class ReconnectingLink(StreamLink):
             self._use(self._connected())
         except OSError as error:  # not there yet
             self._note_failure(error)
-
-    def _note_failure(self, error: OSError) -> None:
-        """Keep why connecting failed, and log it unless it was the same the last time. Of a link that was closed
-        meanwhile it is no news: nobody tries again."""
-        if self._closed:
-            return
-        # Without the frames it went through, which hold the link and what it has tried.
-        last, self.connect_error = self.connect_error, error.with_traceback(None)
-        if str(error) != str(last):
-            import logging
-
-            reason = error.strerror or str(error)
-            if str(self.address) not in reason:
-                reason = f"{self.address}: {reason}"
-            logging.getLogger("mavwire.mavutil").warning("%s; trying again", reason)
 
     def _connected(self) -> Any:
         try:

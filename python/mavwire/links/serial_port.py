@@ -10,7 +10,8 @@ from mavwire._native import Turn, hang_up
 from .chunked import READ_SIZE
 from .helpers import FakeSerial
 from .readiness import wait_writable
-from .stream import DescriptorPort, PortError, StreamLink, StreamWriter, ask_port
+from .reconnecting import RetryingLink
+from .stream import DescriptorPort, PortError, StreamWriter, ask_port
 from .waiting import set_close_on_exec
 
 TYPE_CHECKING = False
@@ -41,7 +42,7 @@ def _is_plain(port: Any) -> bool:
     return type(port).__module__ == "serial.serialposix"
 
 
-class mavserial(StreamLink):
+class mavserial(RetryingLink):
     """`device` is a port name, or `name,baud` where no such file exists. With `autoreconnect` a port that was
     unplugged is opened again, every `reconnect_delay` seconds at most."""
 
@@ -257,8 +258,12 @@ class mavserial(StreamLink):
             port = serial.Serial(
                 self.device, int(self.baud), timeout=0, dsrdtr=False, rtscts=False, xonxoff=False
             )
-        except (OSError, ValueError):  # SerialException is an OSError
+        except OSError as error:  # SerialException is one
+            self._note_failure(error)
             return False
+        except ValueError:
+            return False
+        self._note_success()
         hang_up(self.port)  # it is gone, which is why it is replaced
         self._forget_unsent()
         self._drop_partial()

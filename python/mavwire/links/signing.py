@@ -41,7 +41,10 @@ def signing_timestamp(unix_seconds: float) -> int:
 
 
 def check_key(secret_key: bytes) -> None:
-    """ValueError unless the key has 32 bytes."""
+    """ValueError unless the key has 32 bytes, TypeError if it has none. Neither shows it."""
+    if isinstance(secret_key, str) or not hasattr(secret_key, "__len__"):
+        kind = type(secret_key).__name__
+        raise TypeError(f"secret_key is {KEY_LEN} bytes, not of type {kind}")
     if len(secret_key) != KEY_LEN:
         raise ValueError(f"a signing key has {KEY_LEN} bytes, not {len(secret_key)}")
 
@@ -102,6 +105,9 @@ def _tried(
     """A signing state of no link that was set up with these, so that they can be used on a link.
     ValueError, OverflowError or TypeError."""
     check_key(secret_key)
+    if allow_unsigned_callback is not None and not callable(allow_unsigned_callback):
+        reason = "allow_unsigned_callback is a function of mav and message id"
+        raise TypeError(f"{reason}, not {allow_unsigned_callback!r}")
     number = state.global_link_id if link_id is None else link_id
     _check_number("link_id", number, MAX_LINK_ID)
     _check_number("initial_timestamp", timestamp, MAX_TIMESTAMP)
@@ -216,8 +222,8 @@ class Signing:
         that share a file are numbered differently. A signature more than `max_ahead` seconds ahead of
         the clock is a bad one; None sets no limit. ValueError for a key of another length, and for
         `max_ahead` beside an `initial_timestamp`, which stands for no clock; OverflowError for numbers
-        that a signature has no room for; TypeError for what is no number or key; OSError, or what the
-        object raises, for a store that cannot be used. Nothing is changed by an error.
+        that a signature has no room for; TypeError for what is no number, key,
+        function or store; OSError, or what the object raises, for a store that cannot be used. Nothing is changed by an error.
         """
         self._begin_signing(
             prepared(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from mavwire._native import Turn
+
 from .chunked import READ_SIZE
 from .one_client import OneClientLink, listen_on
 from .stream import PortError, StreamWriter, ask_port
@@ -27,11 +29,19 @@ class mavtcpin(OneClientLink):
         self.listen = listen_on(self.listen_addr)
         self.port: Any = None
         self._writer = StreamWriter()
+        self._accepting = Turn()  # threads that receive and threads that send may both be about to
         super().__init__(
             self.listen.fileno(), f"tcpin:{device}",
             source_system=source_system, source_component=source_component,
         )  # fmt: skip
         self._read_stream(serves_one=True)
+
+    def _has_client(self) -> bool:
+        """Whether there is a client, one who waits being taken; False while another thread takes one."""
+        return self.port is not None or bool(self._accepting.run(self._take_client))
+
+    def _take_client(self) -> bool:
+        return self.port is not None or self._accept()
 
     def _accept(self) -> bool:
         """Take a waiting client; whether there is one."""
@@ -43,7 +53,7 @@ class mavtcpin(OneClientLink):
 
     def recv(self, n: int | None = None) -> bytes:
         """Up to `n` bytes of the client; empty when there are none, or no client."""
-        if self.port is None and not self._accept():
+        if not self._has_client():
             return b""
         port = self.port
         if port is None:  # another thread closed it just now
@@ -60,8 +70,20 @@ class mavtcpin(OneClientLink):
             self._let_go(port)
         return data
 
+    def _look_for_client(self) -> None:
+        """Take a client who waits, for programs that only send. In asyncio the loop does."""
+        if self._closed or not self.waits_for_descriptors:
+            return
+        try:
+            self._has_client()
+        except OSError:
+            if not self._closed:  # or another thread has just closed the link
+                raise
+
     def write(self, buf: bytes) -> None:
-        """Send one frame whole to the client; without one, or when it is stuck, drop it."""
+        """Send one frame whole to the client, or to the next who waits; without one, or when it is stuck, drop it."""
+        if self.port is None:
+            self._look_for_client()
         port = self.port
         if port is None:
             self._writer.dropped_frames += 1

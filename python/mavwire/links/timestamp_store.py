@@ -61,6 +61,8 @@ class TimestampStore:
             if timestamp > max(slots):
                 os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
                 if os.write(fd, _packed(timestamp)) < SLOT:
+                    if not any(slots):  # what is left would be taken for somebody's file
+                        os.ftruncate(fd, 0)
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self._path)
                 os.fsync(fd)
         finally:
@@ -82,8 +84,8 @@ class TimestampStore:
         os.lseek(fd, 0, os.SEEK_SET)
         content = os.read(fd, SLOT_OFFSETS[-1] + SLOT)
         slots = [_unpacked(content[start : start + SLOT]) for start in SLOT_OFFSETS]
-        # What a first write that was cut short may leave is shorter, or nothing yet.
-        if not any(slots) and len(content) >= SLOT and any(content):
+        # A disk that lost power may hold zeros where nothing was written yet.
+        if not any(slots) and any(content):
             reason = "is no timestamp store: name a file of its own, or remove this one"
             raise OSError(errno.EINVAL, reason, self._path)
         return slots
@@ -96,8 +98,15 @@ class TimestampStore:
 
 
 def store_of(given: Any) -> Any:
-    """The store that is meant by a path of a file or an object with `load` and `save`."""
-    return given if hasattr(given, "load") else TimestampStore(given)
+    """The store that is meant by a path of a file or an object with `load` and `save`; TypeError for
+    what is neither."""
+    if hasattr(given, "load"):
+        return given
+    is_path = isinstance(given, (str, bytes, os.PathLike))
+    if not is_path:
+        reason = "timestamp_store is a path, or an object with load and save"
+        raise TypeError(f"{reason}, not {given!r}")
+    return TimestampStore(given)
 
 
 def _lock(fd: int) -> None:

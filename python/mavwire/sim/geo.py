@@ -7,6 +7,7 @@ flat earth is good to centimetres within the few kilometres that a copter flies.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 METRES_PER_DEGREE = 111_319.49
@@ -23,6 +24,16 @@ class Place(NamedTuple):
     lat: float
     lon: float
     alt: float
+
+
+def place_of(home: Iterable[float]) -> Place:
+    """The place that `home` names by degrees and metres; ValueError if it is none."""
+    try:
+        lat, lon, alt = map(float, home)
+    except (TypeError, ValueError):
+        reason = "home must be latitude, longitude and metres above sea level"
+        raise ValueError(f"{reason}: {home!r}") from None
+    return Place(lat, lon, alt)
 
 
 def check_start(home: Place, heading: float) -> None:

@@ -29,7 +29,8 @@ class Impairment:
                 raise ValueError(f"{name} must be between 0 and 1: {getattr(self, name)}")
         for name in ("delay", "jitter"):
             if not 0 <= getattr(self, name) < 3600:
-                raise ValueError(f"{name} must be between 0 and an hour: {getattr(self, name)}")
+                reason = "must be at least 0 and less than an hour"
+                raise ValueError(f"{name} {reason}: {getattr(self, name)} s")
 
     @property
     def perfect(self) -> bool:

@@ -18,7 +18,7 @@ from .answers import Answers
 from .autopilot import Autopilot
 from .commands import Commands
 from .ftp import Ftp
-from .geo import Local, Origin, Place, check_start
+from .geo import Local, Origin, Place, check_start, place_of
 from .guided import Guided
 from .impairment import PERFECT, Channel, Counters, Impairment, flip_bit
 from .missions import FENCE, MISSION, RALLY, Missions
@@ -73,6 +73,8 @@ class Vehicle:
             raise ValueError(f"autopilot must be one of {', '.join(PERSONALITIES)}: {autopilot}")
         if not 1 <= sysid <= 254:
             raise ValueError(f"sysid must be between 1 and 254: {sysid}")
+        if not isinstance(impairment, Impairment):
+            raise TypeError(f"impairment must be an Impairment: {impairment!r}")
         if version not in (1, 2):
             raise ValueError(f"version must be 1 or 2: {version}")
         if version == 1 and signing_key is not None:
@@ -91,7 +93,7 @@ class Vehicle:
         self._outgoing: Channel[bytes] = Channel(impairment, self._random, flip_bit)
         self._incoming: Channel[Any] = Channel(impairment, self._random, lambda *_: None)
         self._frames: list[bytes] = []
-        self._place = Place(*(home or self.personality.home))
+        self._place = place_of(home or self.personality.home)
         check_start(self._place, heading)
         self._heading, self._wind, self._gps_delay = math.radians(heading), wind, gps_delay
         self.frames_sent = 0

@@ -132,21 +132,26 @@ def test_message_interval() -> None:
     ]
 
 
-@pytest.mark.parametrize("known", [True, False], ids=["right key", "wrong key"])
-def test_signing(known: bool, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("key", "bad"),
+    [(KEY, ""), (KEY[::-1], r"[1-9]\d*"), (None, "0")],
+    ids=["right key", "wrong key", "no key"],
+)
+def test_signing(key: bytes | None, bad: str, tmp_path: Path) -> None:
     key_file = tmp_path / "key.txt"
-    key_file.write_text((KEY if known else KEY[::-1]).hex() + "\n")
+    key_file.write_text(KEY.hex() + "\n")
     port = free_port(socket.SOCK_DGRAM)
-    with serve(f"udpout:127.0.0.1:{port}", Vehicle(signing_key=KEY)):
+    with serve(f"udpout:127.0.0.1:{port}", Vehicle(signing_key=key)):
         example = start("signing.py", f"udpin:127.0.0.1:{port}", key_file)
-        if known:
+        if key == KEY:
             assert finish(example) == [
                 "system 1: signed True, link id 0", "answered, signed True",
             ]  # fmt: skip
         else:
             out, err = example.communicate(timeout=TIMEOUT)
             assert (example.returncode, out) == (1, "")
-            assert re.match(r"no heartbeat signed with this key; [1-9]\d* bad signatures", err)
+            reason = f"no heartbeat signed with this key; {bad} bad signatures"
+            assert re.match(rf"{reason}, [1-9]\d* messages refused", err)
 
 
 def test_parameters() -> None:

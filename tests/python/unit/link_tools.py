@@ -51,6 +51,8 @@ WRONG_SIGNING: list[dict[str, Any]] = [
     {"max_ahead": float("inf")},
     {"max_ahead": "x"},
     {"max_ahead": 60, "initial_timestamp": 0},
+    {"allow_unsigned_callback": 5},
+    {"timestamp_store": 5},
 ]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import os
 import socket
 import sys
@@ -27,6 +28,7 @@ WAIT = 60.0
         ("udp://127.0.0.1:14550", "'//127.0.0.1:14550' is not"),
         ("mcast:1.2.3.4:5", "'1.2.3.4' is no multicast address"),
         ("mcast:localhost:5", "'localhost' is no multicast address"),
+        ("exec:", "the program to run must be named: exec:PROGRAM"),
         ("COM3,fast", "baud rate 'fast' of the serial port COM3 is not a number"),
         ("/dev/ttyS99,", "baud rate '' of the serial port /dev/ttyS99 is not a number"),
     ],
@@ -85,6 +87,16 @@ def test_classes_of_a_program_are_given_a_pause_when_it_asks_for_one(
     monkeypatch.setattr(mavutil, name, lambda _, **options: options.get("reconnect_delay"))
     assert mavutil.mavlink_connection(device) is None
     assert mavutil.mavlink_connection(device, reconnect_delay=2) == 2
+
+
+@pytest.mark.parametrize("device", ["udpin:127.0.0.1:0", "tcp:127.0.0.1:9"])
+def test_wrong_pauses_are_named(device: str) -> None:
+    for wrong in ({"reconnect_delay": "a"}, {"retries": "a"}, {"retries": None}):
+        with pytest.raises(TypeError, match=f"^{next(iter(wrong))} is a number, not "):
+            mavutil.mavlink_connection(device, **wrong)  # type: ignore[call-overload]
+    for delay in (-1, math.nan, math.inf):
+        with pytest.raises(ValueError, match=f"^reconnect_delay is .* not {delay}$"):
+            mavutil.mavlink_connection(device, reconnect_delay=delay)
 
 
 def test_a_client_without_a_host_connects_to_this_machine() -> None:

@@ -473,6 +473,53 @@ def test_parameters_are_bounded_over_all_senders():
     assert link.names_refused == of_one
 
 
+# -- servers that only send
+
+
+def sends_until_heard(link: mavutil.mavtcpin, client: socket.socket) -> bool:
+    """Whether `client` gets a heartbeat of a server that does nothing but send them."""
+    client.settimeout(0.05)
+    deadline = time.monotonic() + WAIT
+    while time.monotonic() < deadline:
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        with contextlib.suppress(TimeoutError):
+            return client.recv(1) == b"\xfd"
+    return False
+
+
+def test_a_tcp_server_that_only_sends_takes_one_client_after_the_other():
+    with mavutil.mavlink_connection("tcpin:127.0.0.1:0") as link:
+        link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert (link.port, link.frames_dropped) == (None, 1)
+        for _ in range(2):
+            with socket.create_connection(link.listen.getsockname(), WAIT) as client:
+                assert sends_until_heard(link, client)
+    link.mav.heartbeat_send(6, 8, 0, 0, 0)  # closed, which raises nothing
+    assert (link.port, link.fd) == (None, None)
+
+
+def test_a_sender_takes_no_second_client_while_another_thread_takes_one():
+    with mavutil.mavlink_connection("tcpin:127.0.0.1:0") as link:
+        accept, inside, go = link._accept, threading.Event(), threading.Event()
+
+        def slowly():
+            link._accept = accept
+            inside.set()
+            assert go.wait(WAIT)
+            return accept()
+
+        link._accept = slowly
+        with socket.create_connection(link.listen.getsockname(), WAIT), watched(WAIT):
+            receiver = threading.Thread(target=link.recv_msg)
+            receiver.start()
+            assert inside.wait(WAIT)
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+            assert (link.port, link.frames_dropped) == (None, 1)
+            go.set()
+            receiver.join(WAIT)
+            assert link.port is not None
+
+
 # -- programs that read with `recv` and parse by themselves
 
 

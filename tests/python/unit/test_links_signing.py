@@ -211,21 +211,22 @@ def test_two_slots_take_turns_and_half_a_write_is_not_believed(tmp_path):
     content[newest] = 0xFF
     store.path.write_bytes(content)
     assert store.load() == 10
-    store.path.write_bytes(content[:3])
+    store.path.write_bytes(bytes(3))  # the disk lost power
     assert store.load() == 0
     assert store.path.stat().st_mode & 0o077 == 0
 
 
-def test_another_file_is_no_store_and_stays_as_it_is(tmp_path):
+@pytest.mark.parametrize("length", [2, 5, 12, 32])
+def test_another_file_is_no_store_and_stays_as_it_is(tmp_path, length):
     path = tmp_path / "key"
-    path.write_bytes(bytes(range(32)))
+    path.write_bytes(bytes(range(length)))
     for use in (TimestampStore(path).load, lambda: TimestampStore(path).save(7)):
         with pytest.raises(OSError, match="no timestamp store") as caught:
             use()
         assert caught.value.filename == str(path)
     with pytest.raises(OSError, match="no timestamp store"):
         link_with_key(timestamp_store=path)
-    assert path.read_bytes() == bytes(range(32))
+    assert path.read_bytes() == bytes(range(length))
 
 
 def test_a_store_that_is_shared_keeps_the_latest(tmp_path):
@@ -264,6 +265,9 @@ def test_half_a_timestamp_is_not_stored(tmp_path, monkeypatch):
     with pytest.raises(OSError, match="No space") as caught:
         store.save(7)
     assert (caught.value.errno, store.load()) == (errno.ENOSPC, 0)
+    monkeypatch.undo()
+    store.save(8)
+    assert store.load() == 8
 
 
 def test_a_store_may_fail_in_any_way(caplog):
@@ -330,6 +334,21 @@ def test_a_set_up_that_is_refused_changes_nothing(wrong, before, tmp_path):
         link.setup_signing(**arguments)
     assert signing_state(link) == state
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "wrong", [WRONG_SIGNING[-1], WRONG_SIGNING[-2], {"secret_key": None}], ids=str
+)
+def test_what_a_set_up_refuses_is_named(wrong):
+    (name,) = wrong
+    with pytest.raises(TypeError, match=f"^{name} is "):
+        Capture().setup_signing(**{"secret_key": KEY, **wrong})
+
+
+def test_a_text_is_no_key_and_is_not_shown():
+    for set_up in (Capture().setup_signing, Capture().send_signing_key):
+        with pytest.raises(TypeError, match="^secret_key is 32 bytes, not of type str$"):
+            set_up("a text of thirty-two characters.")
 
 
 def test_a_number_of_links_that_is_none_is_refused(monkeypatch, tmp_path):

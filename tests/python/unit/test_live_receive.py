@@ -470,7 +470,7 @@ def test_a_stream_s_frames_come_out_whatever_the_reads_are():
         link.close()
 
 
-def test_a_serial_port_is_unplugged_and_plugged_in_again(tmp_path, capsys):
+def test_a_serial_port_is_unplugged_and_plugged_in_again(tmp_path, capsys, caplog):
     pytest.importorskip("serial")
     import tty
 
@@ -495,6 +495,11 @@ def test_a_serial_port_is_unplugged_and_plugged_in_again(tmp_path, capsys):
         while not link.portdead:
             assert link.recv_msg() is None
     assert link.fd is None
+    with watched(WAIT):
+        while link.connect_error is None:
+            assert link.recv_msg() is None
+    assert str(device) in str(link.connect_error)
+    assert [str(device) in record.getMessage() for record in caplog.records] == [True]
     vehicle, port = plug_in()
     with watched(WAIT):
         while link.fd is None:
@@ -502,6 +507,7 @@ def test_a_serial_port_is_unplugged_and_plugged_in_again(tmp_path, capsys):
     os.write(vehicle, heartbeat(3))
     assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == 3
     assert (link.fd, link.portdead) == (link.port.fileno(), False)
+    assert link.connect_error is None
     out = capsys.readouterr().out
     assert out == f"Device {device} is dead\nDevice {device} reopened OK\n"
     link.close()

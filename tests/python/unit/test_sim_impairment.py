@@ -120,3 +120,11 @@ def test_what_nobody_takes_is_bounded() -> None:
         channel.put(b"x", 0.0)
     assert len(channel.take(20)) == MAX_WAITING
     assert channel.counters.passed == MAX_WAITING
+
+
+@pytest.mark.parametrize("name", ["delay", "jitter"])
+@pytest.mark.parametrize("value", [-1.0, 3600.0, float("nan")])
+def test_times_that_are_refused_are_named(name: str, value: float) -> None:
+    reason = f"{name} must be at least 0 and less than an hour: {value} s"
+    with pytest.raises(ValueError, match=reason):
+        Impairment(**{name: value})

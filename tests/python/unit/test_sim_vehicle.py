@@ -43,11 +43,19 @@ def test_time_goes_forward_in_sensible_steps(dt: float) -> None:
         ({"version": 3}, "version"),
         ({"signing_key": b"short"}, "32 bytes"),
         ({"params": {"RTL_ALT": float("nan")}}, "RTL_ALT"),
+        ({"home": "x"}, "home must be latitude, longitude and metres above sea level: 'x'"),
+        ({"home": (1, 2)}, "home must be"),
+        ({"home": (1, 2, "high")}, "home must be"),
     ],
 )
 def test_wrong_options_are_named(options: dict[str, object], named: str) -> None:
     with pytest.raises(ValueError, match=named):
         Vehicle(**options)  # type: ignore[arg-type]
+
+
+def test_an_impairment_that_is_none_is_named() -> None:
+    with pytest.raises(TypeError, match="impairment must be an Impairment: 5"):
+        Vehicle(impairment=5)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
