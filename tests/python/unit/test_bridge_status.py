@@ -8,8 +8,8 @@ import re
 import subprocess
 import sys
 from argparse import ArgumentTypeError
-from types import SimpleNamespace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
