@@ -86,15 +86,16 @@ struct Component {
 #[derive(Debug, Clone, Copy)]
 struct Boot {
     link: LinkId,
-    boot_ms: u32,
+    /// `time_boot_ms`.
+    age_ms: u32,
     /// When it came, in microseconds.
     at: u64,
 }
 
 impl Boot {
-    /// Whether a later `boot_ms` means a restart. Frames may overtake each other by some seconds.
-    fn is_before_restart(&self, boot_ms: u32) -> bool {
-        boot_ms < self.boot_ms.saturating_sub(5_000)
+    /// Whether a later age means a restart. Frames may overtake each other by some seconds.
+    fn is_before_restart(&self, age_ms: u32) -> bool {
+        age_ms < self.age_ms.saturating_sub(5_000)
     }
 }
 
@@ -210,7 +211,7 @@ impl Table {
         /// No restart is faster. Two that have the same address are heard side by side; microseconds.
         const SILENCE: u64 = 3_000_000;
         let (_, component) = self.entries(sysid, compid);
-        let boot = Boot { link, boot_ms, at: now };
+        let boot = Boot { link, age_ms: boot_ms, at: now };
         if let Some(last) = component.boots.iter_mut().find(|last| last.link == link) {
             return std::mem::replace(last, boot).is_before_restart(boot_ms);
         }
