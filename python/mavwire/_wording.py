@@ -79,6 +79,11 @@ class _Guarded:
         return len(text)
 
 
+def drawn_on(stream: Any) -> Any:
+    """The terminal behind a guard, for who moves its cursor and shows strangers' texts as `printable`."""
+    return stream._terminal if isinstance(stream, _Guarded) else stream
+
+
 @contextmanager
 def guarded_output() -> Iterator[None]:
     """While it lasts, what a command prints of strangers' texts does not steer the terminal."""

@@ -56,7 +56,8 @@ class Bridge:
     telemetry logs or a `Recording`. `dedup`: copies that arrive over another link within so many
     seconds are dropped, 0 for none. `max_age`: how long a system is known at a link after it was
     heard. `sniffer_sysid`: links where this system is heard get every frame. `dialect`: where the
-    targets of messages stand. `source_system` and `source_component`: who `send` sends as.
+    targets of messages stand. `source_system` and `source_component`: who `send` sends as; with a
+    ground station at 255/190, where most are, say another one, or it gets none of that.
 
     ConfigError (a ValueError) for an option; `start` opens what they name.
     """
@@ -192,7 +193,11 @@ class Bridge:
 
     def send(self, message: Any) -> None:
         """Send to whom it is meant for: whole frames in bytes, which leave as they are, or a
-        message, which is packed as from `source_system`. TypeError for anything else.
+        message, which is packed as from `source_system` and `source_component` (255 and 190 unless
+        the bridge was made with others). Never to a link where that address was heard.
+
+        ValueError for bytes that are not one whole frame behind the other, of which none is sent;
+        TypeError for anything else.
         """
         if isinstance(message, bytes | bytearray | memoryview):
             self._running().write(bytes(message))
@@ -254,7 +259,9 @@ class Bridge:
         return kinds, hidden
 
     def stats(self) -> dict[str, Any]:
-        """Counters of links and components, recording and sinks: what docs/bridge.md lists."""
+        """Counters of links and components, recording and sinks: what docs/bridge.md lists. BridgeError
+        once it was stopped: ask before.
+        """
         stats = self._running().stats()
         stats["sinks"] = [sink.stats() for sink in list(self.sinks)]
         return stats

@@ -16,8 +16,10 @@ MAX_LISTED = 65_536
 
 def number(name: str, value: object) -> float:
     """A finite number."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float):
         raise ConfigError(f"{name} must be a number, not {value!r}", name)
+    if not math.isfinite(value):
+        raise ConfigError(f"{name} must be a finite number, not {value!r}", name)
     return float(value)
 
 

@@ -210,7 +210,7 @@ def _tcp(config: Config, section: _Section, options: dict[str, Any], ports: Any)
 def _whole(key: str, text: str, most: int = 2**31 - 1, least: int = 0) -> int:
     # The length is looked at first: numbers with thousands of digits take time to read.
     if len(text) > 20 or not text.isascii() or not text.isdecimal():
-        raise ConfigError(f"{key} must be a number, not {text[:40]!r}")
+        raise ConfigError(f"{key} must be a number from {least} to {most}, not {text[:40]!r}")
     return whole(key, int(text), most, least=least)
 
 

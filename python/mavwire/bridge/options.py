@@ -25,6 +25,7 @@ KINDS = ("udpout", "udpin", "udpbcast", "tcp", "tcpin", "serial")
 DEFAULT_BAUD = 115200
 # The longest frame there is, which every receiver has room for.
 MAX_FRAME_LEN = 280
+HEARTBEAT = 0
 _DIRECTIONS = ("in", "out")
 _LISTS = ("messages", "systems", "components")
 
@@ -143,6 +144,7 @@ def link_from(
         if options.get("silent") and options.get(name) is not None:
             raise ConfigError(f"silent and {name} exclude each other: nothing leaves there", name)
     urgent = options.get("urgent")
+    bytes_per_second = rate("bytes_per_second", options.get("bytes_per_second"))
     return Link(
         name=text("name", options.get("name", str(endpoint))),
         endpoint=endpoint,
@@ -153,10 +155,10 @@ def link_from(
         outbound=_filter(options, "out", "silent", message_ids),
         border=border_from(options, message_ids),
         automation=automation_from(options),
-        bytes_per_second=rate("bytes_per_second", options.get("bytes_per_second")),
+        bytes_per_second=bytes_per_second,
         message_rate=rate("rate", options.get("rate")),
         message_rates=_rates(options.get("rates"), message_id),
-        urgent=[] if urgent is None else message_ids("urgent", urgent),
+        urgent=_urgent(message_ids("urgent", [] if urgent is None else urgent), bytes_per_second),
         queue=whole("queue_bytes", options.get("queue_bytes", Link.queue), 1 << 30, least=1024),
         datagram=whole("datagram_bytes", options.get("datagram_bytes", Link.datagram), 65_507),
         peer_timeout=seconds("peer_timeout", options.get("peer_timeout", 60.0), least=1e-3),
@@ -188,6 +190,13 @@ def _filter(
         ids("allow", "systems"), ids("block", "systems") or [],
         ids("allow", "components"), ids("block", "components") or [],
     )  # fmt: skip
+
+
+def _urgent(messages: list[int], bytes_per_second: float | None) -> list[int]:
+    """Heartbeats too where bytes are few: who hears none takes the vehicle for lost."""
+    if bytes_per_second is None or HEARTBEAT in messages:
+        return messages
+    return [*messages, HEARTBEAT]
 
 
 def _rates(

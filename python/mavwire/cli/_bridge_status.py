@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+
+from mavwire._wording import drawn_on, printable
 from mavwire.cli._bridge_warnings import losses
 from mavwire.cli._errors import CommandError
 
@@ -28,12 +31,17 @@ class StatusTable:
 
     def __init__(self, bridge: Bridge) -> None:
         try:
+            from rich.console import Console
             from rich.live import Live
         except ImportError:
             raise CommandError("--status needs rich: pip install 'mavwire[cli]'") from None
         self._bridge = bridge
         self._before: dict[str, Any] = {"uptime": 0.0, "links": [], "components": []}
-        self._live = Live(self._tables(bridge.stats()), auto_refresh=False, transient=False)
+        self._live = Live(
+            self._tables(bridge.stats()),
+            console=Console(file=drawn_on(sys.stdout)),  # which a guard would not let it redraw
+            auto_refresh=False,
+        )
         self._live.start()
 
     def __call__(self) -> None:
@@ -51,7 +59,7 @@ class StatusTable:
         return Group(
             _table(LINK_COLUMNS, link_rows(stats, before), 2),
             _table(COMPONENT_COLUMNS, component_rows(stats, before), 0),
-            *(Text(loss.line) for loss in losses(stats)),
+            *(Text(printable(loss.line)) for loss in losses(stats)),
         )
 
 
@@ -76,7 +84,8 @@ def _table(columns: tuple[str, ...], rows: list[list[str]], first_number: int) -
             min_width=ENDPOINT_WIDTH if columns[n] == "link" else None,
         )
     for row in rows:
-        table.add_row(*(Text(row[n]) for n in shown))  # in which brackets are no markup
+        # In a `Text` brackets are no markup.
+        table.add_row(*(Text(printable(row[n])) for n in shown))
     return table
 
 

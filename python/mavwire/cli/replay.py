@@ -131,11 +131,11 @@ def drain(bridge: Bridge) -> int:
 
 
 def factor(text: str) -> float:
-    """A positive number."""
+    """A number above 0, up to where no pause of a log takes any time."""
     try:
         value = float(text)
     except ValueError:
         value = 0.0
     if not 0 < value < 1e6:
-        raise ArgumentTypeError(f"must be a number above 0: {text!r}")
+        raise ArgumentTypeError(f"must be above 0 and below 1000000: {text!r}")
     return value

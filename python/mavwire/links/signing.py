@@ -222,8 +222,9 @@ class Signing:
         that share a file are numbered differently. A signature more than `max_ahead` seconds ahead of
         the clock is a bad one; None sets no limit. ValueError for a key of another length, and for
         `max_ahead` beside an `initial_timestamp`, which stands for no clock; OverflowError for numbers
-        that a signature has no room for; TypeError for what is no number, key,
-        function or store; OSError, or what the object raises, for a store that cannot be used. Nothing is changed by an error.
+        that a signature has no room for; TypeError for what is no number, key, function or
+        store; OSError, or what the object raises, for a store that cannot be used. Nothing is changed by an
+        error.
         """
         self._begin_signing(
             prepared(

@@ -300,7 +300,7 @@ impl Router {
         let home = self.table.hear(Sender { sysid, compid, seq, len: frame.len() }, links, now);
         if msgid == SYSTEM_TIME {
             let boot_ms = [0, 1, 2, 3].map(|n| payload_byte(frame, header, BOOT_MS_OFFSET + n));
-            if self.table.is_reboot(sysid, compid, source, u32::from_le_bytes(boot_ms)) {
+            if self.table.is_reboot(sysid, compid, source, u32::from_le_bytes(boot_ms), now) {
                 self.table.forget_elsewhere(sysid, compid, links);
                 return links;
             }

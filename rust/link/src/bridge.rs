@@ -54,6 +54,7 @@ use std::thread::JoinHandle;
 
 use endpoint::Opened;
 use event_loop::{Command, EventLoop};
+use mavwire_core::frame::claimed_len;
 use mavwire_core::registry::Registry;
 use mavwire_core::router::Settings;
 use recorder::Recorder;
@@ -88,6 +89,14 @@ pub enum BridgeError {
     /// More links than a router can tell apart.
     #[error("there are too many links and peers; 255 are the limit")]
     TooManyLinks,
+    /// What the program sends is not one whole frame behind the other.
+    #[error("no whole frame at byte {at} of {len}: send whole frames")]
+    NoFrame {
+        /// Where the frame ought to begin.
+        at: usize,
+        /// Bytes in all.
+        len: usize,
+    },
     /// The bridge runs no more.
     #[error("the bridge has stopped")]
     Stopped,
@@ -216,8 +225,17 @@ impl Bridge {
     /// Routes frames as if they came over a link of their own. Waits while more than some MB of them wait.
     ///
     /// # Errors
-    /// The bridge has stopped.
-    pub fn send(&self, mut frames: &[u8]) -> Result<(), BridgeError> {
+    /// The bridge has stopped, or something is no whole frame; then none is sent.
+    pub fn send(&self, frames: &[u8]) -> Result<(), BridgeError> {
+        let mut at = 0;
+        while at < frames.len() {
+            let len = claimed_len(&frames[at..]).filter(|len| at + len <= frames.len());
+            at += len.ok_or(BridgeError::NoFrame { at, len: frames.len() })?;
+        }
+        self.send_bytes(frames)
+    }
+
+    fn send_bytes(&self, mut frames: &[u8]) -> Result<(), BridgeError> {
         self.hub()?; // the lock of a forked child may be held by a thread that it does not have
         let _sending = self.sending.lock().unwrap_or_else(PoisonError::into_inner);
         loop {

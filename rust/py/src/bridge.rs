@@ -9,7 +9,7 @@ use mavwire_core::router::{Filter, Settings};
 use mavwire_link::bridge::{Bridge, BridgeError as Error, Kind, NO_SUCH_ADDRESS, Tap};
 use mavwire_link::wording::in_words;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyOSError, PyRuntimeError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -42,6 +42,7 @@ fn to_python(error: Error) -> PyErr {
             let errno = error.raw_os_error().unwrap_or(NO_SUCH_ADDRESS);
             PyOSError::new_err((errno, in_words(&error), link))
         }
+        Error::NoFrame { .. } => PyValueError::new_err(error.to_string()),
         other => BridgeError::new_err(other.to_string()),
     }
 }

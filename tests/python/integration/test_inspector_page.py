@@ -43,7 +43,65 @@ CLOCK_SET_BACK = """(() => {
   series.clear();
   series.set("one", one);
   for (const [time, value] of [[5000, 1], [1000, 2]]) take({ time, values: { "9/9/30": [time, [[value, ""]]] } });
-  return one.points;
+  return one.points.map(([time, value]) => [time, value]);
+})()"""
+# Which points of a plot begin a new line when the page was paused, or without the bridge, between them.
+CUTS = """(() => {
+  const one = { row: { key: "9/9/31" }, field: 0, at: null, unit: "", points: [] };
+  series.clear();
+  series.set("one", one);
+  const point = (time) => take({ time, values: { "9/9/31": [time, [[1, ""]]] } });
+  point(100); point(101); cut(); point(104); point(105);
+  return one.points.map(([time, , isCut]) => isCut ? time : 0);
+})()"""
+# Rates of counters that are asked for each half second: of 1 Hz, of one message in 1.7 s, and of what ended; and the
+# least and the greatest rate that the first two showed.
+RATES = """(() => {
+  const seen = { 1: [], 1.7: [] };
+  for (let now = 10; now < 30; now += 0.5)
+    for (const each of [1, 1.7]) {
+      const count = Math.floor(now / each);
+      seen[each].push(rate("test" + each, count, count * each, now));
+    }
+  const ended = rate("test1", 29, 29, 60);
+  for (const each of [1, 1.7]) rates.delete("test" + each);
+  return [1, 1.7].flatMap((each) => [Math.min(...seen[each].slice(8)), Math.max(...seen[each].slice(8))]).concat(ended);
+})()"""
+# Lines and elements of a page with 4,000 kinds of messages, at its beginning and in the middle, and how many a filter finds.
+MANY = """(async () => {
+  const kinds = [];
+  for (let system = 1; system <= 250; system++)
+    for (let id = 0; id < 16; id++) kinds.push([system, 7, 9000 + id, 1, 1, "far"]);
+  for (let id = 0; id < 16; id++) types[9000 + id] = { name: `KIND_${id}`, fields: [["x", "float", "m"]] };
+  const tables = { uptime: 1, links: [], components: [], hidden: 0, hidden_components: 0, recording: null };
+  paused = true;
+  const drawn = () => document.querySelectorAll(".kind").length;
+  take({ ...tables, time: 1, kinds });
+  const result = [found.length, drawn()];
+  byId("kinds").querySelector(".kind").focus();
+  take({ ...tables, time: 2, kinds });
+  result.push(document.activeElement.className);
+  window.scrollTo(0, document.documentElement.scrollHeight / 2);
+  await new Promise((done) => setTimeout(done, 300));
+  const places = [...document.querySelectorAll(".kind")].map((line) => line.getBoundingClientRect());
+  result.push(drawn(), places[0].top < 0 && places[places.length - 1].bottom > innerHeight);
+  for (const words of ["kind_3 7/7", "kind_3 17/7, kind_4 17/7", "nothing", ""]) {
+    byId("filter").value = words;
+    sift();
+    result.push(found.length);
+  }
+  window.scrollTo(0, 0);
+  paused = false;
+  return result;
+})()"""
+# Lines of text that names and single numbers of open messages take, at most.
+BROKEN = """(() => {
+  const pieces = (one) => {
+    const range = document.createRange();
+    range.selectNodeContents(one);
+    return new Set([...range.getClientRects()].map((box) => box.top)).size;
+  };
+  return Math.max(...[...document.querySelectorAll(".fields td td:first-child, .plottable")].map(pieces));
 })()"""
 # What is left of messages and links when the bridge has none any more.
 FORGOTTEN = """(() => {
@@ -94,11 +152,13 @@ def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
             page.wait_for(f"!!{ROW.format('SYS_STATUS')}")
             page.run(f"{ROW.format('SYS_STATUS')}.click()")
             page.wait_for("document.body.innerText.includes('SENSOR_ANGULAR_RATE_CONTROL')")
+            page.wait_for(f"!!{ROW.format('SYS_STATUS')}.nextSibling.querySelector('.plottable')")
+            assert page.run(BROKEN) == 1, "no name or number is cut into pieces"
             widths = "[...document.querySelectorAll('section')].map(one => [one.scrollWidth, one.clientWidth])"
             for needed, given in page.run(widths):
                 assert needed <= given, "no column is cut off, or runs into another"
 
-            page.run("byId('filter').value = 'attitude, 66/1'; sift()")
+            page.run("byId('filter').value = 'attitude 1/1, 66/1'; sift()")
             shown = "[...document.querySelectorAll('.kind')].filter(row => !row.hidden).length"
             assert page.run(shown) == 2
             page.run("byId('pause').click()")
@@ -114,5 +174,14 @@ def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
             page.wait_for(f"!!{ROW.format('VIBRATION')}")
             page.wait_for("byId('state').textContent.startsWith('up for')")
             assert page.run(CLOCK_SET_BACK) == [[1000, 2]]
+            assert page.run(CUTS) == [0, 0, 104, 0]
+            assert page.run(RATES) == pytest.approx([1, 1, 1 / 1.7, 1 / 1.7, 0])
+            found, drawn, focused, in_the_middle, fills, *filtered = page.run(MANY)
+            assert (found, focused, fills, filtered) == (4000, "kind", True, [1, 2, 0, 4000])
+            assert drawn < 200 and in_the_middle < 300, "only what is in the window"
             assert page.run(FORGOTTEN) == [0, 0, 0, 0]
             assert min(page.run(HEIGHTS)) > 0.2, "metres leave room for radians"
+            page.wait_for("byId('main').className == ''")
+            bridge.stop()
+            page.wait_for("byId('main').className == 'gone'")
+            assert page.run("byId('state').textContent").startswith("no connection to the bridge")

@@ -288,6 +288,17 @@ def test_a_datagram_for_each_frame_if_that_is_wanted() -> None:
         assert [receive(station) for _ in frames] == frames
 
 
+def test_bytes_that_are_no_whole_frames_are_refused() -> None:
+    with Bridge() as bridge, udp_peer() as station:
+        bridge.add(f"udpout:127.0.0.1:{station.getsockname()[1]}")
+        for junk, at in ((b"xx", 0), (heartbeat() + heartbeat()[:9], 21), (heartbeat() + b"x", 21)):
+            with pytest.raises(ValueError, match=f"no whole frame at byte {at} of {len(junk)}"):
+                bridge.send(junk)
+        bridge.send(b"")
+        bridge.send(heartbeat(seq=7))
+        assert station.recv(65536) == heartbeat(seq=7), "and nothing before it"
+
+
 def test_filters_limits_and_duplicates() -> None:
     with Bridge(dedup=LIMIT) as bridge, udp_peer() as station:
         station.settimeout(LIMIT)

@@ -248,3 +248,14 @@ def test_a_file_says_it_too_and_no_key_is_shown(tmp_path: Path) -> None:
     assert isinstance(link, Link) and (link.border.key, link.urgent) == (KEY, [76])
     assert link.automation.heartbeat == 1.0
     assert repr(KEY) not in repr(link) and KEY.hex() not in repr(link)
+
+
+def test_heartbeats_are_urgent_where_bytes_are_few() -> None:
+    def urgent(**options: Any) -> list[int]:
+        bridge = Bridge()
+        bridge.add(UDP, **options)
+        return bridge._links[0].urgent
+
+    assert (urgent(), urgent(bytes_per_second=300)) == ([], [0])
+    assert urgent(bytes_per_second=300, urgent=[76]) == [76, 0]
+    assert urgent(bytes_per_second=300, urgent=[0, 76]) == [0, 76]

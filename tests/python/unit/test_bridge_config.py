@@ -88,7 +88,7 @@ def test_any_text_is_an_endpoint_or_a_clear_error(text: str) -> None:
         ({"allow_messages_in": [-1]}, "a message id must be a number"),
         ({"allow_systems_in": [256]}, "allow_systems_in must be a number from 0 to 255"),
         ({"rate": 0}, "rate must be more than 0"),
-        ({"rate": float("nan")}, "rate must be a number"),
+        ({"rate": float("nan")}, "rate must be a finite number, not nan"),
         ({"rates": {"ATTITUDE": "fast"}}, "rates: ATTITUDE must be a number"),
         ({"rates": 5}, "rates must map"),
         ({"rates": {"ATTITUDE": 1, "30": 2}}, "rates: '30' is a message that was named before"),
@@ -221,7 +221,11 @@ def test_without_a_word_mavlink_router_listens_on_5760(tmp_path: Path) -> None:
         ("[UdpEndpoint a]\nMode = Normal", r":1: \[a\] lacks Address"),
         ("[UdpEndpoint a]\nAddress = ::1\nMode = x", ":3: Mode must be Normal or Server"),
         ("[UdpEndpoint a]\nAddress = h\nMode = server", r":1: \[a\] lacks Port"),
-        ("[UartEndpoint a]\nBaud = fast", ":2: Baud must be a number"),
+        ("[UartEndpoint a]\nBaud = fast", ":2: Baud must be a number from 1 to"),
+        (
+            "[General]\nDeduplicationPeriod = -5",
+            ":2: DeduplicationPeriod must be a number from 0 to",
+        ),
         ("[UartEndpoint a]", r":1: \[a\] lacks Device"),
         ("[TcpEndpoint a]\nAddress = h", r":1: \[a\] lacks Port"),
         (

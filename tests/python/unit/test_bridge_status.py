@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import io
+import os
+import re
+import subprocess
+import sys
 from argparse import ArgumentTypeError
+from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
@@ -71,6 +76,41 @@ def test_the_table_is_drawn_where_rich_is(capsys: pytest.CaptureFixture[str]) ->
         table()
         table.close()
     assert "mqtt://h/x: 7 frames lost: no answer" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
+def test_a_terminal_is_redrawn_and_names_do_not_steer_it(tmp_path: Path) -> None:
+    pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
+    config = tmp_path / "bridge.toml"
+    config.write_text('[[link]]\nendpoint = "udpin:127.0.0.1:0"\nname = "radio\\u001b[7m"\n')
+    command = [sys.executable, "-m", "mavwire", "bridge", "--config", str(config), "--status"]
+    environment = {**os.environ, "COLUMNS": "100", "LINES": "30", "TERM": "xterm"}
+    ours, theirs = os.openpty()
+    with subprocess.Popen(
+        [*command, "--duration", "1.2s"], stdout=theirs, stderr=theirs, env=environment
+    ) as bridge:
+        os.close(theirs)
+        text = read_terminal(ours)
+    assert bridge.returncode == 0, text
+    tables = text.count("link  ")
+    assert tables >= 2
+    lines = text.count("\x1b[1A"), text[: text.rindex("link  ")].count("\n")
+    assert lines[0] >= lines[1] - 2, "each table takes the place of the one before"
+    assert text.count("radio\\x1b[7m") == tables and "\x1b[7m" not in text
+    assert text.count("\\x") == tables, "nothing else shows as an escape"
+    assert re.search(r"\x1b\[\?25h\s*$", text), "the cursor is back"
+
+
+def read_terminal(fd: int) -> str:
+    """What a program writes to its terminal, until it ends."""
+    data = b""
+    try:
+        while part := os.read(fd, 4096):
+            data += part
+    except OSError:
+        pass  # how Linux says that the other end is closed
+    os.close(fd)
+    return data.decode()
 
 
 def test_a_narrow_terminal_shows_links_whole_and_no_columns_of_zeros() -> None:

@@ -78,8 +78,25 @@ struct Component {
     route: Route,
     stats: ComponentStats,
     next_seq: u8,
-    /// `time_boot_ms` of its last `SYSTEM_TIME` over each link: there may be two that have the same address.
-    boots: Vec<(LinkId, u32)>,
+    /// Its last `SYSTEM_TIME` over each link: there may be two that have the same address.
+    boots: Vec<Boot>,
+}
+
+/// The time since boot that a component gave over a link.
+#[derive(Debug, Clone, Copy)]
+struct Boot {
+    link: LinkId,
+    /// `time_boot_ms`.
+    age_ms: u32,
+    /// When it came, in microseconds.
+    at: u64,
+}
+
+impl Boot {
+    /// Whether a later age means a restart. Frames may overtake each other by some seconds.
+    fn is_before_restart(&self, age_ms: u32) -> bool {
+        age_ms < self.age_ms.saturating_sub(5_000)
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -187,18 +204,23 @@ impl Table {
         &mut self,
         sysid: u8,
         compid: u8,
-        source: LinkId,
+        link: LinkId,
         boot_ms: u32,
+        now: u64,
     ) -> bool {
-        /// Frames may overtake each other by this much.
-        const SLACK_MS: u32 = 5_000;
+        /// No restart is faster. Two that have the same address are heard side by side; microseconds.
+        const SILENCE: u64 = 3_000_000;
         let (_, component) = self.entries(sysid, compid);
-        let Some((_, last)) = component.boots.iter_mut().find(|(link, _)| *link == source) else {
-            component.boots.push((source, boot_ms));
-            return false;
-        };
-        let before = std::mem::replace(last, boot_ms);
-        boot_ms < before.saturating_sub(SLACK_MS)
+        let boot = Boot { link, age_ms: boot_ms, at: now };
+        if let Some(last) = component.boots.iter_mut().find(|last| last.link == link) {
+            return std::mem::replace(last, boot).is_before_restart(boot_ms);
+        }
+        // It may have come back over another link than before.
+        let is_back =
+            |last: &Boot| last.is_before_restart(boot_ms) && now.saturating_sub(last.at) >= SILENCE;
+        let restarted = component.boots.iter().any(is_back);
+        component.boots.push(boot);
+        restarted
     }
 
     /// Forgets the routes to a component over other links than these; those to the rest of its system stay.
@@ -221,7 +243,7 @@ impl Table {
             system.route.forget(links);
             for component in system.components.iter_mut().flatten() {
                 component.route.forget(links);
-                component.boots.retain(|&(other, _)| other != link);
+                component.boots.retain(|boot| boot.link != link);
             }
         }
     }
@@ -311,12 +333,25 @@ mod tests {
         for (boot_ms, restarted) in
             [(60_000, false), (61_000, false), (60_500, false), (900, true), (1_000, false)]
         {
-            assert_eq!(table.is_reboot(1, 1, LinkId(0), boot_ms), restarted, "{boot_ms}");
-            let twin = table.is_reboot(1, 1, LinkId(1), 100_000 + boot_ms);
+            assert_eq!(table.is_reboot(1, 1, LinkId(0), boot_ms, 0), restarted, "{boot_ms}");
+            let twin = table.is_reboot(1, 1, LinkId(1), 100_000 + boot_ms, 0);
             assert_eq!(twin, restarted, "another one of that address: {boot_ms}");
         }
         table.forget_link(LinkId(0));
-        assert!(!table.is_reboot(1, 1, LinkId(0), 0), "a new link of the old number");
+        assert!(!table.is_reboot(1, 1, LinkId(0), 0, 0), "a new link of the old number");
+    }
+
+    #[test]
+    fn one_that_comes_back_over_another_link_was_silent_and_is_younger() {
+        for (boot_ms, silence, restarted) in
+            [(7_000, 3, true), (7_000, 2, false), (96_000, 4, false), (104_000, 4, false)]
+        {
+            let mut table = Table::new(AGE);
+            assert!(!table.is_reboot(1, 1, LinkId(0), 100_000, 5));
+            let back = table.is_reboot(1, 1, LinkId(1), boot_ms, 5 + silence * 1_000_000);
+            assert_eq!(back, restarted, "{boot_ms} after {silence} s");
+            assert!(!table.is_reboot(1, 1, LinkId(1), boot_ms + 1_000, 60_000_000), "only once");
+        }
     }
 
     #[test]

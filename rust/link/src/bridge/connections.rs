@@ -89,7 +89,7 @@ pub(super) struct Link {
     /// Peers that a server got so far.
     pub(super) welcomed: u64,
     pub(super) error: Option<String>,
-    /// Of the peers that left.
+    /// Of the peers that left, and junk of those that are none.
     pub(super) departed: Traffic,
     pub(super) departed_latency: Latency,
     /// A listener that cannot accept, for want of descriptors, is left alone until the next tick.

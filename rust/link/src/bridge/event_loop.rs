@@ -289,7 +289,10 @@ impl EventLoop {
         if let Some(&port) = peers.get(&from) {
             return Some(port);
         }
-        if !self.switch.is_mavlink(bytes) {
+        if let Err(damaged) = self.switch.is_mavlink(bytes) {
+            let junk = &mut self.links.get_mut(&number)?.departed;
+            junk.damaged += damaged;
+            junk.junk_bytes += bytes.len() as u64;
             return None;
         }
         let wire = Wire::Datagrams(Rc::clone(socket), Some(from));

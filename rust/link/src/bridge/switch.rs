@@ -168,18 +168,19 @@ impl Switch {
         matches!(found, Found::Frame { entry: Some(_), .. })
     }
 
-    /// Whether a datagram has a good frame in it that the dialect knows.
-    pub(super) fn is_mavlink(&self, bytes: &[u8]) -> bool {
+    /// Whether a datagram has a good frame in it that the dialect knows; if not, how many damaged ones it has.
+    pub(super) fn is_mavlink(&self, bytes: &[u8]) -> Result<(), u64> {
         let mut scanner = Scanner::new(Resync::Rescan);
-        let mut at = 0;
+        let (mut at, mut damaged) = (0, 0);
         loop {
-            match scanner.next(&bytes[at..], &self.registry) {
-                Found::Frame { entry: Some(_), .. } => return true,
-                Found::Frame { len, .. } | Found::Noise { len } | Found::Rejected { len, .. } => {
-                    at += len;
-                }
-                Found::Incomplete { .. } => return false,
-            }
+            let (len, is_damaged) = match scanner.next(&bytes[at..], &self.registry) {
+                Found::Frame { entry: Some(_), .. } => return Ok(()),
+                Found::Frame { len, .. } | Found::Noise { len } => (len, false),
+                Found::Rejected { len, .. } => (len, true),
+                Found::Incomplete { .. } => return Err(damaged),
+            };
+            at += len;
+            damaged += u64::from(is_damaged);
         }
     }
 

@@ -190,17 +190,26 @@ fn a_burst_beyond_the_queue_loses_nothing_where_the_link_takes_it() {
 }
 
 #[test]
-fn half_a_frame_does_not_spoil_what_is_sent_next() {
+fn only_whole_frames_are_sent() {
     let bridge = start(None);
     let station = station(&bridge, "station");
-    bridge.send(&[&heartbeat(1, 1)[..], &heartbeat(1, 2)[..9]].concat()).unwrap();
-    bridge.send(&heartbeat(1, 3)).unwrap();
-    // Junk that looks like the start of a frame keeps nothing back either.
-    bridge.send(&[&[0xFD, 50][..], &heartbeat(1, 4)].concat()).unwrap();
-    for seq in [1, 3, 4] {
-        assert_eq!(receive(&station).0, heartbeat(1, seq));
+    let (one, half) = (heartbeat(1, 1), &heartbeat(1, 2)[..9]);
+    for (junk, at) in
+        [(b"xx".to_vec(), 0), ([&one, half].concat(), 21), ([&one[..], b"junk", &one].concat(), 21)]
+    {
+        let error = bridge.send(&junk).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            format!("no whole frame at byte {at} of {}: send whole frames", junk.len())
+        );
     }
-    assert_eq!(report(&bridge, PROGRAM).traffic.junk_bytes, 9 + 2);
+    // Whole by its length, and damaged: it keeps nothing back.
+    let mut broken = heartbeat(1, 3);
+    broken[1] += 3;
+    bridge.send(&[&broken[..], &[0; 3]].concat()).unwrap();
+    bridge.send(&heartbeat(1, 4)).unwrap();
+    assert_eq!(receive(&station).0, heartbeat(1, 4));
+    assert_eq!(report(&bridge, PROGRAM).traffic.junk_bytes, 24);
 }
 
 #[test]
@@ -264,6 +273,22 @@ fn junk_is_counted_and_goes_no_further() {
     let traffic = peer.expect("it is connected").traffic;
     assert_eq!(traffic.junk_bytes, 70_004 + 21);
     assert!(traffic.damaged > 0);
+}
+
+#[test]
+fn what_strangers_send_to_a_udp_server_is_counted_in_its_own_entry() {
+    let bridge = start(None);
+    bridge.add(link("in", Endpoint::UdpServer { host: local(), port: 0 })).unwrap();
+    let stranger = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    stranger.connect((Ipv4Addr::LOCALHOST, server_port(&bridge, "in"))).unwrap();
+    let mut broken = heartbeat(9, 0);
+    broken[12] ^= 1;
+    for datagram in [&b"junk"[..], &broken, &heartbeat(1, 0)[..9]] {
+        stranger.send(datagram).unwrap();
+    }
+    wait_for("them", || report(&bridge, "in").traffic.junk_bytes == 4 + 21 + 9);
+    let own = report(&bridge, "in");
+    assert_eq!((own.traffic.damaged, own.traffic.routed.received, own.connections), (1, 0, 0));
 }
 
 #[test]

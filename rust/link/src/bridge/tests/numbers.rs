@@ -107,7 +107,7 @@ fn what_is_sent_waits_in_pieces_and_those_of_two_threads_do_not_mix() {
     std::thread::scope(|scope| {
         for byte in 1..=2 {
             let bridge = &bridge;
-            scope.spawn(move || bridge.send(&vec![byte; len]).unwrap());
+            scope.spawn(move || bridge.send_bytes(&vec![byte; len]).unwrap());
         }
         let next = || match receiver.recv_timeout(LIMIT) {
             Ok(Command::Send { piece, is_last }) => (piece, is_last),
