@@ -16,6 +16,7 @@ import pytest
 from mavwire.cli import _bridge_warnings
 from mavwire.cli._bridge_status import component_rows, link_rows
 from mavwire.cli.bridge import listen_address, size
+from mavwire.cli.replay import factor
 
 if TYPE_CHECKING:
     from mavwire import Bridge
@@ -196,3 +197,9 @@ def test_addresses_to_listen_on(text: str, value: tuple[str, int]) -> None:
 def test_wrong_addresses_to_listen_on(text: str) -> None:
     with pytest.raises(ArgumentTypeError, match="not "):
         listen_address(text)
+
+
+@pytest.mark.parametrize("text", ["0", "-1", "nan", "1e30", "fast"])
+def test_wrong_speeds_of_a_replay(text: str) -> None:
+    with pytest.raises(ArgumentTypeError, match="must be above 0 and below 1000000"):
+        factor(text)

@@ -289,7 +289,7 @@ impl EventLoop {
         if let Some(&port) = peers.get(&from) {
             return Some(port);
         }
-        if let Err(damaged) = self.switch.is_mavlink(bytes) {
+        if let Err(damaged) = self.switch.check_mavlink(bytes) {
             let junk = &mut self.links.get_mut(&number)?.departed;
             junk.damaged += damaged;
             junk.junk_bytes += bytes.len() as u64;

@@ -168,8 +168,8 @@ impl Switch {
         matches!(found, Found::Frame { entry: Some(_), .. })
     }
 
-    /// Whether a datagram has a good frame in it that the dialect knows; if not, how many damaged ones it has.
-    pub(super) fn is_mavlink(&self, bytes: &[u8]) -> Result<(), u64> {
+    /// Looks for a good frame that the dialect knows in a datagram; without one, how many damaged ones it has.
+    pub(super) fn check_mavlink(&self, bytes: &[u8]) -> Result<(), u64> {
         let mut scanner = Scanner::new(Resync::Rescan);
         let (mut at, mut damaged) = (0, 0);
         loop {
