@@ -82,6 +82,28 @@ def test_two_masters_and_an_out(environment: Environment, tmp_path: Path) -> Non
     assert "exception" not in station.text.lower()
 
 
+def test_an_out_that_listens(environment: Environment, tmp_path: Path) -> None:
+    """MAVProxy parses by itself what comes from its outs, with the link's `mav`."""
+    port, out = (free_port(socket.SOCK_DGRAM) for _ in range(2))
+    vehicle = Vehicle(params=PATIENT["ardupilot"])
+    with (
+        serve(f"udpout:127.0.0.1:{port}", vehicle, speed=5),
+        session(
+            environment, tmp_path,
+            f"--master=udpin:127.0.0.1:{port}", f"--out=udpin:127.0.0.1:{out}",
+        ) as station,
+        mavutil.mavlink_connection(f"udpout:127.0.0.1:{out}", source_system=254) as peer,
+    ):  # fmt: skip
+        station.expect(f"Received {len(vehicle.params)} parameters")
+
+        def is_heard() -> bool:
+            peer.mav.heartbeat_send(6, 8, 0, 0, 0)
+            return peer.recv_match(type="ATTITUDE", blocking=True, timeout=0.5) is not None
+
+        wait_until(is_heard, "the vehicle is heard through the out")
+    assert "exception" not in station.text.lower()
+
+
 def test_signing_is_set_up_from_the_prompt(environment: Environment, tmp_path: Path) -> None:
     port = free_port(socket.SOCK_DGRAM)
     vehicle = Vehicle(params=PATIENT["ardupilot"])
