@@ -26,18 +26,23 @@ pub struct Outcome {
     pub written: u64,
     /// Bytes of no record.
     pub bad_bytes: u64,
-    /// Places where such bytes are; one that goes on in another block counts again.
+    /// Places where such bytes are.
     pub bad_places: u64,
     /// Records behind damage whose time was not believed and is now that of the last good one.
     pub restamped: u64,
 }
 
 impl Outcome {
-    fn add(&mut self, scanned: &Scanned) {
+    /// Adds a block of a log; `in_damage` is whether the block before ended within bytes of no record.
+    fn add(&mut self, scanned: &Scanned, in_damage: &mut bool) {
+        let goes_on = *in_damage && scanned.bad.first().is_some_and(|range| range.start == 0);
+        if scanned.consumed > 0 {
+            *in_damage = scanned.bad.last().is_some_and(|range| range.end == scanned.consumed);
+        }
         self.bytes += scanned.consumed as u64;
         self.records += scanned.records.len() as u64;
         self.bad_bytes += scanned.bad.iter().map(|range| range.len() as u64).sum::<u64>();
-        self.bad_places += scanned.bad.len() as u64;
+        self.bad_places += scanned.bad.len() as u64 - u64::from(goes_on);
         self.restamped += scanned.distrusted.len() as u64;
     }
 }
@@ -50,6 +55,7 @@ pub struct Rewrite {
     wanted: Wanted,
     anonymizer: Option<Anonymizer>,
     outcome: Outcome,
+    in_damage: bool,
 }
 
 impl Rewrite {
@@ -80,7 +86,8 @@ impl Rewrite {
     ) -> Result<Self, Error> {
         let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
         let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
-        Ok(Self { blocks, scanner, framing, wanted, anonymizer, outcome: Outcome::default() })
+        let (outcome, in_damage) = Default::default();
+        Ok(Self { blocks, scanner, framing, wanted, anonymizer, outcome, in_damage })
     }
 
     /// Whether records have times.
@@ -103,7 +110,7 @@ impl Rewrite {
     /// # Errors
     /// What reading and writing say.
     pub fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
-        let Self { blocks, scanner, framing, wanted, anonymizer, outcome } = self;
+        let Self { blocks, scanner, framing, wanted, anonymizer, outcome, in_damage } = self;
         let kept = blocks.next(|block, at_end| {
             let scanned = scanner.scan(block, at_end);
             let mut kept = Vec::with_capacity(scanned.consumed);
@@ -120,7 +127,7 @@ impl Rewrite {
                     );
                 outcome.written += u64::from(is_kept);
             }
-            outcome.add(&scanned);
+            outcome.add(&scanned, in_damage);
             (scanned.consumed, kept)
         })?;
         let Some(kept) = kept else { return Ok(false) };
@@ -179,6 +186,7 @@ struct Input {
     records: Vec<(u64, usize)>,
     taken: usize,
     ended: bool,
+    in_damage: bool,
 }
 
 impl Merge {
@@ -212,7 +220,15 @@ impl Merge {
             let scanner =
                 LogScanner::new(Arc::clone(registry), framing).with_stretch(steps.stretch);
             let (bytes, records) = (Vec::new(), Vec::new());
-            logs.push(Input { blocks, scanner, bytes, records, taken: 0, ended: false });
+            logs.push(Input {
+                blocks,
+                scanner,
+                bytes,
+                records,
+                taken: 0,
+                ended: false,
+                in_damage: false,
+            });
         }
         Ok(Ok(Self { logs, outcome: Outcome::default() }))
     }
@@ -270,7 +286,7 @@ impl Input {
     }
 
     fn refill(&mut self, outcome: &mut Outcome) -> Result<(), Error> {
-        let Self { blocks, scanner, bytes, records, taken, ended } = self;
+        let Self { blocks, scanner, bytes, records, taken, ended, in_damage } = self;
         bytes.clear();
         records.clear();
         *taken = 0;
@@ -282,7 +298,7 @@ impl Input {
                     records.push((scanned.time(block, record.at), bytes.len()));
                 }
             }
-            outcome.add(&scanned);
+            outcome.add(&scanned, in_damage);
             (scanned.consumed, ())
         })?;
         *ended = more.is_none();
@@ -315,6 +331,26 @@ mod tests {
             frame::encode(&mut log, header, &[1; 9], 50).expect("a frame");
         }
         log
+    }
+
+    #[test]
+    fn damage_that_goes_on_in_another_block_is_one_place() {
+        let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
+        let registry = Arc::new(Registry::new(dialect));
+        let (front, rest) = (log(0..10, 1), log(20..30, 1));
+        let bytes = [&front[..], &[7; 500], &rest, &[7; 300], &front].concat();
+        let source = || -> Box<dyn Read + Send> { Box::new(std::io::Cursor::new(bytes.clone())) };
+        for block in [40, 100, 333, 1 << 20] {
+            let (steps, registry) = (Steps { block, ..Steps::default() }, Arc::clone(&registry));
+            let framing = Some(Framing::Stamped);
+            let wanted = Wanted::default();
+            let rewrite = Rewrite::in_steps(steps, source(), framing, registry, wanted, None);
+            let (mut rewrite, mut out) = (rewrite.expect("reading"), Vec::new());
+            while rewrite.advance(&mut out).expect("writing") {}
+            let outcome = rewrite.outcome();
+            assert_eq!((outcome.written, outcome.bad_bytes), (30, 800), "blocks of {block}");
+            assert_eq!(outcome.bad_places, 2, "blocks of {block}");
+        }
     }
 
     #[test]
