@@ -25,6 +25,8 @@ def add_common(parser: ArgumentParser) -> None:
 
 def run(args: Namespace, logs: list[str], work: Callable[..., Rewritten]) -> int:
     """Let `work(progress=)` write `args.out`, and tell what became of the logs."""
+    if args.out == "-":
+        raise CommandError("--out is a file, not standard output: ./- is a file of that name")
     size = sum(os.path.getsize(log) for log in logs if os.path.isfile(log))
     bar = Progress(args.out, enabled=not args.quiet)
     try:

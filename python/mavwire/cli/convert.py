@@ -53,6 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the subcommand; 1 where a log could not be read."""
+    if args.workers is not None and args.workers < 1:
+        raise CommandError(f"--workers takes a number from 1 on, not {args.workers}")
     options = {
         "format": args.format,
         "compression": args.compression,

@@ -60,7 +60,9 @@ class Summary:
     since_start: bool = False
     """Whether times are seconds since the autopilot's start, not since 1970."""
     info: LogInfo | None = None
-    """What only telemetry logs have."""
+    """What only native counting finds; None for CSV files."""
+    telemetry: bool = False
+    """Whether it is a telemetry log, which alone has senders."""
     damage: str | None = None
     """What is wrong with a compressed file; everything before that is counted."""
 
@@ -102,23 +104,24 @@ class Summary:
             "bad_bytes": self.bad_bytes,
             "damage": self.damage,
             "read_seconds": self.seconds,
-            **_details(self.info),
+            **({} if self.info is None else _places(self.info)),
+            **({} if self.info is None or not self.telemetry else _details(self.info)),
         }
 
 
-def _details(info: LogInfo | None) -> dict[str, Any]:
+def _places(info: LogInfo) -> dict[str, Any]:
+    """For `--json`: where a log is damaged or interrupted."""
+    return {"gaps": info.gaps, "times_back": info.times_back, "bad": info.bad}
+
+
+def _details(info: LogInfo) -> dict[str, Any]:
     """For `--json`: what only telemetry logs have."""
-    if info is None:
-        return {}
     return {
         "mavlink1": info.version1,
         "mavlink2": info.version2,
         "signed": info.signed,
         "stamped": info.stamped,
-        "gaps": info.gaps,
-        "times_back": info.times_back,
         "reboots": {f"{ids[0]}/{ids[1]}": one.reboots for ids, one in info.senders.items()},
-        "bad": info.bad,
     }
 
 
@@ -145,8 +148,9 @@ def summary_of(info: LogInfo, size: int, seconds: float, telemetry: bool = True)
     """The summary of a log that was counted natively."""
     from mavwire._dataflash.clocks import GPS_EPOCH
 
-    details = info if telemetry else None
-    summary = Summary(info.path, size, info.messages, seconds=seconds, info=details)
+    summary = Summary(
+        info.path, size, info.messages, seconds=seconds, info=info, telemetry=telemetry
+    )
     summary.damage = info.damage
     summary.types = Counter({name: one.messages for name, one in info.types.items()})
     summary.systems = {
@@ -160,11 +164,15 @@ def summary_of(info: LogInfo, size: int, seconds: float, telemetry: bool = True)
     return summary
 
 
-def _detail_lines(info: LogInfo) -> list[str]:
-    lines = [
+def _mavlink(info: LogInfo) -> str:
+    return (
         f"  mavlink  {info.version1:,} of version 1, {info.version2:,} of version 2,"
         f" {info.signed_share:.0%} signed"
-    ]
+    )
+
+
+def _place_lines(info: LogInfo) -> list[str]:
+    lines = []
     if info.bad:
         places = ", ".join(f"{length:,} at {offset:,}" for offset, length in info.bad[:LISTED])
         more = ", ..." if info.bad_count > LISTED else ""
@@ -217,9 +225,10 @@ def table(summary: Summary) -> str:
         f"{printable(summary.path)}: {summary.size:,} bytes, {summary.messages:,} messages of"
         f" {len(summary.types)} types",
         f"  time     {_time(summary)}",
-        *([] if summary.info is None else [_lost(summary)]),
+        *([_lost(summary)] if summary.telemetry else []),
         f"  bad      {_bad(summary)}",
-        *([] if summary.info is None else _detail_lines(summary.info)),
+        *([_mavlink(summary.info)] if summary.info is not None and summary.telemetry else []),
+        *([] if summary.info is None else _place_lines(summary.info)),
         *(
             [f"  file     cut off or damaged: {printable(summary.damage)}"]
             if summary.damage

@@ -16,20 +16,40 @@ if TYPE_CHECKING:
 @contextmanager
 def connected(client: Any, workers: int | None) -> Iterator[Any]:
     """A client: `client` itself, one of the scheduler at that address, or of a local cluster of
-    `workers` processes. ImportError where there is no Dask, OSError where no scheduler answers.
+    `workers` processes. ImportError where there is no Dask, OSError where no scheduler answers,
+    ValueError for what is neither a client nor an address.
     """
     try:
         from distributed import Client
     except ImportError as error:
         raise ImportError("Dask is needed: pip install 'mavwire[fleet]'") from error
-    if client is not None and not isinstance(client, str):
+    if isinstance(client, Client):
         yield client
     elif client is not None:
+        _check_address(client)
         with Client(client, set_as_default=False) as made:
             yield made
     else:
         with _local_cluster(workers) as cluster, Client(cluster, set_as_default=False) as made:
             yield made
+
+
+def _check_address(address: Any) -> None:
+    """Raise ValueError for what is no address: a client of one fails too, and then waits for ever."""
+    from distributed.comm.addressing import parse_address, parse_host_port
+    from distributed.comm.registry import get_backend
+
+    expected = f"a Client or the address of a scheduler such as tcp://host:8786, not {address!r}"
+    if not isinstance(address, str):
+        raise ValueError(expected)
+    try:
+        scheme, place = parse_address(address)
+        get_backend(scheme)
+        valid = scheme == "inproc" or all(parse_host_port(place))
+    except ValueError as error:
+        raise ValueError(expected) from error
+    if not valid:
+        raise ValueError(expected)
 
 
 def _local_cluster(workers: int | None) -> Any:

@@ -81,8 +81,9 @@ def convert(
         format, compression, types, systems, fields, start, end, dialect,
         units=units, enums=enums, first=next(iter(logs), None),
     )  # fmt: skip
-    if (workers is not None and workers < 1) or task_bytes < 1:
-        raise ValueError("workers and task_bytes must be at least 1")
+    for name, number in (("workers", workers), ("task_bytes", task_bytes)):
+        if number is not None and number < 1:
+            raise ValueError(f"{name} must be at least 1, not {number}")
     allow_described(logs, query)
     out = os.fsdecode(out).removeprefix("file://")
     known = _statuses(logs, storage_options)

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from mavwire._native import align_tables
 
+from .query import names_of
 from .table import Table
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
 Span = str | float | timedelta
 """A length of time: "50ms", seconds, or a timedelta."""
@@ -20,7 +21,7 @@ METHODS = ("ffill", "nearest", "linear")
 
 def align(
     tables: Mapping[str, Table],
-    types: Sequence[str] | None = None,
+    types: str | Iterable[str] | None = None,
     *,
     on: str | None = None,
     rate: Span | None = None,
@@ -38,7 +39,7 @@ def align(
     type are aligned each by itself, as `TYPE[0].field`. The table is called `name`. ValueError for
     arguments that make no sense, for a type that several senders sent, and for rows without times.
     """
-    names = list(tables if types is None else types)
+    names = names_of(tables if types is None else types)
     missing = [one for one in (*names, *([on] if on else [])) if one not in tables]
     if missing:
         raise ValueError(f"there is no table of {missing[0]!r}")

@@ -35,7 +35,7 @@ class Log:
 
     def align(
         self,
-        types: Iterable[str],
+        types: str | Iterable[str],
         *,
         on: str | None = None,
         rate: Span | None = None,
@@ -50,8 +50,9 @@ class Log:
     ) -> Table:
         """One wide table of several types on a common clock; see `mavwire.logs.align`."""
         from .align import align
+        from .query import names_of
 
-        names = list(types)
+        names = names_of(types)
         wanted = {*names, on} if on is not None else set(names)
         tables = self.read(
             sorted(wanted), systems, fields, start, end, units=units, enums=enums

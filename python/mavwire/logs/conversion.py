@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from .sources import Source
 
 BATCH_ROWS = 65_536
-BATCH_BYTES = 48 << 20
+BATCH_BYTES = 32 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
 OUTPUT = 1
 """To be raised when the same options come to give other files: those of before are made anew."""

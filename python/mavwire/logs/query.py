@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import empty_table
 
-from .selection import UNKNOWN, Selection
+from .selection import UNKNOWN, Selection, types_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -58,8 +58,7 @@ class Query:
             raise ValueError(f"units must be None or 'si', not {units!r}")
         if enums not in (None, "names"):
             raise ValueError(f"enums must be None or 'names', not {enums!r}")
-        wanted = [types] if isinstance(types, str | type) else types
-        wanted = None if wanted is None else list(wanted)
+        wanted = None if types is None else types_of(types)
         known, foreign = _telemetry_types(dialect, wanted)
         selection = Selection.of(dialect, known, systems, start, end)
         return cls(
@@ -88,8 +87,7 @@ class Query:
         """For a log that is known to be a dataflash log; ValueError as by `of`."""
         query = cls.of(None, None, systems, fields, start, end, units, enums)
         if types is not None:
-            wanted = [types] if isinstance(types, str | type) else types
-            query.names = [_name_of(one) for one in wanted]
+            query.names = [_name_of(one) for one in types_of(types)]
         return query
 
     def check_telemetry(self) -> None:

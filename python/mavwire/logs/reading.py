@@ -15,7 +15,7 @@ from .batches import Batches
 from .query import Query, check_described, check_tables, names_of
 from .sources import columns_from, head_of, is_dataflash
 from .table import Table, tidy
-from .targets import A_FOLDER, A_PIPE
+from .targets import A_DEVICE, A_FOLDER, A_PIPE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -41,13 +41,15 @@ def native_dialect(dialect: str | ModuleType) -> tuple[Any, Any]:
 
 def check_readable(path: str) -> None:
     """Raise FileNotFoundError, IsADirectoryError or PermissionError, with the name; OSError for a
-    pipe or a socket, which opening would wait on.
+    pipe or a socket, which opening would wait on, and for a device, which may have no end.
     """
     mode = os.stat(path).st_mode
     if stat.S_ISDIR(mode):
         raise IsADirectoryError(errno.EISDIR, A_FOLDER, path)
     if stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode):
         raise OSError(errno.ESPIPE, A_PIPE, path)
+    if not stat.S_ISREG(mode) and not os.path.samefile(path, os.devnull):
+        raise OSError(errno.EINVAL, A_DEVICE, path)
     with open(path, "rb"):
         pass
 

@@ -68,9 +68,9 @@ def cut(
     ValueError for an argument that makes no sense, LogFormatError for what is no telemetry log.
     """
     module, native = native_dialect(dialect)
+    inputs, target = _checked([path], out)
     query = Query.of(module, types, systems, None, start, end)
     query.check_telemetry()
-    inputs, target = _checked([path], out)
     return _run(LogRewrite.select(inputs[0], native, query, target), inputs, progress)
 
 

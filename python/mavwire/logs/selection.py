@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 from math import isnan
+from operator import index
 
 from mavwire._wording import did_you_mean
 
@@ -37,11 +38,9 @@ class Selection:
         """From the arguments of `TelemetryLog.messages`."""
         made = cls()
         if types is not None:
-            made._choose_types(dialect, [types] if isinstance(types, str | type) else types)
+            made._choose_types(dialect, types_of(types))
         if systems is not None:
-            one = isinstance(systems, str) or hasattr(systems, "__index__")
-            wanted = [systems] if one else systems
-            made.systems = [_system(one) for one in wanted]
+            made.systems = [_system(one) for one in _several(systems)]
         made.start = seconds_of(start)
         made.end = seconds_of(end)
         if made.start is not None and made.end is not None and made.start >= made.end:
@@ -63,6 +62,21 @@ class Selection:
                 known.add(_named_id(dialect, one))
         self.types = sorted(known)
         self.unknown = None if unknown is None else sorted(unknown)
+
+
+def types_of(types: Any) -> list[str | type]:
+    """One type or several, names and classes; ValueError for what is neither."""
+    wanted = _several(types)
+    for one in wanted:
+        if not isinstance(one, str | type):
+            raise ValueError(f"a type is a name or a message class, not {one!r}")
+    return wanted
+
+
+def _several(values: Any) -> list[Any]:
+    """The values of a collection, or the one that was given alone."""
+    alone = isinstance(values, str | type) or not isinstance(values, Iterable)
+    return [values] if alone else list(values)
 
 
 def _named_id(dialect: Any, name: str) -> int:
@@ -87,12 +101,14 @@ def _class_id(cls: type) -> int:
     raise ValueError(f"{cls.__name__} is not a message class")
 
 
-def _system(number: int) -> int:
-    if not hasattr(number, "__index__"):
-        raise ValueError(f"a system id is a number, not {number!r}")
-    if not 0 <= number <= MAX_SYSTEM:
-        raise ValueError(f"a system id is 0 to {MAX_SYSTEM}, not {number}")
-    return number
+def _system(number: Any) -> int:
+    try:
+        system = index(number)
+    except TypeError:
+        raise ValueError(f"a system id is a number, not {number!r}") from None
+    if not 0 <= system <= MAX_SYSTEM:
+        raise ValueError(f"a system id is 0 to {MAX_SYSTEM}, not {system}")
+    return system
 
 
 def record_seconds(micros: int) -> float:
@@ -110,11 +126,11 @@ def seconds_of(time: Any) -> float | None:
         return None
     if isinstance(time, str):
         time = _parsed(time)
+    if str(time) == "NaT":  # of NumPy or pandas, where it is a datetime too
+        raise ValueError(f"{A_TIME}, not NaT")
     if isinstance(time, datetime):
         return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
-    if (
-        type(time).__name__ == "datetime64" and str(time) != "NaT"
-    ):  # of NumPy, as the tables have it
+    if type(time).__name__ == "datetime64":  # of NumPy, as the tables have it
         return record_seconds(int(time.astype("datetime64[us]").astype("int64")))
     try:
         seconds = float(time + 0.0)  # float() alone takes texts too

@@ -7,6 +7,7 @@ import os
 import stat
 
 A_FOLDER = "is a folder: name the logs in it, such as FOLDER/*.tlog"
+A_DEVICE = "a device is no log: save what is on it in a file"
 A_PIPE = "a pipe or a socket is no log: save what comes out of it in a file"
 
 

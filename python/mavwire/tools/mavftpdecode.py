@@ -82,7 +82,7 @@ def transfers(messages: Iterable[Any]) -> Iterator[Transfer]:
         OP_TerminateSession,
     )
 
-    # By the system that has the file and the session.
+    # By the system that has the file and the session; of system 0 what all were asked for.
     opened: dict[tuple[int, int], Transfer] = {}
     for msg in messages:
         packet = parse(msg)
@@ -96,10 +96,12 @@ def transfers(messages: Iterable[Any]) -> Iterator[Transfer]:
                 yield opened.pop(request)
             opened[request] = Transfer(data.split(b"\0")[0].decode(errors="replace"))
         elif packet.opcode in (OP_TerminateSession, OP_ResetSessions):
-            for key in [one for one in opened if one[0] == msg.target_system]:
-                if packet.opcode == OP_ResetSessions or key == request:
+            for key in [one for one in opened if msg.target_system in (0, one[0])]:
+                if packet.opcode == OP_ResetSessions or key[1] == packet.session:
                     yield opened.pop(key)
-        elif packet.opcode == OP_Ack and answer in opened:
+        elif packet.opcode == OP_Ack and (answer in opened or (0, packet.session) in opened):
+            if answer not in opened:
+                opened[answer] = opened.pop((0, packet.session))
             if packet.req_opcode == OP_OpenFileRO and len(data) >= 4:
                 opened[answer].size = int.from_bytes(data[:4], "little")
             elif packet.req_opcode in (OP_ReadFile, OP_BurstReadFile):

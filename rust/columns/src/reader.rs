@@ -16,7 +16,7 @@ use crate::layout::{Layout, Options};
 use crate::piece::{Chosen, PIECE, Piece};
 use crate::scan::{Framing, LogScanner, Scanned};
 use crate::select::Wanted;
-use crate::table::{GROUP, TableBuilder};
+use crate::table::{Expected, GROUP, TableBuilder};
 use crate::tables::Tables;
 
 /// When a table's rows become a record batch.
@@ -33,6 +33,13 @@ pub struct Limits {
 impl Limits {
     /// One batch for each type, or some where one would be too large for arrow.
     pub const NONE: Self = Self { rows: usize::MAX, bytes: usize::MAX, table_bytes: 1 << 30 };
+
+    /// What each of so many tables may come to. What they get ahead stays within what they may hold together: many large
+    /// spans of memory, of which little is used before they are given back, leave it in pieces that nothing fits into.
+    pub(crate) fn expected(self, growth: f64, tables: usize) -> Expected {
+        let ahead = self.bytes / tables.max(1);
+        Expected { growth, ahead, rows: self.rows, bytes: self.table_bytes }
+    }
 }
 
 /// Rows of one message type.

@@ -27,7 +27,7 @@ pub struct Outcome {
     pub written: u64,
     /// Bytes of no record.
     pub bad_bytes: u64,
-    /// Places where such bytes are; one that goes on in another block counts again.
+    /// Places where such bytes are.
     pub bad_places: u64,
     /// Records behind damage whose time was not believed and is now that of the last good one.
     pub restamped: u64,
@@ -39,11 +39,16 @@ impl Outcome {
         self.records == 0 && (self.bytes > 0 || blocks.damage().is_some())
     }
 
-    fn add(&mut self, scanned: &Scanned) {
+    /// Adds a block of a log; `in_damage` is whether the block before ended within bytes of no record.
+    fn add(&mut self, scanned: &Scanned, in_damage: &mut bool) {
+        let goes_on = *in_damage && scanned.bad.first().is_some_and(|range| range.start == 0);
+        if scanned.consumed > 0 {
+            *in_damage = scanned.bad.last().is_some_and(|range| range.end == scanned.consumed);
+        }
         self.bytes += scanned.consumed as u64;
         self.records += scanned.records.len() as u64;
         self.bad_bytes += scanned.bad.iter().map(|range| range.len() as u64).sum::<u64>();
-        self.bad_places += scanned.bad.len() as u64;
+        self.bad_places += scanned.bad.len() as u64 - u64::from(goes_on);
         self.restamped += scanned.distrusted.len() as u64;
     }
 }
@@ -69,6 +74,7 @@ pub struct Rewrite {
     wanted: Wanted,
     anonymizer: Option<Anonymizer>,
     outcome: Outcome,
+    in_damage: bool,
 }
 
 impl Rewrite {
@@ -87,7 +93,8 @@ impl Rewrite {
     ) -> Result<Self, Error> {
         let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
         let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
-        Ok(Self { blocks, scanner, framing, wanted, anonymizer, outcome: Outcome::default() })
+        let (outcome, in_damage) = Default::default();
+        Ok(Self { blocks, scanner, framing, wanted, anonymizer, outcome, in_damage })
     }
 
     /// Whether records have times.
@@ -115,7 +122,7 @@ impl Rewrite {
     /// # Errors
     /// What reading and writing say.
     pub fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
-        let Self { blocks, scanner, framing, wanted, anonymizer, outcome } = self;
+        let Self { blocks, scanner, framing, wanted, anonymizer, outcome, in_damage } = self;
         let kept = blocks.next(|block, at_end| {
             let scanned = scanner.scan(block, at_end);
             let mut kept = Vec::with_capacity(scanned.consumed);
@@ -132,7 +139,7 @@ impl Rewrite {
                     );
                 outcome.written += u64::from(is_kept);
             }
-            outcome.add(&scanned);
+            outcome.add(&scanned, in_damage);
             (scanned.consumed, kept)
         })?;
         let Some(kept) = kept else { return Ok(false) };
@@ -186,6 +193,7 @@ struct Input {
     taken: usize,
     ended: bool,
     outcome: Outcome,
+    in_damage: bool,
 }
 
 impl Merge {
@@ -215,6 +223,7 @@ impl Merge {
                 taken: 0,
                 ended: false,
                 outcome: Outcome::default(),
+                in_damage: false,
             });
         }
         Ok(Ok(Self { logs }))
@@ -280,7 +289,7 @@ impl Input {
     }
 
     fn refill(&mut self) -> Result<(), Error> {
-        let Self { blocks, scanner, bytes, records, taken, ended, outcome } = self;
+        let Self { blocks, scanner, bytes, records, taken, ended, outcome, in_damage } = self;
         bytes.clear();
         records.clear();
         *taken = 0;
@@ -292,7 +301,7 @@ impl Input {
                     records.push((scanned.time(block, record.at), bytes.len()));
                 }
             }
-            outcome.add(&scanned);
+            outcome.add(&scanned, in_damage);
             (scanned.consumed, ())
         })?;
         *ended = more.is_none();
@@ -325,6 +334,26 @@ mod tests {
             frame::encode(&mut log, header, &[1; 9], 50).expect("a frame");
         }
         log
+    }
+
+    #[test]
+    fn damage_that_goes_on_in_another_block_is_one_place() {
+        let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
+        let registry = Arc::new(Registry::new(dialect));
+        let (front, rest) = (log(0..10, 1), log(20..30, 1));
+        let bytes = [&front[..], &[7; 500], &rest, &[7; 300], &front].concat();
+        let source = || -> Box<dyn Read + Send> { Box::new(std::io::Cursor::new(bytes.clone())) };
+        for block in [40, 100, 333, 1 << 20] {
+            let (steps, registry) = (Steps { block, ..Steps::default() }, Arc::clone(&registry));
+            let framing = Some(Framing::Stamped);
+            let wanted = Wanted::default();
+            let rewrite = Rewrite::new(steps, source(), framing, registry, wanted, None);
+            let (mut rewrite, mut out) = (rewrite.expect("reading"), Vec::new());
+            while rewrite.advance(&mut out).expect("writing") {}
+            let outcome = rewrite.outcome();
+            assert_eq!((outcome.written, outcome.bad_bytes), (30, 800), "blocks of {block}");
+            assert_eq!(outcome.bad_places, 2, "blocks of {block}");
+        }
     }
 
     #[test]

@@ -12,6 +12,19 @@ use crate::layout::{Layout, Source};
 /// Records that the gathers of all columns go over before the next ones: what stays in the first cache.
 pub(crate) const GROUP: usize = 256;
 
+/// What a table may come to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Expected {
+    /// Times the rows that it has.
+    pub growth: f64,
+    /// Bytes that it gets at once for rows that may never come.
+    pub ahead: usize,
+    /// Rows at most, beside those of one block.
+    pub rows: usize,
+    /// Bytes at most.
+    pub bytes: usize,
+}
+
 /// A growing table.
 #[derive(Debug)]
 pub struct TableBuilder {
@@ -55,18 +68,18 @@ impl TableBuilder {
         self.columns.iter().map(Growing::bytes).sum()
     }
 
-    /// Makes room for more rows, and for those that are to be expected: `growth` times what there is then, but no more
-    /// than `most` rows or `most_bytes`. Memory that is never touched costs nothing, growing step by step does.
-    pub(crate) fn reserve(&mut self, more: usize, growth: f64, most: usize, most_bytes: usize) {
+    /// Makes room for more rows, and for those that are to be expected. Growing step by step costs time.
+    pub(crate) fn reserve(&mut self, more: usize, expected: &Expected) {
         self.recent = more;
         let needed = self.rows + more;
         if needed <= self.room {
             return;
         }
         let width: usize = self.columns.iter().map(Growing::width).sum();
-        let most = most.saturating_add(more).min(most_bytes / width.max(1));
-        let expected = (needed as f64 * growth) as usize;
-        self.room = expected.max(self.room + self.room / 2).min(most).max(needed);
+        let rows_in = |bytes: usize| bytes / width.max(1);
+        let most = expected.rows.saturating_add(more).min(rows_in(expected.bytes));
+        let ahead = ((needed as f64 * expected.growth) as usize).min(rows_in(expected.ahead));
+        self.room = ahead.max(self.room + self.room / 2).min(most).max(needed);
         for column in &mut self.columns {
             column.reserve(self.room - self.rows);
         }
@@ -125,8 +138,29 @@ impl TableBuilder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::Column;
     use crate::scan::Framing;
     use arrow::datatypes::Schema;
+
+    #[test]
+    fn no_more_room_is_made_ahead_than_is_allowed() {
+        let (name, source) = ("timestamp".to_owned(), Source::Timestamp);
+        let column = Column { name, source, scale: None, names: None };
+        let layout = Layout {
+            message: String::new(),
+            max_len: 0,
+            framing: Framing::Stamped,
+            columns: vec![column],
+            schema: Arc::new(Schema::empty()),
+        };
+        let mut table = TableBuilder::new(Arc::new(layout));
+        let expected = Expected { growth: 1e6, ahead: 800, rows: 65_536, bytes: 1 << 30 };
+        table.reserve(20, &expected);
+        assert_eq!(table.room, 100);
+        table.append(&Rows { times: &[0; 20], bytes: &[], stride: 1 });
+        table.reserve(100, &expected);
+        assert_eq!(table.room, 150);
+    }
 
     #[test]
     fn a_table_is_full_before_the_rows_of_another_block_are_too_many() {
@@ -135,8 +169,9 @@ mod tests {
         let layout = Layout { message, max_len: 0, framing, columns, schema };
         let mut table = TableBuilder::new(Arc::new(layout));
         let mut full = Vec::new();
+        let expected = Expected { growth: 1.0, ahead: usize::MAX, rows: 70, bytes: usize::MAX };
         for _ in 0..6 {
-            table.reserve(20, 1.0, 70, usize::MAX);
+            table.reserve(20, &expected);
             table.append(&Rows { times: &[0; 20], bytes: &[], stride: 1 });
             full.push(table.is_full(70));
             if table.is_full(70) {

@@ -36,16 +36,17 @@ impl Tables {
         new: impl Fn(usize) -> TableBuilder + Sync,
         append: impl Fn(&mut TableBuilder, usize, &Piece) + Sync,
     ) {
-        let Limits { rows: most, table_bytes, .. } = self.limits;
+        let limits = self.limits;
         let growth = if done > 0.0 && done < 1.0 { MARGIN / done } else { 1.0 };
         let rows = |index| pieces.iter().map(|piece| piece.rows(index)).sum::<usize>();
         let due = self.builders.iter_mut().enumerate().map(|(at, table)| (rows(at), at, table));
         let mut due: Vec<_> = due.filter(|&(rows, ..)| rows > 0).collect();
+        let expected = limits.expected(growth, due.len());
         // The largest first, and one by one: then no processor is left alone with the rest.
         due.sort_unstable_by_key(|&(rows, ..)| Reverse(rows));
         due.into_par_iter().with_max_len(1).for_each(|(rows, index, table)| {
             let table = table.get_or_insert_with(|| new(index));
-            table.reserve(rows, growth, most, table_bytes);
+            table.reserve(rows, &expected);
             for piece in pieces.iter().filter(|piece| piece.rows(index) > 0) {
                 append(table, index, piece);
             }

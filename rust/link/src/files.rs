@@ -17,7 +17,7 @@ use std::thread;
 /// Opens a file for reading it once.
 ///
 /// # Errors
-/// What the operating system says; a pipe or a socket, whose opening may never end.
+/// What the operating system says; a pipe or a socket, whose opening may never end; a device, whose bytes may not.
 pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     check_kind(path)?;
     Ok(Box::new(File::open(path)?))
@@ -25,11 +25,17 @@ pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
 
 #[cfg(unix)]
 fn check_kind(path: &Path) -> io::Result<()> {
-    use std::os::unix::fs::FileTypeExt;
+    use std::os::unix::fs::{FileTypeExt, MetadataExt};
 
-    let kind = std::fs::metadata(path)?.file_type();
+    let found = std::fs::metadata(path)?;
+    let kind = found.file_type();
+    let refused = |reason| Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
     if kind.is_fifo() || kind.is_socket() {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, "a pipe or a socket is no log"));
+        return refused("a pipe or a socket is no log");
+    }
+    let is_null = || std::fs::metadata("/dev/null").is_ok_and(|null| null.rdev() == found.rdev());
+    if (kind.is_char_device() || kind.is_block_device()) && !is_null() {
+        return refused("a device is no log");
     }
     Ok(())
 }

@@ -11,6 +11,7 @@ pub mod clock;
 pub mod dataflash;
 pub mod datagrams;
 pub mod files;
+pub mod memory;
 pub mod readiness;
 pub mod records;
 pub mod sigpipe;

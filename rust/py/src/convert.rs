@@ -8,6 +8,7 @@ use mavwire_columns::convert::{Compression, Format, Sink, moments};
 use mavwire_columns::mcap;
 use mavwire_columns::reader::Decode;
 use mavwire_link::files::Draft;
+use mavwire_link::memory;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -57,10 +58,15 @@ fn output(folder: PathBuf, file: String, format: &str, compression: &str) -> PyR
     Ok(Output::tables(folder, file, kind, how))
 }
 
+/// Bytes of batches that are freed before memory is given back to the system.
+const KEPT_BYTES: usize = 64 << 20;
+
 /// A log, and the files that become of it.
 struct Work {
     reader: Box<dyn Decode>,
     output: Output,
+    /// Bytes of batches that were freed since memory was given back.
+    freed: usize,
 }
 
 impl Work {
@@ -68,6 +74,12 @@ impl Work {
     fn step(&mut self) -> Result<bool, Error> {
         let Some(batches) = self.reader.advance()? else { return Ok(false) };
         self.output.write(&batches)?;
+        self.freed += batches.iter().map(|one| one.rows.get_array_memory_size()).sum::<usize>();
+        drop(batches);
+        if self.freed > KEPT_BYTES {
+            memory::give_back();
+            self.freed = 0;
+        }
         Ok(true)
     }
 }
@@ -87,7 +99,7 @@ impl Converter {
         compression: &str,
     ) -> PyResult<Self> {
         let output = output(folder, file, format, compression)?;
-        Ok(Self { work: Mutex::new(Some(Work { reader, output })) })
+        Ok(Self { work: Mutex::new(Some(Work { reader, output, freed: 0 })) })
     }
 
     fn with<T>(&self, take: impl FnOnce(&mut Option<Work>) -> T) -> T {

@@ -278,27 +278,32 @@ def test_fast_samples_as_tables(tmp_path: Path, oracle: str) -> None:
 
 
 def test_files_sent_by_ftp(tmp_path: Path, oracle: str) -> None:
-    """Of other files than parameters the script tells the last one alone."""
+    """Of other files than parameters the script tells the last one alone. The first request is to
+    all systems, as that of a station that knows none yet.
+    """
     log = Log(tmp_path / "ftp.tlog")
     name = b"@PARAM/param.pck"
     values = b"\x04\x00RC1_" + struct.pack("<f", 1.5) + b"\x02\x14MIN" + struct.pack("<h", -7)
     content = struct.pack("<HHH", 0x671B, 2, 2) + b"\x04\x30RC1_" + values[6:10]
     content += b"\x02\x34TRIM"[:2] + b"TRIM" + struct.pack("<h", -7)
 
-    def send(seconds: float, answer: bool, packet: FTP_OP) -> None:
+    def send(seconds: float, answer: bool, packet: FTP_OP, system: int = 1) -> None:
         payload = bytes(packet.pack()).ljust(251, b"\0")
-        source, target = ((1, 1), 255) if answer else ((255, 190), 1)
+        source, target = ((1, 1), 255) if answer else ((255, 190), system)
         msg = mavlink.MAVLink_file_transfer_protocol_message(0, target, 1, payload)
         log.add(seconds, msg, source)
 
-    send(0, False, FTP_OP(1, 0, OP_OpenFileRO, len(name), 0, 0, 0, name))
     size = struct.pack("<I", len(content))
-    send(1, True, FTP_OP(2, 0, OP_Ack, 4, OP_OpenFileRO, 0, 0, size))
-    send(2, False, FTP_OP(3, 0, OP_BurstReadFile, 80, 0, 0, 0, None))
-    send(3, True, FTP_OP(4, 0, OP_Ack, len(content), OP_BurstReadFile, 1, 0, content))
-    send(4, False, FTP_OP(5, 0, OP_TerminateSession, 0, 0, 0, 0, None))
+    for start, system, session in ((0, 0, 1), (5, 1, 2)):
+        opening = FTP_OP(1, session, OP_OpenFileRO, len(name), 0, 0, 0, name)
+        send(start, False, opening, system)
+        send(start + 1, True, FTP_OP(2, session, OP_Ack, 4, OP_OpenFileRO, 0, 0, size))
+        send(start + 2, False, FTP_OP(3, session, OP_BurstReadFile, 80, 0, 0, 0, None))
+        burst = FTP_OP(4, session, OP_Ack, len(content), OP_BurstReadFile, 1, 0, content)
+        send(start + 3, True, burst)
+        send(start + 4, False, FTP_OP(5, session, OP_TerminateSession, 0, 0, 0, 0, None))
     lines = compare("mavftpdecode", "ftpdecode", "", tmp_path, log.done())
-    assert lines == ["# @PARAM/param.pck", "RC1_ 1.5", "RC1_TRIM -7", ""]
+    assert lines == [*["# @PARAM/param.pck", "RC1_ 1.5", "RC1_TRIM -7"] * 2, ""]
 
 
 def test_sizes_where_no_zeros_are_cut_off(tmp_path: Path, oracle: str) -> None:

@@ -17,6 +17,7 @@ import pytest
 from dataflash_writer import Log, sample
 from mavwire import cli, traffic
 from mavwire.logs import LogFormatError, dataflash
+from mavwire.logs.align import align
 from unit.column_tools import HEADER, log_of_every_type
 
 
@@ -109,6 +110,48 @@ def test_pipes_are_refused_and_not_waited_for(tmp_path, capsys):
     for command, *rest in (*writing, plot, ["info"], ["dump"]):
         assert cli.main([command, str(pipe), *rest]) != 0
         assert "a pipe or a socket" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="needs a device without end")
+def test_devices_are_refused_and_not_read_for_ever(tmp_path):
+    looks = [mavwire.open_log, mavwire.read, lambda path: list(mavwire.scan(path, "ATTITUDE"))]
+    for look in looks:
+        with pytest.raises(OSError, match="a device is no log"):
+            look("/dev/zero")
+    assert cli.main(["convert", "/dev/zero", "-o", str(tmp_path / "out"), "--types", "IMU"]) == 1
+
+
+@pytest.mark.parametrize("types", [30, [30], ["ATTITUDE", None], np.array([30])])
+def test_types_are_names_or_classes(flight, types):
+    log = mavwire.open_log(flight)
+    for look in (log.read, log.messages, lambda types: mavwire.scan(flight, types)):
+        with pytest.raises(ValueError, match="a type is a name or a message class, not"):
+            look(types)
+
+
+def test_systems_may_be_an_array(flight):
+    found = mavwire.read(flight, "ATTITUDE", systems=np.array([1]))["ATTITUDE"]
+    assert len(found) == len(mavwire.read(flight, "ATTITUDE", systems=1)["ATTITUDE"]) > 0
+
+
+def test_a_time_that_is_none_is_said(flight):
+    times = [np.datetime64("NaT")]
+    if importlib.util.find_spec("pandas") is not None:
+        times.append(importlib.import_module("pandas").NaT)
+    for time in times:
+        with pytest.raises(ValueError, match="a time is .*, not NaT"):
+            mavwire.read(flight, start=time)
+
+
+def test_one_type_is_aligned_by_its_name(flight):
+    log = mavwire.open_log(flight)
+    expected = log.align(["ATTITUDE"], rate="1s")
+    assert "ATTITUDE.roll" in expected.columns
+    for table in (
+        log.align("ATTITUDE", rate="1s"),
+        align(log.read("ATTITUDE"), "ATTITUDE", rate="1s"),
+    ):
+        assert table.name == "ATTITUDE" and table.columns == expected.columns
 
 
 def test_times_as_texts_are_utc_where_they_name_no_zone(flight):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import os
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -335,7 +336,11 @@ def test_a_log_that_ends_its_workers_is_a_row_and_its_neighbours_are_tried_alone
 
 @pytest.mark.parametrize(
     ("wrong", "said"),
-    [({"workers": 0}, "workers"), ({"format": "xls"}, "format"), ({"fields": "rol"}, "'rol'")],
+    [
+        ({"workers": 0}, "^workers must be at least 1, not 0$"),
+        ({"format": "xls"}, "format"),
+        ({"fields": "rol"}, "'rol'"),
+    ],
 )
 def test_wrong_arguments_are_named_before_anything_begins(tmp_path, small, wrong, said):
     with pytest.raises(ValueError, match=said):
@@ -348,6 +353,33 @@ def test_the_command_says_when_there_is_no_scheduler(tmp_path, small, capsys):
     argv = ["convert", str(small[0]), "-o", str(tmp_path / "out"), "--scheduler", "nonsense://x"]
     assert cli.main(argv) == 1
     assert "nonsense" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("client", ["garbage", "tcp://", "http://x:1", "host:8786x", ":8786", 5])
+def test_what_is_no_address_of_a_scheduler_is_said(tmp_path, small, client):
+    """By itself Dask fails too, and then waits for what it has begun."""
+    pytest.importorskip("distributed")
+    with pytest.raises(ValueError, match="address of a scheduler such as tcp://host:8786, not "):
+        to_parquet(small, tmp_path / "out", client)
+
+
+def test_a_command_that_is_told_no_address_ends(tmp_path, small):
+    pytest.importorskip("distributed")
+    argv = ["convert", str(small[0]), "-o", str(tmp_path / "out"), "--scheduler", "garbage"]
+    done = subprocess.run(
+        [sys.executable, "-m", "mavwire", *argv],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "'garbage'" in done.stderr
+
+
+def test_the_command_names_its_own_options(tmp_path, small, capsys):
+    argv = ["convert", str(small[0]), "-o", str(tmp_path / "out"), "--workers", "0"]
+    assert cli.main(argv) == 1
+    assert capsys.readouterr().err.endswith("--workers takes a number from 1 on, not 0\n")
 
 
 def test_the_command_says_what_to_install(tmp_path, small, monkeypatch, capsys):

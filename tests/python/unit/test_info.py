@@ -12,6 +12,7 @@ import re
 from pathlib import Path
 from types import ModuleType
 
+import mavwire
 import pytest
 from dataflash_writer import Log, sample
 from mavwire import cli, traffic
@@ -155,6 +156,23 @@ def test_dataflash_times_without_a_fix_are_since_start(
     assert "  time     0.000 to 4.000 s since start, 4.0 s\n" in capsys.readouterr().out
     assert cli.main(["info", str(with_fix)]) == 0
     assert "  time     2022-03-06 00:01:" in capsys.readouterr().out
+
+
+def test_places_of_a_dataflash_log_are_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "damaged.BIN"
+    log = Log().define("IMU", "Qf", "TimeUS,AccX").add("IMU", 1_500_000, 1.0)
+    log.raw(b"junk").add("IMU", 9_500_000, 2.0).add("IMU", 9_600_000, 2.0).write(path)
+    (bad,) = mavwire.open_log(path).info().bad
+    assert cli.main(["info", str(path)]) == 0
+    said = capsys.readouterr().out
+    assert f"  damage   bytes 4 at {bad[0]}\n" in said
+    assert "  gaps     1 without a message: 8.0 s\n" in said and "mavlink" not in said
+    assert cli.main(["info", "--json", str(path)]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["bad"], found["gaps"]) == ([list(bad)], [[1.5, 9.5]])
+    assert "signed" not in found
 
 
 def test_messages_that_two_links_heard_are_not_lost(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import mavwire
 import numpy as np
 import pytest
+from dataflash_writer import sample
 from mavwire import cli, traffic
 from mavwire.cli import main
 from mavwire.dialects.v20 import all as mavlink
@@ -51,6 +52,23 @@ def test_cut(flight, tmp_path, selection):
     assert rows(out) == expected
     assert (done.records, done.written, done.bad_bytes) == (5000, len(expected), 0)
     assert os.listdir(tmp_path) == ["out.tlog"]
+
+
+def test_a_dataflash_log_is_called_one_whatever_types_are_wanted(tmp_path, capsys):
+    path = tmp_path / "onboard.BIN"
+    sample().write(path)
+    for types in ("IMU", "ATTITUDE,NOSUCHTYPE"):
+        argv = ["cut", str(path), "-o", str(tmp_path / "out.tlog"), "--types", types]
+        assert cli.main(argv) == 1
+        assert "a dataflash log, not a telemetry log" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["cut", "repair", "anonymize"])
+def test_standard_output_is_no_place_for_a_log(flight, tmp_path, monkeypatch, capsys, command):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main([command, str(flight), "-o", "-"]) == 1
+    assert "--out is a file, not standard output" in capsys.readouterr().err
+    assert os.listdir(tmp_path) == []
 
 
 def test_cut_by_time(flight, tmp_path):
