@@ -25,7 +25,7 @@ from mavwire._native import dump_log
 from mavwire.cli import _dump_native, _progress
 from mavwire.cli._dump_format import local_time
 from mavwire.dialects.v20 import ardupilotmega as mavlink
-from mavwire.links.waiting import wait_readable
+from mavwire.links.readiness import wait_readable
 from unit.link_tools import heartbeat, record
 
 NATIVE_CASES = (
