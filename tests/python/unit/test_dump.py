@@ -142,8 +142,8 @@ def test_output_of_the_last_time_there_is(
         (["/dev/null"], ["cannot open /dev/null: not a log file"], 1),
         (["-f", "-"], ["--follow: standard input"], 1),
         (["--condition", "", "LOG"], ["--condition '': the condition is empty"], 1),
-        (["--condition", "ATTITUDE.roll >", "LOG"], ["--condition", "SyntaxError"], 1),
-        (["--condition", "HEARTBEAT.no_such_field", "LOG"], ["AttributeError"], 1),
+        (["--condition", "ATTITUDE.roll >", "LOG"], ["--condition", "invalid syntax"], 1),
+        (["--condition", "HEARTBEAT.no_such_field", "LOG"], ["has no attribute"], 1),
         (["-o", "/no/such/folder/x", "LOG"], ["--output /no/such/folder/x", "No such file"], 1),
         (["-o", "LOG", "LOG"], ["is the log itself"], 1),
         (["-o", "hard.tlog", "LOG"], ["hard.tlog is the log itself"], 1),
@@ -199,7 +199,10 @@ def test_what_a_link_says_is_not_among_the_messages(capsys: pytest.CaptureFixtur
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"\x1f\x8b\x08" + bytes(100), "a gzip file, not a telemetry log"),
+        (
+            b"\x1f\x8b\x08" + bytes(100),
+            "a gzip file, not a telemetry log, as far as it can be read (corrupt deflate stream)",
+        ),
         (bytes(1000), "no telemetry log, there is no record in it"),
         (b"", "the log is empty"),
     ],
