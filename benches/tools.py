@@ -85,9 +85,10 @@ def row(tool: tuple[str, str, str], rounds: list[list[float]]) -> list[str]:
     # What is too short for the clock of the system gives no ratio.
     clear = median(one[2] - one[3] for one in rounds) >= LEAST
     beyond = median((one[0] - one[1]) / max(one[2] - one[3], LEAST) for one in rounds)
+    start, our_start = (median(one[at] for one in rounds) * 1000 for at in (1, 3))
     name = f"{tool[0]} {tool[2]}".strip()
     cells = [f"`{name}`", f"{theirs:.2f} s", f"{ours:.2f} s", times(whole)]
-    return [*cells, times(beyond if clear else None)]
+    return [*cells, times(beyond if clear else None), f"{start:.0f} ms", f"{our_start:.0f} ms"]
 
 
 def main() -> int:
@@ -106,7 +107,9 @@ def main() -> int:
             progress(f"round {number + 1} of {args.runs}: {tool[0]}")
             kept.append(measure(tool, corpus, args.processor))
     progress("")
-    rows = [["tool", "script", "mavwire", "times as fast", "beyond start"]]
+    rows = [
+        ["tool", "script", "mavwire", "times as fast", "beyond start", "script's start", "start"]
+    ]
     rows += [row(tool, kept) for tool, kept in zip(tools, rounds, strict=True)]
     title = f"{args.messages:,} messages, medians of {args.runs} runs, CPU time on {machine()}"
     print(f"{title}\n\n{aligned(rows)}")
