@@ -19,6 +19,7 @@ from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.sim import Impairment, Vehicle, serve
 from unit.link_tools import KEY, free_port
 from unit.sim_tools import PATIENT
+from unit.terminal_tools import read_terminal
 
 ROOT = Path(__file__).parents[3]
 EXAMPLES = ROOT / "examples"
@@ -295,7 +296,7 @@ def test_the_live_view_on_a_terminal() -> None:
         environment = {**os.environ, "COLUMNS": "60"}
         with subprocess.Popen(command, stdout=theirs, env=environment) as example:
             os.close(theirs)
-            text = read_all(ours)
+            text = read_terminal(ours)
     assert example.returncode == 0
     drawn = [line for line in text.split("\r") if "] " in line and " m/s" in line]
     assert len(drawn) > 20
@@ -322,18 +323,6 @@ def test_a_flight_on_a_link_that_loses() -> None:
     assert "At 10 m: flying a square" in text
     assert "Landed. Highest" in text
     assert not vehicle.losing
-
-
-def read_all(fd: int) -> str:
-    """What a program prints on its terminal, until it ends."""
-    data = b""
-    try:
-        while part := os.read(fd, 4096):
-            data += part
-    except OSError:
-        pass  # how Linux says that the other end is closed
-    os.close(fd)
-    return data.decode()
 
 
 def test_demo_with_a_reader_that_goes_away(tmp_path: Path) -> None:

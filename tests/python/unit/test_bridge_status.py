@@ -17,6 +17,7 @@ from mavwire.cli import _bridge_warnings
 from mavwire.cli._bridge_status import component_rows, link_rows
 from mavwire.cli.bridge import listen_address, size
 from mavwire.cli.replay import factor
+from unit.terminal_tools import read_terminal
 
 if TYPE_CHECKING:
     from mavwire import Bridge
@@ -100,18 +101,6 @@ def test_a_terminal_is_redrawn_and_names_do_not_steer_it(tmp_path: Path) -> None
     assert text.count("radio\\x1b[7m") == tables and "\x1b[7m" not in text
     assert text.count("\\x") == tables, "nothing else shows as an escape"
     assert re.search(r"\x1b\[\?25h\s*$", text), "the cursor is back"
-
-
-def read_terminal(fd: int) -> str:
-    """What a program writes to its terminal, until it ends."""
-    data = b""
-    try:
-        while part := os.read(fd, 4096):
-            data += part
-    except OSError:
-        pass  # how Linux says that the other end is closed
-    os.close(fd)
-    return data.decode()
 
 
 def test_a_narrow_terminal_shows_links_whole_and_no_columns_of_zeros() -> None:
