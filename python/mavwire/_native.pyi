@@ -77,10 +77,12 @@ __all__ = [
     "PortError",
     "RecordBatches",
     "Section",
+    "SequenceGaps",
     "Signing",
     "StreamWriter",
     "SystemState",
     "TlsPort",
+    "Track",
     "Turn",
     "__version__",
     "add_message",
@@ -370,6 +372,23 @@ class Message:
     def __deepcopy__(self, memo: dict[int, Any]) -> Message: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
+@final
+class SequenceGaps:
+    """Counts messages and the gaps before them."""
+
+    def __new__(cls) -> Self: ...
+    def read(self, messages: Iterable[Any]) -> list[Any]:
+        """Counts messages in the order in which they came. Gives those that it does not know: BAD_DATA
+        and UNKNOWN.
+        """
+
+    def rows(self) -> list[tuple[int, int, str, int, int, int, int]]:
+        """`(sysid, compid, type, seen, gaps, lost, first_gap)` for each component's messages of a type,
+        in the order in which they were first seen. `gaps` were noticed by such a message, `lost` are
+        missing in them, `first_gap` grows with the place of the first one in the log and is 0 if there
+        is none.
+        """
+
 @disjoint_base
 class Signing:
     """Signing state of one link."""
@@ -582,6 +601,20 @@ def describe(main: str, sources: dict[str, str]) -> dict[str, Any]:
 
     `{"messages": {name: (text, {field: text})}, "enums": {enum: {entry: (text, {index: text})}}}`
     """
+
+@final
+class Track:
+    """The length of a way in `metres`, and the positions (degrees) at its `start` and `end`."""
+
+    def __new__(cls) -> Self: ...
+    @property
+    def metres(self) -> float: ...
+    @property
+    def start(self) -> tuple[float, float] | None: ...
+    @property
+    def end(self) -> tuple[float, float] | None: ...
+    def add(self, lat: float, lon: float, stamp: object) -> None:
+        """Goes on to a position, in degrees. One whose stamp is the last one's is the same one."""
 
 def x25_accumulate(crc: int, data: bytes) -> int:
     """Continues a CRC-16/MCRF4XX from `crc` over `data`."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import time
 
+from mavwire._native import Track
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
-from mavwire.tools._track import Track, minutes
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -105,6 +105,11 @@ class Flight:
         clock = time.asctime(time.localtime(now))
         speed = f"groundspeed {fix.groundspeed:.1f}"
         print(f"{what} at {clock} (percent {percent}% {speed}{lasted})")
+
+
+def minutes(seconds: int) -> str:
+    """`2:40`"""
+    return f"{seconds // 60}:{seconds % 60:02d}"
 
 
 if __name__ == "__main__":

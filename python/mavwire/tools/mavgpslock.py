@@ -6,7 +6,7 @@ import time
 
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
-from mavwire.tools._track import minutes
+from mavwire.tools.mavflighttime import minutes
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from itertools import islice
-
-from mavwire._native import Message
+from mavwire._native import SequenceGaps
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import (
     add_dialect,
@@ -24,8 +21,6 @@ if TYPE_CHECKING:
 
 # A radio reports about the link itself and does not number what it sends.
 RADIO = (51, 68)
-# Few enough messages to stay in the processor's cache.
-BATCH = 256
 BAD_CHECKSUM = "invalid MAVLink CRC"
 
 
@@ -54,7 +49,7 @@ def main(args: Namespace) -> int:
             ) as log,
         ):  # fmt: skip
             require_telemetry(log)
-            losses = Losses(args.sysid, args.compid, args.stats)
+            losses = Losses(args.sysid, args.compid)
             for chunk in log.chunks():
                 losses.read(chunk)
         print("\n".join(losses.table()))
@@ -66,101 +61,29 @@ def main(args: Namespace) -> int:
 class Sender:
     """One component of a system: how many messages it sent, and how many of them did not come."""
 
-    __slots__ = ("compid", "lost", "packets", "sysid", "types")
+    __slots__ = ("compid", "lost", "packets", "sysid")
 
     def __init__(self, sysid: int, compid: int) -> None:
         self.sysid = sysid
         self.compid = compid
         self.packets = 0
         self.lost = 0
-        self.types: dict[str, list[int]] = {}
-        """Type -> messages seen, gaps before one of them, messages missing in these gaps."""
 
 
 class Losses:
     """What is missing between the messages of a log. `sysid` and `compid` choose whose."""
 
-    def __init__(
-        self, sysid: int | None = None, compid: int | None = None, with_types: bool = False
-    ) -> None:
+    def __init__(self, sysid: int | None = None, compid: int | None = None) -> None:
         self.reasons: dict[str, None] = {}
         self._sysid = sysid
         self._compid = compid
-        self._with_types = with_types
-        self._all: dict[tuple[int, int], Sender] = {}
-        self._next_seq: dict[tuple[int, int], int] = {}
-        self._gaps: dict[tuple[Sender, str], None] = {}
-        """Senders and types, in the order in which the first gap was seen before one."""
+        self._gaps = SequenceGaps()
 
     def read(self, messages: Iterable[Any]) -> None:
-        """Count messages in the order in which they came.
-
-        Some at once: a loop that asks each message costs several times as much.
-        """
-        rest = iter(messages)
-        while batch := list(islice(rest, BATCH)):
-            self._read(batch)
-
-    def _read(self, batch: list[Any]) -> None:
-        if min(map(Message.get_msgId, batch), default=0) < 0:
-            for msg in batch:
-                self._skip(msg)
-            batch = [msg for msg in batch if msg.get_msgId() >= 0]
-        keys = list(
-            zip(
-                map(Message.get_srcSystem, batch),
-                map(Message.get_srcComponent, batch),
-                strict=True,
-            )
-        )
-        self._count(keys, batch)
-        next_seq = self._next_seq
-        for key, seq, msg in zip(keys, map(Message.get_seq, batch), batch, strict=True):
-            if next_seq.get(key, seq) != seq:
-                self._add_gap(self._all[key], (seq - next_seq[key]) & 255, msg)
-            next_seq[key] = (seq + 1) & 255
-
-    def _count(self, keys: list[tuple[int, int]], batch: list[Any]) -> None:
-        """How many messages each has sent, and of which types."""
-        if not self._with_types:
-            for key, count in Counter(keys).items():
-                self._sender(key).packets += count
-            return
-        kinds = map(Message.get_type, batch)
-        for (key, kind), count in Counter(zip(keys, kinds, strict=True)).items():
-            sender = self._sender(key)
-            sender.packets += count
-            sender.types.setdefault(kind, [0, 0, 0])[0] += count
-
-    def _sender(self, key: tuple[int, int]) -> Sender:
-        sender = self._all.get(key)
-        if sender is None:
-            sender = self._all[key] = Sender(*key)
-        return sender
-
-    def _add_gap(self, sender: Sender, lost: int, msg: Any) -> None:
-        """This message came behind a gap of `lost` messages."""
-        sender.lost += lost
-        if self._with_types:
-            kind = msg.get_type()
-            counts = sender.types[kind]
-            counts[1] += 1
-            counts[2] += lost
-            self._gaps[sender, kind] = None
-
-    @property
-    def senders(self) -> list[Sender]:
-        """Those that count, the busiest first."""
-        wanted = (
-            one
-            for key, one in self._all.items()
-            if key != RADIO and self._sysid in (None, key[0]) and self._compid in (None, key[1])
-        )
-        return sorted(wanted, key=lambda one: -one.packets)
-
-    def _skip(self, msg: Any) -> None:
-        if is_damaged(msg):
-            self._add_reason(msg.reason)
+        """Count messages in the order in which they came."""
+        for msg in self._gaps.read(messages):
+            if is_damaged(msg):
+                self._add_reason(msg.reason)
 
     def _add_reason(self, reason: str) -> None:
         """Of checksums that are wrong the first one stands for all."""
@@ -169,6 +92,24 @@ class Losses:
         ):
             return
         self.reasons[reason] = None
+
+    def _is_wanted(self, sysid: int, compid: int) -> bool:
+        return (
+            (sysid, compid) != RADIO
+            and self._sysid in (None, sysid)
+            and self._compid in (None, compid)
+        )
+
+    @property
+    def senders(self) -> list[Sender]:
+        """Those that count, the busiest first."""
+        found: dict[tuple[int, int], Sender] = {}
+        for sysid, compid, _, seen, _, lost, _ in self._gaps.rows():
+            if self._is_wanted(sysid, compid):
+                sender = found.setdefault((sysid, compid), Sender(sysid, compid))
+                sender.packets += seen
+                sender.lost += lost
+        return sorted(found.values(), key=lambda one: -one.packets)
 
     def table(self) -> list[str]:
         """Lines about the senders, all of them together, and what was damaged."""
@@ -199,18 +140,17 @@ class Losses:
 
     def types_table(self) -> list[str]:
         """Lines about the types that a gap was noticed by, those with the most missing first."""
-        wanted = set(self.senders)
-        rows = [(one, kind, one.types[kind]) for one, kind in self._gaps if one in wanted]
+        rows = [row for row in self._gaps.rows() if row[4] and self._is_wanted(*row[:2])]
         if not rows:
             return ["", "No message-type triggered any sequence gaps."]
-        rows.sort(key=lambda row: -row[2][2])
+        rows.sort(key=lambda row: (-row[5], row[6]))
         return [
             "",
             "Message types triggering loss-count increments:",
             "  sysid  compid msg_type                             seen   triggers       lost",
             *(
-                f"  {one.sysid:<6} {one.compid:<6} {kind:<32} {seen:>8} {triggers:>10} {lost:>10}"
-                for one, kind, (seen, triggers, lost) in rows
+                f"  {sysid:<6} {compid:<6} {kind:<32} {seen:>8} {gaps:>10} {lost:>10}"
+                for sysid, compid, kind, seen, gaps, lost, _ in rows
             ),
         ]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import time
 
+from mavwire._native import Track
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_dialect, add_logs, add_no_timestamps
-from mavwire.tools._track import Track
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

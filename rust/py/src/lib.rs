@@ -80,6 +80,7 @@ mod room;
 mod section;
 mod send;
 mod sending;
+mod sequence_gaps;
 mod shared;
 mod signing;
 mod slot;
@@ -92,6 +93,7 @@ mod text;
 mod thread_lock;
 mod thread_number;
 mod tls_port;
+mod track;
 mod tracking;
 mod turn;
 mod values;
@@ -172,6 +174,8 @@ mod _native {
     #[pymodule_export]
     use crate::section::Section;
     #[pymodule_export]
+    use crate::sequence_gaps::SequenceGaps;
+    #[pymodule_export]
     use crate::signing::Signing;
     #[pymodule_export]
     use crate::stream_writer::StreamWriter;
@@ -181,6 +185,8 @@ mod _native {
     use crate::table::RecordBatches;
     #[pymodule_export]
     use crate::tls_port::TlsPort;
+    #[pymodule_export]
+    use crate::track::Track;
     #[pymodule_export]
     use crate::x25::x25_accumulate;
 
