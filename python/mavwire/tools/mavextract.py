@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from mavwire.cli._reading import Reading
 
 MAV_TYPE_GCS = 6
-# What a stretch of a dataflash log needs to be understood; and the text that names the vehicle.
+# What a stretch needs to be understood; and the text of a dataflash log that names the vehicle.
+TELEMETRY_KEPT = frozenset(("PARAM_VALUE", "MISSION_ITEM", "MISSION_ITEM_INT"))
 DATAFLASH_KEPT = frozenset(("FMT", "UNIT", "MULT", "FMTU", "PARM", "CMD"))
 VEHICLE = "Ardu"
 
@@ -70,6 +71,8 @@ class Extraction:
     """Writes the stretches of one telemetry log."""
 
     suffix = "tlog"
+    looked_at = TELEMETRY_KEPT | {"HEARTBEAT"}
+    """The types that may explain others or tell the mode: most messages do neither."""
 
     def __init__(self, log: Reading, args: Namespace, stack: ExitStack) -> None:
         self._log = log
@@ -93,21 +96,26 @@ class Extraction:
             if wanted_link is not None and msg._link != wanted_link:
                 continue
             kind = msg.get_type()
-            if self._explains(msg, kind):
-                self._kept.append(self._record(msg))
-            elif self._tells_mode(msg, kind):
-                self._in_mode = self._log.link.flightmode.upper() == self._mode
+            if kind in self.looked_at:
+                self._look_at(msg, kind)
             if not self._in_mode:
-                self._end()
+                if self._file is not None:
+                    self._end()
             elif kind != "BAD_DATA" and (condition is None or self._log.holds(condition)):
                 if self._file is None:
                     self._file = self._begin()
                 self._unwritten.append(self._record(msg))
         self._write()
 
+    def _look_at(self, msg: Any, kind: str) -> None:
+        if self._explains(msg, kind):
+            self._kept.append(self._record(msg))
+        elif self._tells_mode(msg, kind):
+            self._in_mode = self._log.link.flightmode.upper() == self._mode
+
     def _explains(self, msg: Any, kind: str) -> bool:
         """Whether later stretches need this message to be understood."""
-        return kind in ("PARAM_VALUE", "MISSION_ITEM", "MISSION_ITEM_INT")
+        return kind in TELEMETRY_KEPT
 
     def _tells_mode(self, msg: Any, kind: str) -> bool:
         """Whether the mode may be another one from here on."""
@@ -152,6 +160,7 @@ class DataflashExtraction(Extraction):
     """Writes the stretches of one binary dataflash log."""
 
     suffix = "bin"
+    looked_at = DATAFLASH_KEPT | {"MSG", "MODE"}
 
     def _explains(self, msg: Any, kind: str) -> bool:
         return kind in DATAFLASH_KEPT or (kind == "MSG" and msg.Message.startswith(VEHICLE))
