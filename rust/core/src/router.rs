@@ -14,14 +14,16 @@
 //! Frames are never looked into further than to their target, and never altered. A component that restarts, which its
 //! `SYSTEM_TIME` shows, loses its routes over other links. Time is an argument, in microseconds of a clock that does not go back.
 
+mod byte_rate;
 mod dedup;
 mod filter;
 mod limit;
 mod links;
 mod table;
 
+pub use byte_rate::ByteRate;
 pub use filter::Filter;
-pub use limit::{ByteRate, Limits};
+pub use limit::Limits;
 pub use links::{LinkId, LinkSet, MAX_LINKS};
 pub use table::ComponentStats;
 

@@ -233,6 +233,29 @@ bridge.stop()
     assert (done.returncode, done.stderr) == (0, told)
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="poll() fails so on Linux")
+def test_a_bridge_that_cannot_wait_for_its_descriptors_goes_on() -> None:
+    """poll() refuses more descriptors than the process may have now."""
+    program = """
+import resource, socket
+from mavwire import Bridge
+from unit.link_tools import heartbeat
+
+with Bridge(["udpin:127.0.0.1:0", "tcpin:127.0.0.1:0"]) as bridge:
+    ends = [link["endpoint"].rpartition(":") for link in bridge.stats()["links"]]
+    out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    out.connect(("127.0.0.1", int(ends[0][2])))
+    peer = socket.create_connection(("127.0.0.1", int(ends[1][2])), timeout=60)
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    for seq, few in enumerate((limits[0], 2, 2, 2, limits[0])):
+        resource.setrlimit(resource.RLIMIT_NOFILE, (few, limits[1]))
+        out.send(heartbeat(seq))
+        assert peer.recv(300) == heartbeat(seq)
+"""
+    done = python(program)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_receive_buffer_that_overflows_costs_datagrams_and_nothing_else() -> None:
     link, peer = udp("udpin")
     with link, peer, watched():

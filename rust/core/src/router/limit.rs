@@ -2,14 +2,10 @@
 //!
 //! Both count with the generic cell rate algorithm: one number, the time at which the stream would be back in its
 //! pace. What comes a little early passes, so that a stream at its limit loses nothing to jitter, and the mean rate is kept.
-//!
-//! Vehicles send the same messages one behind the other, several times a second. Where there are bytes for a few of them,
-//! the first ones would take these each time. So a stream may run ahead the further the longer it has not passed, and with
-//! too many of them each passes about as often as any other.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use super::byte_rate::{ByteRate, stream_key};
 use crate::frame::Header;
 use crate::kind_hash::KindHash;
 
@@ -18,13 +14,6 @@ use crate::kind_hash::KindHash;
 const MAX_STREAMS: usize = 1 << 16;
 /// Those that are through with their last message are looked for no more often than this.
 const SWEEP_INTERVAL: u64 = 100_000_000;
-/// Bytes may run ahead of their rate by this long,
-const BURST: u64 = 250_000_000;
-/// those of a stream that has not passed for `FULL_WAIT` by this long,
-const WAITED_BURST: u64 = 1_500_000_000;
-const FULL_WAIT: u64 = 20_000_000_000;
-/// and those of urgent messages by this long, at the expense of what follows.
-const URGENT_BURST: u64 = 2_000_000_000;
 const SECOND: f64 = 1e9;
 
 /// A moment for each stream: a message type from a component. Those that have passed are forgotten when room is needed.
@@ -36,14 +25,10 @@ struct Streams {
 }
 
 impl Streams {
-    fn key(&Header { msgid, sysid, compid, .. }: &Header) -> u64 {
-        u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid)
-    }
-
-    /// Notes the moment of a stream; false if there is no room for another one.
-    fn insert(&mut self, key: u64, moment: u64, now: u64) -> bool {
-        if let Some(known) = self.moments.get_mut(&key) {
-            *known = moment;
+    /// Puts a message of a stream on its account; false if there is no room for another stream.
+    fn advance(&mut self, key: u64, interval: u64, now: u64) -> bool {
+        if let Some(due) = self.moments.get_mut(&key) {
+            *due = (*due).max(now).saturating_add(interval);
             return true;
         }
         if self.moments.len() >= MAX_STREAMS && now >= self.sweep_at {
@@ -52,72 +37,9 @@ impl Streams {
         }
         let has_room = self.moments.len() < MAX_STREAMS;
         if has_room {
-            self.moments.insert(key, moment);
+            self.moments.insert(key, now.saturating_add(interval));
         }
         has_room
-    }
-}
-
-/// Bytes a second of whole frames, for a link however many peers it has: clones have one account together.
-#[derive(Debug, Clone)]
-pub struct ByteRate(Arc<Mutex<Account>>);
-
-#[derive(Debug)]
-struct Account {
-    /// Nanoseconds that a byte takes.
-    byte_time: f64,
-    /// When all bytes so far are through.
-    due: u64,
-    /// The number of the frame that was asked about last, and whether it may leave.
-    decided: (u64, bool),
-    /// When each stream will not have passed for `FULL_WAIT`.
-    waiting: Streams,
-}
-
-impl Account {
-    /// How far a frame may run ahead.
-    fn burst(&self, header: &Header, is_urgent: bool, now: u64) -> u64 {
-        if is_urgent {
-            return URGENT_BURST;
-        }
-        let until = self.waiting.moments.get(&Streams::key(header)).copied().unwrap_or(0);
-        let left = until.saturating_sub(now).min(FULL_WAIT);
-        // The root tells apart short waits, which count at high rates, and still leaves something for long ones.
-        let waited = 1.0 - left as f64 / FULL_WAIT as f64;
-        BURST + ((WAITED_BURST - BURST) as f64 * waited.sqrt()) as u64
-    }
-}
-
-impl ByteRate {
-    /// An account of its own.
-    pub fn new(bytes_per_second: f64) -> Self {
-        let byte_time = SECOND / bytes_per_second.max(1e-9);
-        let waiting = Streams::default();
-        Self(Arc::new(Mutex::new(Account { byte_time, due: 0, decided: (0, true), waiting })))
-    }
-
-    fn account(&self) -> MutexGuard<'_, Account> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Whether the frame with a number may leave: to all peers that it is for or to none, or else those that are asked
-    /// first would get everything.
-    fn allows(&self, header: &Header, is_urgent: bool, number: u64, now: u64) -> bool {
-        let mut account = self.account();
-        if account.decided.0 != number {
-            let burst = account.burst(header, is_urgent, now);
-            account.decided = (number, account.due <= now.saturating_add(burst));
-        }
-        account.decided.1
-    }
-
-    /// Puts a frame that leaves on the account.
-    fn charge(&self, header: &Header, len: usize, now: u64) {
-        let mut account = self.account();
-        let cost = (account.byte_time * len as f64) as u64;
-        account.due = account.due.max(now).saturating_add(cost);
-        // One that finds no room counts as one that has waited.
-        account.waiting.insert(Streams::key(header), now.saturating_add(FULL_WAIT), now);
     }
 }
 
@@ -159,15 +81,6 @@ fn interval(rate: f64) -> u64 {
     if rate > 0.0 { (SECOND / rate) as u64 } else { u64::MAX / 4 }
 }
 
-/// Whether something that takes `cost` may pass now, and if so, puts it on the account.
-fn pass(due: &mut u64, now: u64, cost: u64, early: u64) -> bool {
-    let passes = *due <= now.saturating_add(early);
-    if passes {
-        *due = (*due).max(now).saturating_add(cost);
-    }
-    passes
-}
-
 impl Limiter {
     pub(super) fn new(limits: &Limits) -> Self {
         let mut intervals: Vec<(u32, u64)> =
@@ -184,27 +97,30 @@ impl Limiter {
 
     /// Whether a frame of `len` bytes may leave, the one that has this `number` at all links.
     pub(super) fn admit(&mut self, header: &Header, len: usize, number: u64, now: u64) -> bool {
-        // The bytes are asked first but counted last: a frame that its type holds back costs nothing.
+        let key = stream_key(header);
+        let interval = self.interval_of(header.msgid);
+        let is_due = |due: &u64| *due <= now.saturating_add(interval.unwrap_or(0) / 2);
+        if interval.is_some() && !self.streams.moments.get(&key).is_none_or(is_due) {
+            return false; // asks for no bytes
+        }
         let is_urgent = self.urgent.contains(&header.msgid);
         let bytes = self.bytes.as_ref();
-        let allowed = bytes.is_none_or(|bytes| bytes.allows(header, is_urgent, number, now));
-        let passes = allowed && self.admit_type(header, now);
-        if passes && let Some(bytes) = &self.bytes {
-            bytes.charge(header, len, now);
+        if bytes.is_some_and(|bytes| !bytes.allows(header, len, is_urgent, number, now)) {
+            return false;
         }
-        passes
+        if interval.is_some_and(|interval| !self.streams.advance(key, interval, now)) {
+            return false;
+        }
+        if let Some(bytes) = bytes {
+            bytes.charge(len, now);
+        }
+        true
     }
 
-    fn admit_type(&mut self, header: &Header, now: u64) -> bool {
-        let named = self.intervals.binary_search_by_key(&header.msgid, |&(msgid, _)| msgid);
-        let Some(interval) = named.map(|n| self.intervals[n].1).ok().or(self.interval) else {
-            return true;
-        };
-        let key = Streams::key(header);
-        match self.streams.moments.get_mut(&key) {
-            Some(due) => pass(due, now, interval, interval / 2),
-            None => self.streams.insert(key, now.saturating_add(interval), now),
-        }
+    /// The shortest mean interval of a message type, if it has one.
+    fn interval_of(&self, msgid: u32) -> Option<u64> {
+        let named = self.intervals.binary_search_by_key(&msgid, |&(msgid, _)| msgid);
+        named.map(|n| self.intervals[n].1).ok().or(self.interval)
     }
 }
 
@@ -271,7 +187,7 @@ mod tests {
         let limits =
             || Limits { bytes_per_second: Some(ByteRate::new(5_000.0)), ..Limits::default() };
         let got = passed(&limits(), 30, 100_000, MS / 10); // 100 a second of 10,000, for 10 s
-        assert!((1_000..=1_037).contains(&got), "{got}");
+        assert!((1_000..=1_075).contains(&got), "{got}");
         assert_eq!(passed(&limits(), 30, 1_000, 10 * MS), 1_000, "at the limit");
     }
 
@@ -292,72 +208,30 @@ mod tests {
                 u32::from(is_due && limiter.admit(&header(V2, 76, 0), 50, 2 * now + 1, now));
         }
         assert_eq!(passed[1], 100, "all of them");
-        assert!((900..=930).contains(&passed[0]), "{passed:?}");
+        assert!((900..=975).contains(&passed[0]), "{passed:?}");
         let flood =
             (0..10_000).filter(|n| limiter.admit(&header(V2, 76, 0), 50, n + 1, n * MS)).count();
         assert!(flood <= 1_200, "{flood}");
     }
 
-    /// What passes in two minutes of a vehicle's messages, 30 types of 50 bytes that come at so many hertz one behind the
-    /// other, and a heartbeat of 21 bytes behind them each second.
-    fn passed_of_a_vehicle(bytes_per_second: f64, hertz: u64) -> (Vec<u32>, u32) {
+    #[test]
+    fn what_a_type_holds_back_asks_for_no_bytes() {
         let limits = Limits {
-            bytes_per_second: Some(ByteRate::new(bytes_per_second)),
-            urgent: vec![0],
+            bytes_per_second: Some(ByteRate::new(500.0)),
+            message_rates: vec![(30, 1.0)],
             ..Limits::default()
         };
         let mut limiter = Limiter::new(&limits);
-        let mut number = 0;
-        let mut admit = |msgid, len, now| {
-            number += 1;
-            u32::from(limiter.admit(&header(V2, msgid, 0), len, number, now * MS))
-        };
-        let (mut passed, mut heartbeats) = (vec![0; 30], 0);
-        for n in 0..120 * hertz {
-            let now = 1_000 + n * 1_000 / hertz;
-            for (msgid, count) in (1..).zip(&mut passed) {
-                *count += admit(msgid, 50, now + u64::from(msgid) / 5);
-            }
-            if n % hertz == 0 {
-                heartbeats += admit(0, 21, now + 9);
+        let mut passed = [0; 2];
+        for n in 0..3_000 {
+            let now = 1_000 * MS + n * 20 * MS;
+            for (count, msgid) in passed.iter_mut().zip([30, 31]) {
+                let number = 2 * n + u64::from(msgid);
+                *count += u32::from(limiter.admit(&header(V2, msgid, 0), 50, number, now));
             }
         }
-        (passed, heartbeats)
-    }
-
-    #[test]
-    fn each_of_too_many_streams_passes_about_as_often_and_heartbeats_always_do() {
-        for (rate, hertz) in
-            [(150.0, 1), (150.0, 4), (300.0, 2), (300.0, 4), (300.0, 50), (1_200.0, 4)]
-        {
-            let (passed, heartbeats) = passed_of_a_vehicle(rate, hertz);
-            assert_eq!(heartbeats, 120, "{rate}, {hertz} Hz");
-            let total: u32 = passed.iter().sum();
-            let expected = (rate - 21.0) * 120.0 / 50.0;
-            assert!((f64::from(total) / expected - 1.0).abs() < 0.1, "{rate}, {hertz} Hz: {total}");
-            let even = total / 30;
-            let near = passed.iter().all(|&count| (even / 3..=even * 3).contains(&count));
-            assert!(near, "{rate}, {hertz} Hz: {passed:?}");
-        }
-    }
-
-    #[test]
-    fn a_slow_stream_does_not_suffer_from_a_fast_one() {
-        let limits = Limits { bytes_per_second: Some(ByteRate::new(200.0)), ..Limits::default() };
-        let mut limiter = Limiter::new(&limits);
-        let mut passed = [0; 3];
-        for n in 0..1_000 {
-            for (msgid, len) in [(0, 21), (1, 21), (30, 40)] {
-                let admitted = limiter.admit(
-                    &header(V2, msgid, 0),
-                    len,
-                    3 * n + u64::from(msgid),
-                    n * 30 * MS,
-                );
-                passed[msgid.min(2) as usize] += u32::from(admitted);
-            }
-        }
-        assert!(passed.iter().all(|count| *count > 50), "{passed:?}");
+        // A minute: 10 a second, of which one of the type that may not have more.
+        assert!(passed[0].abs_diff(60) <= 2 && passed[1].abs_diff(540) <= 20, "{passed:?}");
     }
 
     #[test]

@@ -276,8 +276,8 @@ fn bytes_are_counted_as_they_leave_and_those_of_the_link_itself_too() {
             links.iter().for_each(|link| passed[link.index()] += 1);
         }
     }
-    // 34,000 bytes in 10 seconds, and a little more than a quarter of a second's ahead; frames of 21 bytes, and of 34 with a signature.
-    assert!((1_619..=1_675).contains(&passed[1]) && (1_000..=1_037).contains(&passed[2]));
+    // 34,000 bytes in 10 seconds, and less than three quarters of a second's ahead; frames of 21 bytes, and of 34 with a signature.
+    assert!((1_619..=1_740).contains(&passed[1]) && (1_000..=1_075).contains(&passed[2]));
     let mut own = |msgid| {
         let frame = net.frame((125, 240), msgid, &[1; 9]);
         let header = Header::parse(&frame).expect("a frame");
@@ -289,7 +289,8 @@ fn bytes_are_counted_as_they_leave_and_those_of_the_link_itself_too() {
     let frame = net.frame((125, 240), HEARTBEAT, &[1; 9]);
     let header = Header::parse(&frame).expect("a frame");
     let admit = |_: &i32| net.router.admit(&frame, &header, None, LinkId(2), net.now);
-    assert!((25..=27).contains(&(0..10_000).filter(admit).count()));
+    let count = (0..10_000).filter(admit).count();
+    assert!((150..=152).contains(&count), "a second and a half ahead: {count}");
 }
 
 #[test]
@@ -305,8 +306,8 @@ fn peers_of_a_link_have_its_bytes_together_and_each_gets_the_same() {
             links.iter().for_each(|link| passed[link.index()] += 1);
         }
     }
-    // 21,000 bytes in 10 seconds and a quarter of a second's ahead, 105 for each frame.
-    assert!((200..=210).contains(&passed[1]), "{passed:?}");
+    // 21,000 bytes in 10 seconds and less than three quarters of a second's ahead, 105 for each frame.
+    assert!((200..=215).contains(&passed[1]), "{passed:?}");
     assert!(passed[2..].iter().all(|&count| count == passed[1]), "{passed:?}");
 }
 

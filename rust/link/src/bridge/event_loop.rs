@@ -42,6 +42,8 @@ const ROUND_BYTES: usize = 256 * 1024;
 const PIECE: usize = 16 * 1024;
 /// Commands that are obeyed in a round.
 const COMMANDS: usize = 64;
+/// How long a round waits that cannot see what is ready.
+const BLIND_WAIT: Duration = Duration::from_millis(1);
 /// How often peers are looked at that say nothing any more.
 pub(super) const TICK: u64 = 1_000_000;
 
@@ -128,11 +130,7 @@ impl EventLoop {
     fn round(&mut self) -> bool {
         self.rest();
         self.watch();
-        // An interrupted or failed wait reports nothing ready, and the next round asks again.
-        let timeout = self.until_due();
-        if poll(&mut self.watched, timeout).is_err() {
-            self.watched.iter_mut().for_each(|watched| watched.revents = 0);
-        }
+        self.wait();
         self.switch.moment = Moment { now: self.now(), unix: (clock::unix_seconds() * 1e6) as u64 };
         for n in 0..self.watched.len() {
             if self.watched[n].revents == 0 {
@@ -170,6 +168,21 @@ impl EventLoop {
     fn rest(&self) {
         if let Some(pause) = self.pace.rest(self.switch.moment.now, self.now()) {
             std::thread::sleep(pause);
+        }
+    }
+
+    /// Waits until something is ready or due.
+    fn wait(&mut self) {
+        let timeout = self.until_due();
+        let Err(error) = poll(&mut self.watched, timeout) else { return };
+        // Interrupted: the next round asks again. Where the system cannot wait for so many descriptors, since it has no
+        // memory for them or allows a process fewer, each of them is tried: none of them blocks.
+        let is_interrupted = error.kind() == io::ErrorKind::Interrupted;
+        if !is_interrupted {
+            std::thread::sleep(timeout.min(BLIND_WAIT));
+        }
+        for watched in &mut self.watched {
+            watched.revents = if is_interrupted { 0 } else { watched.events };
         }
     }
 
