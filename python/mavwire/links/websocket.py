@@ -93,7 +93,8 @@ class _WebSocketLink(StreamLink):
 
         try:
             ws.receive_data(data or None)
-        except (RemoteProtocolError, LocalProtocolError):
+        except (RemoteProtocolError, LocalProtocolError, UnicodeDecodeError):
+            # UnicodeDecodeError: a header of the handshake that is not ASCII.
             self._let_go(port)
             return b""
         received = self._take_events(port, ws)
@@ -308,7 +309,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
             if monotonic() < deadline:
                 raise  # a signal handler's
             raise TimeoutError(f"no WebSocket handshake from {self.address}") from None
-        except RemoteProtocolError as error:
+        except (RemoteProtocolError, UnicodeDecodeError) as error:
             reason = f"{self.address} does not speak WebSocket: {error}"
             if not data:
                 reason = f"{self.address} hung up during the WebSocket handshake"

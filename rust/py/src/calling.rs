@@ -19,7 +19,7 @@ use pyo3::ffi;
 use pyo3::ffi::PyObject;
 use pyo3::prelude::*;
 use pyo3::pyclass::CompareOp;
-use pyo3::types::{PyDict, PyString, PyTuple};
+use pyo3::types::{PyDict, PyString, PyTuple, PyType};
 
 use crate::intern::Interned;
 
@@ -357,6 +357,13 @@ impl Known {
         let found = import(py, self.module.get(py))?.attribute(self.name.get(py))?.unbind();
         Ok(self.found.get_or_init(|| found).bind(py))
     }
+}
+
+/// `cls.__name__`. `PyO3`'s strings are not for `format!`: `PyObject_Str` looks for signals first, and what a handler raises
+/// there is told of and forgotten.
+pub(crate) fn class_name(class: &Bound<'_, PyType>) -> PyResult<String> {
+    #[expect(clippy::disallowed_methods, reason = "this is what stands in for it")]
+    Ok(class.name()?.to_cow()?.into_owned())
 }
 
 /// `bool(value)`, for arguments that may be anything.

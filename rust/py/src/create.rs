@@ -24,7 +24,7 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
 
-use crate::calling::Calling;
+use crate::calling::{Calling, class_name};
 use crate::frame_bytes::FrameBytes;
 use crate::info::Info;
 use crate::message::{Message, Origin, flags};
@@ -244,7 +244,7 @@ pub(crate) fn require_message_class(class: &Bound<'_, PyType>) -> PyResult<()> {
     if class.is_subclass_of::<Message>()? {
         return Ok(());
     }
-    Err(PyTypeError::new_err(format!("{} is no message class", class.name()?)))
+    Err(PyTypeError::new_err(format!("{} is no message class", class_name(class)?)))
 }
 
 /// A message class: one that differs from its base in nothing but how its instances are freed.

@@ -18,7 +18,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyString, PyType};
 use pyo3::{Borrowed, ffi};
 
-use crate::calling::Calling;
+use crate::calling::{Calling, class_name};
 use crate::create;
 use crate::info::{MessageInfo, Place};
 use crate::message::{Message, Origin, flags};
@@ -88,7 +88,7 @@ impl FieldGetter {
         }
         match this.class_value {
             Some(_) => this.class_attribute(py, Some(obj), owner),
-            None => Err(no_attribute(obj, this.name.bind(py))),
+            None => Err(no_attribute(obj, &this.name.bind(py).to_cow()?)),
         }
     }
 
@@ -178,10 +178,10 @@ impl FieldGetter {
             }
             (None, Some(owner)) => Err(PyAttributeError::new_err(format!(
                 "type object '{}' has no attribute '{}'",
-                owner.name()?,
-                self.name.bind(py)
+                class_name(owner)?,
+                self.name.bind(py).to_cow()?
             ))),
-            (None, None) => Err(PyAttributeError::new_err(self.name.to_string())),
+            (None, None) => Err(PyAttributeError::new_err(self.name.clone_ref(py))),
         }
     }
 }
@@ -216,8 +216,8 @@ impl MetaAttr {
 }
 
 /// What reading an attribute says that is not there.
-pub(crate) fn no_attribute(obj: &Bound<'_, PyAny>, name: impl std::fmt::Display) -> PyErr {
-    match obj.get_type().name() {
+pub(crate) fn no_attribute(obj: &Bound<'_, PyAny>, name: &str) -> PyErr {
+    match class_name(&obj.get_type()) {
         Ok(class) => {
             PyAttributeError::new_err(format!("'{class}' object has no attribute '{name}'"))
         }

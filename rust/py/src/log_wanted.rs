@@ -40,8 +40,12 @@ impl Wanted {
 /// The names of `types`, a name or an iterable of names, and of what is always read.
 pub(crate) fn names(types: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let mut names: Vec<String> = match types.cast::<PyString>() {
-        Ok(name) => vec![name.to_string()],
-        Err(_) => collected(types.items()?.map(|name| Ok(name?.text()?.to_string())))?,
+        Ok(name) => vec![name.to_string_lossy().into_owned()],
+        Err(_) => {
+            let text =
+                |name: PyResult<Bound<'_, PyAny>>| Ok(name?.text()?.to_string_lossy().into_owned());
+            collected(types.items()?.map(text))?
+        }
     };
     names.extend(ALWAYS_READ.map(str::to_owned));
     Ok(names)

@@ -11,7 +11,7 @@ use pyo3::exceptions::{PyAttributeError, PyIndexError, PyNotImplementedError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 
-use crate::calling::{Calling, import, truth};
+use crate::calling::{Calling, class_name, import, truth};
 use crate::extra::Extra;
 use crate::frame_bytes::FrameBytes;
 use crate::info::{Info, MessageInfo};
@@ -316,7 +316,7 @@ impl Message {
         }
         Err(PyAttributeError::new_err(format!(
             "'{}' object has no attribute '_timestamp'",
-            slf.get_type().name()?
+            class_name(&slf.get_type())?
         )))
     }
 

@@ -10,7 +10,7 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyString, PyType};
 
-use crate::calling::Calling;
+use crate::calling::{Calling, class_name};
 use crate::create::{create, pooled_frame};
 use crate::frame_bytes::FrameBytes;
 use crate::mavlink::{MAVLink, bytes_like, overridden};
@@ -340,7 +340,7 @@ pub(crate) fn decode<'py>(
     let Ok(buffer) = msgbuf.cast::<PyByteArray>() else {
         return Err(PyAttributeError::new_err(format!(
             "'{}' object has no attribute 'append'",
-            msgbuf.get_type().name()?
+            class_name(&msgbuf.get_type())?
         )));
     };
     let bytes = buffer.to_vec();

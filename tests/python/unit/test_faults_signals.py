@@ -10,11 +10,14 @@ import socket
 import subprocess
 import sys
 import time
+from collections import deque
+from itertools import repeat
 from pathlib import Path
 
 import pytest
 from integration.processes import announced_ports, mavwire
 from mavwire import open_log, traffic
+from mavwire.dialects.v20 import ardupilotmega as apm
 from unit.bridge_tools import LIMIT, udp_peer, wait_until
 from unit.faults import ENVIRONMENT, python
 from unit.link_tools import heartbeat
@@ -338,3 +341,30 @@ print("alive", flush=True)
 os._exit(0)
 """)
     assert (done.returncode, done.stdout.splitlines()[-1:]) == (0, ["alive"]), done.stderr
+
+
+class Interrupted(Exception):
+    """What the handler raises."""
+
+
+@pytest.mark.parametrize("name", ["_posted", "_timestamp"])
+def test_what_a_handler_raises_is_not_lost_while_an_attribute_is_looked_for(name: str) -> None:
+    """Looked for in a loop without Python code, so that the signal is seen by native code or behind the loop."""
+    mav = apm.MAVLink(None)
+    frame = bytes(apm.MAVLink_attitude_message(1, 2, 3, 4, 5, 6, 7).pack(mav))
+    received = mav.parse_buffer(frame * 1000)
+    assert received is not None
+
+    def handle(*_: object) -> None:
+        raise Interrupted
+
+    before = signal.signal(signal.SIGALRM, handle)
+    try:
+        for _ in range(10):
+            with pytest.raises(Interrupted):
+                signal.setitimer(signal.ITIMER_REAL, 0.0005)
+                for _ in range(1000):
+                    deque(map(getattr, received, repeat(name), repeat(None)), 0)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)

@@ -304,6 +304,25 @@ def test_a_websocket_client_that_never_shakes_hands_makes_room(clock):
             assert link.clients_replaced == 1
 
 
+@pytest.mark.parametrize("name", ["Host", "Connection", "Sec-WebSocket-Extensions"])
+def test_a_websocket_client_with_headers_that_are_not_ascii_is_let_go(name):
+    pytest.importorskip("wsproto")
+    with mavutil.mavlink_connection("wsserver:127.0.0.1:0") as link, watched(WAIT):
+        host, port = link.listen.getsockname()
+        with socket.create_connection((host, port)) as client:
+            first = accepted(link)
+            headers = {"Host": b"x", "Upgrade": b"websocket", "Connection": b"Upgrade"}
+            headers |= {
+                "Sec-WebSocket-Key": b"dGhlIHNhbXBsZSBub25jZQ==",
+                "Sec-WebSocket-Version": b"13",
+            }
+            headers[name] = b"\xff"
+            lines = [b"%s: %s" % (key.encode(), value) for key, value in headers.items()]
+            client.sendall(b"\r\n".join([b"GET / HTTP/1.1", *lines, b"", b""]))
+            while link.port is first:
+                assert link.recv_msg() is None
+
+
 class Flooder:
     """A client that has always sent more than was read."""
 

@@ -433,6 +433,7 @@ WRONG_KEY = (
     b"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
     b"Sec-WebSocket-Accept: AAAA\r\n\r\n"
 )
+NOT_ASCII = WRONG_KEY.replace(b"Connection: Upgrade", b"Connection: \xff")
 
 
 @pytest.mark.parametrize(
@@ -443,6 +444,7 @@ WRONG_KEY = (
         (b"HTTP/1.1 200 OK\r\nContent-Length: 5\r\n\r\nhello", "HTTP status 200"),
         (b"no web server\r\n\r\n", "does not speak WebSocket"),
         (WRONG_KEY, "does not speak WebSocket"),
+        (NOT_ASCII, "does not speak WebSocket"),
     ],
 )
 def test_a_websocket_that_is_refused_says_why(answer, reason, caplog, monkeypatch):
