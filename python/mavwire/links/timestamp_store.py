@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import errno
 import os
+import stat
+import time
 from _thread import get_ident
 
 from .forks import follow_forks
@@ -25,7 +27,11 @@ RESERVE = 10 * 100 * 1000
 SLOT = 8 + 4
 # Where each slot begins: far enough apart for no write to touch both.
 SLOT_OFFSETS = (0, 4096)
-_BINARY = getattr(os, "O_BINARY", 0)
+# A pipe is refused, not waited for.
+_FLAGS = getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
+# How long others may take who store at the same time: a slow card's time. Sending waits for it.
+LOCK_PATIENCE = 1.0
+LOCK_INTERVAL = 0.005
 
 
 class TimestampStore:
@@ -43,7 +49,7 @@ class TimestampStore:
         """The timestamp to go on from; 0 where nothing was stored. OSError if it cannot be read, or is
         another kind of file."""
         try:
-            fd = os.open(self._path, os.O_RDONLY | _BINARY)
+            fd = os.open(self._path, os.O_RDONLY | _FLAGS)
         except FileNotFoundError:
             return 0
         try:
@@ -53,10 +59,10 @@ class TimestampStore:
 
     def save(self, timestamp: int) -> None:
         """Store `timestamp` for good, unless a later one is; OSError if that fails."""
-        fd = os.open(self._path, os.O_RDWR | os.O_CREAT | _BINARY, 0o600)
+        fd = os.open(self._path, os.O_RDWR | os.O_CREAT | _FLAGS, 0o600)
         try:
             self._open[fd] = get_ident()
-            _lock(fd)
+            _lock(fd, self._path)
             slots = self._slots(fd)
             if timestamp > max(slots):
                 os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
@@ -81,6 +87,8 @@ class TimestampStore:
 
     def _slots(self, fd: int) -> list[int]:
         """What the slots hold; 0 for one that was never written, or not to its end."""
+        if not stat.S_ISREG(os.fstat(fd).st_mode):
+            raise OSError(errno.EINVAL, "is no file that could be a timestamp store", self._path)
         os.lseek(fd, 0, os.SEEK_SET)
         content = os.read(fd, SLOT_OFFSETS[-1] + SLOT)
         slots = [_unpacked(content[start : start + SLOT]) for start in SLOT_OFFSETS]
@@ -109,13 +117,23 @@ def store_of(given: Any) -> Any:
     return TimestampStore(given)
 
 
-def _lock(fd: int) -> None:
-    """Keep others out, where the platform can: two that overwrite the same slot would leave the smaller timestamp."""
+def _lock(fd: int, path: str) -> None:
+    """Keep others out, where the platform can: two that overwrite the same slot would leave the smaller timestamp.
+    OSError where somebody else keeps it.
+    """
     try:
         import fcntl
     except ImportError:
         return
-    fcntl.flock(fd, fcntl.LOCK_EX)
+    deadline = time.monotonic() + LOCK_PATIENCE
+    while True:
+        try:
+            return fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > deadline:
+                reason = "is locked by another process, which does not let go of it"
+                raise OSError(errno.EAGAIN, reason, path) from None
+        time.sleep(LOCK_INTERVAL)
 
 
 def _unlock(fd: int) -> None:

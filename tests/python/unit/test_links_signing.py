@@ -15,6 +15,7 @@ from mavwire import mavutil
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import signing as signing_module
 from mavwire.links import state as state_module
+from mavwire.links import timestamp_store
 from mavwire.links.timestamp_store import RESERVE, TimestampStore, keeper
 from unit.link_tools import (
     KEY,
@@ -27,6 +28,7 @@ from unit.link_tools import (
     signing_state,
     types,
 )
+from watchdog import watched
 
 WAIT = 60
 HEARTBEAT = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
@@ -214,6 +216,30 @@ def test_two_slots_take_turns_and_half_a_write_is_not_believed(tmp_path):
     store.path.write_bytes(bytes(3))  # the disk lost power
     assert store.load() == 0
     assert store.path.stat().st_mode & 0o077 == 0
+
+
+def test_a_store_that_somebody_keeps_locked_stops_nothing(tmp_path, caplog, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+    monkeypatch.setattr(timestamp_store, "LOCK_PATIENCE", 0.01)
+    store = TimestampStore(tmp_path / "store")
+    keep = keeper(store, 1)
+    with store.path.open("rb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        assert [keep(n * RESERVE) for n in (2, 3, 4)] == [n * RESERVE for n in (3, 4, 5)]
+        reason = f"is locked by another process, which does not let go of it: '{store.path}'"
+        assert [reason in record.getMessage() for record in caplog.records] == [True]
+        with pytest.raises(OSError, match="is locked"):
+            keeper(TimestampStore(store.path), 1)
+    assert keep(9 * RESERVE) == TimestampStore(store.path).load() == 10 * RESERVE
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with names")
+def test_a_pipe_is_no_store(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    for action in (TimestampStore(path).load, lambda: TimestampStore(path).save(5)):
+        with pytest.raises(OSError, match=f"is no file .*{path}"), watched():
+            action()
 
 
 @pytest.mark.parametrize("length", [2, 5, 12, 32])
