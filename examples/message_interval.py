@@ -27,6 +27,20 @@ def command(link: Any, number: int, *params: float) -> str:
     return "no answer"
 
 
+def answer(link: Any, kind: str, number: int, *params: float) -> Any:
+    """The message that a command asks for; None if it never comes. It may come before the COMMAND_ACK."""
+    for _ in range(5):
+        before = link.messages.get(kind)
+        command(link, number, *params)
+        newest = link.messages.get(kind)
+        msg = (
+            newest if newest is not before else link.recv_match(type=kind, blocking=True, timeout=2)
+        )
+        if msg is not None:
+            return msg
+    return None
+
+
 with mavutil.mavlink_connection(device) as link:
     link.wait_heartbeat()
 
@@ -39,14 +53,10 @@ with mavutil.mavlink_connection(device) as link:
     print(f"measured: {40e3 / (times[-1] - times[0]):.0f} a second")
 
     # What the vehicle says about it; the answer is a message of its own.
-    link.mav.command_long_send(
-        link.target_system, link.target_component, mavlink.MAV_CMD_GET_MESSAGE_INTERVAL,
-        0, attitude, 0, 0, 0, 0, 0, 0,
-    )  # fmt: skip
-    msg = link.recv_match(type="MESSAGE_INTERVAL", blocking=True, timeout=5)
+    msg = answer(link, "MESSAGE_INTERVAL", mavlink.MAV_CMD_GET_MESSAGE_INTERVAL, attitude)
     print("interval:", None if msg is None else f"{msg.interval_us} us")
 
     # One message, once.
     version = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
-    print("request:", command(link, mavlink.MAV_CMD_REQUEST_MESSAGE, version))
-    print("capabilities:", hex(link.messages["AUTOPILOT_VERSION"].capabilities))
+    msg = answer(link, "AUTOPILOT_VERSION", mavlink.MAV_CMD_REQUEST_MESSAGE, version)
+    print("capabilities:", None if msg is None else hex(msg.capabilities))

@@ -128,7 +128,6 @@ def test_message_interval() -> None:
         "set: MAV_RESULT_ACCEPTED",
         "measured: 20 a second",
         "interval: 50000 us",
-        "request: MAV_RESULT_ACCEPTED",
         f"capabilities: {vehicle.personality.capabilities:#x}",
     ]
 
