@@ -12,6 +12,8 @@ from .errors import ConfigError
 
 # More than any list of messages, systems or components has.
 MAX_LISTED = 65_536
+# Some centuries: who says more has mistaken the unit.
+MAX_SECONDS = 1e10
 
 
 def number(name: str, value: object) -> float:
@@ -24,10 +26,12 @@ def number(name: str, value: object) -> float:
 
 
 def seconds(name: str, value: object, least: float = 0.0) -> float:
-    """A number of seconds, `least` or more and less than some centuries."""
+    """A number of seconds, `least` or more and `MAX_SECONDS` or less."""
     time = number(name, value)
-    if not least <= time <= 1e10:
+    if time < least:
         raise ConfigError(f"{name} must be {least:g} seconds or more, not {value!r}", name)
+    if time > MAX_SECONDS:
+        raise ConfigError(f"{name} must be {MAX_SECONDS:.0f} seconds or less, not {value!r}", name)
     return time
 
 

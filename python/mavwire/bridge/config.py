@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass, field
 
 from .beside import Listen, SinkOptions, listen_from, sink_from
-from .checks import only_known, seconds
+from .checks import only_known, seconds, text
 from .endpoints import parse_endpoint
 from .errors import ConfigError
 from .options import Recording, Settings
@@ -116,7 +116,7 @@ class _Toml:
 
     def _recording(self, record: Any) -> Recording:
         try:
-            if not isinstance(record, dict) or not isinstance(record.get("directory"), str):
+            if not isinstance(record, dict) or "directory" not in record:
                 raise ConfigError("it needs a directory")
             only_known(record, ("directory", "max_bytes", "max_age", "flush_interval"))
             return Recording(**record)
@@ -139,7 +139,7 @@ class _Toml:
 
     def _add(self, config: Config, number: int, link: Any) -> None:
         title = f"link {number + 1}"
-        if not isinstance(link, dict) or not isinstance(link.get("endpoint"), str):
+        if not isinstance(link, dict) or "endpoint" not in link:
             place = self._place("link", number)
             reason = "it needs an endpoint, such as 'udpin:0.0.0.0:14550'"
             raise ConfigError(f"{place}: {title}: {reason}")
@@ -148,7 +148,7 @@ class _Toml:
             title += f" ({options['name']!r})"
         places = {key: f"{self._place('link', number, key)}: {title}" for key in link}
         try:
-            endpoint = parse_endpoint(link["endpoint"])
+            endpoint = parse_endpoint(text("endpoint", link["endpoint"]))
         except ConfigError as error:
             raise error.at(places["endpoint"]) from None
         where = f"{self._place('link', number)}: {title}"

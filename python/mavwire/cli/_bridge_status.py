@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 
 from mavwire._wording import drawn_on, printable
-from mavwire.cli._bridge_warnings import losses
+from mavwire.cli._bridge_warnings import full_name, losses
 from mavwire.cli._errors import CommandError
 
 TYPE_CHECKING = False
@@ -21,13 +22,24 @@ LINK_COLUMNS = (
 COMPONENT_COLUMNS = ("system", "component", "in/s", "lost", "duplicates", "age", "links")
 # Shown only where there is something: a terminal of 80 columns has no room for zeros.
 IF_ANY = ("overrun", "duplicates", "junk bytes")
-
-# What udpout:255.255.255.255:14550 takes.
-ENDPOINT_WIDTH = 28
+# What a terminal leaves out that has no room for it, the first of these first.
+LEAST_WANTED = ("junk bytes", "duplicates", "overrun", "p99 ms", "out/s", "in/s", "lost")
+# The columns with names of links.
+LINKS = ("link", "links")
+# Columns of a terminal: between two columns of a table, at its edges, and for names of links, which fold.
+GAP = 2
+EDGES = 2
+LEAST_FOR_LINKS = 10
+# Of a file or a pipe, where lines are as long as they need to be.
+NO_TERMINAL_WIDTH = 10_000
+# Signals after which a terminal shows something else than what was drawn: another size, and back from Ctrl-Z.
+DISTURBING = ("SIGWINCH", "SIGCONT")
 
 
 class StatusTable:
-    """Links and components with their rates since the last look; call it to bring it up to date."""
+    """Links and components with their rates since the last look; call it to bring it up to date. Without a terminal that
+    can be drawn on, `is_live` is false and the table comes with `close`.
+    """
 
     def __init__(self, bridge: Bridge) -> None:
         try:
@@ -37,56 +49,94 @@ class StatusTable:
             raise CommandError("--status needs rich: pip install 'mavwire[cli]'") from None
         self._bridge = bridge
         self._before: dict[str, Any] = {"uptime": 0.0, "links": [], "components": []}
-        self._live = Live(
-            self._tables(bridge.stats()),
-            console=Console(file=drawn_on(sys.stdout)),  # which a guard would not let it redraw
-            auto_refresh=False,
-        )
+        terminal = drawn_on(sys.stdout)  # which a guard would not let it redraw
+        is_terminal = terminal.isatty()  # whatever FORCE_COLOR says
+        width = None if is_terminal else NO_TERMINAL_WIDTH
+        self._console = Console(file=terminal, force_terminal=is_terminal, width=width)
+        self.is_live = is_terminal and not self._console.is_dumb_terminal
+        self._is_disturbed = False
+        self._handlers: dict[int, Any] = {}
+        self._live = Live(self._tables(bridge.stats()), console=self._console, auto_refresh=False)
+        if self.is_live:
+            for name in DISTURBING:
+                number = getattr(signal, name)
+                self._handlers[number] = signal.signal(number, self._disturb)
         self._live.start()
 
     def __call__(self) -> None:
+        if self._is_disturbed:
+            self._is_disturbed = False
+            # At the top, to which drawing then goes back: where the old table began nobody knows any more.
+            self._console.clear()
         self._live.update(self._tables(self._bridge.stats()), refresh=True)
 
     def close(self) -> None:
         """Leave the table as it is."""
         self._live.stop()
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)
+
+    def _disturb(self, number: int, frame: object) -> None:
+        self._is_disturbed = True
 
     def _tables(self, stats: dict[str, Any]) -> Any:
         from rich.console import Group
         from rich.text import Text
 
         before, self._before = self._before, stats
+        width = self._console.width
+        lines = [*link_errors(stats), *(loss.line for loss in losses(stats))]
         return Group(
-            _table(LINK_COLUMNS, link_rows(stats, before), 2),
-            _table(COMPONENT_COLUMNS, component_rows(stats, before), 0),
-            *(Text(printable(loss.line)) for loss in losses(stats)),
+            *_table(LINK_COLUMNS, link_rows(stats, before), 2, width),
+            *(Text(printable(line)) for line in lines),
+            *_table(COMPONENT_COLUMNS, component_rows(stats, before), 0, width),
         )
 
 
-def _table(columns: tuple[str, ...], rows: list[list[str]], first_number: int) -> Any:
-    """A table without the columns of `IF_ANY` in which no row has anything."""
+def _table(
+    columns: tuple[str, ...], rows: list[list[str]], first_number: int, width: int
+) -> list[Any]:
+    """A table without the columns of `IF_ANY` in which no row has anything, and below it the names of those that there
+    is no room for. Names of links fold, and nothing else: numbers stay whole.
+    """
     from rich import box
     from rich.table import Table
     from rich.text import Text
 
-    shown = [
-        n
+    room = {
+        name: max(map(len, (name, *(row[n] for row in rows))))
         for n, name in enumerate(columns)
         if name not in IF_ANY or any(row[n] not in ("", "0") for row in rows)
-    ]
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    }
+    left_out = _left_out(room, width)
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, GAP - 1, 0, 0), pad_edge=False)
+    shown = [n for n, name in enumerate(columns) if name in room and name not in left_out]
     for n in shown:
-        is_number = n >= first_number and columns[n] != "links"
+        is_link = columns[n] in LINKS
         table.add_column(
             columns[n],
-            justify="right" if is_number else "left",
+            justify="right" if n >= first_number and not is_link else "left",
             overflow="fold",
-            min_width=ENDPOINT_WIDTH if columns[n] == "link" else None,
+            no_wrap=not is_link,
         )
     for row in rows:
         # In a `Text` brackets are no markup.
         table.add_row(*(Text(printable(row[n])) for n in shown))
-    return table
+    hint = Text(f"no room for: {', '.join(left_out)}", style="dim")
+    return [table, hint] if left_out else [table]
+
+
+def _left_out(room: dict[str, int], width: int) -> list[str]:
+    """The columns of `LEAST_WANTED` without which a table is as narrow as that, if it can be."""
+    taken = {
+        name: GAP + (min(each, LEAST_FOR_LINKS) if name in LINKS else each)
+        for name, each in room.items()
+    }
+    left_out: list[str] = []
+    for name in LEAST_WANTED:
+        if EDGES - GAP + sum(taken.values()) > width and taken.pop(name, 0):
+            left_out.append(name)
+    return left_out
 
 
 def link_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[str]]:
@@ -97,15 +147,19 @@ def link_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[str]]:
     for one in stats["links"]:
         last = known.get((one["name"], one["peer"]), {})
         rates = [(one[key] - last.get(key, 0)) / span for key in ("received", "sent")]
-        state = f"{one['state']}: {one['error']}" if one["error"] else one["state"]
         late = one["latency"]["p99"]
         counts = [one[key] for key in ("dropped", "overrun", "duplicates", "junk_bytes")]
         rows.append([
-            f"  {one['peer']}" if one["peer"] else one["name"], state, *(f"{rate:.0f}" for rate in rates),
+            f"  {one['peer']}" if one["peer"] else one["name"], one["state"], *(f"{rate:.0f}" for rate in rates),
             "" if late is None else f"{late * 1e3:.2f}",
             *("" if count is None else str(count) for count in counts),
         ])  # fmt: skip
     return rows
+
+
+def link_errors(stats: dict[str, Any]) -> list[str]:
+    """A line for each link and peer that has trouble: beside the numbers there is no room for it."""
+    return [f"{full_name(one)}: {one['error']}" for one in stats["links"] if one["error"]]
 
 
 def component_rows(stats: dict[str, Any], before: dict[str, Any]) -> list[list[str]]:

@@ -43,6 +43,11 @@ def losses(stats: dict[str, Any]) -> list[Loss]:
     return [loss for loss in found if loss.lost or loss.error]
 
 
+def full_name(link: dict[str, Any]) -> str:
+    """Of a link, and of the peer if it is one of those."""
+    return " ".join(filter(None, (link["name"], link["peer"])))
+
+
 class DropWarnings:
     """Tells of links that take less than comes for them, how many frames they lost, once a second at most; and of what
     was not recorded or published, and why.
@@ -67,8 +72,7 @@ class DropWarnings:
             lost = one["dropped"] - before.get(who, 0)
             # A link that is down loses everything, and has nothing that waits.
             if lost and one["queued_bytes"]:
-                name = " ".join(filter(None, who))
-                _say(f"{name}: {lost} frames dropped, it takes less than comes for it")
+                _say(f"{full_name(one)}: {lost} frames dropped, it takes less than comes for it")
         for loss in losses(stats):
             told, when = self._told.get(loss.name, (None, -AGAIN))
             is_news = loss.error not in (None, told and told.error)

@@ -302,17 +302,18 @@ def _watch(bridge: Bridge, warn: DropWarnings, args: Namespace) -> None:
     interval = args.json or PAUSE
     due = now + interval
     show = _shower(bridge, args)
+    tells_losses = getattr(show, "is_live", False)
     try:
         while (now := time.monotonic()) < end:
             time.sleep(max(min(PAUSE, due - now, end - now), 0.0))
-            if not args.status:  # which shows it
+            if not tells_losses:
                 warn()
             if time.monotonic() >= min(due, end):
                 due = time.monotonic() + interval
                 show()
     finally:
         getattr(show, "close", lambda: None)()
-        if not args.status and bridge.running:
+        if not tells_losses and bridge.running:
             warn(at_end=True)
 
 

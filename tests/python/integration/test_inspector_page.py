@@ -20,6 +20,19 @@ from unit.link_tools import pack
 
 HOSTILE = "<img src=x onerror=document.title='bad'>"
 ROW = "[...document.querySelectorAll('.kind')].find(row => row.cells[0].textContent == '{}')"
+# What takes the most room of texts, and of numbers that are none to JavaScript.
+LONG_NAME, NOTICE, MOST = (
+    "BATT_LOW_TIMERS_",
+    "PreArm: compass not calibrated, GPS 1: not healthy",
+    2**64 - 1,
+)
+TEXTS = [
+    mavlink.MAVLink_param_value_message(LONG_NAME.encode(), 1, 9, 900, 3),
+    mavlink.MAVLink_statustext_message(4, NOTICE.encode()),
+    mavlink.MAVLink_named_value_float_message(5, b"motor 1", float("nan")),
+    mavlink.MAVLink_system_time_message(MOST, 1),
+]  # fmt: skip
+WHOLE = "no name, number or text is cut into pieces"
 OURS = "[...document.querySelectorAll('.kind')].find(row => row.cells[1].textContent == '66/1')"
 # Of two plots, which rise by 1 rad and by 1 m high up: the share of the canvas from their lowest to their highest point.
 HEIGHTS = """(() => {
@@ -94,14 +107,14 @@ MANY = """(async () => {
   paused = false;
   return result;
 })()"""
-# Lines of text that names and single numbers of open messages take, at most.
+# Lines of text that names, single numbers and texts of open messages take, at most.
 BROKEN = """(() => {
   const pieces = (one) => {
     const range = document.createRange();
     range.selectNodeContents(one);
     return new Set([...range.getClientRects()].map((box) => box.top)).size;
   };
-  return Math.max(...[...document.querySelectorAll(".fields td td:first-child, .plottable")].map(pieces));
+  return Math.max(...[...document.querySelectorAll(".fields td td:first-child, .value span")].map(pieces));
 })()"""
 # What is left of messages and links when the bridge has none any more.
 FORGOTTEN = """(() => {
@@ -149,23 +162,37 @@ def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
             assert page.run("document.querySelectorAll('img').length") == 0
             page.screenshot(Path(os.environ.get("MAVWIRE_SCREENSHOT", tmp_path / "page.png")))
 
+            page.run("byId('filter').value = '66/1'; sift()")
+            for n, one in enumerate(TEXTS, 1):
+                bridge.send(pack(one, n, 66))
+                page.wait_for(f"!!{ROW.format(one.get_type())}")
+                if one.get_type() != "STATUSTEXT":  # which is open
+                    page.run(f"{ROW.format(one.get_type())}.click()")
+            shown = "[...document.querySelectorAll('.value')].map(one => one.textContent)"
+            page.wait_for(
+                f"['{LONG_NAME}', '{NOTICE}', 'nan', '{MOST}'].every(text => {shown}.includes(text))"
+            )
+            assert page.run(BROKEN) == 1, WHOLE
+            page.run("document.querySelectorAll('.open').forEach(row => row.click())")
+            page.run("byId('filter').value = ''; sift()")
+
             page.wait_for(f"!!{ROW.format('SYS_STATUS')}")
             page.run(f"{ROW.format('SYS_STATUS')}.click()")
             page.wait_for("document.body.innerText.includes('SENSOR_ANGULAR_RATE_CONTROL')")
             page.wait_for(f"!!{ROW.format('SYS_STATUS')}.nextSibling.querySelector('.plottable')")
-            assert page.run(BROKEN) == 1, "no name or number is cut into pieces"
+            assert page.run(BROKEN) == 1, WHOLE
             widths = "[...document.querySelectorAll('section')].map(one => [one.scrollWidth, one.clientWidth])"
             for needed, given in page.run(widths):
                 assert needed <= given, "no column is cut off, or runs into another"
 
-            page.run("byId('filter').value = 'attitude 1/1, 66/1'; sift()")
+            page.run("byId('filter').value = 'attitude 1/1, statustext 66/1'; sift()")
             shown = "[...document.querySelectorAll('.kind')].filter(row => !row.hidden).length"
             assert page.run(shown) == 2
             page.run("byId('pause').click()")
             state = "byId('state').textContent + series.values().next().value.points.length"
             before, start = page.run(state), bridge.stats()["uptime"]
             with bridge.frames() as batches:
-                bridge.send(pack(mavlink.MAVLink_vibration_message(1, *[0] * 6), 1, 66))
+                bridge.send(pack(mavlink.MAVLink_vibration_message(1, *[0] * 6), 9, 66))
                 while bridge.stats()["uptime"] < start + 1.5:
                     assert batches.next() is not None
             assert page.run(state) == before

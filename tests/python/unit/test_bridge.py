@@ -289,11 +289,21 @@ def test_a_datagram_for_each_frame_if_that_is_wanted() -> None:
 
 
 def test_bytes_that_are_no_whole_frames_are_refused() -> None:
+    beat = heartbeat()
+    damaged = beat[:-1] + bytes([beat[-1] ^ 1])
+    many = 10_000
+    cases = [
+        (b"xx", 0), (beat + beat[:9], len(beat)), (beat + b"x", len(beat)), (damaged, 0), (beat + damaged + beat, len(beat)),
+        (heartbeat(v1=True) + damaged, len(heartbeat(v1=True))), (signed(BEAT)[:-1], 0),
+        (beat * many + damaged + beat, many * len(beat)),
+    ]  # fmt: skip
     with Bridge() as bridge, udp_peer() as station:
         bridge.add(f"udpout:127.0.0.1:{station.getsockname()[1]}")
-        for junk, at in ((b"xx", 0), (heartbeat() + heartbeat()[:9], 21), (heartbeat() + b"x", 21)):
-            with pytest.raises(ValueError, match=f"no whole frame at byte {at} of {len(junk)}"):
+        for junk, at in cases:
+            place = f"no (whole|good) frame at byte {at} of {len(junk)}: "
+            with pytest.raises(ValueError, match=place):
                 bridge.send(junk)
+        assert report(bridge, "program")["damaged"] == 0, "none was routed"
         bridge.send(b"")
         bridge.send(heartbeat(seq=7))
         assert station.recv(65536) == heartbeat(seq=7), "and nothing before it"

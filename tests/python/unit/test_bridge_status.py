@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import re
+import signal
 import subprocess
 import sys
 from argparse import ArgumentTypeError
@@ -14,14 +15,18 @@ from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 from mavwire.cli import _bridge_warnings
-from mavwire.cli._bridge_status import component_rows, link_rows
-from mavwire.cli.bridge import listen_address, size
+from mavwire.cli._bridge_status import component_rows, link_errors, link_rows
+from mavwire.cli.bridge import _watch, listen_address, size
 from mavwire.cli.replay import factor
+from unit.bridge_tools import LIMIT
 from unit.terminal_tools import read_terminal
 
 if TYPE_CHECKING:
+    from argparse import Namespace
+
     from mavwire import Bridge
     from mavwire.bridge.sinks import Sink
+    from mavwire.cli._bridge_warnings import DropWarnings
 
 LINK = {
     "name": "gcs", "peer": None, "state": "up", "error": None, "received": 100, "sent": 50,
@@ -32,6 +37,9 @@ COMPONENT = {
     "system": 1, "component": 1, "frames": 40, "lost": 4, "duplicates": 6, "age": 0.25,
     "links": ["a", "b"],
 }  # fmt: skip
+
+
+NOTHING: dict[str, Any] = {"uptime": 0.0, "links": [], "components": []}
 
 
 def stats(uptime: float, **changes: Any) -> dict[str, Any]:
@@ -48,8 +56,9 @@ def test_rows_show_rates_since_the_last_look() -> None:
 
 def test_rows_show_what_is_wrong() -> None:
     now = stats(2.0, peer="10.0.0.1:5", state="connecting", error="Connection refused")
-    (row,) = link_rows(now, {"uptime": 0.0, "links": [], "components": []})
-    assert row[:4] == ["  10.0.0.1:5", "connecting: Connection refused", "50", "25"]
+    (row,) = link_rows(now, NOTHING)
+    assert row[:4] == ["  10.0.0.1:5", "connecting", "50", "25"]
+    assert link_errors(now) == ["gcs 10.0.0.1:5: Connection refused"]
 
 
 def test_brackets_in_names_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
@@ -103,20 +112,87 @@ def test_a_terminal_is_redrawn_and_names_do_not_steer_it(tmp_path: Path) -> None
     assert re.search(r"\x1b\[\?25h\s*$", text), "the cursor is back"
 
 
-def test_a_narrow_terminal_shows_links_whole_and_no_columns_of_zeros() -> None:
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
+@pytest.mark.parametrize("disturbed", ["SIGWINCH", "SIGCONT"])
+def test_a_terminal_of_another_size_and_one_left_for_a_while_are_cleared(disturbed: str) -> None:
+    pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
+    command = [sys.executable, "-m", "mavwire", "bridge", "udpin:127.0.0.1:0", "--status"]
+    command += ["--duration", f"{LIMIT}s"]
+    environment = {**os.environ, "COLUMNS": "100", "LINES": "30", "TERM": "xterm"}
+    ours, theirs = os.openpty()
+
+    def read_until(wanted: bytes) -> bytes:
+        text = b""
+        while wanted not in text:
+            part = os.read(ours, 4096)
+            assert part, "it has ended"
+            text += part
+        return text
+
+    with subprocess.Popen(command, stdout=theirs, stderr=theirs, env=environment) as bridge:
+        os.close(theirs)
+        assert b"\x1b[2J" not in read_until(b"link  ")
+        bridge.send_signal(getattr(signal, disturbed))
+        text = read_until(b"\x1b[2J\x1b[H")
+        text += read_until(b"link  ")
+        bridge.send_signal(signal.SIGINT)
+        text += read_terminal(ours).encode()
+    assert bridge.returncode == 0 and text.count(b"\x1b[2J") == 1
+
+
+def table(width: int, rows: list[list[str]]) -> str:
+    """The table of links on a terminal."""
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
     from mavwire.cli._bridge_status import LINK_COLUMNS, _table
-    from rich.console import Console
+    from rich.console import Console, Group
 
+    out = io.StringIO()
+    Console(width=width, file=out).print(Group(*_table(LINK_COLUMNS, rows, 2, width)))
+    return out.getvalue()
+
+
+def test_a_narrow_terminal_shows_links_whole_and_no_columns_of_zeros() -> None:
     name = "udpout:192.168.120.200:14550"
     one = stats(2.0, name=name, duplicates=0, junk_bytes=0)
     one["links"].append({**LINK, "peer": "127.0.0.1:40001", "state": "up", "duplicates": 0})
-    rows = link_rows(one, {"uptime": 0.0, "links": [], "components": []})
-    out = io.StringIO()
-    Console(width=80, file=out).print(_table(LINK_COLUMNS, rows, 2))
-    text = out.getvalue()
+    text = table(80, link_rows(one, NOTHING))
     assert name in text and "  127.0.0.1:40001" in text
     assert "junk" in text and "duplicates" not in text and "overrun" not in text
+
+
+def test_names_of_links_give_way_to_numbers_and_what_is_left_out_is_told() -> None:
+    numbers = {"received": 24_690, "sent": 108_642, "dropped": 777_777, "junk_bytes": 88_888}
+    one = stats(2.0, name="udpin:0.0.0.0:14550", state="connecting", **numbers)
+    rows = link_rows(one, NOTHING)
+    wide, narrow, phone = (table(width, rows) for width in (80, 70, 40))
+    for text in (wide, narrow):
+        assert all(number in text for number in ("12345", "54321", "777777", "1.50", "connecting"))
+    assert "no room for" not in wide and "88888" in wide
+    assert "no room for: junk bytes\n" in narrow
+    assert "connecting" in phone and "777777" in phone
+    assert "no room for: junk bytes, duplicates, p99 ms, out/s" in " ".join(phone.split())
+    for width, text in ((80, wide), (70, narrow), (40, phone)):
+        assert max(map(len, text.splitlines())) <= width
+
+
+def test_without_a_terminal_losses_are_told_as_they_come_and_the_table_at_the_end(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
+    from mavwire import Bridge
+
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    name = "a name that is " + "very " * 30 + "long"
+    told: list[tuple[bool, bool]] = []
+
+    def warn(at_end: bool = False) -> None:
+        told.append((at_end, name in capsys.readouterr().out))
+
+    with Bridge() as bridge:
+        bridge.add("udpin:127.0.0.1:0", name=name)
+        args = SimpleNamespace(status=True, json=None, duration=0.01)
+        _watch(bridge, cast("DropWarnings", warn), cast("Namespace", args))
+    assert told[0] == (False, False) and told[-1] == (True, True)
 
 
 def test_a_link_that_takes_too_little_is_told_of_once_a_second(
