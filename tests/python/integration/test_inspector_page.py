@@ -26,7 +26,7 @@ HEIGHTS = """(() => {
   const plots = [["rad", 0, "#ff0000"], ["m", 600, "#0000ff"]];
   series.clear();
   for (const [unit, low, colour] of plots)
-    series.set(unit, { unit, colour, points: [[clock - 20, low], [clock - 10, low + 1]] });
+    series.set(unit, { row: { key: unit }, unit, colour, points: [[clock - 20, low], [clock - 10, low + 1]] });
   draw();
   const { width, height } = byId("plot");
   const pixels = byId("plot").getContext("2d").getImageData(0, 0, width, height).data;
