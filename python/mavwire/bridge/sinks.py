@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import threading
+from contextlib import ExitStack
 from urllib.parse import SplitResult, unquote, urlsplit
 
 from .errors import ConfigError
@@ -65,12 +66,12 @@ class Sink:
         self._publisher = publisher
         self._prefix = prefix
         self._thread = threading.Thread(target=self._run, name="mavwire-sink", daemon=True)
-        try:
+        with ExitStack() as undo:
+            undo.callback(publisher.close)
             self._batches = bridge.frames()
+            undo.callback(self._batches.close)
             start(self._thread)
-        except BaseException:
-            publisher.close()
-            raise
+            undo.pop_all()
         self._listed = bridge.sinks
         self._listed.append(self)
 

@@ -26,20 +26,27 @@ def executable() -> str | None:
 
 
 class Page:
-    """A page that is open."""
+    """A page that is open. `errors`: what its scripts threw and nobody caught."""
 
     def __init__(self, client: WebSocketClient) -> None:
         self._client = client
         self._count = 0
+        self.errors: list[str] = []
 
     def call(self, method: str, **parameters: Any) -> Any:
         """A command of the DevTools protocol."""
         self._count += 1
         number = self._count
         self._client.send({"id": number, "method": method, "params": parameters})
-        answer = self._client.until(lambda told: told.get("id") == number and told)
+        answer = self._client.until(lambda told: self._hear(told) == number and told)
         assert "error" not in answer, answer
         return answer["result"]
+
+    def _hear(self, told: Any) -> int | None:
+        """The number of the command that something answers; what is no answer may be an error of a script."""
+        if told.get("method") == "Runtime.exceptionThrown":
+            self.errors.append(told["params"]["exceptionDetails"]["exception"]["description"])
+        return told.get("id")
 
     def run(self, script: str) -> Any:
         """The value of an expression in the page."""
@@ -64,7 +71,7 @@ class Page:
 
 @contextmanager
 def browse(url: str, folder: Path) -> Iterator[Page]:
-    """A page at an address, in a browser whose files are in `folder`."""
+    """A page at an address, in a browser whose files are in `folder`; its scripts must catch their errors."""
     command = executable()
     assert command is not None
     browser = subprocess.Popen(
@@ -84,7 +91,11 @@ def browse(url: str, folder: Path) -> Iterator[Page]:
         with WebSocketClient(int(port), path) as control:
             target = Page(control).call("Target.createTarget", url=url)["targetId"]
             with WebSocketClient(int(port), f"/devtools/page/{target}") as client:
-                yield Page(client)
+                page = Page(client)
+                page.call("Runtime.enable")  # tells errors, those of before too
+                yield page
+                page.run("null")  # what was thrown until now is told before the answer
+                assert not page.errors, page.errors
     finally:
         browser.terminate()
         with contextlib.suppress(subprocess.TimeoutExpired):

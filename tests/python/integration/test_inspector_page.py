@@ -15,8 +15,8 @@ from mavwire import Bridge
 from mavwire.bridge.inspector import Inspector
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.sim import Vehicle, serve
-from unit.bridge_tools import port_of
-from unit.link_tools import pack
+from unit.bridge_tools import port_of, udp_peer
+from unit.link_tools import heartbeat, pack
 
 HOSTILE = "<img src=x onerror=document.title='bad'>"
 ROW = "[...document.querySelectorAll('.kind')].find(row => row.cells[0].textContent == '{}')"
@@ -39,7 +39,7 @@ HEIGHTS = """(() => {
   const plots = [["rad", 0, "#ff0000"], ["m", 600, "#0000ff"]];
   series.clear();
   for (const [unit, low, colour] of plots)
-    series.set(unit, { unit, colour, points: [[clock - 20, low], [clock - 10, low + 1]] });
+    series.set(unit, { row: { key: unit }, unit, colour, points: [[clock - 20, low], [clock - 10, low + 1]] });
   draw();
   const { width, height } = byId("plot");
   const pixels = byId("plot").getContext("2d").getImageData(0, 0, width, height).data;
@@ -68,17 +68,41 @@ CUTS = """(() => {
   return one.points.map(([time, , isCut]) => isCut ? time : 0);
 })()"""
 # Rates of counters that are asked for each half second: of 1 Hz, of one message in 1.7 s, and of what ended; and the
-# least and the greatest rate that the first two showed.
+# least and the greatest rate that the first two showed. The times of components jitter.
 RATES = """(() => {
   const seen = { 1: [], 1.7: [] };
-  for (let now = 10; now < 30; now += 0.5)
+  for (let now = 10, jitter = 0; now < 30; now += 0.5, jitter = 0.0002 - jitter)
     for (const each of [1, 1.7]) {
       const count = Math.floor(now / each);
-      seen[each].push(rate("test" + each, count, count * each, now));
+      seen[each].push(rate("test" + each, count, count * each + jitter, now));
     }
   const ended = rate("test1", 29, 29, 60);
   for (const each of [1, 1.7]) rates.delete("test" + each);
   return [1, 1.7].flatMap((each) => [Math.min(...seen[each].slice(8)), Math.max(...seen[each].slice(8))]).concat(ended);
+})()"""
+# The rates that are shown of 50 Hz from the second time on, the first time, after a rest of a minute, and after the counter
+# and then the clock began anew; and the rate of what has not come since.
+RESTS = """(() => {
+  const shown = [];
+  let now = 1000, count = 0;
+  const half = () => rate("rests", count += 25, now += 0.5, now);
+  const twice = () => { half(); shown.push(half(), half()); };
+  twice();
+  now += 60; twice();
+  now += 60; half(); now += 60; twice();
+  count = 0; twice();
+  now = 500; twice();
+  shown.push(rate("rests", count, now, 100));
+  rates.delete("rests");
+  return shown;
+})()"""
+# The greatest rate of five messages at once each five seconds, one update of the page between them.
+BURSTS = """(() => {
+  const shown = [];
+  for (let n = 1; n < 10; n++)
+    shown.push(rate("bursts", 5 * n - 3, 5 * n, 5 * n), rate("bursts", 5 * n, 5 * n + 0.05, 5 * n + 0.5));
+  rates.delete("bursts");
+  return Math.max(...shown.slice(2));
 })()"""
 # Lines and elements of a page with 4,000 kinds of messages, at its beginning and in the middle, and how many a filter finds.
 MANY = """(async () => {
@@ -154,6 +178,10 @@ def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
             assert page.run("byId('links').textContent.includes('vehicles <b>')")
             assert page.run("!byId('recording').hidden")
 
+            with udp_peer(bridge, name) as quiet:
+                quiet.send(heartbeat(sysid=77))  # and no more: its counter stands still from now on
+            page.wait_for("byId('components').textContent.includes('77/1')")
+
             bridge.send(pack(text, 0, 66))
             page.wait_for(f"!!{OURS}")
             page.run(f"{OURS}.click()")
@@ -202,7 +230,9 @@ def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
             page.wait_for("byId('state').textContent.startsWith('up for')")
             assert page.run(CLOCK_SET_BACK) == [[1000, 2]]
             assert page.run(CUTS) == [0, 0, 104, 0]
-            assert page.run(RATES) == pytest.approx([1, 1, 1 / 1.7, 1 / 1.7, 0])
+            assert page.run(RATES) == pytest.approx([1, 1, 1 / 1.7, 1 / 1.7, 0], abs=0.001)
+            assert page.run(RESTS) == pytest.approx([50] * 10 + [0])
+            assert page.run(BURSTS) < 1.5
             found, drawn, focused, in_the_middle, fills, *filtered = page.run(MANY)
             assert (found, focused, fills, filtered) == (4000, "kind", True, [1, 2, 0, 4000])
             assert drawn < 200 and in_the_middle < 300, "only what is in the window"

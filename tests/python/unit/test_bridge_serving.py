@@ -7,12 +7,14 @@ import socket
 import socketserver
 import threading
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from mavwire import Bridge
 from mavwire.bridge import serving
 from mavwire.bridge.metrics import MetricsServer
+from mavwire.bridge.sinks import Sink
 from unit.bridge_tools import LIMIT
 
 
@@ -76,6 +78,23 @@ def test_a_server_that_gets_no_thread_leaves_its_port(
     assert failed.value.errno == errno.EAGAIN
     with MetricsServer(bridge, "127.0.0.1", port):
         assert status(port) == b"200"
+
+
+def test_a_sink_that_gets_no_thread_takes_no_frames(
+    monkeypatch: pytest.MonkeyPatch, bridge: Bridge
+) -> None:
+    def no_thread(*_: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    publisher: Any = SimpleNamespace(close=lambda: closed.append(True))
+    closed: list[bool] = []
+    batches = bridge.frames()
+    with monkeypatch.context() as patched, pytest.raises(OSError, match="new thread"):
+        patched.setattr(threading.Thread, "start", no_thread)
+        patched.setattr(bridge, "frames", lambda: batches)
+        Sink(bridge, publisher, "mavlink", "nobody")
+    assert closed == [True]
+    assert batches.next(LIMIT) is None, "the bridge gathers no frames for it"
 
 
 def test_a_server_without_descriptors_rests(

@@ -93,9 +93,24 @@ struct Boot {
 }
 
 impl Boot {
-    /// Whether a later age means a restart. Frames may overtake each other by some seconds.
+    /// Frames may overtake each other by so much, and clocks differ.
+    const SLACK_MS: u32 = 5_000;
+    /// No restart is faster. Two that have the same address are heard side by side; microseconds.
+    const SILENCE: u64 = 3_000_000;
+
+    /// Whether a later age means a restart.
     fn is_before_restart(&self, age_ms: u32) -> bool {
-        age_ms < self.age_ms.saturating_sub(5_000)
+        age_ms < self.age_ms.saturating_sub(Self::SLACK_MS)
+    }
+
+    /// Whether a later one is of the same start: it grew as time went by.
+    fn goes_on(&self, later: &Self) -> bool {
+        let grown_ms = later.age_ms.saturating_sub(self.age_ms).saturating_add(Self::SLACK_MS);
+        later.at.saturating_sub(self.at) / 1_000 <= u64::from(grown_ms)
+    }
+
+    fn is_silent(&self, now: u64) -> bool {
+        now.saturating_sub(self.at) >= Self::SILENCE
     }
 }
 
@@ -208,18 +223,17 @@ impl Table {
         boot_ms: u32,
         now: u64,
     ) -> bool {
-        /// No restart is faster. Two that have the same address are heard side by side; microseconds.
-        const SILENCE: u64 = 3_000_000;
-        let (_, component) = self.entries(sysid, compid);
+        let (_, Component { boots, .. }) = self.entries(sysid, compid);
         let boot = Boot { link, age_ms: boot_ms, at: now };
-        if let Some(last) = component.boots.iter_mut().find(|last| last.link == link) {
-            return std::mem::replace(last, boot).is_before_restart(boot_ms);
-        }
-        // It may have come back over another link than before.
-        let is_back =
-            |last: &Boot| last.is_before_restart(boot_ms) && now.saturating_sub(last.at) >= SILENCE;
-        let restarted = component.boots.iter().any(is_back);
-        component.boots.push(boot);
+        let last = boots.iter().find(|last| last.link == link);
+        let is_younger = last.is_some_and(|last| last.is_before_restart(boot_ms));
+        // It may have come back over another link than before, be it one of earlier.
+        let is_back = |other: &Boot| other.is_before_restart(boot_ms) && other.is_silent(now);
+        let goes_on = last.is_some_and(|last| last.goes_on(&boot));
+        let restarted = is_younger || !goes_on && boots.iter().any(is_back);
+        // What it gave over other links before a restart would be one again.
+        boots.retain(|other| other.link != link && !(restarted && other.is_silent(now)));
+        boots.push(boot);
         restarted
     }
 
@@ -350,7 +364,33 @@ mod tests {
             assert!(!table.is_reboot(1, 1, LinkId(0), 100_000, 5));
             let back = table.is_reboot(1, 1, LinkId(1), boot_ms, 5 + silence * 1_000_000);
             assert_eq!(back, restarted, "{boot_ms} after {silence} s");
-            assert!(!table.is_reboot(1, 1, LinkId(1), boot_ms + 1_000, 60_000_000), "only once");
+            assert!(!table.is_reboot(1, 1, LinkId(1), boot_ms + 57_000, 60_000_000), "only once");
+        }
+    }
+
+    #[test]
+    fn a_restart_is_seen_over_a_link_of_earlier_and_once() {
+        let (usb, radio, wifi) = (LinkId(0), LinkId(1), LinkId(2));
+        let mut table = Table::new(AGE);
+        let mut steps = |steps: &[(LinkId, u32, u64, bool)]| {
+            for &(link, age_s, at_s, restarted) in steps {
+                let got = table.is_reboot(1, 1, link, age_s * 1_000, at_s * 1_000_000);
+                assert_eq!(got, restarted, "{age_s} s over {link:?} at {at_s} s");
+            }
+        };
+        steps(&[(usb, 3, 10, false), (radio, 5, 12, false), (radio, 3_600, 3_607, false)]);
+        steps(&[(usb, 4, 3_620, true), (usb, 9, 3_625, false), (radio, 20, 3_636, false)]);
+        steps(&[(usb, 100, 3_716, false), (radio, 2, 3_730, true), (radio, 50, 3_778, false)]);
+        steps(&[(wifi, 50, 3_778, false), (usb, 60, 3_788, false), (radio, 61, 3_789, false)]);
+    }
+
+    #[test]
+    fn two_of_one_address_that_seldom_tell_their_age_are_no_restarts() {
+        let mut table = Table::new(AGE);
+        for n in 0..10 {
+            assert!(!table.is_reboot(1, 1, LinkId(0), n * 10_000, u64::from(n) * 10_000_000));
+            let (age, at) = (1_000_000 + n * 10_000, u64::from(n) * 10_000_000 + 5_000_000);
+            assert!(!table.is_reboot(1, 1, LinkId(1), age, at), "{n}");
         }
     }
 
