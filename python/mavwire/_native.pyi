@@ -528,6 +528,10 @@ class MAVLink:
 
     def buf_len(self) -> int:
         """Bytes received and not parsed yet."""
+    def _holds_trusted(self, data: bytes) -> bool:
+        """Whether bytes that are not received here hold a message that may say who sent them: a good one, or with a
+        key a genuine one that is newer than all that was received or looked at. Receiving them finds all as it was."""
+
 
     def bytes_needed(self) -> int:
         """Bytes still missing of the frame being received; at least 1."""

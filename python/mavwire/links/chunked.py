@@ -67,13 +67,17 @@ class ChunkedLink(LiveLink, mavfile):
         while msg is None and reads < READS_PER_CALL:
             # Until the first marker was seen, reads end with the frame, so that the next
             # begins with a marker even on a serial link joined in the middle of a frame.
-            data = self.recv(self.mav.bytes_needed() if self.first_byte else None)
+            data = self._recv_own(self.mav.bytes_needed() if self.first_byte else None)
             if not data:
                 return None
             data = self._arrived(data)  # which may replace the parser
             msg = self.mav.parse_char(data)
             reads += 1
         return msg
+
+    def _recv_own(self, n: int | None) -> bytes:
+        """`recv`, for the link's own parser."""
+        return self.recv(n)
 
     def close(self) -> None:
         """Close the link for good. What was recorded reaches the file."""

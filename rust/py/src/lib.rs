@@ -94,6 +94,7 @@ mod thread_number;
 mod tls_port;
 mod tracking;
 mod turn;
+mod trust;
 mod values;
 mod x25;
 
