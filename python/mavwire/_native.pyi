@@ -43,6 +43,7 @@ from mavwire._stubs.sending import (
     StreamWriter,
     TlsPort,
     Turn,
+    accept,
     ask_port,
     hang_up,
 )
@@ -83,6 +84,7 @@ __all__ = [
     "TlsPort",
     "Turn",
     "__version__",
+    "accept",
     "add_message",
     "align_tables",
     "ask_port",
@@ -526,12 +528,12 @@ class MAVLink:
         """From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one
         takes: threads may be sending with it."""
 
-    def buf_len(self) -> int:
-        """Bytes received and not parsed yet."""
     def _holds_trusted(self, data: bytes) -> bool:
         """Whether bytes that are not received here hold a message that may say who sent them: a good one, or with a
         key a genuine one that is newer than all that was received or looked at. Receiving them finds all as it was."""
 
+    def buf_len(self) -> int:
+        """Bytes received and not parsed yet."""
 
     def bytes_needed(self) -> int:
         """Bytes still missing of the frame being received; at least 1."""

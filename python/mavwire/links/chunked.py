@@ -84,11 +84,14 @@ class ChunkedLink(LiveLink, mavfile):
         self._closed = True
         try:
             self._release()
+        except BaseException:  # as a signal handler raises half-way; nobody closes a link twice
+            self._release()
+            raise
         finally:
             self._flush_logs_now()
 
     def _release(self) -> None:
-        """Let go of what the transport holds; `fd` is None then."""
+        """Let go of what the transport holds, if it does; `fd` is None then."""
         raise NotImplementedError
 
     def _tend(self) -> None:

@@ -9,6 +9,7 @@ from mavwire._native import PortError, ask_port
 
 from .names import is_numeric, look_up
 from .recognise import is_serial_name
+from .readiness import from_handler
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -134,6 +135,8 @@ def bind(port: Any, address: tuple[str, int]) -> None:
         port.bind(socket_address(address))
     except OSError as error:
         raise type(error)(error.errno, f"{error.strerror}: {host}:{number}") from None
+        if from_handler(error):
+            raise
 
 
 def address_family(host: str) -> int:

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 #[macro_use]
 mod intern;
 
+mod accept;
 mod align;
 #[cfg(unix)]
 mod bridge;
@@ -93,8 +94,8 @@ mod thread_lock;
 mod thread_number;
 mod tls_port;
 mod tracking;
-mod turn;
 mod trust;
+mod turn;
 mod values;
 mod x25;
 
@@ -102,6 +103,8 @@ mod x25;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::accept::accept;
     #[pymodule_export]
     use crate::align::align_tables;
     #[cfg(unix)]
