@@ -96,6 +96,16 @@ def _set_up(signing: Any, arguments: tuple[Any, ...]) -> None:
     _with_key.add(signing)
 
 
+def _callback(given: Any) -> Any:
+    """An `allow_unsigned_callback`, or None for what stands for none. TypeError for what is no function."""
+    if callable(given):
+        return given
+    if given:
+        reason = "allow_unsigned_callback is a function of mav and message id"
+        raise TypeError(f"{reason}, not {given!r}")
+    return None
+
+
 def _tried(
     secret_key: bytes,
     sign_outgoing: object,
@@ -106,9 +116,6 @@ def _tried(
     """A signing state of no link that was set up with these, so that they can be used on a link.
     ValueError, OverflowError or TypeError."""
     check_key(secret_key)
-    if allow_unsigned_callback and not callable(allow_unsigned_callback):
-        reason = "allow_unsigned_callback is a function of mav and message id"
-        raise TypeError(f"{reason}, not {allow_unsigned_callback!r}")
     number = state.global_link_id if link_id is None else link_id
     _check_number("link_id", number, MAX_LINK_ID)
     _check_number("initial_timestamp", timestamp, MAX_TIMESTAMP)
@@ -176,7 +183,7 @@ def prepared(
     """What `_begin_signing` needs, from the arguments of `setup_signing`, with its errors; as slow as
     the store is. All is checked before anything is touched, and the store is the last that may fail.
     """
-    allow_unsigned_callback = allow_unsigned_callback or None
+    allow_unsigned_callback = _callback(allow_unsigned_callback)
     follows_clock = initial_timestamp is None
     units_ahead = _units_ahead(max_ahead, follows_clock)
     if initial_timestamp is None:
