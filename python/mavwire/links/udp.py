@@ -141,8 +141,11 @@ class mavudp(ChunkedLink):
         mav: Any = self.mav
         if isinstance(mav, MAVLink):
             return mav._holds_trusted(data)
-        # With a key only the program's own parser knows what is good.
-        return not self._has_key() and self._new_mav()._holds_trusted(data)
+        if self._has_key():  # then only the program's own parser knows what is good
+            return False
+        mav = self._new_mav()
+        mav.robust_parsing = True
+        return any(msg.get_msgId() >= 0 for msg in mav.parse_buffer(data) or ())
 
     def _has_key(self) -> bool:
         signing = getattr(self.mav, "signing", None)

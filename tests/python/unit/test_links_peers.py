@@ -712,9 +712,20 @@ class OwnParser:
         return 1
 
 
-def test_with_a_parser_of_a_programs_own_only_that_knows_its_key():
+@pytest.mark.parametrize("is_native", [True, False])
+def test_with_a_parser_of_a_programs_own_only_that_knows_its_key(is_native, monkeypatch):
+    """Where the dialect is a program's own, too, that looks."""
+
+    class OwnDialect:
+        robust_parsing = False
+
+        def parse_buffer(self, data):
+            return mavlink.MAVLink(None).parse_buffer(data) if self.robust_parsing else None
+
     with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
         mav, link.mav = link.mav, OwnParser()
+        if not is_native:
+            monkeypatch.setattr(link, "_new_mav", OwnDialect)
         link.mav.signing.secret_key = KEY
         received(link, peer, heartbeat())
         assert not link.clients
