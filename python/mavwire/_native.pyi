@@ -44,6 +44,7 @@ from mavwire._stubs.sending import (
     StreamWriter,
     TlsPort,
     Turn,
+    accept,
     ask_port,
     hang_up,
 )
@@ -86,6 +87,7 @@ __all__ = [
     "Track",
     "Turn",
     "__version__",
+    "accept",
     "add_message",
     "align_tables",
     "ask_port",
@@ -546,6 +548,10 @@ class MAVLink:
     def _share_sending(self, other: MAVLink) -> None:
         """From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one
         takes: threads may be sending with it."""
+
+    def _holds_trusted(self, data: bytes) -> bool:
+        """Whether bytes that are not received here hold a message that may say who sent them: a good one, or with a
+        key a genuine one that is newer than all that was received or looked at. Receiving them finds all as it was."""
 
     def buf_len(self) -> int:
         """Bytes received and not parsed yet."""

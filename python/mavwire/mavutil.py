@@ -284,9 +284,8 @@ def mavlink_connection(
     of it, as pymavlink does. `retries` is how often a TCP or Unix domain link tries to connect at first,
     once at least, and `reconnect_delay` the seconds between attempts. Unknown keyword arguments go to the CSV reader.
     """
-    from .links.connection import Options, check_pauses, connect
+    from .links.connection import Options, connect
 
-    check_pauses(retries, reconnect_delay)
     if resync not in (None, "skip", "rescan"):
         raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
     if dialect is not None:

@@ -46,16 +46,18 @@ class mavchildexec(StreamLink):
         return self.child.stdout
 
     def _release(self) -> None:
-        """Ask the child to end, and make it after five seconds."""
+        """Ask the child to end, and make it after five seconds, or when somebody interrupts the wait."""
         import subprocess
 
         self.fd = None
         self.child.terminate()
         try:
             self.child.wait(timeout=5)
-        except subprocess.TimeoutExpired:
+        except BaseException as error:
             self.child.kill()
             self.child.wait()
+            if not isinstance(error, subprocess.TimeoutExpired):
+                raise
         for pipe in (self.child.stdin, self.child.stdout):
             if pipe is not None:
                 pipe.close()

@@ -67,7 +67,7 @@ class ChunkedLink(LiveLink, mavfile):
         while msg is None and reads < READS_PER_CALL:
             # Until the first marker was seen, reads end with the frame, so that the next
             # begins with a marker even on a serial link joined in the middle of a frame.
-            data = self.recv(self.mav.bytes_needed() if self.first_byte else None)
+            data = self._recv_own(self.mav.bytes_needed() if self.first_byte else None)
             if not data:
                 return None
             data = self._arrived(data)  # which may replace the parser
@@ -75,16 +75,23 @@ class ChunkedLink(LiveLink, mavfile):
             reads += 1
         return msg
 
+    def _recv_own(self, n: int | None) -> bytes:
+        """`recv`, for the link's own parser."""
+        return self.recv(n)
+
     def close(self) -> None:
         """Close the link for good. What was recorded reaches the file."""
         self._closed = True
         try:
             self._release()
+        except BaseException:  # as a signal handler raises half-way; nobody closes a link twice
+            self._release()
+            raise
         finally:
             self._flush_logs_now()
 
     def _release(self) -> None:
-        """Let go of what the transport holds; `fd` is None then."""
+        """Let go of what the transport holds, if it does; `fd` is None then."""
         raise NotImplementedError
 
     def _tend(self) -> None:

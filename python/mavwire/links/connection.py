@@ -61,7 +61,9 @@ class Options:
     def pauses(self) -> dict[str, float]:
         """`reconnect_delay` where somebody asks for another one: what a program puts in place of a class
         need not know it."""
-        return {} if self.reconnect_delay == 1 else {"reconnect_delay": self.reconnect_delay}
+        return (
+            {} if self.reconnect_delay == 1 else {"reconnect_delay": _delay(self.reconnect_delay)}
+        )
 
     @property
     def reader(self) -> dict[str, Any]:
@@ -72,22 +74,32 @@ class Options:
         }
 
 
-def check_pauses(retries: Any, reconnect_delay: Any) -> None:
-    """TypeError for what is no number, ValueError for a pause that none can last. `retries` may be
-    negative, as with pymavlink."""
-    for name, value in (("retries", retries), ("reconnect_delay", reconnect_delay)):
-        try:
-            fits = 0 <= value < math.inf
-        except TypeError:
-            raise TypeError(f"{name} is a number, not {value!r}") from None
+def _delay(value: Any) -> Any:
+    """A `reconnect_delay`. TypeError for what is no number, ValueError for what no pause can last."""
+    try:
+        fits = 0 <= value < math.inf
+    except TypeError:
+        raise TypeError(f"reconnect_delay is a number, not {value!r}") from None
     if not fits:
-        raise ValueError(f"reconnect_delay is a number of seconds from 0 on, not {reconnect_delay}")
+        raise ValueError(f"reconnect_delay is a number of seconds from 0 on, not {value}")
+    return value
+
+
+def _retries(value: Any) -> Any:
+    """A number of `retries`: any, as with pymavlink, but TypeError for what is none, and ValueError for NaN."""
+    try:
+        is_number = value <= 0 or value > 0
+    except TypeError:
+        raise TypeError(f"retries is a number, not {value!r}") from None
+    if not is_number:
+        raise ValueError(f"retries is a number, not {value}")
+    return value
 
 
 def _tcp(address: str, o: Options) -> Any:
     return state.public.mavtcp(
-        address, autoreconnect=o.autoreconnect, retries=o.retries,
-        reconnect_delay=o.reconnect_delay, **o.common,
+        address, autoreconnect=o.autoreconnect, retries=_retries(o.retries),
+        reconnect_delay=_delay(o.reconnect_delay), **o.common,
     )  # fmt: skip
 
 
@@ -97,7 +109,11 @@ def _tcpin(address: str, o: Options) -> Any:
 
 def _uds(address: str, o: Options) -> Any:
     return state.public.mavuds(
-        address, autoreconnect=o.autoreconnect, retries=o.retries, **o.pauses, **o.common
+        address,
+        autoreconnect=o.autoreconnect,
+        retries=_retries(o.retries),
+        **o.pauses,
+        **o.common,
     )
 
 

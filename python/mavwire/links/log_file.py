@@ -45,6 +45,8 @@ class LogFile:
         self._frame = range(0)
         # Where bytes stand that are no record, as far as they were looked through.
         self._junk = range(0)
+        # They go to the end of the file, where a record may begin whose rest is still to be written.
+        self._is_last = False
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._file, name)
@@ -83,7 +85,7 @@ class LogFile:
         file.
         """
         here = self.tell()
-        if here in self._junk:
+        if here in self._junk and not self._is_overtaken():
             return self._read_junk(here, size)
         if here not in self._frame:
             head = self._peek(here, RECORD_HEAD)
@@ -99,6 +101,10 @@ class LogFile:
         left = self._frame.stop - self.tell()
         return LogLink.recv(self._link, left if size is None else min(size, left))
 
+    def _is_overtaken(self) -> bool:
+        """Whether the file has grown behind what was looked through to its end."""
+        return self._is_last and bool(self._peek(self._junk.stop, 1))
+
     def _read_junk(self, here: int, size: int | None) -> bytes:
         left = self._junk.stop - here
         return self.read(left if size is None else min(size, left))
@@ -110,10 +116,12 @@ class LogFile:
         """
         ahead = self._peek(offset, JUNK_STEP)
         ended = len(ahead) < JUNK_STEP
+        self._is_last = False
         looked = len(ahead) - (LENGTH_HEAD if ended else RECORD_SPAN)
         for start in range(looked):
             if ahead[start] in MARKERS and 0 < (end := frame_end(ahead, start)) <= len(ahead):
                 return start - STAMP_LEN if start > STAMP_LEN else end
+        self._is_last = ended
         return len(ahead) if ended else looked
 
     def _peek(self, offset: int, size: int) -> bytes:

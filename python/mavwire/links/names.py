@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import os
+import sys
 
 from mavwire._native import hang_up
 
@@ -107,5 +108,14 @@ def connect(port: Any, address: Any, timeout: float) -> None:
             port.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) if has_answered else errno.ETIMEDOUT
         )
     if failure:
-        raise OSError(failure, os.strerror(failure))
+        raise OSError(failure, _words(failure))
     port.settimeout(timeout)
+
+
+def _words(number: int) -> str:
+    """What the system says of an error."""
+    if sys.platform == "win32":  # the C library there does not know those of sockets
+        import ctypes
+
+        return ctypes.FormatError(number)
+    return os.strerror(number)

@@ -10,7 +10,7 @@ import errno
 import logging
 from time import monotonic, sleep
 
-from mavwire._native import hang_up
+from mavwire._native import accept, hang_up
 
 from .readiness import from_handler, wait_readable
 from .stream import StreamLink
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 CLIENT_SILENCE = 60.0
 # What accepting fails with when the link is closed. Anything else passes: there are no descriptors left, or no memory.
 CLOSED = frozenset((errno.EBADF, errno.EINVAL, errno.ENOTSOCK))
-# Until then the client waits, and the listening socket would wake us over and over; seconds.
+# How long a reader leaves a client alone that cannot be accepted; seconds.
 ACCEPT_PAUSE = 0.01
 
 
@@ -59,14 +59,17 @@ class OneClientLink(StreamLink):
     clients_replaced = 0
     # Why the client at the door cannot be taken, as was logged.
     _accept_error: str | None = None
+    # It was so the last time.
+    _is_refusing = False
     # When the client was heard, and how many messages the link had received by then.
     _heard_at = 0.0
     _heard_count = 0
 
     def _next_client(self) -> Any:
         """The socket of a waiting client, or None."""
+        self._is_refusing = False
         try:
-            port, _ = self.listen.accept()
+            port = accept(self.listen)
         except (BlockingIOError, InterruptedError, ConnectionError):
             return None
         except OSError as error:
@@ -75,15 +78,15 @@ class OneClientLink(StreamLink):
             if not self.waits_for_descriptors:
                 raise AcceptError(error.errno, error.strerror) from error
             self._say_why(error)
-            sleep(ACCEPT_PAUSE)
+            self._is_refusing = True
             return None
         self._accept_error = None
         try:
             port.setblocking(False)
             prepare_tcp(port)
-        except OSError as error:
+        except BaseException as error:
             hang_up(port)
-            if from_handler(error):
+            if not isinstance(error, OSError) or from_handler(error):
                 raise
             return None  # gone again
         set_close_on_exec(port.fileno())
@@ -91,6 +94,13 @@ class OneClientLink(StreamLink):
         self._forget_unsent()
         self._drop_partial()
         return port
+
+    def _nothing_received(self) -> bytes:
+        """What reading answers without a client; a moment later where one cannot be accepted, who would be found
+        waiting over and over."""
+        if self._is_refusing:
+            sleep(ACCEPT_PAUSE)
+        return b""
 
     def _welcome(self) -> bool:
         """True, for a client who was just taken, unless the link was closed meanwhile: OSError then."""

@@ -9,7 +9,7 @@ from mavwire._native import Turn, hang_up
 
 from .chunked import READ_SIZE
 from .helpers import FakeSerial
-from .readiness import wait_writable
+from .readiness import from_handler, wait_writable
 from .reconnecting import RetryingLink
 from .stream import DescriptorPort, PortError, StreamWriter, ask_port
 from .waiting import set_close_on_exec
@@ -35,6 +35,16 @@ def _check_baud(baud: Any, device: str) -> None:
     except ValueError:
         reason = f"the baud rate {baud!r} of the serial port {device} is not a number"
         raise ValueError(reason) from None
+
+
+def _is_of_handler(error: BaseException) -> bool:
+    """Whether a signal handler raised `error` in pyserial, or what that made a SerialException of, which it does with
+    whatever it takes for the system's."""
+    import serial
+
+    raised = error.__context__ if isinstance(error, serial.SerialException) else error
+    is_of_serial = isinstance(raised, serial.SerialException)
+    return raised is not None and not is_of_serial and from_handler(raised)
 
 
 def _is_plain(port: Any) -> bool:
@@ -84,12 +94,23 @@ class mavserial(RetryingLink):
         import serial
 
         try:
-            return serial.Serial(
-                self.device, OPENING_BAUD, timeout=0, dsrdtr=False, rtscts=False, xonxoff=False
-            )
+            return self._open_at(OPENING_BAUD)
         except serial.SerialException:
             if self.force_connected:
                 return FakeSerial()
+            raise
+
+    def _open_at(self, baud: int) -> Any:
+        """The port, opened. What a signal handler raises meanwhile comes as it is, and else what the system says."""
+        import serial
+
+        try:
+            return serial.Serial(
+                self.device, baud, timeout=0, dsrdtr=False, rtscts=False, xonxoff=False
+            )
+        except serial.SerialException as error:
+            if _is_of_handler(error):
+                raise error.__context__ or error from None
             raise
 
     @staticmethod
@@ -97,7 +118,9 @@ class mavserial(RetryingLink):
         """The port's descriptor to wait on; None where there is none (Windows, FakeSerial)."""
         try:
             fd: int = port.fileno()
-        except (AttributeError, OSError, ValueError):
+        except (AttributeError, OSError, ValueError) as error:
+            if _is_of_handler(error):
+                raise
             return None
         set_close_on_exec(fd)
         return fd
@@ -251,14 +274,12 @@ class mavserial(RetryingLink):
         return is_due() and self._reopen()
 
     def _reopen(self) -> bool:
-        import serial
-
         self._next_reset = time.monotonic() + self.reconnect_delay
         try:
-            port = serial.Serial(
-                self.device, int(self.baud), timeout=0, dsrdtr=False, rtscts=False, xonxoff=False
-            )
+            port = self._open_at(int(self.baud))
         except OSError as error:  # SerialException is one
+            if _is_of_handler(error):
+                raise
             self._note_failure(error)
             return False
         except ValueError:

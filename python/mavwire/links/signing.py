@@ -41,8 +41,9 @@ def signing_timestamp(unix_seconds: float) -> int:
 
 
 def check_key(secret_key: bytes) -> None:
-    """ValueError unless the key has 32 bytes, TypeError if it has none. Neither shows it."""
-    if isinstance(secret_key, str) or not hasattr(secret_key, "__len__"):
+    """ValueError unless the key has 32 bytes, TypeError if it has none in order. Neither shows it."""
+    has_order = hasattr(secret_key, "__len__") and hasattr(secret_key, "__getitem__")
+    if not has_order or isinstance(secret_key, (str, dict)):
         kind = type(secret_key).__name__
         raise TypeError(f"secret_key is {KEY_LEN} bytes, not of type {kind}")
     if len(secret_key) != KEY_LEN:
@@ -95,6 +96,16 @@ def _set_up(signing: Any, arguments: tuple[Any, ...]) -> None:
     _with_key.add(signing)
 
 
+def _callback(given: Any) -> Any:
+    """An `allow_unsigned_callback`, or None for what stands for none. TypeError for what is no function."""
+    if callable(given):
+        return given
+    if given:
+        reason = "allow_unsigned_callback is a function of mav and message id"
+        raise TypeError(f"{reason}, not {given!r}")
+    return None
+
+
 def _tried(
     secret_key: bytes,
     sign_outgoing: object,
@@ -105,9 +116,6 @@ def _tried(
     """A signing state of no link that was set up with these, so that they can be used on a link.
     ValueError, OverflowError or TypeError."""
     check_key(secret_key)
-    if allow_unsigned_callback is not None and not callable(allow_unsigned_callback):
-        reason = "allow_unsigned_callback is a function of mav and message id"
-        raise TypeError(f"{reason}, not {allow_unsigned_callback!r}")
     number = state.global_link_id if link_id is None else link_id
     _check_number("link_id", number, MAX_LINK_ID)
     _check_number("initial_timestamp", timestamp, MAX_TIMESTAMP)
@@ -175,6 +183,7 @@ def prepared(
     """What `_begin_signing` needs, from the arguments of `setup_signing`, with its errors; as slow as
     the store is. All is checked before anything is touched, and the store is the last that may fail.
     """
+    allow_unsigned_callback = _callback(allow_unsigned_callback)
     follows_clock = initial_timestamp is None
     units_ahead = _units_ahead(max_ahead, follows_clock)
     if initial_timestamp is None:
@@ -215,7 +224,7 @@ class Signing:
         """Sign what is sent and check what is received with the 32-byte `secret_key`.
 
         `allow_unsigned_callback(mav, msgid)` decides about frames without a good signature;
-        without one they are rejected. `initial_timestamp` is in 10 us units since 2015-01-01
+        without one, be it None or False, they are rejected. `initial_timestamp` is in 10 us units since 2015-01-01
         and defaults to now, and then follows the clock. Links without a `link_id` are numbered in
         order, process-wide. `timestamp_store`, the path of a file or an object with `load` and
         `save`, keeps timestamps rising over restarts whatever the clock does; links of processes

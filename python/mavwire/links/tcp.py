@@ -69,13 +69,14 @@ class mavtcp(ReconnectingLink):
 
     def do_connect(self) -> None:
         """Connect, trying `retries` times but at least once; raises the last error."""
-        attempts = max(self.retries, 1)
-        for attempt in range(1, attempts + 1):
+        attempts = 0
+        while True:
+            attempts += 1
             try:
                 self._use(self._connect())
                 return
             except OSError as error:
-                if attempt == attempts or from_handler(error):
+                if attempts >= self.retries or from_handler(error):
                     raise
                 print(f"{error} sleeping")
                 time.sleep(self.reconnect_delay)

@@ -54,7 +54,7 @@ class mavtcpin(OneClientLink):
     def recv(self, n: int | None = None) -> bytes:
         """Up to `n` bytes of the client; empty when there are none, or no client."""
         if not self._has_client():
-            return b""
+            return self._nothing_received()
         port = self.port
         if port is None:  # another thread closed it just now
             return b""

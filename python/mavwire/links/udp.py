@@ -7,10 +7,9 @@ accepted, and with a signing key that means a good signature.
 from __future__ import annotations
 
 import errno
-import math
 import time
 
-from mavwire._native import PortError, ask_port, hang_up
+from mavwire._native import MAVLink, PortError, ask_port, hang_up
 
 from .chunked import ChunkedLink
 from .names import look_up
@@ -34,8 +33,6 @@ UDP_MAX_PACKET_LEN = 65535
 # Each reply target costs a send per message. A full table replaces a peer silent this long.
 MAX_CLIENTS = 128
 CLIENT_SILENCE = 60.0
-# How long ago a peer was heard at most for what `recv` hands out not to be looked at.
-HEARD_LATELY = 1.0
 # Looking up a name may block for seconds: the least time between two attempts.
 LOOKUP_PAUSE = 10.0
 
@@ -114,7 +111,20 @@ class mavudp(ChunkedLink):
 
     def recv(self, n: int | None = None) -> bytes:
         """One datagram, whatever `n`; empty when none is waiting."""
+        data = self._read_datagram()
+        # A client that is bound to its server has nobody to find.
+        if data and (self.udp_server or self.broadcast) and self._holds_trusted(data):
+            self._heard(self.last_address)
+        return data
+
+    def _recv_own(self, n: int | None) -> bytes:
+        """Of what this link parses itself `post_message` knows whom to answer."""
+        is_replaced = getattr(self.recv, "__func__", None) is not mavudp.recv
+        return self.recv(n) if is_replaced else self._read_datagram()
+
+    def _read_datagram(self) -> bytes:
         received: tuple[bytes, Any] | None = self._take_datagram()
+        data: bytes
         try:
             data, self.last_address = received or self.port.recvfrom(UDP_MAX_PACKET_LEN)
         except OSError as error:
@@ -122,30 +132,24 @@ class mavudp(ChunkedLink):
                 return b""
             raise
         self._switch_peer(self.last_address)
-        if not self._heard_lately(self.last_address) and self._holds_trusted(data):
-            self._heard(self.last_address)
         return data
-
-    def _heard_lately(self, address: Any) -> bool:
-        """Whether hearing `address` once more would change nothing."""
-        if not self.udp_server:
-            return not self.broadcast
-        heard = self.clients_last_alive.get(address, -math.inf)
-        return address in self.clients and abs(time.time() - heard) < HEARD_LATELY
 
     def _holds_trusted(self, data: bytes) -> bool:
         """Whether `data` has a message that may say who is there. What reads with `recv` need not parse
-        with this link, or at all. Another parser looks, so that `mav` finds all as it was: with a key a
-        message is good once.
+        with this link, or at all. Looking leaves `mav` as it was: with a key a message is good once.
         """
+        mav: Any = self.mav
+        if isinstance(mav, MAVLink):
+            return mav._holds_trusted(data)
+        if self._has_key():  # then only the program's own parser knows what is good
+            return False
         mav = self._new_mav()
         mav.robust_parsing = True
+        return any(msg.get_msgId() >= 0 for msg in mav.parse_buffer(data) or ())
+
+    def _has_key(self) -> bool:
         signing = getattr(self.mav, "signing", None)
-        if signing is not None and signing.secret_key is not None:
-            mav.signing.secret_key = signing.secret_key
-            mav.signing.timestamp = signing.timestamp
-            mav.signing.stream_timestamps = signing.stream_timestamps
-        return any(map(self._is_trusted, mav.parse_buffer(data) or ()))
+        return signing is not None and signing.secret_key is not None
 
     def post_message(self, msg: Message) -> None:
         """Take a received message into the link's state, once. Its sender, which is that of the last
@@ -158,10 +162,7 @@ class mavudp(ChunkedLink):
 
     def _is_trusted(self, msg: Message) -> bool:
         """Whether `msg` may say who is there: with a key, what a callback let pass may not."""
-        if msg.get_msgId() < 0:
-            return False
-        signing = getattr(self.mav, "signing", None)
-        return signing is None or signing.secret_key is None or bool(msg.get_signed())
+        return msg.get_msgId() >= 0 and (not self._has_key() or bool(msg.get_signed()))
 
     def _heard(self, address: Any) -> None:
         """A valid message came from `address`: answer it from now on."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import errno
 import os
+import sys
 
 from mavwire._native import PortError, ask_port
 
 from .names import is_numeric, look_up
+from .readiness import from_handler
 from .recognise import is_serial_name
 
 TYPE_CHECKING = False
@@ -19,6 +21,8 @@ MAX_PORT = 65535
 
 def set_close_on_exec(fd: int) -> None:
     """Keep `fd` out of child processes where the platform can; never fails."""
+    if sys.platform == "win32":  # a socket's number is no descriptor there, or another file's
+        return
     from contextlib import suppress
 
     with suppress(PortError):
@@ -53,7 +57,6 @@ RECEIVE_BUFFER = 8 << 20
 def ask_for_room(port: Any) -> None:
     """Let a datagram socket hold more than the usual few hundred datagrams for a busy reader."""
     import socket
-    import sys
     from contextlib import suppress
 
     if sys.platform.startswith("linux"):
@@ -74,7 +77,6 @@ _MEMINFO_LEN = 9 * 4
 def datagrams_dropped(port: Any) -> int:
     """Datagrams that the system dropped because nobody read `port`; 0 where it does not say."""
     import socket
-    import sys
 
     if not sys.platform.startswith("linux"):
         return 0
@@ -133,6 +135,8 @@ def bind(port: Any, address: tuple[str, int]) -> None:
             address = look_up(host, number, port.family, port.type)[0][4]
         port.bind(socket_address(address))
     except OSError as error:
+        if from_handler(error):
+            raise
         raise type(error)(error.errno, f"{error.strerror}: {host}:{number}") from None
 
 

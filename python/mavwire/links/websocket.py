@@ -184,7 +184,7 @@ class mavwebsocket(_WebSocketLink, OneClientLink):
 
     def _read(self) -> bytes:
         if self.port is None and not self._accept():
-            return b""
+            return self._nothing_received()
         return self._receive()
 
     def write(self, buf: bytes) -> None:

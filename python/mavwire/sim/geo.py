@@ -28,8 +28,9 @@ class Place(NamedTuple):
 
 def place_of(home: Iterable[float]) -> Place:
     """The place that `home` names by degrees and metres; ValueError if it is none."""
+    numbers = () if isinstance(home, (str, bytes)) else home  # characters may be numbers, too
     try:
-        lat, lon, alt = map(float, home)
+        lat, lon, alt = map(float, numbers)
     except (TypeError, ValueError):
         reason = "home must be latitude, longitude and metres above sea level"
         raise ValueError(f"{reason}: {home!r}") from None

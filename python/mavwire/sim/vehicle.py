@@ -93,7 +93,7 @@ class Vehicle:
         self._outgoing: Channel[bytes] = Channel(impairment, self._random, flip_bit)
         self._incoming: Channel[Any] = Channel(impairment, self._random, lambda *_: None)
         self._frames: list[bytes] = []
-        self._place = place_of(home or self.personality.home)
+        self._place = place_of(self.personality.home if home is None else home)
         check_start(self._place, heading)
         self._heading, self._wind, self._gps_delay = math.radians(heading), wind, gps_delay
         self.frames_sent = 0

@@ -107,6 +107,22 @@ impl Verdict {
     }
 }
 
+/// What was looked at by [`SigningState::look`].
+#[derive(Debug, Clone, Default)]
+pub struct Sightings {
+    streams: StreamTable,
+    /// As far as verified timestamps would have moved the local one.
+    timestamp: u64,
+}
+
+impl Sightings {
+    /// The same streams for a party with another local timestamp.
+    #[must_use]
+    pub fn begun_anew(&self) -> Self {
+        Self { streams: self.streams.clone(), timestamp: 0 }
+    }
+}
+
 /// Key, timestamps and streams of one party. Links that use the same key share one, so that what was heard on one link
 /// cannot be replayed on another.
 #[derive(Debug, Default)]
@@ -158,11 +174,7 @@ impl SigningState {
         now: Option<u64>,
     ) -> Verdict {
         let Some(key) = &self.key else { return Verdict::NoKey };
-        let Some(signature) = frame.signature() else { return Verdict::Unsigned };
-        let header = frame.header();
-        let id =
-            StreamId { link_id: signature.link_id, sysid: header.sysid, compid: header.compid };
-        let timestamp = signature.timestamp;
+        let Some((id, timestamp)) = stream_of(frame) else { return Verdict::Unsigned };
         // Who only listens has no timestamp of its own that goes on.
         let local = self.timestamp.max(now.unwrap_or(0));
         let place = streams.find(id);
@@ -190,6 +202,27 @@ impl SigningState {
         }
         self.follow(timestamp, now);
         Verdict::Good { stream }
+    }
+
+    /// Judges a frame for somebody who only wants to know who sent it, by the same rules: `seen` takes note of it, and
+    /// who receives the frame later finds all as it was. What is old to the `streams` of received frames is old here.
+    pub fn look(
+        &mut self,
+        seen: &mut Sightings,
+        streams: &StreamTable,
+        frame: &FrameRef<'_>,
+        now: Option<u64>,
+    ) -> Verdict {
+        if let Some((id, _)) = stream_of(frame)
+            && let Some(last) = streams.get(id)
+        {
+            seen.streams.raise(id, last);
+        }
+        let own = self.timestamp;
+        self.timestamp = own.max(seen.timestamp);
+        let verdict = self.check_in(&mut seen.streams, frame, now);
+        seen.timestamp = std::mem::replace(&mut self.timestamp, own);
+        verdict
     }
 
     /// Moves the local timestamp up to a verified one, but not far beyond the clock: one peer with a wrong clock must not
@@ -260,6 +293,14 @@ impl SigningState {
         let key = self.key.as_ref().ok_or(SigningError::NoKey)?;
         Ok((timestamp, signature(frame, key, link_id, timestamp)))
     }
+}
+
+/// The stream of a signed frame, and its timestamp.
+#[inline]
+fn stream_of(frame: &FrameRef<'_>) -> Option<(StreamId, u64)> {
+    let (header, signature) = (frame.header(), frame.signature()?);
+    let id = StreamId { link_id: signature.link_id, sysid: header.sysid, compid: header.compid };
+    Some((id, signature.timestamp))
 }
 
 /// Two digests are equal; takes as long whatever differs.

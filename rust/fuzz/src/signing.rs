@@ -8,7 +8,8 @@ use std::sync::Arc;
 use mavwire_core::border::{Border, BorderOptions};
 use mavwire_core::frame::{FrameRef, Header, IFLAG_SIGNED};
 use mavwire_core::signing::{
-    MAX_TIMESTAMP, NEW_STREAM_WINDOW, SigningState, Stream, StreamId, StreamTable, Verdict,
+    MAX_TIMESTAMP, NEW_STREAM_WINDOW, Sightings, SigningState, Stream, StreamId, StreamTable,
+    Verdict,
 };
 use mavwire_schema::WireVersion;
 
@@ -96,7 +97,7 @@ pub fn signing(data: &[u8]) {
     state.timestamp = input.long() >> 16;
     state.max_ahead = (input.byte() % 2 == 1).then_some(MAX_AHEAD);
     state.set_key(Some(key(0)));
-    let (mut streams, mut sent) = (BTreeMap::new(), None);
+    let (mut streams, mut seen, mut sent) = (BTreeMap::new(), Sightings::default(), None);
     let (mut clock, mut newest) = (state.timestamp, state.timestamp);
     while !input.is_empty() {
         let step = input.byte();
@@ -118,12 +119,30 @@ pub fn signing(data: &[u8]) {
                 let timestamp = near(&mut input, newest);
                 let (frame, genuine) = signed_frame(&mut input, timestamp);
                 let Ok(frame) = FrameRef::parse(&frame) else { continue };
+                if step & 128 != 0 {
+                    looked_at(&mut state, &mut seen, &frame, now);
+                }
                 received(&mut state, &mut streams, &frame, genuine, now);
                 newest = timestamp;
             }
         }
         assert!(state.streams.iter().eq(streams.iter().map(|(&id, &last)| (id, last))));
     }
+}
+
+/// Who looks finds nothing good twice, and changes nothing for who receives.
+fn looked_at(
+    state: &mut SigningState,
+    seen: &mut Sightings,
+    frame: &FrameRef<'_>,
+    now: Option<u64>,
+) {
+    let (timestamp, streams) = (state.timestamp, state.streams.clone());
+    let first = state.look(seen, &streams, frame, now);
+    let second = state.look(seen, &streams, frame, now);
+    assert!(!(first.is_verified() && second.is_verified()));
+    assert_eq!(state.timestamp, timestamp);
+    assert!(state.streams.iter().eq(streams.iter()));
 }
 
 fn received(

@@ -48,6 +48,8 @@ fn close_socket(port: &Bound<'_, PyAny>) -> PyResult<()> {
 fn close_serial(port: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = port.py();
     port.set_attribute(intern!(py, "is_open"), false)?;
+    // Otherwise its finalizer closes it once more, in Python code whose exceptions nobody gets.
+    port.set_attribute(intern!(py, "__IOBase_closed"), true)?;
     for name in SERIAL_DESCRIPTORS {
         let name = PyString::new(py, name);
         if let Some(fd) = port.attribute_opt(&name)?

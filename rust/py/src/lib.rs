@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 #[macro_use]
 mod intern;
 
+mod accept;
 mod align;
 #[cfg(unix)]
 mod bridge;
@@ -95,6 +96,7 @@ mod thread_number;
 mod tls_port;
 mod track;
 mod tracking;
+mod trust;
 mod turn;
 mod values;
 mod x25;
@@ -103,6 +105,8 @@ mod x25;
 mod _native {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::accept::accept;
     #[pymodule_export]
     use crate::align::align_tables;
     #[cfg(unix)]

@@ -20,6 +20,7 @@ use crate::send;
 use crate::sending::Sending;
 use crate::signing::Signing;
 use crate::slot::Slot;
+use crate::trust;
 
 /// A callback with the arguments it was registered with.
 pub(crate) struct Callback {
@@ -497,6 +498,11 @@ impl MAVLink {
     fn _share_sending(&self, other: &Bound<'_, Self>) {
         let first = other.get().predecessor.get().unwrap_or(other.as_unbound());
         let _ = self.predecessor.set(first.clone_ref(other.py()));
+    }
+
+    /// Whether bytes that are not received here hold a message that may say who sent them: see `trust`.
+    fn _holds_trusted(slf: &Bound<'_, Self>, data: &[u8]) -> PyResult<bool> {
+        trust::holds_trusted(slf, data)
     }
 
     /// Bytes received and not parsed yet.

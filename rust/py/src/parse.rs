@@ -32,9 +32,10 @@ fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
     let this = mav.get();
     let mut parser = this.parser();
     // A program may hand over more than there is memory for twice.
-    parser.reserve(bytes.len()).map_err(|error| PyMemoryError::new_err(error.to_string()))?;
+    let is_enough =
+        parser.try_push(bytes).map_err(|error| PyMemoryError::new_err(error.to_string()))?;
     shared::add(&this.counters.bytes_received, bytes.len() as u64);
-    Ok(parser.push(bytes))
+    Ok(is_enough)
 }
 
 /// Takes over what the module says about checksums, which user code may change at any time.

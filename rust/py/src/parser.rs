@@ -160,19 +160,26 @@ impl Parser {
         self.expected_length.saturating_sub(self.unread().len()).max(1)
     }
 
-    /// Has room for so much input, or says that there is no memory for it.
-    pub(crate) fn reserve(&mut self, len: usize) -> Result<(), TryReserveError> {
-        self.buffer.try_reserve(len)
+    /// As `push`, for input of any length: says so where there is no memory for it.
+    pub(crate) fn try_push(&mut self, bytes: &[u8]) -> Result<bool, TryReserveError> {
+        self.drop_parsed();
+        self.buffer.try_reserve(bytes.len())?;
+        Ok(self.push(bytes))
+    }
+
+    /// What is parsed goes when it is the larger part, so that each byte is moved once in the mean.
+    #[inline]
+    fn drop_parsed(&mut self) {
+        if self.parsed > self.buffer.len() / 2 {
+            self.buffer.drain(..self.parsed);
+            self.parsed = 0;
+        }
     }
 
     /// Takes input; true if it is worth a look now.
     #[inline]
     pub(crate) fn push(&mut self, bytes: &[u8]) -> bool {
-        // What is parsed goes when it is the larger part, so that each byte is moved once in the mean.
-        if self.parsed > self.buffer.len() / 2 {
-            self.buffer.drain(..self.parsed);
-            self.parsed = 0;
-        }
+        self.drop_parsed();
         match bytes {
             &[byte] => self.buffer.push(byte),
             _ => self.buffer.extend_from_slice(bytes),

@@ -2,6 +2,7 @@
 //! called them, since no handler runs in between.
 
 use std::io;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use mavwire_link::bytes::{read_some, write_some};
@@ -16,7 +17,7 @@ use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString, PyTuple};
 
-use crate::calling::{Calling, Known};
+use crate::calling::{Calling, Known, import};
 use crate::tls_port::TlsPort;
 
 /// The same number on all systems.
@@ -24,8 +25,8 @@ const EPIPE: i32 = 32;
 
 static STRERROR: Known = Known::new("os", "strerror");
 static SOCKET: Known = Known::new("socket", "socket");
-/// Not on all systems.
-static NO_SIGNAL: Known = Known::new("socket", "MSG_NOSIGNAL");
+/// `socket.MSG_NOSIGNAL`, where the system has it.
+static NO_SIGNAL: OnceLock<Option<Py<PyAny>>> = OnceLock::new();
 
 create_exception!(
     mavwire._native,
@@ -57,7 +58,7 @@ pub(crate) fn send<'py>(
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
     let (py, name) = (port.py(), intern!(port.py(), "send"));
     if port.get_type().is(SOCKET.get(py)?)
-        && let Ok(no_signal) = NO_SIGNAL.get(py)
+        && let Some(no_signal) = no_signal(py)?
     {
         let answer = port.invoke_method1(name, (data, no_signal));
         return judged(py, own_errors(py, answer)?);
@@ -68,6 +69,14 @@ pub(crate) fn send<'py>(
         Err(_) => own_errors(py, port.invoke_method_with(name, data))?,
     };
     judged(py, answer)
+}
+
+fn no_signal(py: Python<'_>) -> PyResult<Option<&Py<PyAny>>> {
+    if let Some(known) = NO_SIGNAL.get() {
+        return Ok(known.as_ref());
+    }
+    let found = import(py, intern!(py, "socket"))?.attribute_opt(intern!(py, "MSG_NOSIGNAL"))?;
+    Ok(NO_SIGNAL.get_or_init(|| found.map(Bound::unbind)).as_ref())
 }
 
 /// What came of asking a port: `Err` is not the port's own.

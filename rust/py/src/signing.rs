@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering::Relaxed};
 use mavwire_core::frame::{FrameBuffer, FrameRef};
 use mavwire_core::pyfloat::write_repr;
 use mavwire_core::signing::{
-    SecretKey, SigningError, SigningState, Stream, StreamId, StreamTable, Verdict,
+    SecretKey, Sightings, SigningError, SigningState, Stream, StreamId, StreamTable, Verdict,
     timestamp_from_unix_micros,
 };
 use pyo3::exceptions::{PyAssertionError, PyOverflowError, PyValueError};
@@ -33,13 +33,20 @@ pub(crate) enum Acceptance {
     Rejected,
 }
 
+/// What the links with a key know of those who sign with it.
+#[derive(Default)]
+struct Streams {
+    received: StreamTable,
+    seen: Sightings,
+}
+
 /// Signing state of one link.
 #[pyclass(frozen, subclass, module = "mavwire._native")]
 pub(crate) struct Signing {
     /// Key and timestamp. Its own stream table is not used.
     state: Lock<SigningState>,
     /// One for all links with the same key, so that what was heard on one link cannot be replayed on another.
-    streams: Lock<Arc<Lock<StreamTable>>>,
+    streams: Lock<Arc<Lock<Streams>>>,
     /// Outgoing timestamps follow the clock.
     follows_clock: AtomicBool,
     /// Timestamps below this one may be used; reaching it calls `keep`.
@@ -83,8 +90,8 @@ impl Signing {
         self.state.lock(unsafe { Python::assume_attached() })
     }
 
-    /// Does something with the stream table that the links with this key share.
-    fn with_streams<T>(&self, act: impl FnOnce(&mut StreamTable) -> T) -> T {
+    /// Does something with what the links with this key share.
+    fn with_streams<T>(&self, act: impl FnOnce(&mut Streams) -> T) -> T {
         // SAFETY: as above.
         let py = unsafe { Python::assume_attached() };
         let shared = self.streams.lock(py);
@@ -94,7 +101,16 @@ impl Signing {
 
     fn judge(&self, frame: &FrameRef<'_>) -> Verdict {
         let now = self.clock();
-        self.with_streams(|streams| self.state().check_in(streams, frame, now))
+        self.with_streams(|streams| self.state().check_in(&mut streams.received, frame, now))
+    }
+
+    /// Whether a frame is genuine, and neither received nor looked at before. Who receives it later finds all as it was.
+    pub(crate) fn look(&self, frame: &FrameRef<'_>) -> bool {
+        let now = self.clock();
+        let verdict = self.with_streams(|streams| {
+            self.state().look(&mut streams.seen, &streams.received, frame, now)
+        });
+        verdict.is_verified()
     }
 
     /// The clock, if timestamps follow it.
@@ -104,7 +120,7 @@ impl Signing {
         })
     }
 
-    fn use_streams(&self, py: Python<'_>, streams: Arc<Lock<StreamTable>>) {
+    fn use_streams(&self, py: Python<'_>, streams: Arc<Lock<Streams>>) {
         let old = std::mem::replace(&mut *self.streams.lock(py), streams);
         drop(old);
     }
@@ -113,7 +129,10 @@ impl Signing {
         self.has_key.store(key.is_some(), Relaxed);
         self.state().set_key(key);
         // What was shared was with links of the key before.
-        let streams = self.with_streams(|streams| streams.clone());
+        let streams = self.with_streams(|streams| Streams {
+            received: streams.received.clone(),
+            seen: streams.seen.begun_anew(),
+        });
         self.use_streams(py, Arc::new(Lock::new(streams)));
     }
 
@@ -266,7 +285,7 @@ impl Signing {
     fn new() -> Self {
         Self {
             state: Lock::new(SigningState::new()),
-            streams: Lock::new(Arc::new(Lock::new(StreamTable::default()))),
+            streams: Lock::new(Arc::new(Lock::new(Streams::default()))),
             mark: AtomicU64::new(u64::MAX),
             keep: Slot::new(),
             follows_clock: AtomicBool::new(false),
@@ -389,7 +408,7 @@ impl Signing {
     /// Last timestamp of each verified stream: `{(link_id, sysid, compid): timestamp}`, a copy.
     #[getter]
     fn stream_timestamps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let rows: Vec<_> = self.with_streams(|streams| streams.iter().collect());
+        let rows: Vec<_> = self.with_streams(|streams| streams.received.iter().collect());
         let dict = PyDict::new(py);
         for (id, timestamp) in rows {
             dict.set_item((id.link_id, id.sysid, id.compid), timestamp)?;
@@ -404,8 +423,8 @@ impl Signing {
             rows.push((StreamId { link_id, sysid, compid }, timestamp.extract()?));
         }
         let fits = self.with_streams(|streams| {
-            streams.clear();
-            rows.into_iter().all(|(id, timestamp)| streams.set(id, timestamp))
+            *streams = Streams::default();
+            rows.into_iter().all(|(id, timestamp)| streams.received.set(id, timestamp))
         });
         if fits { Ok(()) } else { Err(PyValueError::new_err("more streams than the table holds")) }
     }

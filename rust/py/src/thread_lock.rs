@@ -131,6 +131,10 @@ impl ThreadLock {
                 return Ok(way);
             }
             self.park(py, &this);
+            // Others left it to this thread: handlers of signals come later.
+            if let Some(way) = self.claim(thread) {
+                return Ok(way);
+            }
             py.check_signals()?;
             waits += 1;
             if self.turns.load(Relaxed) != turns {

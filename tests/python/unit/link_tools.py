@@ -45,6 +45,8 @@ WRONG_SIGNING: list[dict[str, Any]] = [
     {"secret_key": b"short"},
     {"secret_key": "a text of thirty-two characters."},
     {"secret_key": None},
+    {"secret_key": dict.fromkeys(range(32), 1)},
+    {"secret_key": frozenset(range(32))},
     {"sign_outgoing": Undecided()},
     {"max_ahead": -1},
     {"max_ahead": float("nan")},

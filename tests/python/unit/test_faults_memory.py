@@ -156,3 +156,21 @@ print(json.dumps(told))
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout.splitlines()[-1])
     assert told == {name: end for name, (_, end) in ASKED.items()}, done.stderr
+
+
+def test_input_takes_the_room_of_what_was_parsed(tmp_path: Path) -> None:
+    """There need not be memory for both."""
+    program = f"""{SQUEEZED}
+from mavwire.dialects.v20 import all as mavlink
+from unit.link_tools import pack
+mav = mavlink.MAVLink(None)
+mav.robust_parsing = True
+frames = pack(mavlink.MAVLink_file_transfer_protocol_message(0, 0, 0, [1] * 251), 0) * 10_000
+assert mav.parse_char(bytes(24 << 20) + frames).get_type() == "BAD_DATA"
+more = frames * 6
+def parse():
+    assert mav.parse_char(more).get_type() == "FILE_TRANSFER_PROTOCOL"
+print(squeezed(parse, 12_000))
+"""
+    done = python(program, "", "")
+    assert (done.returncode, done.stdout.strip()) == (0, "done"), done.stderr

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import random
 import select
 import signal
 import socket
+import sys
 import threading
 import tty
 from collections.abc import Callable, Iterator
@@ -27,6 +29,7 @@ from mavwire._native import (
     hang_up,
 )
 from mavwire.links.waiting import ask_for_room, prepare_tcp, set_close_on_exec
+from unit.faults import python
 from unit.link_tools import heartbeat
 from watchdog import watched
 
@@ -260,7 +263,12 @@ def test_a_handlers_timeout_ends_the_attempt_to_connect(kind: str) -> None:
 
 
 def each_step() -> Iterator[Callable[[], object]]:
-    """What closes, prepares and watches a socket."""
+    """What closes, prepares and watches a socket, and opens a serial port."""
+    serial, device = serial_link()
+    serial.reconnect_delay = 0
+    yield serial.reset
+    serial.close()
+    device.close()
     pair = socket.socketpair()
     link = mavutil.mavlink_connection("tcpin:127.0.0.1:0")
     yield lambda: hang_up(socket.socket())
@@ -279,6 +287,148 @@ def test_what_a_handler_raises_is_not_taken_for_the_systems(interrupted: Any) ->
         interrupted(act)
 
 
+def descriptors() -> int:
+    return len(os.listdir("/proc/self/fd"))
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="counts descriptors")
+def test_a_client_whose_accept_is_interrupted_is_not_left_connected(interrupted: Any) -> None:
+    """It hears an end, or is served."""
+    link = mavutil.mavlink_connection("tcpin:127.0.0.1:0")
+    address = (b"127.0.0.1", link.listen.getsockname()[1])  # a text is looked up in Python
+    before = descriptors()
+
+    def serve() -> None:
+        while link._somebody_waits() or link.port is not None:
+            link.recv()
+            link._let_go(link.port)
+
+    def act() -> None:
+        serve()
+        with socket.socket() as client:
+            client.connect(address)
+            link.recv()
+
+    interrupted(act)
+    with watched(WAIT):
+        serve()
+    gc.collect()
+    assert descriptors() <= before
+    link.close()
+
+
+class Alarm(Exception):
+    """What a handler raises of no kind of error that ports have."""
+
+
+class Interrupting:
+    """A socket in whose closing a signal handler raises, the first time."""
+
+    def __init__(self, real: socket.socket) -> None:
+        self._real, self._raises = real, True
+
+    def close(self) -> None:
+        if self._raises:
+            self._raises = False
+            raise Alarm
+        self._real.close()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._real, name)
+
+
+@pytest.mark.parametrize(("device", "first"), [("tcpin:127.0.0.1:0", "listen"), ("mcast:", "port")])
+def test_a_link_whose_closing_is_interrupted_is_closed_whole(device: str, first: str) -> None:
+    """Nobody closes it again: it says that it is closed, and a `with` block is over."""
+    try:
+        link = mavutil.mavlink_connection(device)
+    except OSError as error:
+        pytest.skip(f"no multicast here: {error}")
+    peer = None
+    if first == "listen":
+        peer = socket.create_connection(link.listen.getsockname())
+        with watched(WAIT):
+            while link.port is None:
+                link.recv()
+    ports = [link.port, link.port_out if peer is None else link.listen]
+    real = getattr(link, first)
+    setattr(link, first, Interrupting(real))
+    with pytest.raises(Alarm):
+        link.close()
+    assert [port.fileno() for port in ports] == [-1, -1]
+    assert link.fd is None
+    if peer is not None:
+        assert peer.recv(1) == b""
+        peer.close()
+
+
+def test_who_interrupts_the_end_of_a_child_does_not_wait_for_it() -> None:
+    link = mavutil.mavlink_connection("exec:/bin/cat")
+    wait, waits = link.child.wait, []
+
+    def interrupt(timeout: float | None = None) -> int:
+        waits.append(timeout)
+        if timeout is not None and len(waits) == 1:
+            raise KeyboardInterrupt
+        return wait(timeout)
+
+    link.child.terminate = int
+    link.child.wait = interrupt
+    with watched(WAIT), pytest.raises(KeyboardInterrupt):
+        link.close()
+    assert link.child.returncode == -signal.SIGKILL
+    assert (link.child.stdin.closed, link.child.stdout.closed) == (True, True)
+
+
+class Refused:
+    """The module that opens serial ports, whose words for errors are its own."""
+
+    def __init__(self, module: Any, error: OSError) -> None:
+        self._module, self._error = module, error
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._module, name)
+
+    def Serial(self, *_: object, **__: object) -> Any:
+        try:
+            raise self._error
+        except OSError as error:
+            raise self._module.SerialException(error.errno, f"could not open port: {error}")  # noqa: B904
+
+
+@pytest.mark.parametrize("force_connected", [False, True])
+def test_opening_a_serial_port_tells_a_handlers_errors_from_the_systems(
+    force_connected: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    serial = pytest.importorskip("serial")
+    options = {"baud": 57600, "force_connected": force_connected}
+    monkeypatch.setitem(sys.modules, "serial", Refused(serial, Stop("alarm")))
+    with pytest.raises(Stop, match="alarm"):
+        mavutil.mavserial("/dev/ttyNONE0", **options)
+    gone = Refused(serial, FileNotFoundError(2, "No such file or directory"))
+    monkeypatch.setitem(sys.modules, "serial", gone)
+    if force_connected:
+        assert not mavutil.mavserial("/dev/ttyNONE0", **options).reset()
+    else:
+        with pytest.raises(serial.SerialException, match="No such file"):
+            mavutil.mavserial("/dev/ttyNONE0", **options)
+
+
+@pytest.mark.parametrize("device", ["udpin:somewhere.test:0", "tcpin:somewhere.test:0"])
+def test_what_a_handler_raises_while_a_name_is_looked_up_to_listen_stays_what_it_is(
+    device: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    raised = Stop()
+
+    def interrupted(*_: object) -> None:
+        raise raised
+
+    monkeypatch.setattr("mavwire.links.waiting.look_up", interrupted)
+    with pytest.raises(Stop) as told:
+        mavutil.mavlink_connection(device)
+    assert told.value is raised
+
+
 def test_sigpipe_is_not_held_back_after_interrupts(interrupted: Any) -> None:
     """By programs that let it end them."""
     link, peer = tcp_link()
@@ -292,6 +442,27 @@ def test_sigpipe_is_not_held_back_after_interrupts(interrupted: Any) -> None:
     reader.end()
     peer.close()
     assert signal.SIGPIPE not in held_back
+
+
+def test_a_system_that_cannot_leave_out_sigpipe_is_asked_once() -> None:
+    program = """
+import socket
+asked = []
+def missing(name):
+    asked.append(name)
+    raise AttributeError(name)
+vars(socket).pop("MSG_NOSIGNAL", None)
+socket.__getattr__ = missing
+from mavwire._native import StreamWriter
+one, other = socket.socketpair()
+writer = StreamWriter()
+for _ in range(3):
+    writer.write(one, b"frame")
+assert other.recv(100) == b"frame" * 3
+print(asked.count("MSG_NOSIGNAL"))
+"""
+    done = python(program)
+    assert (done.stdout.strip(), done.stderr) == ("1", "")
 
 
 @pytest.mark.parametrize("is_gone", [False, True])
@@ -310,6 +481,7 @@ def test_a_serial_port_is_closed_whole(is_gone: bool) -> None:
             os.fstat(fd)
     assert {getattr(port, name) for name in names} == {None}
     assert not port.is_open
+    assert port.closed  # or its finalizer would do it again, and swallow what a handler raises
     link.close()
     device.close()
 

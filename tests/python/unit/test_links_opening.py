@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import math
 import os
@@ -13,7 +14,9 @@ from typing import Any, ClassVar
 
 import pytest
 from mavwire import mavutil
+from mavwire.links import names
 from mavwire.links.mcast import mavmcast
+from mavwire.links.waiting import set_close_on_exec
 from unit.bridge_tools import wait_until
 from unit.link_tools import free_port, heartbeat
 
@@ -89,14 +92,71 @@ def test_classes_of_a_program_are_given_a_pause_when_it_asks_for_one(
     assert mavutil.mavlink_connection(device, reconnect_delay=2) == 2
 
 
-@pytest.mark.parametrize("device", ["udpin:127.0.0.1:0", "tcp:127.0.0.1:9"])
-def test_wrong_pauses_are_named(device: str) -> None:
-    for wrong in ({"reconnect_delay": "a"}, {"retries": "a"}, {"retries": None}):
-        with pytest.raises(TypeError, match=f"^{next(iter(wrong))} is a number, not "):
-            mavutil.mavlink_connection(device, **wrong)  # type: ignore[call-overload]
-    for delay in (-1, math.nan, math.inf):
-        with pytest.raises(ValueError, match=f"^reconnect_delay is .* not {delay}$"):
-            mavutil.mavlink_connection(device, reconnect_delay=delay)
+def test_wrong_pauses_are_named(tmp_path) -> None:
+    for device in ("tcp:127.0.0.1:9", f"uds:{tmp_path}/none"):
+        for wrong in ({"reconnect_delay": "a"}, {"retries": "a"}, {"retries": None}):
+            with pytest.raises(TypeError, match=f"^{next(iter(wrong))} is a number, not "):
+                mavutil.mavlink_connection(device, **wrong)  # type: ignore[call-overload]
+        for delay in (-1, math.nan, math.inf):
+            with pytest.raises(ValueError, match=f"^reconnect_delay is .* not {delay}$"):
+                mavutil.mavlink_connection(device, reconnect_delay=delay)
+        with pytest.raises(ValueError, match="^retries is a number, not nan$"):
+            mavutil.mavlink_connection(device, retries=math.nan)  # type: ignore[call-overload]
+
+
+def test_pauses_may_be_anything_where_nobody_pauses() -> None:
+    """As with pymavlink."""
+    options: dict[str, Any] = {"retries": None, "reconnect_delay": -1}
+    for device in ("udpin:127.0.0.1:0", "tcpin:127.0.0.1:0"):
+        mavutil.mavlink_connection(device, **options).close()
+
+
+@pytest.mark.parametrize(("retries", "attempts"), [(-1, 1), (0, 1), (1.5, 2), (math.inf, 7)])
+def test_retries_may_be_any_number(
+    retries: Any, attempts: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried: list[object] = []
+
+    def refuse(*arguments: object) -> None:
+        tried.append(arguments)
+        raise (ConnectionRefusedError if len(tried) < 7 else KeyboardInterrupt)(111, "refused")
+
+    monkeypatch.setattr("mavwire.links.tcp.connect_to", refuse)
+    with pytest.raises((ConnectionRefusedError, KeyboardInterrupt)):
+        mavutil.mavlink_connection("tcp:127.0.0.1:9", retries=retries, reconnect_delay=0)
+    assert len(tried) == attempts
+
+
+def test_windows_says_errors_of_sockets_in_its_own_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The C library there does not know them."""
+
+    class Refusing:
+        def setblocking(self, flag: bool) -> None:
+            pass
+
+        def connect_ex(self, address: object) -> int:
+            return 10061
+
+    words = "No connection could be made because the target machine actively refused it."
+    told = {10061: words}
+    monkeypatch.setattr(ctypes, "FormatError", told.__getitem__, raising=False)
+    monkeypatch.setattr(sys, "platform", "win32")
+    with pytest.raises(OSError, match=words) as refused:
+        names.connect(Refusing(), ("127.0.0.1", 9), 1.0)
+    assert refused.value.errno == 10061
+
+
+def test_numbers_of_sockets_are_no_descriptors_on_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+    read, write = os.pipe()
+    os.set_inheritable(read, True)
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "platform", "win32")
+        set_close_on_exec(read)
+    assert os.get_inheritable(read)
+    set_close_on_exec(read)
+    assert not os.get_inheritable(read)
+    os.close(read)
+    os.close(write)
 
 
 def test_a_client_without_a_host_connects_to_this_machine() -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import logging
 import socket
 import threading
 import time
@@ -16,6 +17,7 @@ from mavwire import aio, mavutil
 from mavwire.aio.transports import OneClientServer
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import one_client, udp
+from mavwire.links.signing import signing_timestamp
 from unit.aio_tools import eventually, run
 from unit.link_tools import KEY, Capture, drain_in_portions, free_port, heartbeat, pack, signed
 from watchdog import watched
@@ -247,6 +249,38 @@ def accepted(link):
         while link.port is None:
             link.recv_msg()
     return link.port
+
+
+class Refusing:
+    """A listening socket without a descriptor for its clients."""
+
+    def __init__(self, listen):
+        self._listen = listen
+
+    def accept(self):
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    def __getattr__(self, name):
+        return getattr(self._listen, name)
+
+
+@pytest.mark.parametrize("kind", ["tcpin", "wsserver"])
+def test_who_sends_does_not_wait_for_descriptors(kind, monkeypatch):
+    """A reader would find the client waiting over and over."""
+    if kind == "wsserver":
+        pytest.importorskip("wsproto")
+    pauses = []
+    monkeypatch.setattr(one_client, "sleep", pauses.append)
+    with mavutil.mavlink_connection(f"{kind}:127.0.0.1:0") as link:
+        real, link.listen = link.listen, Refusing(link.listen)
+        for _ in range(50):
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+        assert (pauses, link.frames_dropped) == ([], 50)
+        assert link.recv() == b""
+        assert pauses == [one_client.ACCEPT_PAUSE]
+        link.listen = real
+        assert link.recv() == b""
+        assert len(pauses) == 1
 
 
 def test_a_silent_client_makes_room_for_one_that_waits(clock):
@@ -584,23 +618,140 @@ def test_who_sent_what_a_program_only_parsed_is_answered():
         assert peer.recv(300) == heartbeat()
 
 
-def test_with_a_key_who_sent_what_a_program_only_parsed_needs_a_good_signature(monkeypatch):
+BEAT = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
+
+
+def received(link: mavutil.mavudp, peer: socket.socket, data: bytes) -> bytes:
+    """What `recv` gives a program when `peer` has sent `data`."""
+    peer.send(data)
+    assert link.select(WAIT)
+    return link.recv()
+
+
+def test_with_a_key_who_sent_what_a_program_only_parsed_needs_a_good_signature(caplog):
     """What was looked at is still new to the program's parser; what was believed once is not again."""
-    monkeypatch.setattr(udp, "HEARD_LATELY", -1.0)
-    beat = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 4, 3)
+    caplog.set_level(logging.INFO)
     with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
         link.setup_signing(KEY, initial_timestamp=0, allow_unsigned_callback=lambda *_: True)
-        peer.send(heartbeat())
-        assert link.select(WAIT) and link.mav.parse_buffer(link.recv())
+        assert link.mav.parse_buffer(received(link, peer, heartbeat()))
         assert not link.clients
-        peer.send(signed(beat, timestamp=100))
-        assert link.select(WAIT)
-        (msg,) = link.mav.parse_buffer(link.recv())
-        assert msg.get_signed() and link.clients == {peer.getsockname()}
-        with peer_of(link) as replayer:
-            replayer.send(signed(beat, timestamp=100))
-            assert link.select(WAIT) and link.recv()
+        data = received(link, peer, signed(BEAT, timestamp=100))
         assert link.clients == {peer.getsockname()}
+        signing = link.mav.signing
+        assert (signing.sig_count, signing.timestamp, signing.stream_timestamps) == (0, 0, {})
+        assert not caplog.records
+        (msg,) = link.mav.parse_buffer(data)
+        assert msg.get_signed() and signing.goodsig_count == 1
+        with peer_of(link) as replayer:
+            received(link, replayer, signed(BEAT, timestamp=100))
+        assert link.clients == {peer.getsockname()}
+
+
+def test_with_a_key_what_a_program_only_handed_on_is_no_good_for_a_second_time():
+    """R39, R42: nor is what came while its sender was known, or over another link."""
+    with (
+        mavutil.mavlink_connection("udpin:127.0.0.1:0") as link,
+        mavutil.mavlink_connection("udpin:127.0.0.1:0") as other,
+        peer_of(link) as peer,
+        peer_of(link) as replayer,
+        peer_of(other) as stranger,
+    ):
+        for each in (link, other):
+            each.setup_signing(KEY, initial_timestamp=0)
+        frames = [signed(BEAT, timestamp=timestamp) for timestamp in (100, 101, 102)]
+        received(link, peer, frames[0])
+        received(link, peer, frames[1] + frames[2])
+        for frame in frames:
+            received(link, replayer, frame)
+            received(other, stranger, frame)
+        assert link.clients == {peer.getsockname()}
+        assert not other.clients
+        # Who read the frames as messages has no use for them either.
+        assert len(link.mav.parse_buffer(signed(BEAT, timestamp=110))) == 1
+        received(link, replayer, signed(BEAT, timestamp=109))
+        assert link.clients == {peer.getsockname()}
+
+
+@pytest.mark.parametrize("age", [-7200, 3600])
+def test_with_a_key_who_sent_what_the_links_rules_refuse_is_not_answered(age, monkeypatch):
+    """R40, R52: a recording of a stream that is not known, and a clock that is ahead."""
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
+        with monkeypatch.context() as patch:
+            early = time.time() - 3 * 3600
+            patch.setattr(time, "time", lambda: early)
+            link.setup_signing(KEY, max_ahead=60)
+        refused = signed(BEAT, timestamp=signing_timestamp(time.time() + age))
+        (bad,) = link.mav.parse_buffer(received(link, peer, refused))
+        assert (bad.get_type(), link.clients) == ("BAD_DATA", set())
+        received(link, peer, signed(BEAT, timestamp=signing_timestamp(time.time())))
+        assert link.clients == {peer.getsockname()}
+
+
+def test_a_link_that_reads_its_own_messages_looks_at_nothing_twice(tmp_path, monkeypatch):
+    """While the first byte is looked for, and with a raw log, what decides is what is received."""
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
+        link.setup_signing(KEY)
+        link.setup_logfile_raw(str(tmp_path / "raw.log"))
+        monkeypatch.setattr(link, "_holds_trusted", None)
+        for junk in (b"x", b""):
+            now = signing_timestamp(time.time())
+            peer.send(junk + signed(BEAT, timestamp=now))
+            assert receive(link).get_signed()
+        assert link.clients == {peer.getsockname()}
+
+
+def test_what_replaces_recv_reads_the_link():
+    class Counting(mavutil.mavudp):
+        reads = 0
+
+        def recv(self, n=None):
+            self.reads += 1
+            return super().recv(n)
+
+    with Counting("127.0.0.1:0") as link, peer_of(link) as peer:
+        peer.send(heartbeat())
+        assert receive(link) is not None
+        assert link.reads and link.clients == {peer.getsockname()}
+
+
+class OwnSigning:
+    secret_key = None
+
+
+class OwnParser:
+    """A parser of the program's own."""
+
+    def __init__(self):
+        self.signing = OwnSigning()
+
+    def parse_char(self, data):
+        return None
+
+    def bytes_needed(self):
+        return 1
+
+
+@pytest.mark.parametrize("is_native", [True, False])
+def test_with_a_parser_of_a_programs_own_only_that_knows_its_key(is_native, monkeypatch):
+    """Where the dialect is a program's own, too, that looks."""
+
+    class OwnDialect:
+        robust_parsing = False
+
+        def parse_buffer(self, data):
+            return mavlink.MAVLink(None).parse_buffer(data) if self.robust_parsing else None
+
+    with mavutil.mavlink_connection("udpin:127.0.0.1:0") as link, peer_of(link) as peer:
+        mav, link.mav = link.mav, OwnParser()
+        if not is_native:
+            monkeypatch.setattr(link, "_new_mav", OwnDialect)
+        link.mav.signing.secret_key = KEY
+        received(link, peer, heartbeat())
+        assert not link.clients
+        link.mav.signing.secret_key = None
+        received(link, peer, heartbeat())
+        assert link.clients == {peer.getsockname()}
+        link.mav = mav
 
 
 def test_a_client_whose_messages_a_program_only_hands_on_counts_as_heard():

@@ -348,6 +348,14 @@ def test_a_peer_years_ahead_moves_us_a_day_at_most(tmp_path):
 REFUSED = (OverflowError, TypeError, ValueError)
 
 
+@pytest.mark.parametrize("nobody", [None, False, 0])
+def test_without_a_callback_nobody_is_asked(nobody):
+    link = Capture()
+    link.setup_signing(KEY, allow_unsigned_callback=nobody)
+    link.rx += heartbeat()
+    assert types(drain(link)) == ["BAD_DATA"]
+
+
 @pytest.mark.parametrize("wrong", WRONG_SIGNING, ids=str)
 @pytest.mark.parametrize("before", [None, KEY], ids=["unsigned", "signed"])
 def test_a_set_up_that_is_refused_changes_nothing(wrong, before, tmp_path):

@@ -135,6 +135,18 @@ def test_a_log_that_grows(path: Path) -> None:
     assert texts(found) == TEXTS and len(found) == len(TEXTS)
 
 
+def test_noise_at_the_end_of_a_log_that_grows_may_be_a_record(path: Path) -> None:
+    """Its rest was not written when the noise in front of it was looked through."""
+    noise, whole = b"noise" * 5, RECORDS[1]
+    path.write_bytes(RECORDS[0] + noise + whole[:12])
+    with mavutil.mavlink_connection(str(path)) as log:
+        assert log.recv() == FRAMES[0]
+        assert log.recv(4) == noise[:4]
+        with path.open("ab") as file:
+            file.write(whole[12:] + RECORDS[2])
+        assert [log.recv() for _ in range(4)] == [noise[4:], FRAMES[1], FRAMES[2], b""]
+
+
 def test_a_raw_stream_is_read_as_it_is(path: Path) -> None:
     path.write_bytes(LOG)
     with mavutil.mavlink_connection(str(path), notimestamps=True) as log:

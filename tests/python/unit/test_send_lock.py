@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import socket
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -170,6 +171,33 @@ def test_who_stops_waiting_for_the_lock_leaves_it_to_others(threads: Any) -> Non
         time.sleep(0.001)
     send(mav)
     assert numbers(device.frames) == [0, 1, 2]
+
+
+def test_who_is_left_the_lock_takes_it_before_a_signal_handler_runs(threads: Any) -> None:
+    """Others leave it once to who has waited for long, and would wait while a handler runs, or for nobody if it raises."""
+
+    class Stop(Exception):
+        pass
+
+    def handle(*_: object) -> None:
+        raise Stop
+
+    section, has_it, done = Section(), threading.Event(), []
+
+    def hold() -> None:
+        has_it.set()
+        time.sleep(0.1)  # until the main thread waits, which nobody can see
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+    before, interval = signal.signal(signal.SIGINT, handle), sys.getswitchinterval()
+    sys.setswitchinterval(10.0)  # from the signal to the end of the section no other thread runs
+    threads(section.run, hold)
+    with pytest.raises(Stop):
+        has_it.wait(WAIT)
+        section.run(done.append, True)
+    sys.setswitchinterval(interval)
+    signal.signal(signal.SIGINT, before)
+    assert done == [True]
 
 
 def in_section() -> tuple[Callable[[], object], Held]:

@@ -45,6 +45,10 @@ def test_time_goes_forward_in_sensible_steps(dt: float) -> None:
         ({"params": {"RTL_ALT": float("nan")}}, "RTL_ALT"),
         ({"home": "x"}, "home must be latitude, longitude and metres above sea level: 'x'"),
         ({"home": (1, 2)}, "home must be"),
+        ({"home": "123"}, "home must be"),
+        ({"home": b"123"}, "home must be"),
+        ({"home": 0}, "home must be"),
+        ({"home": ()}, "home must be"),
         ({"home": (1, 2, "high")}, "home must be"),
     ],
 )

@@ -61,7 +61,13 @@ impl StreamTable {
         self.put(self.find(id), id, timestamp)
     }
 
-    /// The same for a stream that was found.
+    /// The same, unless the stream is further already.
+    pub fn raise(&mut self, id: StreamId, timestamp: u64) -> bool {
+        let place = self.find(id);
+        place.is_ok_and(|at| self.timestamp(at) >= timestamp) || self.put(place, id, timestamp)
+    }
+
+    /// Sets the last timestamp of a stream that was looked for.
     #[inline]
     pub(super) fn put(&mut self, at: Result<usize, usize>, id: StreamId, timestamp: u64) -> bool {
         match at {

@@ -264,3 +264,45 @@ fn r55_the_stream_table_is_bounded() {
     state.streams.clear();
     assert!(state.streams.is_empty());
 }
+
+fn look(state: &mut SigningState, seen: &mut Sightings, bytes: &[u8], now: Option<u64>) -> Verdict {
+    let streams = state.streams.clone();
+    state.look(seen, &streams, &FrameRef::parse(bytes).expect("a whole frame"), now)
+}
+
+#[test]
+fn r39_what_was_looked_at_is_old_to_who_looks_and_new_to_who_receives() {
+    let (mut state, mut seen) = (receiver(), Sightings::default());
+    assert_eq!(look(&mut state, &mut seen, &signed(10, 3), None), GOOD_NEW);
+    assert_eq!((state.timestamp, streams(&state)), (0, vec![]));
+    let old = Verdict::OldTimestamp { timestamp: 10, last: 10 };
+    assert_eq!(look(&mut state, &mut seen, &signed(10, 3), None), old);
+    assert_eq!(check(&mut state, &signed(10, 3), None), GOOD_NEW);
+    assert_eq!(check(&mut state, &signed(12, 3), None), GOOD_KNOWN);
+    let old = Verdict::OldTimestamp { timestamp: 11, last: 12 };
+    assert_eq!(look(&mut state, &mut seen, &signed(11, 3), None), old);
+    let forged = Verdict::Mismatch { stream: Stream::Known };
+    assert_eq!(look(&mut state, &mut seen, &signed_with(b'B', 99, 3), None), forged);
+    assert_eq!(look(&mut state, &mut seen, &signed(13, 3), None), GOOD_KNOWN);
+    assert_eq!(
+        look(&mut state, &mut seen.begun_anew(), &signed(13, 3), None),
+        Verdict::OldTimestamp { timestamp: 13, last: 13 }
+    );
+}
+
+#[test]
+fn r40_r52_who_looks_obeys_the_rules_of_who_receives() {
+    let now = Some(10 * NEW_STREAM_WINDOW);
+    let (mut state, mut seen) = (receiver(), Sightings::default());
+    state.max_ahead = Some(5);
+    let early = 9 * NEW_STREAM_WINDOW - 1;
+    let local = 10 * NEW_STREAM_WINDOW;
+    let too_old = Verdict::NewStreamTooOld { timestamp: early, local };
+    assert_eq!(look(&mut state, &mut seen, &signed(early, 3), now), too_old);
+    let ahead = Verdict::TooFarAhead { timestamp: local + 6, now: local };
+    assert_eq!(look(&mut state, &mut seen, &signed(local + 6, 3), now), ahead);
+    // Without a clock the looks have a local timestamp of their own, which moves.
+    assert_eq!(look(&mut state, &mut seen, &signed(local, 3), None), GOOD_NEW);
+    assert_eq!(look(&mut state, &mut seen, &signed(early, 4), None), too_old);
+    assert_eq!(look(&mut state, &mut seen.begun_anew(), &signed(early, 4), None), GOOD_NEW);
+}
