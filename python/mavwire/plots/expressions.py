@@ -40,6 +40,8 @@ _FUNCTIONS = {
     "cos": "cos", "tan": "tan", "sqrt": "sqrt", "atan2": "arctan2", "hypot": "hypot",
 }  # fmt: skip
 """Functions of `math`, and what NumPy calls them."""
+_BINARY = ("atan2", "hypot")
+"""Those of two arguments; the others have one. More would be places for results to NumPy."""
 
 
 @dataclass(frozen=True)
@@ -145,16 +147,17 @@ def _is_plain(node: ast.AST) -> bool:
     if isinstance(node, ast.BinOp):
         return type(node.op) in _OPERATORS and _is_plain(node.left) and _is_plain(node.right)
     if isinstance(node, ast.Call):
-        return _is_known(node.func) and not node.keywords and all(map(_is_plain, node.args))
+        return _is_known(node) and all(map(_is_plain, node.args))
     return False
 
 
-def _is_known(node: ast.AST) -> bool:
-    """Whether it names a function that NumPy has too, and that nobody has replaced."""
-    if not isinstance(node, ast.Name) or node.id not in _FUNCTIONS:
+def _is_known(call: ast.Call) -> bool:
+    """Whether it calls a function that NumPy has too, and that nobody has replaced, as one does."""
+    name = call.func.id if isinstance(call.func, ast.Name) else ""
+    if name not in _FUNCTIONS or call.keywords or len(call.args) != 1 + (name in _BINARY):
         return False
-    original = getattr(math, node.id, None) or getattr(builtins, node.id)
-    return known_names()[node.id] is original
+    original = getattr(math, name, None) or getattr(builtins, name)
+    return known_names()[name] is original
 
 
 def _value(node: ast.AST, columns: Columns) -> Any:
@@ -176,11 +179,7 @@ def _value(node: ast.AST, columns: Columns) -> Any:
             left, right = _value(node.left, columns), _value(node.right, columns)
             return _OPERATORS[type(node.op)](left, right)
         case ast.Call(func=ast.Name(id=name)):
-            arguments = [_value(one, columns) for one in node.args]
-            try:
-                return getattr(np, _FUNCTIONS[name])(*arguments)
-            except TypeError as error:
-                raise ValueError(f"{ast.unparse(node)}: {name} takes other arguments") from error
+            return getattr(np, _FUNCTIONS[name])(*(_value(one, columns) for one in node.args))
     raise ValueError(f"{ast.unparse(node)} is no expression over columns")
 
 

@@ -87,6 +87,9 @@ def numbers(text: str) -> Any:
         ("BATTERY_STATUS.voltages[0]/1000", {"BATTERY_STATUS"}, True, False),
         ("BATTERY_STATUS[0].current_battery", {"BATTERY_STATUS"}, False, False),
         ("ATTITUDE.roll%2", {"ATTITUDE"}, False, False),
+        ("atan2(ATTITUDE.roll, 1)", {"ATTITUDE"}, True, False),
+        ("atan2(ATTITUDE.roll)", {"ATTITUDE"}, False, False),
+        ("sin(1, ATTITUDE.roll)", {"ATTITUDE"}, False, False),
         ("ATTITUDE.roll-VFR_HUD.alt", {"ATTITUDE", "VFR_HUD"}, False, False),
         ("ATTITUDE.roll{VFR_HUD.alt>3}", {"ATTITUDE", "VFR_HUD"}, False, False),
         ("mag_field(RAW_IMU)", {"RAW_IMU"}, False, False),
@@ -171,7 +174,8 @@ def test_values_that_are_none_are_left_out_and_told_of(tmp_path):
         ("BATTERY_STATUS.voltages", "name an element"),
         ("BATTERY_STATUS.voltages[10]", "no such element"),
         ("ATTITUDE.roll[0]", "no such element"),
-        ("sin(ATTITUDE.roll,ATTITUDE.roll,ATTITUDE.roll,ATTITUDE.roll)", "other arguments"),
+        ("sin(1,ATTITUDE.roll)", "exactly one argument"),
+        ("atan2(1,ATTITUDE.pitch,ATTITUDE.roll)", "2 arguments"),
     ],
 )
 def test_fields_that_are_not_there_are_named(flight, tmp_path, text, said):
