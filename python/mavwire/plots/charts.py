@@ -181,5 +181,6 @@ def _notes(read: list[LogSeries]) -> list[str]:
             if one.left_out:
                 notes.append(f"{log.path}: {text}: {one.left_out:,} left out: {one.error}")
             elif not len(one.times):
-                notes.append(f"{log.path}: {text}: there are no values")
+                why = f": {one.error}" if one.error else ""
+                notes.append(f"{log.path}: {text}: there are no values{why}")
     return notes

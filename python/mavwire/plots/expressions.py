@@ -10,12 +10,13 @@ import ast
 import builtins
 import math
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from mavwire._wording import in_words
 from mavwire.expression.compiler import compile_text
-from mavwire.expression.evaluate import _split
+from mavwire.expression.evaluate import _split, evaluate_condition
 from mavwire.expression.names import known_names
 from mavwire.logs.query import HEADER
 
@@ -181,6 +182,32 @@ def _value(node: ast.AST, columns: Columns) -> Any:
         case ast.Call(func=ast.Name(id=name)):
             return getattr(np, _FUNCTIONS[name])(*(_value(one, columns) for one in node.args))
     raise ValueError(f"{ast.unparse(node)} is no expression over columns")
+
+
+def as_number(value: Any) -> float:
+    """What an expression gives, as a number; ValueError says what it is instead."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        if hasattr(value, "get_type"):
+            raise ValueError(f"{value.get_type()} is a message: name a field of it") from None
+        what = repr(value) if isinstance(value, str | bytes) else type(value).__name__
+        raise ValueError(f"{what} is no number") from None
+
+
+def why_nothing(text: str, messages: Mapping[str, Any], condition: str | None = None) -> str | None:
+    """Why an expression has no value now, in words; None where it has one."""
+    value, own = _split(text)
+    for needed in (condition, own):
+        if needed is not None and (why := why_nothing(needed, messages)):
+            return why
+        if not evaluate_condition(needed, messages):
+            return f"{needed} does not hold"
+    try:
+        compile_text(value)(messages)
+    except Exception as error:  # whatever a function of an expression raises
+        return in_words(error)
+    return None
 
 
 def column_of(name: str) -> str:

@@ -13,7 +13,7 @@ from mavwire.expression import evaluate_expression
 from mavwire.links.recognise import log_kind
 from mavwire.logs.sources import decompressed
 
-from .expressions import EXACT, Expression, column_of
+from .expressions import EXACT, Expression, as_number, column_of, why_nothing
 from .modes import Span, mode_changes, spans, vehicle_of
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Series:
     left_out: int = 0
     """Messages at which it failed or was no number."""
     error: str | None = None
-    """How it failed first."""
+    """How it failed first, or why there is no value."""
 
 
 @dataclass
@@ -198,22 +198,23 @@ def _from_messages(
     path: str, expressions: Sequence[Expression], how: _How
 ) -> tuple[list[Series], list[tuple[float, str]]]:
     """Evaluate at each message, with the newest messages of the vehicle; and the modes it was in."""
-    collectors = [_Collector(one, how.xaxis) for one in expressions]
+    collectors = [_Collector(one, how) for one in expressions]
     wanted: dict[str, list[_Collector]] = {}
     for one in collectors:
         for name in one.expression.types:
             wanted.setdefault(name, []).append(one)
     changes: list[tuple[float, str]] = []
+    messages: dict[str, Any] = {}
     types = [*wanted, *(how.xaxis.types if how.xaxis is not None else ()), "MODE"]
     for msg, link in vehicle_messages(path, types, how.system, how.dialect):
         if not changes or changes[-1][1] != link.flightmode:
             changes.append((msg._timestamp, link.flightmode))
-        kind = msg.get_type()
+        kind, messages = msg.get_type(), link.messages
         if kind not in wanted or not _holds(how.condition, link):
             continue
         for one in wanted[kind]:
-            one.take(msg, kind, link.messages)
-    return [one.series() for one in collectors], changes
+            one.take(msg, kind, messages)
+    return [one.series(messages) for one in collectors], changes
 
 
 def _holds(condition: str | None, link: Any) -> bool:
@@ -244,9 +245,10 @@ def vehicle_messages(
 class _Collector:
     """Gathers the values of one expression."""
 
-    def __init__(self, expression: Expression, xaxis: Expression | None) -> None:
+    def __init__(self, expression: Expression, how: _How) -> None:
         self.expression = expression
-        self._xaxis = xaxis
+        self._xaxis = how.xaxis
+        self._condition = how.condition
         self._times: list[float] = []
         self._values: list[float] = []
         self._failed = 0
@@ -273,10 +275,14 @@ class _Collector:
         self._times.append(place)
         self._values.append(number)
 
-    def series(self) -> Series:
-        """What was gathered."""
+    def series(self, messages: dict[str, Any]) -> Series:
+        """What was gathered, or why nothing was: by the newest messages."""
         import numpy as np
 
+        if not self._times and not self._failed:
+            self._error = why_nothing(self.expression.text, messages, self._condition)
+            if self._error is None and self._xaxis is not None:
+                self._error = why_nothing(self._xaxis.text, messages)
         times, values = np.array(self._times, float), np.array(self._values, float)
         return Series(self.expression, times, values, self._failed, self._error)
 
@@ -288,7 +294,7 @@ def _number(expression: Expression, messages: dict[str, Any]) -> float | None:
     value = evaluate_expression(expression.text, messages)
     if value is None and not expression.conditional and expression.types <= messages.keys():
         return nan  # as of a division by zero
-    return None if value is None else float(value)
+    return None if value is None else as_number(value)
 
 
 def is_instance(msg: Any, number: int) -> bool:

@@ -183,6 +183,35 @@ def test_fields_that_are_not_there_are_named(flight, tmp_path, text, said):
         plots.plot(flight, text, tmp_path / "x.html")
 
 
+@pytest.mark.parametrize(
+    ("text", "condition", "said"),
+    [
+        ("nofunc(ATTITUDE.roll)", None, "there is no 'nofunc'"),
+        ("ATTITUDE.roll{ATTITUDE.rol>0}", None, "ATTITUDE has no field 'rol'"),
+        ("ATTITUDE.roll{ATTITUDE.roll>9}", None, "ATTITUDE.roll>9 does not hold"),
+        ("ATTITUDE.roll", "ATTITUDE.roll>9", "ATTITUDE.roll>9 does not hold"),
+        ("ATTITUDE.roll", "1/0", "division by zero"),
+        ("ATTITUDE.roll", "x(", "the condition 'x(': '(' was never closed"),
+        ("ATTITUDE.roll", "ATTITUDE.rol", "ATTITUDE has no field 'rol'"),
+        ("ATTITUDE", None, "ATTITUDE is a message: name a field"),
+        ("[ATTITUDE.roll]", None, "list is no number"),
+        ("STATUSTEXT.text+''", None, "' is no number"),
+        ("mag_field(ATTITUDE)", None, "ATTITUDE has no field 'xmag'"),
+    ],
+)
+def test_expressions_without_a_value_say_why_in_words(flight, tmp_path, text, condition, said):
+    with pytest.raises(ValueError) as caught:
+        plots.plot(flight, text, tmp_path / "x.html", condition=condition)
+    assert said in str(caught.value) and "MAVLink_" not in str(caught.value)
+
+
+def test_fields_that_a_dataflash_log_does_not_have_are_named(tmp_path):
+    path = tmp_path / "flight.BIN"
+    path.write_bytes(sample().data)
+    with pytest.raises(ValueError, match="left out: IMU has no field 'nofield'"):
+        plots.plot(path, "IMU.nofield", tmp_path / "x.html")
+
+
 def test_a_log_without_times_is_named(tmp_path):
     path = tmp_path / "stream.raw"
     path.write_bytes(heartbeat() * 50)
@@ -283,15 +312,18 @@ def test_a_condition_that_does_not_hold_leaves_nothing_out(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("xaxis", "left", "told"),
-    [("1/ATTITUDE.pitch", 19, 1), ("VFR_HUD.alt", 0, 0), ("sqrt(ATTITUDE.pitch)", 1, 19)],
+    ("xaxis", "left", "told", "why"),
+    [
+        ("1/ATTITUDE.pitch", 19, 1, "no number"),
+        ("VFR_HUD.alt", 0, 0, "there is no 'VFR_HUD'"),
+        ("sqrt(ATTITUDE.pitch)", 1, 19, "math domain error"),
+    ],
 )
-def test_what_has_no_place_on_the_x_axis_is_left_out(tmp_path, xaxis, left, told):
+def test_what_has_no_place_on_the_x_axis_is_left_out(tmp_path, xaxis, left, told, why):
     path = tmp_path / "a.tlog"
     attitudes(path)
     (series,) = read_series(str(path), [parse("ATTITUDE.roll")], xaxis=parse(xaxis)).series
-    assert (len(series.times), series.left_out) == (left, told)
-    assert (series.error is None) == (told == 0)
+    assert (len(series.times), series.left_out, series.error) == (left, told, why)
 
 
 def test_the_first_log_moves_in_time(tmp_path):
