@@ -13,6 +13,7 @@ from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
 
 from .expressions import Expression, parse
+from .images import has_dates
 from .modes import Span
 from .series import LogSeries, read_series
 
@@ -20,8 +21,6 @@ IMAGES = (".png", ".svg", ".pdf")
 PAGES = (".html", ".htm")
 AUTOPILOTS = {"apm": 3, "px4": 12}
 """Values of MAV_AUTOPILOT."""
-YEAR_10000 = 253_402_300_800
-"""Seconds since 1970 of the first time that calendars do not have."""
 
 
 @dataclass
@@ -150,7 +149,8 @@ def _chart(
     firsts = [float(one.times[0]) for log in read for one in log.series if len(one.times)]
     if across is None:
         times = [time + shift for time in _bounds(read) for shift in (0.0, timeshift)]
-        relative = relative or any(not 0 <= time < YEAR_10000 for time in times)
+        first, last = min(times, default=0.0), max(times, default=0.0)
+        relative = relative or first < 0 or not has_dates(first, last)
     for number, log in enumerate(read):
         own = [float(one.times[0]) for one in log.series if len(one.times)]
         zero = min(own, default=0.0) if relative else 0.0

@@ -522,15 +522,26 @@ def test_images_without_matplotlib_say_what_to_install(tmp_path, flight, monkeyp
     assert "pip install 'mavwire[plot]'" in capsys.readouterr().err
 
 
-def test_times_that_no_calendar_has(tmp_path):
+YEAR_9999 = 253_400_000 * 10**9
+"""Microseconds since 1970 of a day in December."""
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [(2**60, 2**60 + 10**6, 2**61), (2**64 - 1,), (T0, 2**63), (T0, YEAR_9999), (YEAR_9999,)],
+)
+def test_times_that_no_calendar_has(tmp_path, stamps):
+    """Some have none for the margins of an axis only."""
     pytest.importorskip("matplotlib")
     path = tmp_path / "far.tlog"
     attitude = mavlink.MAVLink_attitude_message(0, 1, 2, 3, 0, 0, 0)
-    stamps = (2**60, 2**60 + 10**6, 2**61)
-    path.write_bytes(b"".join(record(pack(attitude), one) for one in stamps))
+    frames = heartbeat(), pack(attitude)
+    path.write_bytes(b"".join(record(frame, one) for one in stamps for frame in frames))
     for suffix in ("png", "html"):
-        assert plots.plot(path, "ATTITUDE.roll", tmp_path / f"x.{suffix}").points == 3
+        assert plots.plot(path, "ATTITUDE.roll", tmp_path / f"x.{suffix}").points == len(stamps)
     assert Page((tmp_path / "x.html").read_bytes()).data()["absolute"] is False
+    argv = ["graph", str(path), "ATTITUDE.roll", "--flightmode", "apm", "--output"]
+    assert cli.main([*argv, str(tmp_path / "graph.png")]) == 0
 
 
 def test_several_logs_side_by_side(tmp_path):
