@@ -22,6 +22,7 @@ from mavwire._stubs.columns import (
     decompress,
     draft_stem,
     empty_table,
+    log_head,
     log_summary,
     write_table,
 )
@@ -97,6 +98,7 @@ __all__ = [
     "forget_states",
     "hang_up",
     "instance_dict",
+    "log_head",
     "log_summary",
     "message_class",
     "message_dict",

@@ -19,6 +19,7 @@ __all__ = [
     "decompress",
     "draft_stem",
     "empty_table",
+    "log_head",
     "log_summary",
     "write_table",
 ]
@@ -257,8 +258,10 @@ class LogRewrite:
     def abandon(self) -> None:
         """Removes what was written and not committed."""
 
-    def barren(self) -> list[int]:
-        """The places of the logs that hold something and no record, once all of them were read."""
+    def barren(self) -> list[tuple[int, str | None]]:
+        """The places of the logs that hold something and no record, and what is wrong with such a
+        compressed file; once all of them were read.
+        """
 
     def outcome(self) -> dict[str, Any]:
         """What became of the logs so far; see `mavwire.logs.rewriting.Rewritten`."""
@@ -278,6 +281,9 @@ def decompress(path: str | PathLike[str], out: str | PathLike[str]) -> str | Non
 
     `out` appears when it is complete, with everything in front of what is wrong.
     """
+
+def log_head(log: _Log, size: int) -> bytes:
+    """The first bytes of a log, `size` of them and no more than are whole of a compressed one."""
 
 def empty_table(dialect: Dialect, msgid: int, query: _Query) -> RecordBatches:
     """A table without rows of a message; ValueError if there is none of that id."""

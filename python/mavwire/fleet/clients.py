@@ -34,6 +34,10 @@ def connected(client: Any, workers: int | None) -> Iterator[Any]:
             yield made
 
 
+HOST_AND_PORT = ("tcp", "tls", "ucx")
+"""What is addressed by host and port. `wss` goes by URLs, and `gateway` and others by their own."""
+
+
 def _check_address(address: Any) -> None:
     """Raise ValueError for what is no address: a client of one fails too, and then waits for ever."""
     from distributed.comm.addressing import parse_address, parse_host_port
@@ -45,7 +49,7 @@ def _check_address(address: Any) -> None:
     try:
         scheme, place = parse_address(address)
         get_backend(scheme)
-        valid = scheme == "inproc" or all(parse_host_port(place))
+        valid = all(parse_host_port(place)) if scheme in HOST_AND_PORT else bool(place)
     except ValueError as error:
         raise ValueError(expected) from error
     if not valid:

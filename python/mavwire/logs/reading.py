@@ -13,7 +13,7 @@ from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_ta
 
 from .batches import Batches
 from .query import Query, check_described, check_tables, names_of
-from .sources import columns_from, head_of, is_dataflash
+from .sources import columns_from, is_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
 
@@ -144,13 +144,10 @@ def check_records(run: LogColumns, path: str, source: Source | None = None) -> N
     """Raise LogFormatError where a run over a file found no record, and it is no log cut off in its
     first one.
     """
-    from .telemetry import HEAD_SIZE, is_foreign, not_telemetry
+    from .telemetry import check_barren
 
-    damage = run.damage
-    if run.bad_bytes == run.position and (run.position or damage):
-        head = head_of(path if source is None else source, HEAD_SIZE)
-        if is_foreign(head):
-            raise not_telemetry(path, head, damage)
+    if run.bad_bytes == run.position and (run.position or run.damage):
+        check_barren(path if source is None else source, path, run.damage)
 
 
 def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:

@@ -18,7 +18,7 @@ from .query import Query
 from .reading import check_readable, native_dialect
 from .sources import head_of, is_dataflash
 from .targets import file_to_write
-from .telemetry import HEAD_SIZE, LogFormatError, is_foreign, not_telemetry
+from .telemetry import HEAD_SIZE, LogFormatError, check_barren, not_telemetry
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -156,12 +156,11 @@ def _run(rewrite: Any, paths: list[str], progress: Callable[[int], object] | Non
             if progress is not None:
                 progress(rewrite.outcome()["bytes"])
         done = Rewritten(**rewrite.outcome())
-        for path in (paths[place] for place in rewrite.barren()):
-            head = head_of(path, HEAD_SIZE)
-            if not done.records or is_foreign(
-                head
-            ):  # beside others one may be cut off in its first
-                raise not_telemetry(path, head, done.damage)
+        for place, damage in rewrite.barren():
+            path = paths[place]
+            check_barren(path, path, damage)
+            if not done.records:  # beside others one may be cut off in its first
+                raise not_telemetry(path, head_of(path, HEAD_SIZE), damage)
         rewrite.commit()
     finally:
         rewrite.abandon()

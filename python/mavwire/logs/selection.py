@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 from math import isnan
 from operator import index
@@ -11,6 +10,7 @@ from mavwire._wording import did_you_mean
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from typing import Any, Self
 
 MAX_SYSTEM = 255
@@ -75,8 +75,13 @@ def types_of(types: Any) -> list[str | type]:
 
 def _several(values: Any) -> list[Any]:
     """The values of a collection, or the one that was given alone."""
-    alone = isinstance(values, str | type) or not isinstance(values, Iterable)
-    return [values] if alone else list(values)
+    if isinstance(values, str | type):
+        return [values]
+    try:
+        several = iter(values)
+    except TypeError:  # of an array without dimensions, too
+        return [values]
+    return list(several)
 
 
 def _named_id(dialect: Any, name: str) -> int:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from datetime import datetime
+from itertools import islice
 from types import ModuleType
 
 from mavwire._native import LogScan
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from .dataflash import DataflashLog
+    from .sources import Source
     from .summary import LogInfo
     from .table import Table
 
@@ -225,16 +227,15 @@ class TelemetryLog(Log):
         if not head:
             return
         self.compressed = head.startswith(COMPRESSED)
-        damage = None
         if self.compressed:
             found, damage = self._first_records()
-            if found:
-                return
-        if is_foreign(head) and (
+            if not found:
+                check_barren(self.path, self.path, damage)
+        elif is_foreign(head) and (
             _other_format(head) is not None
             or (size <= FOREIGN_PROBE and next(iter(self), None) is None)
         ):
-            raise not_telemetry(self.path, head, damage)
+            raise not_telemetry(self.path, head)
 
     def _first_records(self) -> tuple[bool, str | None]:
         """Whether the log begins with records, once it is decompressed; else what is wrong with it."""
@@ -243,13 +244,26 @@ class TelemetryLog(Log):
         from .query import Query
 
         batches = LogColumns(self.path, self.dialect.MAVLink(None)._dialect, Query(batch_rows=0))
-        return any(next(batches, ())), batches.damage
+        # A second look sees where a short one ends.
+        return any(any(batch) for batch in islice(batches, 2)), batches.damage
 
 
 def is_foreign(head: bytes) -> bool:
     """Whether a file that holds no record is something else than a log that is cut off."""
     begins = len(head) < 9 or head[8] in b"\xfd\xfe"
     return not begins or _other_format(head) is not None
+
+
+def check_barren(source: Source, path: str, damage: str | None) -> None:
+    """Raise LogFormatError for a file in which no record was found, unless it is a log that is cut
+    off in its first one, compressed or not; `damage` is what is wrong with a compressed file.
+    """
+    from mavwire._native import log_head
+
+    from .sources import head_of
+
+    if damage or is_foreign(log_head(source, HEAD_SIZE)):
+        raise not_telemetry(path, head_of(source, HEAD_SIZE), damage)
 
 
 def not_telemetry(path: str, head: bytes, damage: str | None = None) -> LogFormatError:

@@ -73,14 +73,7 @@ class Transfer:
 def transfers(messages: Iterable[Any]) -> Iterator[Transfer]:
     """The files that were opened for reading, each when it is at its end."""
     from mavwire._ftp.channel import parse
-    from mavwire.mavftp_op import (
-        OP_Ack,
-        OP_BurstReadFile,
-        OP_OpenFileRO,
-        OP_ReadFile,
-        OP_ResetSessions,
-        OP_TerminateSession,
-    )
+    from mavwire.mavftp_op import OP_Ack, OP_OpenFileRO, OP_ResetSessions, OP_TerminateSession
 
     # By the system that has the file and the session; of system 0 what all were asked for.
     opened: dict[tuple[int, int], Transfer] = {}
@@ -88,25 +81,42 @@ def transfers(messages: Iterable[Any]) -> Iterator[Transfer]:
         packet = parse(msg)
         if packet is None:
             continue
-        data = bytes(packet.payload or b"")
-        request = (msg.target_system, packet.session)
-        answer = (msg.get_srcSystem(), packet.session)
-        if packet.opcode == OP_OpenFileRO:
+        if packet.opcode == OP_Ack:
+            yield from _answered(opened, msg.get_srcSystem(), packet)
+        elif packet.opcode == OP_OpenFileRO:
+            request = (msg.target_system, packet.session)
             if request in opened:
                 yield opened.pop(request)
-            opened[request] = Transfer(data.split(b"\0")[0].decode(errors="replace"))
+            name = bytes(packet.payload or b"").split(b"\0")[0]
+            opened[request] = Transfer(name.decode(errors="replace"))
         elif packet.opcode in (OP_TerminateSession, OP_ResetSessions):
             for key in [one for one in opened if msg.target_system in (0, one[0])]:
                 if packet.opcode == OP_ResetSessions or key[1] == packet.session:
                     yield opened.pop(key)
-        elif packet.opcode == OP_Ack and (answer in opened or (0, packet.session) in opened):
-            if answer not in opened:
-                opened[answer] = opened.pop((0, packet.session))
-            if packet.req_opcode == OP_OpenFileRO and len(data) >= 4:
-                opened[answer].size = int.from_bytes(data[:4], "little")
-            elif packet.req_opcode in (OP_ReadFile, OP_BurstReadFile):
-                opened[answer].add(packet.offset, data)
     yield from opened.values()
+
+
+def _answered(
+    opened: dict[tuple[int, int], Transfer], system: int, packet: Any
+) -> Iterator[Transfer]:
+    """Take in an answer. Whoever says that it has opened what all were asked for is the one that
+    sends it; what it had in that session is at its end.
+    """
+    from mavwire.mavftp_op import OP_BurstReadFile, OP_OpenFileRO, OP_ReadFile
+
+    one, everyone = (system, packet.session), (0, packet.session)
+    if packet.req_opcode == OP_OpenFileRO and everyone in opened:
+        transfer = opened.pop(everyone)
+        if one in opened:
+            yield opened.pop(one)
+        opened[one] = transfer
+    if one not in opened:
+        return
+    data = bytes(packet.payload or b"")
+    if packet.req_opcode == OP_OpenFileRO and len(data) >= 4:
+        opened[one].size = int.from_bytes(data[:4], "little")
+    elif packet.req_opcode in (OP_ReadFile, OP_BurstReadFile):
+        opened[one].add(packet.offset, data)
 
 
 def _tell(transfer: Transfer, folder: str | None) -> None:

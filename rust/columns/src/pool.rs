@@ -18,11 +18,8 @@ struct Generation {
 
 static FIRST: OnceLock<&'static Generation> = OnceLock::new();
 
-/// Runs `work` on the threads of this process; on those that it is called from, if it is called from some of rayon's.
+/// Runs `work` on the threads of this process, or on the calling one where none can be started now: the next call tries again.
 pub(crate) fn run<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    if rayon::current_thread_index().is_some() {
-        return work();
-    }
     match pool() {
         Some(pool) => pool.install(work),
         None => {
@@ -32,8 +29,12 @@ pub(crate) fn run<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     }
 }
 
-/// Makes the calling thread one of rayon's, for good: where no thread can be started, rayon panics over its own pool.
+/// Makes the calling thread one of rayon's, for good, unless it is: where no thread can be started, rayon panics over its own
+/// pool. It can still hand work to the other pool, and takes what is left of its own meanwhile.
 fn become_pool() {
+    if rayon::current_thread_index().is_some() {
+        return;
+    }
     let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
     let _: Option<&ThreadPool> = alone.ok().map(|pool| &*Box::leak(Box::new(pool)));
 }
@@ -71,5 +72,21 @@ mod tests {
         assert!(counts.iter().all(|&count| count == counts[0] && count > 0));
         assert!(run(|| run(rayon::current_thread_index)).is_some());
         assert!(rayon::current_thread_index().is_none());
+    }
+
+    #[test]
+    fn a_thread_that_went_on_alone_uses_the_pool_once_there_is_one() {
+        let alone = std::thread::spawn(|| {
+            become_pool();
+            become_pool();
+            let nested = rayon::join(|| run(rayon::current_num_threads), || run(current)).1;
+            (current(), run(current), nested)
+        });
+        let (own, used, nested) = alone.join().expect("threads");
+        assert!(used != own && nested != own);
+    }
+
+    fn current() -> std::thread::ThreadId {
+        std::thread::current().id()
     }
 }

@@ -234,10 +234,12 @@ impl Merge {
         self.logs.iter().map(|log| log.outcome).sum()
     }
 
-    /// The places of the logs, which were read to their ends, that hold something and no record.
-    pub fn barren(&self) -> Vec<usize> {
-        let is_barren = |log: &Input| log.outcome.is_barren(&log.blocks);
-        (0..self.logs.len()).filter(|&place| is_barren(&self.logs[place])).collect()
+    /// The places of the logs, which were read to their ends, that hold something and no record, and what is wrong with such
+    /// a compressed file.
+    pub fn barren(&self) -> Vec<(usize, Option<&str>)> {
+        let logs = self.logs.iter().enumerate();
+        let barren = logs.filter(|(_, log)| log.outcome.is_barren(&log.blocks));
+        barren.map(|(place, log)| (place, log.blocks.damage())).collect()
     }
 
     /// What is wrong with the compressed files.

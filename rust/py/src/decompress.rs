@@ -1,16 +1,18 @@
-//! `decompress`: a compressed file as a plain one, for readers that go to and fro in a log; and what files are called until
-//! they are complete.
+//! `decompress`: a compressed file as a plain one, for readers that go to and fro in a log; `log_head`: the start of one; and
+//! what files are called until they are complete.
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
 use mavwire_columns::Error;
-use mavwire_columns::input::Blocks;
+use mavwire_columns::input::{Blocks, decompressed};
 use mavwire_link::files::{self, Draft};
 use pyo3::prelude::*;
 
 use crate::columns::{Stopped, Teller};
+use crate::source::Source;
 
 /// Writes what a file holds that is compressed with gzip or zstd to `out`, which appears when it is complete. Returns what
 /// is wrong with the compressed file, of which everything before that was written; None for nothing.
@@ -30,6 +32,16 @@ pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> PyResul
         Ok(blocks.damage().map(str::to_owned))
     });
     done.map_err(Stopped::into_err)
+}
+
+/// The first bytes of a log, `size` of them and no more than are whole of a compressed one.
+#[pyfunction]
+pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow<'static, [u8]>> {
+    let head = py.detach(|| {
+        let blocks = Blocks::of_size(decompressed(log.open()?)?, size);
+        blocks.with_head(<[u8]>::to_vec)
+    });
+    Ok(Cow::Owned(head?.1))
 }
 
 /// What the name of a file begins with until it is complete: its own name, or one made of it where that is long.

@@ -33,9 +33,9 @@ impl Run {
         }
     }
 
-    fn barren(&self) -> Vec<usize> {
+    fn barren(&self) -> Vec<(usize, Option<&str>)> {
         match self {
-            Self::One(rewrite) if rewrite.is_barren() => vec![0],
+            Self::One(rewrite) if rewrite.is_barren() => vec![(0, rewrite.damage())],
             Self::One(_) => Vec::new(),
             Self::Several(merge) => merge.barren(),
         }
@@ -144,9 +144,11 @@ impl LogRewrite {
         py.detach(|| self.with(|work| drop(work.draft.take())));
     }
 
-    /// The places of the logs that hold something and no record; once all of them were read.
-    fn barren(&self, py: Python<'_>) -> Vec<usize> {
-        py.detach(|| self.with(|work| work.run.barren()))
+    /// The places of the logs that hold something and no record, and what is wrong with such a compressed file; once all
+    /// of them were read.
+    fn barren(&self, py: Python<'_>) -> Vec<(usize, Option<String>)> {
+        let owned = |(place, damage): (usize, Option<&str>)| (place, damage.map(str::to_owned));
+        py.detach(|| self.with(|work| work.run.barren().into_iter().map(owned).collect()))
     }
 
     /// What became of the logs so far, as a dict of counts; see `mavwire.logs.rewriting`.

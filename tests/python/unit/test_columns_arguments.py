@@ -121,7 +121,7 @@ def test_devices_are_refused_and_not_read_for_ever(tmp_path):
     assert cli.main(["convert", "/dev/zero", "-o", str(tmp_path / "out"), "--types", "IMU"]) == 1
 
 
-@pytest.mark.parametrize("types", [30, [30], ["ATTITUDE", None], np.array([30])])
+@pytest.mark.parametrize("types", [30, [30], ["ATTITUDE", None], np.array([30]), np.array(30)])
 def test_types_are_names_or_classes(flight, types):
     log = mavwire.open_log(flight)
     for look in (log.read, log.messages, lambda types: mavwire.scan(flight, types)):
@@ -129,8 +129,9 @@ def test_types_are_names_or_classes(flight, types):
             look(types)
 
 
-def test_systems_may_be_an_array(flight):
-    found = mavwire.read(flight, "ATTITUDE", systems=np.array([1]))["ATTITUDE"]
+@pytest.mark.parametrize("systems", [np.array([1]), np.array(1), np.uint8(1)])
+def test_systems_may_be_of_numpy(flight, systems):
+    found = mavwire.read(flight, "ATTITUDE", systems=systems)["ATTITUDE"]
     assert len(found) == len(mavwire.read(flight, "ATTITUDE", systems=1)["ATTITUDE"]) > 0
 
 
@@ -365,7 +366,7 @@ def test_duckdb_reads_a_scan(flight):
         assert database.sql("select count(*) from pieces").fetchall() == [(count,)]
 
 
-@pytest.mark.parametrize("systems", ["1", ["1"], [None], 256, -1])
+@pytest.mark.parametrize("systems", ["1", ["1"], [None], 256, -1, np.array("1"), 1.0])
 def test_systems_are_numbers(flight, systems):
     with pytest.raises(ValueError, match="a system id is"):
         mavwire.read(flight, systems=systems)

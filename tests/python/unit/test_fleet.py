@@ -355,7 +355,19 @@ def test_the_command_says_when_there_is_no_scheduler(tmp_path, small, capsys):
     assert "nonsense" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("client", ["garbage", "tcp://", "http://x:1", "host:8786x", ":8786", 5])
+def test_a_scheduler_behind_a_url(tmp_path, small):
+    """WebSockets of Dask go by URLs, which may have a path, and need no port."""
+    distributed = pytest.importorskip("distributed")
+    options: dict[str, Any] = {"processes": False, "n_workers": 1, "dashboard_address": None}
+    with distributed.LocalCluster(protocol="ws://", **options) as cluster:
+        rows = to_parquet(small[:1], tmp_path / "out", f"{cluster.scheduler_address}/")
+    assert [row.error for row in rows] == [None]
+
+
+NO_ADDRESSES = ["garbage", "tcp://", "tcp://host", "http://x:1", "host:8786x", ":8786", "wss://", 5]
+
+
+@pytest.mark.parametrize("client", NO_ADDRESSES)
 def test_what_is_no_address_of_a_scheduler_is_said(tmp_path, small, client):
     """By itself Dask fails too, and then waits for what it has begun."""
     pytest.importorskip("distributed")

@@ -157,11 +157,38 @@ def test_an_exact_merge_takes_no_file_without_a_record(flight, tmp_path, junk, c
     assert merge([flight, other], out).written == 5000, "an empty log"
 
 
+def test_a_merge_tells_of_each_log_its_own_damage(flight, tmp_path):
+    damaged, whole, cut_off = (tmp_path / f"{name}.tlog.gz" for name in ("a", "b", "c"))
+    damaged.write_bytes(gzip.compress(flight.read_bytes())[:-30_000])
+    whole.write_bytes(gzip.compress(b"x" * 999))
+    cut_off.write_bytes(gzip.compress(flight.read_bytes())[:11])
+    for logs, said in (([damaged, whole], f"a gzip file, not a telemetry log: '{whole}'"),
+                       ([flight, cut_off], r"as far as it can be read \(.*\): .*c.tlog.gz")):  # fmt: skip
+        with pytest.raises(mavwire.logs.LogFormatError, match=said):
+            merge(logs, tmp_path / "out.tlog")
+
+
 def zstd(content: bytes) -> bytes:
     return bytes(pytest.importorskip("zstandard").compress(content))
 
 
-@pytest.mark.parametrize(("suffix", "pack"), [("gz", gzip.compress), ("zst", zstd)])
+PACKED = [("gz", gzip.compress), ("zst", zstd)]
+
+
+@pytest.mark.parametrize(("suffix", "pack"), PACKED)
+def test_a_log_that_is_cut_off_in_its_first_record_is_one_compressed_too(
+    flight, tmp_path, suffix, pack
+):
+    start, out = tmp_path / f"start.tlog.{suffix}", tmp_path / "out.tlog"
+    start.write_bytes(pack(flight.read_bytes()[:20]))
+    assert merge([flight, start], out).written == 5000
+    with mavwire.open_log(start) as log:
+        assert mavwire.read(start) == {} and log.info().bad_bytes == 20
+    with pytest.raises(mavwire.logs.LogFormatError, match="not a telemetry log.*start.tlog"):
+        merge([start], out)
+
+
+@pytest.mark.parametrize(("suffix", "pack"), PACKED)
 @pytest.mark.parametrize(
     "command",
     [["cut", "--types", "ATTITUDE"], ["repair"], ["anonymize", "--shift", "1,2"],

@@ -1,0 +1,62 @@
+"""Which file what a vehicle sends by FTP belongs to."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mavwire.dialects.v20 import common as mavlink
+from mavwire.mavftp_op import (
+    FTP_OP,
+    OP_Ack,
+    OP_BurstReadFile,
+    OP_ListDirectory,
+    OP_OpenFileRO,
+    OP_TerminateSession,
+)
+from mavwire.tools.mavftpdecode import transfers
+
+
+def packed(source: int, target: int, packet: FTP_OP) -> Any:
+    payload = bytes(packet.pack()).ljust(251, b"\0")
+    msg = mavlink.MAVLink_file_transfer_protocol_message(0, target, 1, payload)
+    sender = mavlink.MAVLink(None, srcSystem=source)
+    return sender.decode(bytearray(msg.pack(sender)))
+
+
+def request(opcode: int, target: int, data: bytes = b"", session: int = 0) -> Any:
+    return packed(255, target, FTP_OP(1, session, opcode, len(data), 0, 0, 0, data))
+
+
+def answer(opcode: int, source: int, data: bytes, session: int = 0) -> Any:
+    return packed(source, 255, FTP_OP(2, session, OP_Ack, len(data), opcode, 0, 0, data))
+
+
+def sent(source: int, content: bytes) -> list[Any]:
+    """A file that was opened, in one piece."""
+    size = len(content).to_bytes(4, "little")
+    return [answer(OP_OpenFileRO, source, size), answer(OP_BurstReadFile, source, content)]
+
+
+def found(*messages: Any) -> list[tuple[str, bytes, int]]:
+    """Name, content and missing bytes of each file."""
+    return [(one.name, *one.content()) for one in transfers(messages)]
+
+
+def test_an_answer_to_something_else_opens_no_file() -> None:
+    asked = request(OP_OpenFileRO, 0, b"b.txt")
+    for other in (OP_ListDirectory, OP_BurstReadFile):
+        listing = answer(other, 2, b"Fx.txt\t4")
+        assert found(asked, listing, *sent(1, b"BBBB")) == [("b.txt", b"BBBB", 0)]
+
+
+def test_a_file_asked_of_all_is_not_one_that_was_opened_before() -> None:
+    messages = [request(OP_OpenFileRO, 1, b"a.txt"), *sent(1, b"AAAA")]
+    messages += [request(OP_OpenFileRO, 0, b"b.txt"), *sent(1, b"BB")]
+    assert found(*messages) == [("a.txt", b"AAAA", 0), ("b.txt", b"BB", 0)]
+    messages += [request(OP_TerminateSession, 1), *sent(1, b"of no file")]
+    assert found(*messages) == [("a.txt", b"AAAA", 0), ("b.txt", b"BB", 0)]
+
+
+def test_a_file_of_who_has_no_number() -> None:
+    messages = [request(OP_OpenFileRO, 0, b"b.txt"), *sent(0, b"BB")]
+    assert found(*messages) == [("b.txt", b"BB", 0)]
