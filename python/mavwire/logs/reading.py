@@ -31,7 +31,7 @@ BATCH_BYTES = 64 << 20
 """What `scan` holds at most of rows that are not yet a batch."""
 
 
-def native_dialect(dialect: str | ModuleType) -> tuple[Any, Any]:
+def native_dialect(dialect: str | os.PathLike[str] | ModuleType) -> tuple[Any, Any]:
     """The module of a dialect and its native form."""
     from .telemetry import dialect_module
 
@@ -65,7 +65,7 @@ def read(
     units: str | None = None,
     enums: str | None = None,
     wide: bool = False,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
 ) -> dict[str, Table]:
     """Read a log into a table for each message type, in one pass: a telemetry log, a raw stream, or
     a dataflash log, binary or text.
@@ -184,7 +184,7 @@ def scan(
     *,
     units: str | None = None,
     enums: str | None = None,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     batch_rows: int = BATCH_ROWS,
 ) -> Batches:
     """Read logs of any size in batches: tables of at most `batch_rows` rows of one type each, with

@@ -58,7 +58,7 @@ def cut(
     start: float | str | datetime | None = None,
     end: float | str | datetime | None = None,
     *,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write the records of some types and systems with `start <= time < end` to a log of their own.
@@ -78,7 +78,7 @@ def repair(
     path: str | os.PathLike[str],
     out: str | os.PathLike[str],
     *,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write all good records of a damaged log, which any reader then finds.
@@ -94,7 +94,7 @@ def anonymize(
     out: str | os.PathLike[str],
     *,
     shift: tuple[float, float] | None = None,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write a log without what tells who flew where; docs/columns.md lists what that is.
@@ -117,7 +117,7 @@ def merge(
     paths: Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
     *,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write the good records of several logs as one, in the order of time.

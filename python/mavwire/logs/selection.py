@@ -133,6 +133,8 @@ def seconds_of(time: Any) -> float | None:
         time = _parsed(time)
     if str(time) == "NaT":  # of NumPy or pandas, where it is a datetime too
         raise ValueError(f"{A_TIME}, not NaT")
+    if hasattr(time, "to_datetime64"):  # of pandas, without a zone UTC as those of NumPy
+        time = time.to_datetime64()
     if isinstance(time, datetime):
         return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
     if type(time).__name__ == "datetime64":  # of NumPy, as the tables have it

@@ -71,7 +71,7 @@ def plot(
     timeshift: float = 0.0,
     modes: bool = True,
     flightmode: str | None = None,
-    dialect: str = "all",
+    dialect: str | os.PathLike[str] = "all",
 ) -> Plotted:
     """Draw expressions such as `ATTITUDE.roll` or `degrees(ATTITUDE.pitch):2` over time.
 

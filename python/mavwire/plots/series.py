@@ -57,7 +57,7 @@ def read_series(
     xaxis: Expression | None = None,
     system: int | None = None,
     autopilot: int | None = None,
-    dialect: str = "all",
+    dialect: str | os.PathLike[str] = "all",
 ) -> LogSeries:
     """The series of a log, in the order of the expressions.
 
@@ -100,7 +100,7 @@ class _How:
     condition: str | None
     xaxis: Expression | None
     system: int | None
-    dialect: str
+    dialect: str | os.PathLike[str]
 
 
 def is_telemetry(path: str) -> bool:
@@ -119,7 +119,9 @@ def _end(series: Sequence[Series]) -> float | None:
 # -- columns
 
 
-def _tables(path: str, plain: Sequence[Expression], dialect: str) -> dict[str, Table]:
+def _tables(
+    path: str, plain: Sequence[Expression], dialect: str | os.PathLike[str]
+) -> dict[str, Table]:
     from mavwire.logs import read
     from mavwire.logs.reading import native_dialect
 
@@ -138,7 +140,7 @@ def _tables(path: str, plain: Sequence[Expression], dialect: str) -> dict[str, T
     return tables
 
 
-def busiest_system(path: str, dialect: str) -> int | None:
+def busiest_system(path: str, dialect: str | os.PathLike[str]) -> int | None:
     """The system that most messages of a telemetry log come from."""
     from mavwire.logs import open_log
 
@@ -226,14 +228,14 @@ def _holds(condition: str | None, link: Any) -> bool:
 
 
 def vehicle_messages(
-    path: str, types: list[str], system: int | None, dialect: str
+    path: str, types: list[str], system: int | None, dialect: str | os.PathLike[str]
 ) -> Iterator[tuple[Any, Any]]:
     """The vehicle's messages of some types as mavutil gives them, with the link."""
     from mavwire.cli._reading import definitions, open_link
     from mavwire.logs.telemetry import dialect_module
 
     dialect_module(dialect)  # a ValueError names one that there is not
-    with definitions(dialect), closing(open_link(os.fspath(path))) as link:
+    with definitions(os.fspath(dialect)), closing(open_link(os.fspath(path))) as link:
         telemetry = hasattr(link, "mav")
         if telemetry and system is not None:
             link.sysid = system

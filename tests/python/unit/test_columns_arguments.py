@@ -85,6 +85,33 @@ def test_times_as_numpy_has_them(flight):
             mavwire.read(flight, "ATTITUDE", start=wrong)
 
 
+@pytest.mark.parametrize("zone", [None, "UTC", "Asia/Tokyo"])
+def test_times_as_pandas_has_them(flight, zone):
+    pandas = pytest.importorskip("pandas")
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    middle = table["timestamp"][len(table) // 2]
+    start = pandas.Timestamp(middle, tz="UTC").tz_convert(zone)
+    rest = mavwire.read(flight, "ATTITUDE", start=start)["ATTITUDE"]
+    assert rest["timestamp"].tolist() == table["timestamp"][table["timestamp"] >= middle].tolist()
+
+
+def test_a_dialect_may_be_a_path(flight, tmp_path):
+    path = tmp_path / "own.xml"
+    path.write_text("<mavlink><include>minimal.xml</include></mavlink>")
+    assert list(mavwire.read(flight, dialect=path)) == ["HEARTBEAT"]
+    log = pickle.loads(pickle.dumps(mavwire.open_log(flight, dialect=path)))
+    assert list(log.read()) == ["HEARTBEAT"]
+    (row,) = mavwire.logs.conversion.convert([flight], tmp_path / "out", dialect=path)
+    assert (row.error, list(row.files)) == (None, ["HEARTBEAT/flight.parquet"])
+
+
+@pytest.mark.parametrize("dialect", [None, 5, b"common"])
+def test_what_is_no_dialect_is_said(flight, dialect):
+    for look in (mavwire.open_log, mavwire.read, mavwire.scan):
+        with pytest.raises(ValueError, match="a dialect is a name, the path of an XML file or"):
+            look(flight, dialect=dialect)
+
+
 def test_folders_are_named_with_what_to_do(flight, tmp_path, capsys):
     for look in (mavwire.open_log, mavwire.read, lambda path: list(mavwire.scan(path))):
         with pytest.raises(IsADirectoryError, match="name the logs in it") as caught:

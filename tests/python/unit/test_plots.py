@@ -212,6 +212,13 @@ def test_fields_that_a_dataflash_log_does_not_have_are_named(tmp_path):
         plots.plot(path, "IMU.nofield", tmp_path / "x.html")
 
 
+@pytest.mark.parametrize("text", ["HEARTBEAT.type", "HEARTBEAT.type%20"])
+def test_a_dialect_may_be_a_path(flight, tmp_path, text):
+    path = tmp_path / "own.xml"
+    path.write_text("<mavlink><include>minimal.xml</include></mavlink>")
+    assert plots.plot(flight, text, tmp_path / "x.html", dialect=path).points
+
+
 def test_a_log_without_times_is_named(tmp_path):
     path = tmp_path / "stream.raw"
     path.write_bytes(heartbeat() * 50)
