@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import os
 import secrets
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import LogRewrite
 
 from .query import Query
 from .reading import check_readable, native_dialect
-from .sources import head_of, is_dataflash
+from .sources import head_of, is_compressed, is_dataflash
+from .summary import summarise
 from .targets import file_to_write
 from .telemetry import HEAD_SIZE, LogFormatError, check_barren, not_telemetry
 
@@ -47,7 +48,9 @@ class Rewritten:
     restamped: int
     """Records behind damage whose time was days off and is now that of the last good one."""
     damage: str | None
-    """What is wrong with a compressed file; everything before that was read."""
+    """What is wrong with a compressed file, of several with each by name; everything before that
+    was read.
+    """
 
 
 def cut(
@@ -127,7 +130,14 @@ def merge(
     """
     _, native = native_dialect(dialect)
     inputs, target = _checked(paths, out)
-    return _run(LogRewrite.merge(inputs, native, target), inputs, progress)
+    done = _run(LogRewrite.merge(inputs, native, target), inputs, progress)
+    return replace(done, damage=_named_damage(inputs, native)) if done.damage else done
+
+
+def _named_damage(paths: list[str], native: Any) -> str:
+    """What is wrong with the compressed ones of some logs: they are read again for that."""
+    found = {path: summarise(path, native).damage for path in paths if is_compressed(path)}
+    return "; ".join(f"{path!r}: {damage}" for path, damage in found.items() if damage)
 
 
 def _checked(

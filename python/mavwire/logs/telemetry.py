@@ -250,7 +250,8 @@ class TelemetryLog(Log):
 
 def is_foreign(head: bytes) -> bool:
     """Whether a file that holds no record is something else than a log that is cut off."""
-    begins = len(head) < 9 or head[8] in b"\xfd\xfe"
+    # Of a record the first byte of its time, which is 0 until the year 4253; of a raw stream a marker.
+    begins = head[8] in b"\xfd\xfe" if len(head) > 8 else head[:1] in b"\0\xfd\xfe"
     return not begins or _other_format(head) is not None
 
 
