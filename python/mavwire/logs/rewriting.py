@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import LogRewrite
 
 from .query import Query
-from .reading import check_readable, native_dialect
+from .reading import check_readable, native_dialect, paths_of
 from .sources import head_of, is_compressed, is_dataflash
 from .summary import summarise
 from .targets import file_to_write
@@ -108,7 +108,12 @@ def anonymize(
     if shift is None:
         random = secrets.SystemRandom()
         shift = (random.uniform(-MOST_NORTH, MOST_NORTH), random.uniform(-MOST_EAST, MOST_EAST))
-    if not (abs(shift[0]) <= 90 and abs(shift[1]) <= 360):
+    try:
+        north, east = shift
+        valid = abs(north) <= 90 and abs(east) <= 360
+    except (TypeError, ValueError):
+        valid = False
+    if not valid:
         raise ValueError(f"a shift is degrees to the north and east, not {shift!r}")
     _, native = native_dialect(dialect)
     inputs, target = _checked([path], out)
@@ -144,7 +149,7 @@ def _checked(
     paths: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str]
 ) -> tuple[list[str], str]:
     """The names as texts; raises what tells why they cannot be read or written."""
-    inputs, out = [os.fsdecode(path) for path in paths], file_to_write(out)
+    inputs, out = paths_of(paths), file_to_write(out)
     if not inputs:
         raise ValueError("no logs to read")
     for path in inputs:

@@ -99,10 +99,14 @@ def plot(
         raise ValueError(f"{len(texts)} expressions have {len(labels)} labels")
     if flightmode is not None and flightmode not in AUTOPILOTS:
         raise ValueError(f"flightmode is one of {', '.join(AUTOPILOTS)}, not {flightmode!r}")
+    try:
+        is_number = math.isfinite(timeshift)
+    except (TypeError, OverflowError):
+        is_number = False
+    if not is_number:
+        raise ValueError(f"timeshift is a number of seconds, not {timeshift!r}")
     if xaxis is not None and (relative or timeshift):
         raise ValueError("over xaxis there are no times: leave relative and timeshift out")
-    if not math.isfinite(timeshift):
-        raise ValueError(f"timeshift is a number of seconds, not {timeshift!r}")
     parsed = [parse(text) for text in texts]
     across = None if xaxis is None else parse(xaxis)
     read = [
@@ -118,7 +122,7 @@ def plot(
         for path in paths
     ]
     names = labels or [one.text for one in parsed]
-    chart = _chart(read, names, title, relative, timeshift, modes, across)
+    chart = _chart(read, names, title, relative, float(timeshift), modes, across)
     notes = _notes(read)
     points = sum(len(line.times) for line in chart.lines)
     if not points:

@@ -81,6 +81,8 @@ class Expression:
 
 def parse(text: str) -> Expression:
     """An expression as written; ValueError says what is wrong with it, ExpressionError among them."""
+    if not isinstance(text, str):
+        raise ValueError(f"an expression is a text, not {text!r}")
     right = text.endswith(":2")
     body = text[:-2] if right else text.removesuffix(":1")
     if not body.strip():

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire._wording import in_words
 from mavwire.expression import evaluate_expression
 from mavwire.links.recognise import log_kind
+from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
 from .expressions import EXACT, Expression, as_number, column_of, why_nothing
@@ -67,6 +68,7 @@ def read_series(
     Raises OSError for a log that cannot be read, ValueError for
     one that is none, that has no times, and for a field or type that its definitions do not have.
     """
+    system = None if system is None else system_of(system)
     how = _How(condition, xaxis, system, dialect)
     if not is_telemetry(path):
         return _of_messages(path, expressions, how)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
 from .modes import Span, colours_of, mode_changes, spans, vehicle_of
@@ -80,6 +81,7 @@ def read_track(
     Raises OSError for a log that cannot be read, ValueError for one that is none, or without a
     single position.
     """
+    system = None if system is None else system_of(system)
     if is_telemetry(path):
         track = _from_tables(path, system, dialect)
     else:

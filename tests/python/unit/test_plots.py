@@ -347,6 +347,13 @@ def test_the_first_log_moves_in_time(tmp_path):
     assert begin == pytest.approx(-0.5), "modes move with their log"
 
 
+def test_numbers_of_numpy_are_numbers(flight, tmp_path):
+    out, shift = tmp_path / "x.html", np.float32(1)
+    assert plots.plot(flight, "ATTITUDE.roll", out, timeshift=shift, system=np.uint8(1)).points
+    with pytest.raises(ValueError, match="a system id is a number"):
+        plots.draw_map(flight, out, system=[1])
+
+
 def test_whose_flight_modes_they_are(tmp_path):
     path = tmp_path / "a.tlog"
     attitudes(path)
@@ -366,6 +373,10 @@ def test_whose_flight_modes_they_are(tmp_path):
         ({"xaxis": "ATTITUDE.pitch", "timeshift": 1.0}, "timeshift"),
         ({"xaxis": "1+"}, "no expression"),
         ({"timeshift": float("nan")}, "seconds"),
+        ({"timeshift": "1"}, "seconds"),
+        ({"xaxis": 1}, "an expression is a text"),
+        ({"system": [1]}, "a system id is a number"),
+        ({"system": 256}, "a system id is 0 to 255"),
     ],
 )
 def test_options_that_make_no_sense_are_named(flight, tmp_path, wrong, said):

@@ -354,8 +354,10 @@ def test_what_is_refused(flight, tmp_path):
         repair(tmp_path / "none.tlog", tmp_path / "out.tlog")
     with pytest.raises(ValueError, match="no message"):
         cut(copy, tmp_path / "out.tlog", types="NOPE")
-    with pytest.raises(ValueError, match="shift"):
-        anonymize(copy, tmp_path / "out.tlog", shift=(float("nan"), 0))
+    wrong: Any
+    for wrong in ((float("nan"), 0), 5, (1,), (1, 2, 3), "12", (91, 0)):
+        with pytest.raises(ValueError, match="a shift is degrees"):
+            anonymize(copy, tmp_path / "out.tlog", shift=wrong)
     noise = tmp_path / "noise.tlog"
     noise.write_bytes(b"nothing of all this is a log " * 50)
     with pytest.raises(mavwire.LogFormatError, match="no record"):
