@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import os
+import signal
 import subprocess
 import sys
 from datetime import UTC, datetime
@@ -17,6 +18,7 @@ import pytest
 from dataflash_writer import sample
 from mavwire import cli, traffic
 from mavwire.cli import main
+from mavwire.cli._progress import Progress
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.logs.rewriting import anonymize, cut, merge, repair
 from unit.column_tools import log_of_every_type
@@ -399,6 +401,27 @@ def test_a_shift_may_begin_with_a_minus(flight, tmp_path, shift):
     assert cli.main(["anonymize", str(flight), "-o", str(out), "--quiet", *shift]) == 0
     anonymize(flight, expected, shift=(-1, 2))
     assert out.read_bytes() == expected.read_bytes()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="needs SIGHUP")
+@pytest.mark.parametrize("number", [getattr(signal, "SIGHUP", 0), signal.SIGTERM])
+@pytest.mark.parametrize("command", ["cut", "repair", "anonymize", "merge --exact"])
+def test_a_run_that_is_told_to_end_leaves_nothing(flight, tmp_path, monkeypatch, command, number):
+    def told(self: Progress, percents: float) -> None:
+        assert [path.suffix for path in tmp_path.iterdir()] == [".part"]
+        signal.raise_signal(number)
+
+    def missed(*_: Any) -> None:
+        raise AssertionError("it would have ended at once")
+
+    monkeypatch.setattr(Progress, "update", told)
+    before = signal.signal(number, missed)
+    try:
+        code = main([*command.split(), str(flight), "-o", str(tmp_path / "out.tlog")])
+        assert signal.getsignal(number) is missed
+    finally:
+        signal.signal(number, before)
+    assert code == cli.EXIT_INTERRUPTED and not list(tmp_path.iterdir())
 
 
 def test_more_logs_than_may_be_open(tmp_path):
