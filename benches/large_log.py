@@ -3,8 +3,9 @@
 Logs of the size asked for, a tenth and a hundredth of it are written into a temporary folder: one
 flight of `mavwire.traffic`, over and over. Each is read in processes of their own, in CPU time,
 through `recv_msg()` of what `mavlink_connection` opens (which indexes the log first) and through
-`open_log`; then telemetry logs and dataflash logs are converted to Parquet. A reader that does not
-see every message makes the run fail.
+`open_log`; then telemetry logs and dataflash logs are converted to Parquet, or to what `--format`
+says. With `--every-type` only telemetry logs of all types there are, with random values and times
+that go on. A reader that does not see every message makes the run fail.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ import argparse
 import json
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -32,8 +35,7 @@ HEADINGS = (
 )  # fmt: skip
 
 CONVERTED = (
-    "log", "messages", "to Parquet, us/message", "wall time, us/message", "bytes/message",
-    "peak MiB",
+    "log", "messages", "CPU time, us/message", "wall time, us/message", "bytes/message", "peak MiB",
 )  # fmt: skip
 """Headings of the second table."""
 
@@ -57,19 +59,20 @@ def read_open_log(path: str) -> dict[str, Any]:
     return {"messages": messages, "read": process_time() - start}
 
 
-def to_parquet(path: str) -> dict[str, Any]:
-    """A file of zstd Parquet for each type."""
+def converted(path: str, form: str = "parquet") -> dict[str, Any]:
+    """What `mavwire convert` makes of it: of Parquet a file for each type."""
     from mavwire.logs.conversion import convert
+    from mavwire.logs.formats import FORMATS
 
     with TemporaryDirectory() as folder:
         start, began = process_time(), perf_counter()
-        (row,) = convert([path], folder)
+        (row,) = convert([path], folder, format=form)
         wall, spent = perf_counter() - began, process_time() - start
-        size = sum(file.stat().st_size for file in Path(folder).rglob("*.parquet"))
+        size = sum(file.stat().st_size for file in Path(folder).rglob(f"*{FORMATS[form]}"))
     return {"messages": row.rows, "read": spent, "wall": wall, "bytes": size}
 
 
-READERS = {"recv_msg": read_link, "open_log": read_open_log, "parquet": to_parquet}
+READERS = {"recv_msg": read_link, "open_log": read_open_log}
 
 
 def peak_rss() -> int:
@@ -112,18 +115,21 @@ def row(log: Path, messages: int, runs: int) -> list[str]:
     ]  # fmt: skip
 
 
-def converted_row(log: Path, messages: int, runs: int) -> list[str]:
+def converted_row(form: str, log: Path, messages: int, runs: int) -> list[str]:
     """What converting the log costs."""
-    cost = measure("parquet", log, messages, runs)
+    cost = measure(form, log, messages, runs)
     return [
         f"{log.stat().st_size / 1e6:,.1f} MB {log.suffix}", f"{messages:,}", f"{cost['read']:.3f}",
         f"{cost['wall']:.3f}", f"{cost['bytes']:.1f}", f"{cost['rss']:.0f}",
     ]  # fmt: skip
 
 
-def flights_of(folder: Path, size: float) -> dict[str, tuple[Path, int]]:
-    """A flight of so many bytes of each kind of log, and how many records it has."""
-    sys.path.append(str(Path(__file__).parent / "python"))
+Writer = Callable[[Path, int], int]
+"""Writes a log so many times as long as the shortest; how many messages it has."""
+
+
+def flights_of(folder: Path, size: float) -> dict[str, Writer]:
+    """For each kind of log what repeats a flight of so many bytes."""
     import dataflash_log
 
     telemetry, dataflash = folder / "flight.tlog", folder / "flight.BIN"
@@ -133,14 +139,39 @@ def flights_of(folder: Path, size: float) -> dict[str, tuple[Path, int]]:
     records = max(int(size / (dataflash.stat().st_size / SAMPLE)), 1)
     dataflash_log.write(dataflash, records)
     described = len(dataflash_log.TYPES) + 1
-    return {".tlog": (telemetry, written.messages), ".BIN": (dataflash, records + described)}
+    return {
+        ".tlog": partial(repeat, telemetry, written.messages),
+        ".BIN": partial(repeat, dataflash, records + described),
+    }
 
 
-def repeat(flight: Path, flights: int, log: Path) -> None:
-    """Write a flight over and over."""
+def repeat(flight: Path, messages: int, log: Path, flights: int) -> int:
+    """Write a flight of so many messages over and over."""
     content = flight.read_bytes()
     with log.open("wb") as file:
         file.writelines(content for _ in range(flights))
+    return messages * flights
+
+
+def of_every_type(size: float) -> dict[str, Writer]:
+    """What writes logs of all types, the shortest of so many bytes."""
+    import every_type_log
+
+    return {".tlog": lambda log, times: every_type_log.write(log, int(size * times))}
+
+
+def print_table(
+    headings: tuple[str, ...], make_row: Callable[[Path, int, int], list[str]],
+    writers: dict[str, Writer], folder: Path, runs: int,
+) -> None:  # fmt: skip
+    """A row in Markdown for each log of each kind."""
+    print(f"| {' | '.join(headings)} |\n|{' --- |' * len(headings)}")
+    for suffix, write in writers.items():
+        log = folder / f"log{suffix}"
+        for times in FLIGHTS:
+            print(f"| {' | '.join(make_row(log, write(log, times), runs))} |", flush=True)
+        log.unlink()
+    print()
 
 
 def main() -> None:
@@ -149,27 +180,26 @@ def main() -> None:
     parser.add_argument("--bytes", type=float, default=1e9, help="of the longest log (1e9)")
     parser.add_argument("--runs", type=int, default=3, help="processes for each figure (3)")
     parser.add_argument("--only-convert", action="store_true", help="only the conversions")
+    parser.add_argument("--format", default="parquet", help="convert to this (parquet)")
+    parser.add_argument("--every-type", action="store_true", help="logs of all types there are")
     parser.add_argument("--read", nargs=2, metavar=("READER", "LOG"), help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.read:
         reader, log = args.read
-        print(json.dumps(READERS[reader](log) | {"rss": peak_rss()}))
+        read = READERS.get(reader) or partial(converted, form=reader)
+        print(json.dumps(read(log) | {"rss": peak_rss()}))
         return
+    from mavwire.logs.formats import FORMATS  # not above: readers are measured with what they load
+
+    if args.format not in FORMATS:
+        parser.error(f"--format is one of {', '.join(FORMATS)}, not {args.format!r}")
+    sys.path.append(str(Path(__file__).parent / "python"))
     with TemporaryDirectory() as name:
-        folder = Path(name)
-        flights = flights_of(folder, args.bytes / FLIGHTS[-1])
-        tables = [(HEADINGS, row, (".tlog",)), (CONVERTED, converted_row, (".tlog", ".BIN"))]
-        for headings, make_row, suffixes in tables[args.only_convert :]:
-            print(f"| {' | '.join(headings)} |\n|{' --- |' * len(headings)}")
-            for suffix in suffixes:
-                flight, messages = flights[suffix]
-                log = folder / f"log{suffix}"
-                for times in FLIGHTS:
-                    repeat(flight, times, log)
-                    cells = make_row(log, times * messages, args.runs)
-                    print(f"| {' | '.join(cells)} |", flush=True)
-                log.unlink()
-            print()
+        folder, size = Path(name), args.bytes / FLIGHTS[-1]
+        writers = of_every_type(size) if args.every_type else flights_of(folder, size)
+        if not args.only_convert:
+            print_table(HEADINGS, row, {".tlog": writers[".tlog"]}, folder, args.runs)
+        print_table(CONVERTED, partial(converted_row, args.format), writers, folder, args.runs)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from mavwire import traffic
 sys.path.append(str(Path(__file__).parent / "python"))
 
 import dataflash_log
-from large_log import to_parquet
+from large_log import converted
 
 HEADINGS = ("", "rows", "1 thread, ms", "2 threads, ms", "as fast", "the machine allows")
 
@@ -37,7 +37,7 @@ def tables(path: str) -> int:
 
 def parquet(path: str) -> int:
     """Rows that are converted to Parquet."""
-    rows: int = to_parquet(path)["messages"]
+    rows: int = converted(path)["messages"]
     return rows
 
 

@@ -7,16 +7,16 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from random import Random
+from runpy import run_path
 from typing import Any
 
 import pytest
 from mavwire.dialects.v20 import all as every
 from mavwire.dialects.v20 import common
-from mavwire.dialects.v20.all import x25crc
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")
 
+EVERY_TYPE = Path(__file__).parents[3] / "benches" / "python" / "every_type_log.py"
 MEGABYTES = 64
 """Of a log: more than any reader holds of it."""
 LIMIT = 128 * 1024
@@ -111,28 +111,10 @@ print(json.dumps([first - before, second]))
 
 @pytest.fixture(scope="module")
 def many_types(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A log of every type there is, again and again, with random values."""
-    noise = Random(1)
-    frames = [frame_of(cls, noise) for cls in every.mavlink_map.values() for _ in range(4)]
+    """The benches' log of every type there is."""
     path = tmp_path_factory.mktemp("many") / "many.tlog"
-    time = 1_700_000_000_000_000
-    with path.open("wb") as file:
-        while file.tell() < 4 * MEGABYTES << 20:
-            noise.shuffle(frames)
-            times = range(time, time + 2_000 * len(frames), 2_000)
-            pairs = zip(times, frames, strict=True)
-            file.write(b"".join(t.to_bytes(8, "big") + frame for t, frame in pairs))
-            time = times.stop
+    run_path(str(EVERY_TYPE))["write"](path, 4 * MEGABYTES << 20)
     return path
-
-
-def frame_of(cls: Any, noise: Random) -> bytes:
-    """A frame of MAVLink 2 with a random payload of full length."""
-    size = cls.unpacker.size
-    payload = noise.randbytes(size - 1) + b"\1" if size else b""
-    body = bytes([len(payload), 0, 0, 0, 1, 1]) + cls.id.to_bytes(3, "little") + payload
-    crc = x25crc(body + bytes([cls.crc_extra])).crc
-    return b"\xfd" + body + crc.to_bytes(2, "little")
 
 
 def test_memory_does_not_grow_with_the_types(many_types: Path, tmp_path: Path) -> None:
