@@ -36,6 +36,12 @@ def in_words(error: BaseException, path: str | None = None) -> str:
         return f"no such file: {error}"
     if isinstance(error, KeyError) and error.args:
         return f"there is no {error.args[0]!r}"
+    if isinstance(error, NameError) and error.name:
+        return f"there is no {error.name!r}"
+    if isinstance(error, AttributeError) and hasattr(error.obj, "get_type"):  # a message's
+        return f"{error.obj.get_type()} has no field {error.name!r}"
+    if isinstance(error, SyntaxError) and error.msg:  # without the place, which is that of a file
+        return error.msg
     if isinstance(error, MemoryError) and not error.args:
         return "there is not enough memory"
     return str(error) or type(error).__name__

@@ -73,7 +73,7 @@ class Bridge:
         dedup: float = 0.5,
         max_age: float = 60.0,
         sniffer_sysid: int = 0,
-        dialect: str | ModuleType = "all",
+        dialect: str | os.PathLike[str] | ModuleType = "all",
         source_system: int = 255,
         source_component: int = 190,
     ) -> None:
@@ -330,9 +330,7 @@ def _core_class() -> type[BridgeCore]:
     return BridgeCore
 
 
-def _module(dialect: str | ModuleType) -> Any:
-    if not isinstance(dialect, str):
-        return dialect
+def _module(dialect: str | os.PathLike[str] | ModuleType) -> Any:
     from mavwire.logs.telemetry import dialect_module
 
     try:

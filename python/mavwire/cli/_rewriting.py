@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._progress import Progress
+from mavwire.cli._signals import ended_in_order
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
@@ -30,7 +31,8 @@ def run(args: Namespace, logs: list[str], work: Callable[..., Rewritten]) -> int
     size = sum(os.path.getsize(log) for log in logs if os.path.isfile(log))
     bar = Progress(args.out, enabled=not args.quiet)
     try:
-        done = work(progress=lambda read: bar.update(min(100.0, 100.0 * read / max(size, 1))))
+        with ended_in_order():
+            done = work(progress=lambda read: bar.update(min(100.0, 100.0 * read / max(size, 1))))
     except (ValueError, ImportError) as error:
         raise CommandError(str(error)) from error
     finally:

@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import json
 import math
-import signal
 import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
@@ -28,6 +27,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_link_error
+from mavwire.cli._signals import ended_in_order
 from mavwire.cli.sim import duration
 
 if TYPE_CHECKING:
@@ -120,25 +120,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run until interrupted or told to terminate, or for `--duration`."""
-    before = {number: signal.signal(number, _interrupt) for number in _ending()}
-    try:
+    with ended_in_order():  # what is being recorded is written
         return _run(*_bridge(args), args)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _ending() -> list[int]:
-    """Signals that end a bridge: of a service manager, and of a terminal that closes, unless `nohup` ignores that."""
-    hangup = getattr(signal, "SIGHUP", None)
-    if hangup is None or signal.getsignal(hangup) is signal.SIG_IGN:
-        return [signal.SIGTERM]
-    return [signal.SIGTERM, hangup]
-
-
-def _interrupt(number: int, frame: object) -> None:
-    """End as Ctrl-C does, so that what is being recorded is written."""
-    raise KeyboardInterrupt
 
 
 def _run(bridge: Bridge, config: Config, args: Namespace) -> int:

@@ -90,4 +90,4 @@ def lookup(name: str, column: int) -> Any:
         return known[name]
     if name in _ALL_BUILTINS:
         raise limits.ExpressionError(f"{name!r} is not available", column)
-    raise NameError(f"name {name!r} is not defined")
+    raise NameError(f"name {name!r} is not defined", name=name)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import signal
 import threading
+from concurrent.futures import Future
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+from mavwire._wording import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,6 +31,7 @@ def connected(client: Any, workers: int | None) -> Iterator[Any]:
         yield client
     elif client is not None:
         _check_address(client)
+        _check_scheduler(client)
         with Client(client, set_as_default=False) as made:
             yield made
     else:
@@ -36,6 +41,10 @@ def connected(client: Any, workers: int | None) -> Iterator[Any]:
 
 HOST_AND_PORT = ("tcp", "tls", "ucx")
 """What is addressed by host and port. `wss` goes by URLs, and `gateway` and others by their own."""
+
+PORTS = 65536
+GRACE = 1.0
+"""Seconds that an answer may take beyond the time that connecting may."""
 
 
 def _check_address(address: Any) -> None:
@@ -49,11 +58,55 @@ def _check_address(address: Any) -> None:
     try:
         scheme, place = parse_address(address)
         get_backend(scheme)
-        valid = all(parse_host_port(place)) if scheme in HOST_AND_PORT else bool(place)
+        valid = bool(place)
+        if scheme in HOST_AND_PORT:
+            host, port = parse_host_port(place)
+            valid = bool(host) and 0 < port < PORTS
     except ValueError as error:
         raise ValueError(expected) from error
     if not valid:
         raise ValueError(expected)
+
+
+def _check_scheduler(address: str) -> None:
+    """Raise OSError where no scheduler answers. A client finds out too, but where that is no OSError,
+    as with TLS that is not set up or another program at the port, nothing ends it any more.
+    """
+    import dask
+    from dask.utils import parse_timedelta
+
+    if dask.config.get("distributed.client.security-loader", None):
+        return  # it knows how to connect, and the client asks it
+    seconds = parse_timedelta(dask.config.get("distributed.comm.timeouts.connect"))
+    answer: Future[None] = Future()
+
+    def ask() -> None:
+        try:
+            answer.set_result(asyncio.run(_ask(address, seconds)))
+        except BaseException as error:
+            answer.set_exception(error)
+
+    # A thread, since this one may run a loop, and one that Ctrl-C does not wait for.
+    threading.Thread(target=ask, daemon=True).start()
+    try:
+        answer.result()
+    except TimeoutError:
+        raise OSError(f"no scheduler answers at {address} for {seconds:g} s") from None
+    except Exception as error:  # whatever the transports of Dask raise
+        raise OSError(f"no scheduler answers at {address}: {in_words(error)}") from error
+
+
+async def _ask(address: str, seconds: float) -> None:
+    from distributed.comm import connect
+    from distributed.security import Security
+
+    async with asyncio.timeout(seconds + GRACE):
+        comm = await connect(address, seconds, **Security().get_connection_args("client"))
+        try:
+            await comm.write({"op": "identity", "n_workers": 0, "reply": True})
+            await comm.read()
+        finally:
+            comm.abort()
 
 
 def _local_cluster(workers: int | None) -> Any:

@@ -17,6 +17,8 @@ from mavwire.logs.sources import is_compressed, is_dataflash
 from mavwire.logs.summary import summarise
 
 if TYPE_CHECKING:
+    import os
+
     from mavwire.logs.summary import LogInfo
 
     from .places import Part
@@ -25,7 +27,7 @@ CLEAN = 64 << 10
 """Bytes without damage in front of a cut: more than a frame may claim to reach."""
 
 
-def find_cuts(path: str, part_bytes: int, dialect: str = "all") -> list[Part]:
+def find_cuts(path: str, part_bytes: int, dialect: str | os.PathLike[str] = "all") -> list[Part]:
     """The parts of a local log, of at least `part_bytes` each; none where it has to stay whole."""
     if is_compressed(path) or is_dataflash(path):
         return []

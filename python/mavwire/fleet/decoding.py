@@ -32,7 +32,7 @@ def decode(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
-    dialect: str = "all",
+    dialect: str | os.PathLike[str] = "all",
     storage_options: Mapping[str, Any] | None = None,
 ) -> dict[str, Table]:
     """`{type: table}` of a log, or of the bytes `first, end` of it, which are read like a log. With
@@ -61,7 +61,7 @@ def decode_as(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
-    dialect: str = "all",
+    dialect: str | os.PathLike[str] = "all",
     storage_options: Mapping[str, Any] | None = None,
     lenient: bool = False,
 ) -> dict[str, Table]:

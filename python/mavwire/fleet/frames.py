@@ -31,7 +31,7 @@ def dask_frame(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
-    dialect: str = "all",
+    dialect: str | os.PathLike[str] = "all",
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
 ) -> Any:

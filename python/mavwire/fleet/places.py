@@ -10,7 +10,7 @@ import glob
 import os
 import tempfile
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 from mavwire.logs.reading import check_readable, paths_of
 
@@ -89,6 +89,8 @@ def located(
     OSError and what fsspec raises where it cannot be read, ValueError for a range that is not
     there.
     """
+    if byte_range is not None and not _is_range(byte_range):
+        raise ValueError(f"{path}: a range is the first byte and the end, not {byte_range!r}")
     if not is_url(path):
         check_readable(path)
         if byte_range is not None:
@@ -108,6 +110,11 @@ def located(
         with fs.open(inner, "rb") as source, open(copy, "wb") as target:
             _copy(source, target, start, end)
         yield copy
+
+
+def _is_range(given: object) -> bool:
+    sequence = isinstance(given, tuple | list) and len(given) in (2, 3)
+    return sequence and all(isinstance(one, SupportsIndex) for one in given)  # type: ignore[attr-defined]
 
 
 def _check_range(path: str, start: int, end: int, size: int) -> None:

@@ -56,7 +56,7 @@ def convert(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
-    dialect: str = "all",
+    dialect: str | os.PathLike[str] = "all",
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
     progress: Callable[[int, int], object] | None = None,

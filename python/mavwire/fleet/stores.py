@@ -117,11 +117,11 @@ class Remote:
         """Nothing: such a place has no locks that end with the process which has them."""
         yield
 
-    def remove_drafts(self, name: str) -> None:
-        """Remove what a run that was killed left of the files of a log."""
-        draft = drafts_of(name)
+    def remove_drafts(self, *names: str) -> None:
+        """Remove what a run that was killed left of the files of some logs."""
+        is_draft = drafts_of(*names)
         for one in [] if self._whole else list(self.names()):
-            if draft.fullmatch(os.path.basename(one)):
+            if is_draft(os.path.basename(one)):
                 self.fs.rm_file(self._path(one))
 
     def remove(self, name: str) -> None:

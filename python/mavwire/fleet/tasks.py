@@ -49,7 +49,7 @@ class Recipe:
     staging: str | None
     """A folder on the disk of `out` for files that are not complete; None for a place of fsspec."""
     query: Query
-    dialect: str
+    dialect: str | os.PathLike[str]
     format: str
     compression: str
     storage_options: dict[str, Any] | None = None

@@ -39,6 +39,7 @@ def align(
     type are aligned each by itself, as `TYPE[0].field`. The table is called `name`. ValueError for
     arguments that make no sense, for a type that several senders sent, and for rows without times.
     """
+    check_clock(on)
     names = names_of(tables if types is None else types)
     missing = [one for one in (*names, *([on] if on else [])) if one not in tables]
     if missing:
@@ -52,6 +53,12 @@ def align(
     clock = None if on is None else tables[on]
     name = name or "+".join(names)
     return aligned(parts, clock, name, rate=rate, method=method, tolerance=tolerance)
+
+
+def check_clock(on: object) -> None:
+    """Raise ValueError for what is no message type, whose times could be the clock."""
+    if on is not None and not isinstance(on, str):
+        raise ValueError(f"on is the name of a message type, not {on!r}")
 
 
 def aligned(
@@ -104,7 +111,8 @@ def _micros(span: Span, what: str) -> int:
         span = span.astype("timedelta64[us]").item()  # type: ignore[union-attr]
     if isinstance(span, timedelta):
         span = f"{span // timedelta(microseconds=1)}us"
-    text = str(span).strip()
+    # A year would be a number of seconds.
+    text = "" if type(span).__name__ == "datetime64" else str(span).strip()
     number, unit = text, "s"
     if isinstance(span, str):
         unit = text.lstrip("0123456789.") or "s"

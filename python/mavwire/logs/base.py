@@ -49,9 +49,10 @@ class Log:
         enums: str | None = None,
     ) -> Table:
         """One wide table of several types on a common clock; see `mavwire.logs.align`."""
-        from .align import align
+        from .align import align, check_clock
         from .query import names_of
 
+        check_clock(on)
         names = names_of(types)
         wanted = {*names, on} if on is not None else set(names)
         tables = self.read(

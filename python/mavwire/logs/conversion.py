@@ -55,7 +55,7 @@ def convert(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[str, float], object] | None = None,
 ) -> list[Converted]:
     """Convert logs of any kind to `out/MESSAGE/LOG.parquet` (or .csv, .jsonl, .arrow), or to
@@ -112,7 +112,7 @@ def prepare(
     fields: str | Iterable[str] | None,
     start: float | str | datetime | None,
     end: float | str | datetime | None,
-    dialect: str | ModuleType,
+    dialect: str | os.PathLike[str] | ModuleType,
     *,
     units: str | None = None,
     enums: str | None = None,

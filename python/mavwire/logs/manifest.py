@@ -78,6 +78,7 @@ class Manifest:
         self.has_journal = False
         self._left: dict[str, list[str]] | None = None
         """Files of the logs in `_interrupted` when one of them was first asked for, by stem."""
+        forgotten: set[str] = set()
         for name, read in ((MANIFEST, _manifest), (JOURNAL, _journal)):
             content = store.read(name)
             if content is None:
@@ -91,8 +92,12 @@ class Manifest:
             self.has_journal = name == JOURNAL
             if stored["options"] == self.how:
                 self.rows |= {row["path"]: Converted(**row) for row in stored["logs"]}
+            else:
+                forgotten |= _begun_stems(stored)
         if self.has_journal:  # a run was killed, perhaps while it wrote the manifest
-            store.remove_drafts(MANIFEST.removesuffix(".json"))
+            forgotten.add(MANIFEST.removesuffix(".json"))
+        if forgotten:
+            store.remove_drafts(*forgotten)
         interrupted = (row for row in self.rows.values() if row.error == BEGUN)
         self._interrupted = {row.path: {row.name, *row.parts} for row in interrupted}
         """Logs that a killed run had begun, and what their files may be called."""
@@ -244,6 +249,12 @@ def _parsed(text: bytes) -> Any:
         return json.loads(text)
     except (ValueError, RecursionError):
         return None
+
+
+def _begun_stems(stored: dict[str, Any]) -> set[str]:
+    """What files are called of logs that a killed run had begun."""
+    begun = [row for row in stored.get("logs", ()) if row["error"] == BEGUN]
+    return {stem for row in begun for stem in (row["name"], *row.get("parts", ()))}
 
 
 def _is_head(stored: Any) -> bool:

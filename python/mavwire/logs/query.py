@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import empty_table
 
-from .selection import UNKNOWN, Selection, types_of
+from .selection import UNKNOWN, Selection, several, types_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -138,8 +138,12 @@ def columns_of(fields: str | Iterable[str]) -> list[str]:
 
 
 def names_of(names: str | Iterable[str]) -> list[str]:
-    """One name or several."""
-    return [names] if isinstance(names, str) else list(names)
+    """One name or several; ValueError for what is none."""
+    every = several(names)
+    for one in every:
+        if not isinstance(one, str):
+            raise ValueError(f"a name is a text, not {one!r}")
+    return every
 
 
 def check_tables(

@@ -5,14 +5,17 @@ from __future__ import annotations
 import errno
 import os
 import stat
+import sys
 from dataclasses import replace
 from functools import partial
+from operator import index
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_table
 
 from .batches import Batches
 from .query import Query, check_described, check_tables, names_of
+from .selection import several
 from .sources import columns_from, is_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
@@ -31,7 +34,7 @@ BATCH_BYTES = 64 << 20
 """What `scan` holds at most of rows that are not yet a batch."""
 
 
-def native_dialect(dialect: str | ModuleType) -> tuple[Any, Any]:
+def native_dialect(dialect: str | os.PathLike[str] | ModuleType) -> tuple[Any, Any]:
     """The module of a dialect and its native form."""
     from .telemetry import dialect_module
 
@@ -65,7 +68,7 @@ def read(
     units: str | None = None,
     enums: str | None = None,
     wide: bool = False,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
 ) -> dict[str, Table]:
     """Read a log into a table for each message type, in one pass: a telemetry log, a raw stream, or
     a dataflash log, binary or text.
@@ -184,7 +187,7 @@ def scan(
     *,
     units: str | None = None,
     enums: str | None = None,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     batch_rows: int = BATCH_ROWS,
 ) -> Batches:
     """Read logs of any size in batches: tables of at most `batch_rows` rows of one type each, with
@@ -194,13 +197,17 @@ def scan(
     not depend on the size of a log. A text column is always followed by `<name>_raw`.
     """
     every = paths_of(paths)
-    if batch_rows < 1:
-        raise ValueError(f"batch_rows must be at least 1, not {batch_rows}")
+    try:
+        rows = min(index(batch_rows), sys.maxsize)
+    except TypeError:
+        rows = 0
+    if rows < 1:
+        raise ValueError(f"batch_rows must be at least 1, not {batch_rows!r}")
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
     if every and not is_dataflash(every[0]):  # what makes no sense is said before the first step
         check_beside(every, module, native, query, fields)
-    query.batch_rows, query.batch_bytes = batch_rows, BATCH_BYTES
+    query.batch_rows, query.batch_bytes = rows, BATCH_BYTES
     begin = partial(_checked_batches, every, module, native, query, fields)
     one_type = query.names is not None and len(query.names) == 1
     empty = partial(empty_of, every, module, native, query) if one_type else None
@@ -290,5 +297,5 @@ def batches_of(
 
 def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:
     """One path or several."""
-    every = [paths] if isinstance(paths, str | bytes | os.PathLike) else paths
+    every = [paths] if isinstance(paths, bytes) else several(paths)
     return [os.fsdecode(path) for path in every]

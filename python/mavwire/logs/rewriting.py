@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import os
 import secrets
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import LogRewrite
 
 from .query import Query
-from .reading import check_readable, native_dialect
-from .sources import head_of, is_dataflash
+from .reading import check_readable, native_dialect, paths_of
+from .sources import head_of, is_compressed, is_dataflash
+from .summary import summarise
 from .targets import file_to_write
 from .telemetry import HEAD_SIZE, LogFormatError, check_barren, not_telemetry
 
@@ -47,7 +48,9 @@ class Rewritten:
     restamped: int
     """Records behind damage whose time was days off and is now that of the last good one."""
     damage: str | None
-    """What is wrong with a compressed file; everything before that was read."""
+    """What is wrong with a compressed file, of several with each by name; everything before that
+    was read.
+    """
 
 
 def cut(
@@ -58,7 +61,7 @@ def cut(
     start: float | str | datetime | None = None,
     end: float | str | datetime | None = None,
     *,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write the records of some types and systems with `start <= time < end` to a log of their own.
@@ -78,7 +81,7 @@ def repair(
     path: str | os.PathLike[str],
     out: str | os.PathLike[str],
     *,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write all good records of a damaged log, which any reader then finds.
@@ -94,7 +97,7 @@ def anonymize(
     out: str | os.PathLike[str],
     *,
     shift: tuple[float, float] | None = None,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write a log without what tells who flew where; docs/columns.md lists what that is.
@@ -105,7 +108,12 @@ def anonymize(
     if shift is None:
         random = secrets.SystemRandom()
         shift = (random.uniform(-MOST_NORTH, MOST_NORTH), random.uniform(-MOST_EAST, MOST_EAST))
-    if not (abs(shift[0]) <= 90 and abs(shift[1]) <= 360):
+    try:
+        north, east = shift
+        valid = abs(north) <= 90 and abs(east) <= 360
+    except (TypeError, ValueError):
+        valid = False
+    if not valid:
         raise ValueError(f"a shift is degrees to the north and east, not {shift!r}")
     _, native = native_dialect(dialect)
     inputs, target = _checked([path], out)
@@ -117,7 +125,7 @@ def merge(
     paths: Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
     *,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write the good records of several logs as one, in the order of time.
@@ -127,14 +135,21 @@ def merge(
     """
     _, native = native_dialect(dialect)
     inputs, target = _checked(paths, out)
-    return _run(LogRewrite.merge(inputs, native, target), inputs, progress)
+    done = _run(LogRewrite.merge(inputs, native, target), inputs, progress)
+    return replace(done, damage=_named_damage(inputs, native)) if done.damage else done
+
+
+def _named_damage(paths: list[str], native: Any) -> str:
+    """What is wrong with the compressed ones of some logs: they are read again for that."""
+    found = {path: summarise(path, native).damage for path in paths if is_compressed(path)}
+    return "; ".join(f"{path!r}: {damage}" for path, damage in found.items() if damage)
 
 
 def _checked(
     paths: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str]
 ) -> tuple[list[str], str]:
     """The names as texts; raises what tells why they cannot be read or written."""
-    inputs, out = [os.fsdecode(path) for path in paths], file_to_write(out)
+    inputs, out = paths_of(paths), file_to_write(out)
     if not inputs:
         raise ValueError("no logs to read")
     for path in inputs:

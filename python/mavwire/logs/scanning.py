@@ -35,7 +35,7 @@ def scan_polars(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
 ) -> Any:
     """The messages of one type of one or many logs as a `polars.LazyFrame`.
 
@@ -56,7 +56,11 @@ class _Source:
     """What polars calls for the rows of a scan. It is pickled by the arguments of the scan."""
 
     def __init__(
-        self, paths: list[str], message: str, dialect: str | ModuleType, how: tuple[Any, ...]
+        self,
+        paths: list[str],
+        message: str,
+        dialect: str | os.PathLike[str] | ModuleType,
+        how: tuple[Any, ...],
     ) -> None:
         with extra("data"):
             import polars as pl

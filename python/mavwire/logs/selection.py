@@ -40,7 +40,7 @@ class Selection:
         if types is not None:
             made._choose_types(dialect, types_of(types))
         if systems is not None:
-            made.systems = [_system(one) for one in _several(systems)]
+            made.systems = [system_of(one) for one in several(systems)]
         made.start = seconds_of(start)
         made.end = seconds_of(end)
         if made.start is not None and made.end is not None and made.start >= made.end:
@@ -66,22 +66,22 @@ class Selection:
 
 def types_of(types: Any) -> list[str | type]:
     """One type or several, names and classes; ValueError for what is neither."""
-    wanted = _several(types)
+    wanted = several(types)
     for one in wanted:
         if not isinstance(one, str | type):
             raise ValueError(f"a type is a name or a message class, not {one!r}")
     return wanted
 
 
-def _several(values: Any) -> list[Any]:
+def several(values: Any) -> list[Any]:
     """The values of a collection, or the one that was given alone."""
     if isinstance(values, str | type):
         return [values]
     try:
-        several = iter(values)
+        found = iter(values)
     except TypeError:  # of an array without dimensions, too
         return [values]
-    return list(several)
+    return list(found)
 
 
 def _named_id(dialect: Any, name: str) -> int:
@@ -106,7 +106,8 @@ def _class_id(cls: type) -> int:
     raise ValueError(f"{cls.__name__} is not a message class")
 
 
-def _system(number: Any) -> int:
+def system_of(number: Any) -> int:
+    """A system id; ValueError for what is none."""
     try:
         system = index(number)
     except TypeError:
@@ -133,6 +134,8 @@ def seconds_of(time: Any) -> float | None:
         time = _parsed(time)
     if str(time) == "NaT":  # of NumPy or pandas, where it is a datetime too
         raise ValueError(f"{A_TIME}, not NaT")
+    if hasattr(time, "to_datetime64"):  # of pandas, without a zone UTC as those of NumPy
+        time = time.to_datetime64()
     if isinstance(time, datetime):
         return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
     if type(time).__name__ == "datetime64":  # of NumPy, as the tables have it

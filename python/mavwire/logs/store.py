@@ -18,7 +18,9 @@ from mavwire._native import draft_stem
 from .formats import SUFFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+
+_DRAFT = re.compile(r"(.+)\.\d+-[0-9a-f]+\.part", re.DOTALL)
 
 
 class Files(Protocol):
@@ -34,7 +36,7 @@ class Files(Protocol):
     def write(self, name: str, content: bytes) -> None: ...
     def append(self, name: str, content: bytes) -> None: ...
     def remove(self, name: str) -> None: ...
-    def remove_drafts(self, name: str) -> None: ...
+    def remove_drafts(self, *names: str) -> None: ...
 
 
 class Store:
@@ -109,20 +111,25 @@ class Store:
         finally:
             os.close(folder)
 
-    def remove_drafts(self, name: str) -> None:
-        """Remove what a run that was killed left of the files of a log."""
-        draft = drafts_of(name)
+    def remove_drafts(self, *names: str) -> None:
+        """Remove what a run that was killed left of the files of some logs."""
+        is_draft = drafts_of(*names)
         folders = [entry.path for entry in os.scandir(self.root) if entry.is_dir()]
         for folder in [self.root, *folders]:
             for entry in list(os.scandir(folder)):
-                if draft.fullmatch(entry.name):
+                if is_draft(entry.name):
                     os.remove(entry.path)
 
 
-def drafts_of(name: str) -> re.Pattern[str]:
-    """What incomplete files of a log are called."""
-    hashed = "|".join(re.escape(draft_stem(name + suffix)) for suffix in SUFFIXES)
-    return re.compile(rf"({re.escape(name)}(\.[a-z]+){{1,2}}|{hashed})\.\d+-[0-9a-f]+\.part")
+def drafts_of(*names: str) -> Callable[[str], bool]:
+    """Tells whether a file is called as incomplete ones of some logs are, or of the manifest."""
+    stems = {draft_stem(name + suffix) for name in names for suffix in (*SUFFIXES, ".json")}
+
+    def is_draft(file: str) -> bool:
+        stem = _DRAFT.fullmatch(file)
+        return stem is not None and stem[1] in stems
+
+    return is_draft
 
 
 def draft_of(path: str) -> str:

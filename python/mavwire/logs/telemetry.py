@@ -41,7 +41,7 @@ class LogFormatError(ValueError):
 def open_log(
     path: str | os.PathLike[str],
     *,
-    dialect: str | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = "all",
     resync: str = "rescan",
 ) -> TelemetryLog | DataflashLog:
     """Open a telemetry log (.tlog) or a dataflash log (.BIN, .log) for its messages and tables.
@@ -75,7 +75,7 @@ class TelemetryLog(Log):
         self,
         path: str | os.PathLike[str],
         *,
-        dialect: str | ModuleType = "all",
+        dialect: str | os.PathLike[str] | ModuleType = "all",
         resync: str = "rescan",
     ) -> None:
         if resync not in ("skip", "rescan"):
@@ -250,7 +250,8 @@ class TelemetryLog(Log):
 
 def is_foreign(head: bytes) -> bool:
     """Whether a file that holds no record is something else than a log that is cut off."""
-    begins = len(head) < 9 or head[8] in b"\xfd\xfe"
+    # Of a record the first byte of its time, which is 0 until the year 4253; of a raw stream a marker.
+    begins = head[8] in b"\xfd\xfe" if len(head) > 8 else head[:1] in b"\0\xfd\xfe"
     return not begins or _other_format(head) is not None
 
 
@@ -298,10 +299,12 @@ def _reopened(path: str, dialect: tuple[str, bool], resync: str) -> TelemetryLog
     return TelemetryLog(path, dialect=restored(*dialect), resync=resync)
 
 
-def portable(dialect: str | ModuleType) -> tuple[str, bool]:
+def portable(dialect: str | os.PathLike[str] | ModuleType) -> tuple[str, bool]:
     """A dialect as another process finds it: a name, and whether it is that of a module to import.
     TypeError, as of what cannot be pickled, for a module that was made at run time.
     """
+    if isinstance(dialect, os.PathLike):
+        return os.path.abspath(dialect), False
     if isinstance(dialect, str):
         return dialect, False
     if dialect.__name__.startswith("mavwire.dialects.loaded."):
@@ -316,17 +319,24 @@ def restored(name: str, is_module: bool) -> str | ModuleType:
     return import_module(name) if is_module else name
 
 
-def dialect_module(dialect: str | ModuleType) -> Any:
-    if not isinstance(dialect, str):
+def dialect_module(dialect: str | os.PathLike[str] | ModuleType) -> Any:
+    """The module of a dialect, as `open_log` takes it. ValueError for what is none, and as `load`
+    raises.
+    """
+    if hasattr(dialect, "MAVLink"):
         return dialect
     from importlib import import_module
 
-    if dialect.endswith(".xml") or os.sep in dialect:
-        from mavwire.dialects import load
+    from mavwire.dialects import load, names
 
+    if isinstance(dialect, os.PathLike):
         return load(dialect)
-    from mavwire.dialects import names
-
+    if not isinstance(dialect, str):
+        raise ValueError(
+            f"a dialect is a name, the path of an XML file or a dialect module, not {dialect!r}"
+        )
+    if dialect.endswith(".xml") or os.sep in dialect:
+        return load(dialect)
     if dialect not in names():
         raise ValueError(f"no such dialect: {dialect!r}")
     return import_module(f"mavwire.dialects.v20.{dialect}")

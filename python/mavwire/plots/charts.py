@@ -13,6 +13,7 @@ from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
 
 from .expressions import Expression, parse
+from .images import has_dates
 from .modes import Span
 from .series import LogSeries, read_series
 
@@ -20,8 +21,6 @@ IMAGES = (".png", ".svg", ".pdf")
 PAGES = (".html", ".htm")
 AUTOPILOTS = {"apm": 3, "px4": 12}
 """Values of MAV_AUTOPILOT."""
-YEAR_10000 = 253_402_300_800
-"""Seconds since 1970 of the first time that calendars do not have."""
 
 
 @dataclass
@@ -72,7 +71,7 @@ def plot(
     timeshift: float = 0.0,
     modes: bool = True,
     flightmode: str | None = None,
-    dialect: str = "all",
+    dialect: str | os.PathLike[str] = "all",
 ) -> Plotted:
     """Draw expressions such as `ATTITUDE.roll` or `degrees(ATTITUDE.pitch):2` over time.
 
@@ -100,10 +99,14 @@ def plot(
         raise ValueError(f"{len(texts)} expressions have {len(labels)} labels")
     if flightmode is not None and flightmode not in AUTOPILOTS:
         raise ValueError(f"flightmode is one of {', '.join(AUTOPILOTS)}, not {flightmode!r}")
+    try:
+        is_number = math.isfinite(timeshift)
+    except (TypeError, OverflowError):
+        is_number = False
+    if not is_number:
+        raise ValueError(f"timeshift is a number of seconds, not {timeshift!r}")
     if xaxis is not None and (relative or timeshift):
         raise ValueError("over xaxis there are no times: leave relative and timeshift out")
-    if not math.isfinite(timeshift):
-        raise ValueError(f"timeshift is a number of seconds, not {timeshift!r}")
     parsed = [parse(text) for text in texts]
     across = None if xaxis is None else parse(xaxis)
     read = [
@@ -119,7 +122,7 @@ def plot(
         for path in paths
     ]
     names = labels or [one.text for one in parsed]
-    chart = _chart(read, names, title, relative, timeshift, modes, across)
+    chart = _chart(read, names, title, relative, float(timeshift), modes, across)
     notes = _notes(read)
     points = sum(len(line.times) for line in chart.lines)
     if not points:
@@ -150,7 +153,8 @@ def _chart(
     firsts = [float(one.times[0]) for log in read for one in log.series if len(one.times)]
     if across is None:
         times = [time + shift for time in _bounds(read) for shift in (0.0, timeshift)]
-        relative = relative or any(not 0 <= time < YEAR_10000 for time in times)
+        first, last = min(times, default=0.0), max(times, default=0.0)
+        relative = relative or first < 0 or not has_dates(first, last)
     for number, log in enumerate(read):
         own = [float(one.times[0]) for one in log.series if len(one.times)]
         zero = min(own, default=0.0) if relative else 0.0
@@ -181,5 +185,6 @@ def _notes(read: list[LogSeries]) -> list[str]:
             if one.left_out:
                 notes.append(f"{log.path}: {text}: {one.left_out:,} left out: {one.error}")
             elif not len(one.times):
-                notes.append(f"{log.path}: {text}: there are no values")
+                why = f": {one.error}" if one.error else ""
+                notes.append(f"{log.path}: {text}: there are no values{why}")
     return notes

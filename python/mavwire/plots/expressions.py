@@ -10,12 +10,13 @@ import ast
 import builtins
 import math
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from mavwire._wording import in_words
 from mavwire.expression.compiler import compile_text
-from mavwire.expression.evaluate import _split
+from mavwire.expression.evaluate import _split, evaluate_condition
 from mavwire.expression.names import known_names
 from mavwire.logs.query import HEADER
 
@@ -40,6 +41,8 @@ _FUNCTIONS = {
     "cos": "cos", "tan": "tan", "sqrt": "sqrt", "atan2": "arctan2", "hypot": "hypot",
 }  # fmt: skip
 """Functions of `math`, and what NumPy calls them."""
+_BINARY = ("atan2", "hypot")
+"""Those of two arguments; the others have one. More would be places for results to NumPy."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,8 @@ class Expression:
 
 def parse(text: str) -> Expression:
     """An expression as written; ValueError says what is wrong with it, ExpressionError among them."""
+    if not isinstance(text, str):
+        raise ValueError(f"an expression is a text, not {text!r}")
     right = text.endswith(":2")
     body = text[:-2] if right else text.removesuffix(":1")
     if not body.strip():
@@ -145,16 +150,17 @@ def _is_plain(node: ast.AST) -> bool:
     if isinstance(node, ast.BinOp):
         return type(node.op) in _OPERATORS and _is_plain(node.left) and _is_plain(node.right)
     if isinstance(node, ast.Call):
-        return _is_known(node.func) and not node.keywords and all(map(_is_plain, node.args))
+        return _is_known(node) and all(map(_is_plain, node.args))
     return False
 
 
-def _is_known(node: ast.AST) -> bool:
-    """Whether it names a function that NumPy has too, and that nobody has replaced."""
-    if not isinstance(node, ast.Name) or node.id not in _FUNCTIONS:
+def _is_known(call: ast.Call) -> bool:
+    """Whether it calls a function that NumPy has too, and that nobody has replaced, as one does."""
+    name = call.func.id if isinstance(call.func, ast.Name) else ""
+    if name not in _FUNCTIONS or call.keywords or len(call.args) != 1 + (name in _BINARY):
         return False
-    original = getattr(math, node.id, None) or getattr(builtins, node.id)
-    return known_names()[node.id] is original
+    original = getattr(math, name, None) or getattr(builtins, name)
+    return known_names()[name] is original
 
 
 def _value(node: ast.AST, columns: Columns) -> Any:
@@ -176,12 +182,34 @@ def _value(node: ast.AST, columns: Columns) -> Any:
             left, right = _value(node.left, columns), _value(node.right, columns)
             return _OPERATORS[type(node.op)](left, right)
         case ast.Call(func=ast.Name(id=name)):
-            arguments = [_value(one, columns) for one in node.args]
-            try:
-                return getattr(np, _FUNCTIONS[name])(*arguments)
-            except TypeError as error:
-                raise ValueError(f"{ast.unparse(node)}: {name} takes other arguments") from error
+            return getattr(np, _FUNCTIONS[name])(*(_value(one, columns) for one in node.args))
     raise ValueError(f"{ast.unparse(node)} is no expression over columns")
+
+
+def as_number(value: Any) -> float:
+    """What an expression gives, as a number; ValueError says what it is instead."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        if hasattr(value, "get_type"):
+            raise ValueError(f"{value.get_type()} is a message: name a field of it") from None
+        what = repr(value) if isinstance(value, str | bytes) else type(value).__name__
+        raise ValueError(f"{what} is no number") from None
+
+
+def why_nothing(text: str, messages: Mapping[str, Any], condition: str | None = None) -> str | None:
+    """Why an expression has no value now, in words; None where it has one."""
+    value, own = _split(text)
+    for needed in (condition, own):
+        if needed is not None and (why := why_nothing(needed, messages)):
+            return why
+        if not evaluate_condition(needed, messages):
+            return f"{needed} does not hold"
+    try:
+        compile_text(value)(messages)
+    except Exception as error:  # whatever a function of an expression raises
+        return in_words(error)
+    return None
 
 
 def column_of(name: str) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from .images import printable
+from .images import has_dates, printable
 from .modes import MOST_SPANS, Span
 
 COLOURS = (
@@ -119,34 +120,44 @@ def draw(figure: Any, graph: Graph) -> None:
     """Draw it into a figure of matplotlib."""
     left = figure.gca()
     right = left.twinx() if any(line.right for line in graph.lines) else None
-    if not graph.style.over:
+    shown = _across(left, graph)
+    if shown is _local_days:
         for axes in (left, right):
             if axes is not None:
                 _use_clock(axes)
     for line in graph.lines:
-        _draw_line(right if line.right and right is not None else left, line, graph.style)
+        _draw_line(right if line.right and right is not None else left, line, graph.style, shown)
     for number, modes in enumerate(graph.shades, 1):
-        _shade(left, modes, is_last=number == len(graph.shades))
+        _shade(left, modes, shown, is_last=number == len(graph.shades))
     if left.get_lines():
         left.legend(loc=graph.style.legend)
     if right is not None and right.get_lines():
         right.legend(loc=graph.style.legend2)
 
 
-def _shade(axes: Any, modes: Modes, is_last: bool) -> None:
+def _across(axes: Any, graph: Graph) -> Callable[[list[float]], Any]:
+    """How values of x are shown: times on the local clock, as seconds where calendars end."""
+    if graph.style.over:
+        return list
+    times = [x for line in graph.lines for x in (*line.x, *(x for x, _ in line.texts))]
+    times += [x for modes in graph.shades for span in modes.spans for x in (span.start, span.end)]
+    if not times or has_dates(min(times), max(times)):
+        return _local_days
+    axes.set_xlabel("seconds since 1970")
+    return list
+
+
+def _shade(axes: Any, modes: Modes, shown: Callable[[list[float]], Any], is_last: bool) -> None:
     """Flight modes in the background; the last of all reaches to the edge."""
     for number, span in enumerate(modes.spans, 1):
-        start, end = _local_days([span.start, span.end])
+        start, end = shown([span.start, span.end])
         if is_last and number == len(modes.spans):
             end = max(start, axes.get_xlim()[1])
         colour = modes.colours.get(span.mode, OTHER_MODE)
         axes.axvspan(start, end, fc=colour, ec="none", alpha=SHADE)
 
 
-def _draw_line(axes: Any, line: Line, style: Style) -> None:
-    def shown(x: list[float]) -> Any:
-        return x if style.over else _local_days(x)
-
+def _draw_line(axes: Any, line: Line, style: Style, shown: Callable[[list[float]], Any]) -> None:
     if line.x:
         label = printable(line.label)
         axes.plot(shown(line.x), line.y, label=label, color=line.colour, **style.line())

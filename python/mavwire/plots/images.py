@@ -17,6 +17,17 @@ LINES = (
 )  # fmt: skip
 SIZE = (12.0, 6.5)
 """Inches."""
+YEAR = 31_556_952
+YEAR_1, YEAR_10000 = -62_135_596_800, 253_402_300_800
+"""Seconds since 1970 at which calendars begin, and end."""
+
+
+def has_dates(first: float, last: float) -> bool:
+    """Whether calendars have all that an axis shows around these times, in seconds since 1970:
+    margins are up to a part of what is between them, or some years.
+    """
+    margin = (last - first) / 4 + 4 * YEAR
+    return first - margin > YEAR_1 and last + margin < YEAR_10000
 
 
 def chart_image(chart: Chart, format: str) -> bytes:

@@ -19,7 +19,7 @@ def draw_map(
     out: str | os.PathLike[str],
     *,
     system: int | None = None,
-    dialect: str = "all",
+    dialect: str | os.PathLike[str] = "all",
 ) -> Track:
     """Draw where a vehicle was, coloured by flight mode, with its home and its mission.
 

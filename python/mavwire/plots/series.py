@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 from mavwire._wording import in_words
 from mavwire.expression import evaluate_expression
 from mavwire.links.recognise import log_kind
+from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
-from .expressions import EXACT, Expression, column_of
+from .expressions import EXACT, Expression, as_number, column_of, why_nothing
 from .modes import Span, mode_changes, spans, vehicle_of
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class Series:
     left_out: int = 0
     """Messages at which it failed or was no number."""
     error: str | None = None
-    """How it failed first."""
+    """How it failed first, or why there is no value."""
 
 
 @dataclass
@@ -57,7 +58,7 @@ def read_series(
     xaxis: Expression | None = None,
     system: int | None = None,
     autopilot: int | None = None,
-    dialect: str = "all",
+    dialect: str | os.PathLike[str] = "all",
 ) -> LogSeries:
     """The series of a log, in the order of the expressions.
 
@@ -67,6 +68,7 @@ def read_series(
     Raises OSError for a log that cannot be read, ValueError for
     one that is none, that has no times, and for a field or type that its definitions do not have.
     """
+    system = None if system is None else system_of(system)
     how = _How(condition, xaxis, system, dialect)
     if not is_telemetry(path):
         return _of_messages(path, expressions, how)
@@ -100,7 +102,7 @@ class _How:
     condition: str | None
     xaxis: Expression | None
     system: int | None
-    dialect: str
+    dialect: str | os.PathLike[str]
 
 
 def is_telemetry(path: str) -> bool:
@@ -119,7 +121,9 @@ def _end(series: Sequence[Series]) -> float | None:
 # -- columns
 
 
-def _tables(path: str, plain: Sequence[Expression], dialect: str) -> dict[str, Table]:
+def _tables(
+    path: str, plain: Sequence[Expression], dialect: str | os.PathLike[str]
+) -> dict[str, Table]:
     from mavwire.logs import read
     from mavwire.logs.reading import native_dialect
 
@@ -138,7 +142,7 @@ def _tables(path: str, plain: Sequence[Expression], dialect: str) -> dict[str, T
     return tables
 
 
-def busiest_system(path: str, dialect: str) -> int | None:
+def busiest_system(path: str, dialect: str | os.PathLike[str]) -> int | None:
     """The system that most messages of a telemetry log come from."""
     from mavwire.logs import open_log
 
@@ -198,22 +202,23 @@ def _from_messages(
     path: str, expressions: Sequence[Expression], how: _How
 ) -> tuple[list[Series], list[tuple[float, str]]]:
     """Evaluate at each message, with the newest messages of the vehicle; and the modes it was in."""
-    collectors = [_Collector(one, how.xaxis) for one in expressions]
+    collectors = [_Collector(one, how) for one in expressions]
     wanted: dict[str, list[_Collector]] = {}
     for one in collectors:
         for name in one.expression.types:
             wanted.setdefault(name, []).append(one)
     changes: list[tuple[float, str]] = []
+    messages: dict[str, Any] = {}
     types = [*wanted, *(how.xaxis.types if how.xaxis is not None else ()), "MODE"]
     for msg, link in vehicle_messages(path, types, how.system, how.dialect):
         if not changes or changes[-1][1] != link.flightmode:
             changes.append((msg._timestamp, link.flightmode))
-        kind = msg.get_type()
+        kind, messages = msg.get_type(), link.messages
         if kind not in wanted or not _holds(how.condition, link):
             continue
         for one in wanted[kind]:
-            one.take(msg, kind, link.messages)
-    return [one.series() for one in collectors], changes
+            one.take(msg, kind, messages)
+    return [one.series(messages) for one in collectors], changes
 
 
 def _holds(condition: str | None, link: Any) -> bool:
@@ -225,14 +230,14 @@ def _holds(condition: str | None, link: Any) -> bool:
 
 
 def vehicle_messages(
-    path: str, types: list[str], system: int | None, dialect: str
+    path: str, types: list[str], system: int | None, dialect: str | os.PathLike[str]
 ) -> Iterator[tuple[Any, Any]]:
     """The vehicle's messages of some types as mavutil gives them, with the link."""
     from mavwire.cli._reading import definitions, open_link
     from mavwire.logs.telemetry import dialect_module
 
     dialect_module(dialect)  # a ValueError names one that there is not
-    with definitions(dialect), closing(open_link(os.fspath(path))) as link:
+    with definitions(os.fspath(dialect)), closing(open_link(os.fspath(path))) as link:
         telemetry = hasattr(link, "mav")
         if telemetry and system is not None:
             link.sysid = system
@@ -244,9 +249,10 @@ def vehicle_messages(
 class _Collector:
     """Gathers the values of one expression."""
 
-    def __init__(self, expression: Expression, xaxis: Expression | None) -> None:
+    def __init__(self, expression: Expression, how: _How) -> None:
         self.expression = expression
-        self._xaxis = xaxis
+        self._xaxis = how.xaxis
+        self._condition = how.condition
         self._times: list[float] = []
         self._values: list[float] = []
         self._failed = 0
@@ -273,10 +279,14 @@ class _Collector:
         self._times.append(place)
         self._values.append(number)
 
-    def series(self) -> Series:
-        """What was gathered."""
+    def series(self, messages: dict[str, Any]) -> Series:
+        """What was gathered, or why nothing was: by the newest messages."""
         import numpy as np
 
+        if not self._times and not self._failed:
+            self._error = why_nothing(self.expression.text, messages, self._condition)
+            if self._error is None and self._xaxis is not None:
+                self._error = why_nothing(self._xaxis.text, messages)
         times, values = np.array(self._times, float), np.array(self._values, float)
         return Series(self.expression, times, values, self._failed, self._error)
 
@@ -288,7 +298,7 @@ def _number(expression: Expression, messages: dict[str, Any]) -> float | None:
     value = evaluate_expression(expression.text, messages)
     if value is None and not expression.conditional and expression.types <= messages.keys():
         return nan  # as of a division by zero
-    return None if value is None else float(value)
+    return None if value is None else as_number(value)
 
 
 def is_instance(msg: Any, number: int) -> bool:

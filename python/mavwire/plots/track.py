@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
 from .modes import Span, colours_of, mode_changes, spans, vehicle_of
@@ -72,12 +73,15 @@ class Track:
                 yield (self.modes[which[first]].mode if which[first] >= 0 else ""), first, end
 
 
-def read_track(path: str, *, system: int | None = None, dialect: str = "all") -> Track:
+def read_track(
+    path: str, *, system: int | None = None, dialect: str | os.PathLike[str] = "all"
+) -> Track:
     """The track of a log. `system` is the vehicle's, by default the first autopilot that is heard.
 
     Raises OSError for a log that cannot be read, ValueError for one that is none, or without a
     single position.
     """
+    system = None if system is None else system_of(system)
     if is_telemetry(path):
         track = _from_tables(path, system, dialect)
     else:
@@ -104,7 +108,7 @@ def _track(
 # -- telemetry
 
 
-def _from_tables(path: str, system: int | None, dialect: str) -> Track:
+def _from_tables(path: str, system: int | None, dialect: str | os.PathLike[str]) -> Track:
     from mavwire.logs import DataflashLog, open_log, read
 
     log = open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log

@@ -13,7 +13,7 @@ from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli.plot import check_output, is_log
 from mavwire.expression import evaluate_expression
-from mavwire.plots.expressions import STATE_NAMES, parse
+from mavwire.plots.expressions import STATE_NAMES, as_number, parse
 from mavwire.plots.graphs import SIZE, Graph, Style, check, draw
 from mavwire.plots.series import is_instance
 from mavwire.tools._arguments import add_condition, add_dialect, add_no_timestamps, add_planner
@@ -81,6 +81,8 @@ def _check(args: Namespace, logs: list[str], fields: list[str]) -> None:
     """CommandError for options that do not go together."""
     if not logs:
         raise CommandError("No files to process")
+    if not fields and args.flightmode is None:
+        raise CommandError("what of it? Name a field, such as ATTITUDE.roll, or --flightmode")
     if args.labels is not None and len(args.labels.split(",")) != len(fields) * len(logs):
         count, wanted = len(args.labels.split(",")), len(fields) * len(logs)
         raise CommandError(f"Number of labels ({count}) must match number of fields ({wanted})")
@@ -170,10 +172,10 @@ class Series:
             self._texts.append((x, value))
             return
         try:
-            y = float(value)
-            self._x.append(float(x))
-        except (TypeError, ValueError) as error:
-            raise CommandError(f"{self._expression.text!r} is no number: {error}") from error
+            y = as_number(value)
+            self._x.append(as_number(x))
+        except ValueError as error:
+            raise CommandError(f"{self._expression.text!r}: {error}") from error
         self._y.append(y)
 
     def _value(self, text: str, messages: Mapping[str, Any]) -> Any:

@@ -9,6 +9,7 @@ import os
 import pickle
 import signal
 import sys
+from functools import partial
 from pathlib import Path
 
 import mavwire
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 from dataflash_writer import Log, sample
 from mavwire import cli, traffic
+from mavwire.fleet import decode
 from mavwire.logs import LogFormatError, dataflash
 from mavwire.logs.align import align
 from unit.column_tools import HEADER, log_of_every_type
@@ -83,6 +85,76 @@ def test_times_as_numpy_has_them(flight):
     for wrong in ("yesterday", "1.5", b"1", [1.0], object(), float("nan"), never):
         with pytest.raises(ValueError, match="a time is seconds since 1970, a datetime"):
             mavwire.read(flight, "ATTITUDE", start=wrong)
+
+
+@pytest.mark.parametrize("zone", [None, "UTC", "Asia/Tokyo"])
+def test_times_as_pandas_has_them(flight, zone):
+    pandas = pytest.importorskip("pandas")
+    table = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    middle = table["timestamp"][len(table) // 2]
+    start = pandas.Timestamp(middle, tz="UTC").tz_convert(zone)
+    rest = mavwire.read(flight, "ATTITUDE", start=start)["ATTITUDE"]
+    assert rest["timestamp"].tolist() == table["timestamp"][table["timestamp"] >= middle].tolist()
+
+
+def test_a_dialect_may_be_a_path(flight, tmp_path):
+    path = tmp_path / "own.xml"
+    path.write_text("<mavlink><include>minimal.xml</include></mavlink>")
+    assert list(mavwire.read(flight, dialect=path)) == ["HEARTBEAT"]
+    log = pickle.loads(pickle.dumps(mavwire.open_log(flight, dialect=path)))
+    assert list(log.read()) == ["HEARTBEAT"]
+    (row,) = mavwire.logs.conversion.convert([flight], tmp_path / "out", dialect=path)
+    assert (row.error, list(row.files)) == (None, ["HEARTBEAT/flight.parquet"])
+
+
+@pytest.mark.parametrize("dialect", [None, 5, b"common"])
+def test_what_is_no_dialect_is_said(flight, dialect):
+    for look in (mavwire.open_log, mavwire.read, mavwire.scan):
+        with pytest.raises(ValueError, match="a dialect is a name, the path of an XML file or"):
+            look(flight, dialect=dialect)
+
+
+@pytest.mark.parametrize("wrong", [5, ["ATTITUDE"], b"ATTITUDE"])
+def test_a_clock_is_the_name_of_a_type(flight, wrong):
+    log = mavwire.open_log(flight)
+    for look in (partial(log.align, "ATTITUDE"), partial(align, log.read("ATTITUDE"))):
+        with pytest.raises(ValueError, match="on is the name of a message type, not"):
+            look(on=wrong)
+
+
+@pytest.mark.parametrize("wrong", [5, [1], [None], b"roll"])
+def test_names_are_texts(flight, wrong):
+    log = mavwire.open_log(flight)
+    for look in (
+        lambda: mavwire.read(flight, fields=wrong),
+        lambda: log.align(wrong, rate="1s"),
+        lambda: decode(flight, None, "ATTITUDE", wrong),
+    ):
+        with pytest.raises(ValueError, match="a name is a text, not"):
+            look()
+
+
+def test_rows_of_a_batch_are_a_number(flight):
+    for wrong in ("a", 0, -1, 1.5, None):
+        with pytest.raises(ValueError, match="batch_rows must be at least 1, not"):
+            mavwire.scan(flight, "ATTITUDE", batch_rows=wrong)
+    expected = len(mavwire.open_log(flight)["ATTITUDE"])
+    for rows in (2**70, np.int64(10)):
+        batches = mavwire.scan(flight, "ATTITUDE", batch_rows=rows)
+        assert sum(map(len, batches)) == expected
+
+
+@pytest.mark.parametrize("wrong", [5, (1,), (1, "2"), "12", {}])
+def test_a_range_of_a_log_is_two_numbers(flight, wrong):
+    with pytest.raises(ValueError, match="a range is the first byte and the end, not"):
+        decode(flight, wrong)
+
+
+def test_a_date_is_no_span_of_time(flight):
+    log = mavwire.open_log(flight)
+    for how in ({"rate": np.datetime64("2015")}, {"rate": 1, "tolerance": np.datetime64("2015")}):
+        with pytest.raises(ValueError, match="is a span of time such as"):
+            log.align("ATTITUDE", **how)
 
 
 def test_folders_are_named_with_what_to_do(flight, tmp_path, capsys):

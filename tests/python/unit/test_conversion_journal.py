@@ -284,3 +284,24 @@ def test_drafts_of_a_killed_run_are_removed(tiny, tmp_path):
     (again,) = convert(tiny[:1], tmp_path)
     assert again.error is None and not again.skipped
     assert not left.exists() and all(path.exists() for path in others)
+
+
+@pytest.mark.parametrize("note", [MANIFEST, JOURNAL])
+def test_drafts_of_a_killed_run_with_other_options_are_removed(tiny, tmp_path, note):
+    """Nobody else would: the manifest that names their log begins anew."""
+    (row,) = convert(tiny[:1], tmp_path)
+    folder = tmp_path / "HEARTBEAT"
+    left = [folder / f"{name}.parquet.123-4.part" for name in (row.name, f"{row.name}+0001")]
+    other = folder / "other.parquet.1-2.part"
+    for path in (*left, other):
+        path.write_text("left")
+    manifest = json.loads((tmp_path / MANIFEST).read_text())
+    (begun,) = manifest.pop("logs")
+    begun |= {"error": journal.BEGUN, "parts": [f"{row.name}+0001"]}
+    if note == JOURNAL:
+        (tmp_path / JOURNAL).write_text(f"{json.dumps(manifest)}\n{json.dumps(begun)}\n")
+        (tmp_path / MANIFEST).unlink()
+    else:
+        (tmp_path / MANIFEST).write_text(json.dumps(manifest | {"logs": [begun]}))
+    convert(tiny[1:2], tmp_path, format="csv")
+    assert not any(path.exists() for path in left) and other.exists()

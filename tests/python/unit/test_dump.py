@@ -143,7 +143,7 @@ def test_output_of_the_last_time_there_is(
         (["-f", "-"], ["--follow: standard input"], 1),
         (["--condition", "", "LOG"], ["--condition '': the condition is empty"], 1),
         (["--condition", "ATTITUDE.roll >", "LOG"], ["--condition", "invalid syntax"], 1),
-        (["--condition", "HEARTBEAT.no_such_field", "LOG"], ["has no attribute"], 1),
+        (["--condition", "HEARTBEAT.no_such_field", "LOG"], ["HEARTBEAT has no field"], 1),
         (["-o", "/no/such/folder/x", "LOG"], ["--output /no/such/folder/x", "No such file"], 1),
         (["-o", "LOG", "LOG"], ["is the log itself"], 1),
         (["-o", "hard.tlog", "LOG"], ["hard.tlog is the log itself"], 1),

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
 import json
 import os
+import socket
 import subprocess
 import sys
+import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -358,13 +362,20 @@ def test_the_command_says_when_there_is_no_scheduler(tmp_path, small, capsys):
 def test_a_scheduler_behind_a_url(tmp_path, small):
     """WebSockets of Dask go by URLs, which may have a path, and need no port."""
     distributed = pytest.importorskip("distributed")
-    options: dict[str, Any] = {"processes": False, "n_workers": 1, "dashboard_address": None}
+    options: dict[str, Any] = {
+        "processes": False,
+        "n_workers": 1,
+        "dashboard_address": "127.0.0.1:0",
+    }
     with distributed.LocalCluster(protocol="ws://", **options) as cluster:
         rows = to_parquet(small[:1], tmp_path / "out", f"{cluster.scheduler_address}/")
     assert [row.error for row in rows] == [None]
 
 
-NO_ADDRESSES = ["garbage", "tcp://", "tcp://host", "http://x:1", "host:8786x", ":8786", "wss://", 5]
+NO_ADDRESSES = [
+    "garbage", "tcp://", "tcp://host", "http://x:1", "host:8786x", ":8786", "wss://", 5,
+    "tcp://host:99999", "tcp://host:-1", "host:0",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("client", NO_ADDRESSES)
@@ -386,6 +397,56 @@ def test_a_command_that_is_told_no_address_ends(tmp_path, small):
         timeout=120,
     )
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "'garbage'" in done.stderr
+
+
+def test_a_scheduler_of_this_process(tmp_path, small):
+    distributed = pytest.importorskip("distributed")
+    options: dict[str, Any] = {"processes": False, "n_workers": 1, "dashboard_address": None}
+    with distributed.LocalCluster(protocol="inproc://", **options) as cluster:
+        rows = to_parquet(small[:1], tmp_path / "out", cluster.scheduler_address)
+    assert [row.error for row in rows] == [None]
+
+
+@pytest.fixture(params=["another program", "nothing"])
+def listener(request: pytest.FixtureRequest) -> Iterator[str]:
+    """The address of a port that is no scheduler's: what it says is junk, or nothing."""
+    said = b"HTTP/1.0 200 OK\r\n\r\nhello" * 3 if request.param == "another program" else b""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        taken = []
+
+        def answer() -> None:
+            with contextlib.suppress(OSError):
+                while True:
+                    taken.append(server.accept()[0])
+                    taken[-1].sendall(said)
+
+        threading.Thread(target=answer, daemon=True).start()
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        for one in taken:
+            one.close()
+
+
+def assert_ends(address: str, folder: Path, log: Path) -> None:
+    """By itself Dask fails too, and then waits for what it has begun."""
+    argv = ["convert", str(log), "-o", str(folder / "out"), "--scheduler", address, "--quiet"]
+    done = subprocess.run(
+        [sys.executable, "-m", "mavwire", *argv],
+        check=False, capture_output=True, text=True, timeout=120,
+        env=os.environ | {"DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "2s"},
+    )  # fmt: skip
+    assert done.returncode == 1 and done.stderr.count("\n") == 1
+    assert f"no scheduler answers at {address}" in done.stderr
+
+
+@pytest.mark.parametrize("address", ["tls://127.0.0.1:1", "inproc://1/2/3", "tcp://127.0.0.1:1"])
+def test_a_command_whose_scheduler_is_not_there_ends(tmp_path, small, address):
+    pytest.importorskip("distributed")
+    assert_ends(address, tmp_path, small[0])
+
+
+def test_a_command_whose_scheduler_is_something_else_ends(tmp_path, small, listener):
+    pytest.importorskip("distributed")
+    assert_ends(listener, tmp_path, small[0])
 
 
 def test_the_command_names_its_own_options(tmp_path, small, capsys):

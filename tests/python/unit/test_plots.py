@@ -87,6 +87,9 @@ def numbers(text: str) -> Any:
         ("BATTERY_STATUS.voltages[0]/1000", {"BATTERY_STATUS"}, True, False),
         ("BATTERY_STATUS[0].current_battery", {"BATTERY_STATUS"}, False, False),
         ("ATTITUDE.roll%2", {"ATTITUDE"}, False, False),
+        ("atan2(ATTITUDE.roll, 1)", {"ATTITUDE"}, True, False),
+        ("atan2(ATTITUDE.roll)", {"ATTITUDE"}, False, False),
+        ("sin(1, ATTITUDE.roll)", {"ATTITUDE"}, False, False),
         ("ATTITUDE.roll-VFR_HUD.alt", {"ATTITUDE", "VFR_HUD"}, False, False),
         ("ATTITUDE.roll{VFR_HUD.alt>3}", {"ATTITUDE", "VFR_HUD"}, False, False),
         ("mag_field(RAW_IMU)", {"RAW_IMU"}, False, False),
@@ -171,12 +174,49 @@ def test_values_that_are_none_are_left_out_and_told_of(tmp_path):
         ("BATTERY_STATUS.voltages", "name an element"),
         ("BATTERY_STATUS.voltages[10]", "no such element"),
         ("ATTITUDE.roll[0]", "no such element"),
-        ("sin(ATTITUDE.roll,ATTITUDE.roll,ATTITUDE.roll,ATTITUDE.roll)", "other arguments"),
+        ("sin(1,ATTITUDE.roll)", "exactly one argument"),
+        ("atan2(1,ATTITUDE.pitch,ATTITUDE.roll)", "2 arguments"),
     ],
 )
 def test_fields_that_are_not_there_are_named(flight, tmp_path, text, said):
     with pytest.raises(ValueError, match=said.replace("[", r"\[")):
         plots.plot(flight, text, tmp_path / "x.html")
+
+
+@pytest.mark.parametrize(
+    ("text", "condition", "said"),
+    [
+        ("nofunc(ATTITUDE.roll)", None, "there is no 'nofunc'"),
+        ("ATTITUDE.roll{ATTITUDE.rol>0}", None, "ATTITUDE has no field 'rol'"),
+        ("ATTITUDE.roll{ATTITUDE.roll>9}", None, "ATTITUDE.roll>9 does not hold"),
+        ("ATTITUDE.roll", "ATTITUDE.roll>9", "ATTITUDE.roll>9 does not hold"),
+        ("ATTITUDE.roll", "1/0", "division by zero"),
+        ("ATTITUDE.roll", "x(", "the condition 'x(': '(' was never closed"),
+        ("ATTITUDE.roll", "ATTITUDE.rol", "ATTITUDE has no field 'rol'"),
+        ("ATTITUDE", None, "ATTITUDE is a message: name a field"),
+        ("[ATTITUDE.roll]", None, "list is no number"),
+        ("STATUSTEXT.text+''", None, "' is no number"),
+        ("mag_field(ATTITUDE)", None, "ATTITUDE has no field 'xmag'"),
+    ],
+)
+def test_expressions_without_a_value_say_why_in_words(flight, tmp_path, text, condition, said):
+    with pytest.raises(ValueError) as caught:
+        plots.plot(flight, text, tmp_path / "x.html", condition=condition)
+    assert said in str(caught.value) and "MAVLink_" not in str(caught.value)
+
+
+def test_fields_that_a_dataflash_log_does_not_have_are_named(tmp_path):
+    path = tmp_path / "flight.BIN"
+    path.write_bytes(sample().data)
+    with pytest.raises(ValueError, match="left out: IMU has no field 'nofield'"):
+        plots.plot(path, "IMU.nofield", tmp_path / "x.html")
+
+
+@pytest.mark.parametrize("text", ["HEARTBEAT.type", "HEARTBEAT.type%20"])
+def test_a_dialect_may_be_a_path(flight, tmp_path, text):
+    path = tmp_path / "own.xml"
+    path.write_text("<mavlink><include>minimal.xml</include></mavlink>")
+    assert plots.plot(flight, text, tmp_path / "x.html", dialect=path).points
 
 
 def test_a_log_without_times_is_named(tmp_path):
@@ -279,15 +319,18 @@ def test_a_condition_that_does_not_hold_leaves_nothing_out(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("xaxis", "left", "told"),
-    [("1/ATTITUDE.pitch", 19, 1), ("VFR_HUD.alt", 0, 0), ("sqrt(ATTITUDE.pitch)", 1, 19)],
+    ("xaxis", "left", "told", "why"),
+    [
+        ("1/ATTITUDE.pitch", 19, 1, "no number"),
+        ("VFR_HUD.alt", 0, 0, "there is no 'VFR_HUD'"),
+        ("sqrt(ATTITUDE.pitch)", 1, 19, "math domain error"),
+    ],
 )
-def test_what_has_no_place_on_the_x_axis_is_left_out(tmp_path, xaxis, left, told):
+def test_what_has_no_place_on_the_x_axis_is_left_out(tmp_path, xaxis, left, told, why):
     path = tmp_path / "a.tlog"
     attitudes(path)
     (series,) = read_series(str(path), [parse("ATTITUDE.roll")], xaxis=parse(xaxis)).series
-    assert (len(series.times), series.left_out) == (left, told)
-    assert (series.error is None) == (told == 0)
+    assert (len(series.times), series.left_out, series.error) == (left, told, why)
 
 
 def test_the_first_log_moves_in_time(tmp_path):
@@ -302,6 +345,13 @@ def test_the_first_log_moves_in_time(tmp_path):
     data = Page(out.read_bytes()).data()
     assert data["modes"][0]["start"] + data["zero"] == pytest.approx(T0 / 1e6)
     assert begin == pytest.approx(-0.5), "modes move with their log"
+
+
+def test_numbers_of_numpy_are_numbers(flight, tmp_path):
+    out, shift = tmp_path / "x.html", np.float32(1)
+    assert plots.plot(flight, "ATTITUDE.roll", out, timeshift=shift, system=np.uint8(1)).points
+    with pytest.raises(ValueError, match="a system id is a number"):
+        plots.draw_map(flight, out, system=[1])
 
 
 def test_whose_flight_modes_they_are(tmp_path):
@@ -323,6 +373,10 @@ def test_whose_flight_modes_they_are(tmp_path):
         ({"xaxis": "ATTITUDE.pitch", "timeshift": 1.0}, "timeshift"),
         ({"xaxis": "1+"}, "no expression"),
         ({"timeshift": float("nan")}, "seconds"),
+        ({"timeshift": "1"}, "seconds"),
+        ({"xaxis": 1}, "an expression is a text"),
+        ({"system": [1]}, "a system id is a number"),
+        ({"system": 256}, "a system id is 0 to 255"),
     ],
 )
 def test_options_that_make_no_sense_are_named(flight, tmp_path, wrong, said):
@@ -486,15 +540,26 @@ def test_images_without_matplotlib_say_what_to_install(tmp_path, flight, monkeyp
     assert "pip install 'mavwire[plot]'" in capsys.readouterr().err
 
 
-def test_times_that_no_calendar_has(tmp_path):
+YEAR_9999 = 253_400_000 * 10**9
+"""Microseconds since 1970 of a day in December."""
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [(2**60, 2**60 + 10**6, 2**61), (2**64 - 1,), (T0, 2**63), (T0, YEAR_9999), (YEAR_9999,)],
+)
+def test_times_that_no_calendar_has(tmp_path, stamps):
+    """Some have none for the margins of an axis only."""
     pytest.importorskip("matplotlib")
     path = tmp_path / "far.tlog"
     attitude = mavlink.MAVLink_attitude_message(0, 1, 2, 3, 0, 0, 0)
-    stamps = (2**60, 2**60 + 10**6, 2**61)
-    path.write_bytes(b"".join(record(pack(attitude), one) for one in stamps))
+    frames = heartbeat(), pack(attitude)
+    path.write_bytes(b"".join(record(frame, one) for one in stamps for frame in frames))
     for suffix in ("png", "html"):
-        assert plots.plot(path, "ATTITUDE.roll", tmp_path / f"x.{suffix}").points == 3
+        assert plots.plot(path, "ATTITUDE.roll", tmp_path / f"x.{suffix}").points == len(stamps)
     assert Page((tmp_path / "x.html").read_bytes()).data()["absolute"] is False
+    argv = ["graph", str(path), "ATTITUDE.roll", "--flightmode", "apm", "--output"]
+    assert cli.main([*argv, str(tmp_path / "graph.png")]) == 0
 
 
 def test_several_logs_side_by_side(tmp_path):

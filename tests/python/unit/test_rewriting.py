@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import os
+import signal
 import subprocess
 import sys
 from datetime import UTC, datetime
@@ -17,6 +18,7 @@ import pytest
 from dataflash_writer import sample
 from mavwire import cli, traffic
 from mavwire.cli import main
+from mavwire.cli._progress import Progress
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.logs.rewriting import anonymize, cut, merge, repair
 from unit.column_tools import log_of_every_type
@@ -140,21 +142,33 @@ def test_junk_behind_a_gzip_file_is_told_of(flight, tmp_path, command, capsys):
 
 
 @pytest.mark.parametrize(
-    "junk", [b"\x7fELF" + bytes(range(3, 250)) * 20, gzip.compress(b"x" * 999)]
+    "junk",
+    [
+        b"\x7fELF" + bytes(range(3, 250)) * 20,
+        gzip.compress(b"x" * 999),
+        b"k",
+        b"keep\n",
+        b"12345678",
+    ],
 )
 def test_an_exact_merge_takes_no_file_without_a_record(flight, tmp_path, junk, capsys):
     other, out = tmp_path / "other.tlog", tmp_path / "out.tlog"
     other.write_bytes(junk)
     for logs in ([flight, other], [other, flight], [other]):
-        with pytest.raises(mavwire.logs.LogFormatError, match="not a telemetry log.*other.tlog"):
+        with pytest.raises(
+            mavwire.logs.LogFormatError, match="(not a|no) telemetry log.*other.tlog"
+        ):
             merge(logs, out)
     assert main(["merge", "--exact", str(flight), str(other), "-o", str(out)]) == 1
-    assert "not a telemetry log" in capsys.readouterr().err
+    assert "telemetry log" in capsys.readouterr().err
     assert not out.exists()
-    other.write_bytes(flight.read_bytes()[:20])
-    assert merge([flight, other], out).written == 5000, "a log that is cut off in its first record"
-    other.write_bytes(b"")
-    assert merge([flight, other], out).written == 5000, "an empty log"
+
+
+@pytest.mark.parametrize("size", [0, 1, 5, 8, 9, 20])
+def test_an_exact_merge_takes_a_log_that_is_cut_off_in_its_first_record(flight, tmp_path, size):
+    other, out = tmp_path / "other.tlog", tmp_path / "out.tlog"
+    other.write_bytes(flight.read_bytes()[:size])
+    assert merge([flight, other], out).written == 5000
 
 
 def test_a_merge_tells_of_each_log_its_own_damage(flight, tmp_path):
@@ -166,6 +180,29 @@ def test_a_merge_tells_of_each_log_its_own_damage(flight, tmp_path):
                        ([flight, cut_off], r"as far as it can be read \(.*\): .*c.tlog.gz")):  # fmt: skip
         with pytest.raises(mavwire.logs.LogFormatError, match=said):
             merge(logs, tmp_path / "out.tlog")
+
+
+def test_a_merge_names_all_logs_that_are_cut_off(flight, tmp_path, capsys):
+    cut_off, whole, junk = (tmp_path / f"{name}.tlog.gz" for name in ("cut", "whole", "junk"))
+    packed, out = gzip.compress(flight.read_bytes()), tmp_path / "out.tlog"
+    cut_off.write_bytes(packed[:-30_000])
+    whole.write_bytes(packed)
+    junk.write_bytes(packed + b"junk")
+    argv = ["merge", "--exact", *map(str, (cut_off, whole, junk)), "-o", str(out)]
+    assert main(argv) == 0
+    said = capsys.readouterr().out
+    assert f"'{cut_off}': incomplete deflate stream; '{junk}': what follows" in said
+    assert "whole.tlog" not in said
+
+
+@pytest.mark.parametrize("pack", [bytes, gzip.compress])
+def test_an_empty_log_is_one_compressed_too(tmp_path, pack):
+    path, out = tmp_path / "empty.tlog", tmp_path / "out.tlog"
+    path.write_bytes(pack(b""))
+    with mavwire.open_log(path) as log:
+        assert log.read() == {} and log.info().messages == 0
+    assert list(mavwire.scan(path)) == [] and repair(path, out).records == 0
+    assert main(["info", str(path)]) == 0
 
 
 def zstd(content: bytes) -> bytes:
@@ -319,8 +356,10 @@ def test_what_is_refused(flight, tmp_path):
         repair(tmp_path / "none.tlog", tmp_path / "out.tlog")
     with pytest.raises(ValueError, match="no message"):
         cut(copy, tmp_path / "out.tlog", types="NOPE")
-    with pytest.raises(ValueError, match="shift"):
-        anonymize(copy, tmp_path / "out.tlog", shift=(float("nan"), 0))
+    wrong: Any
+    for wrong in ((float("nan"), 0), 5, (1,), (1, 2, 3), "12", (91, 0)):
+        with pytest.raises(ValueError, match="a shift is degrees"):
+            anonymize(copy, tmp_path / "out.tlog", shift=wrong)
     noise = tmp_path / "noise.tlog"
     noise.write_bytes(b"nothing of all this is a log " * 50)
     with pytest.raises(mavwire.LogFormatError, match="no record"):
@@ -362,6 +401,27 @@ def test_a_shift_may_begin_with_a_minus(flight, tmp_path, shift):
     assert cli.main(["anonymize", str(flight), "-o", str(out), "--quiet", *shift]) == 0
     anonymize(flight, expected, shift=(-1, 2))
     assert out.read_bytes() == expected.read_bytes()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="needs SIGHUP")
+@pytest.mark.parametrize("number", [getattr(signal, "SIGHUP", 0), signal.SIGTERM])
+@pytest.mark.parametrize("command", ["cut", "repair", "anonymize", "merge --exact"])
+def test_a_run_that_is_told_to_end_leaves_nothing(flight, tmp_path, monkeypatch, command, number):
+    def told(self: Progress, percents: float) -> None:
+        assert [path.suffix for path in tmp_path.iterdir()] == [".part"]
+        signal.raise_signal(number)
+
+    def missed(*_: Any) -> None:
+        raise AssertionError("it would have ended at once")
+
+    monkeypatch.setattr(Progress, "update", told)
+    before = signal.signal(number, missed)
+    try:
+        code = main([*command.split(), str(flight), "-o", str(tmp_path / "out.tlog")])
+        assert signal.getsignal(number) is missed
+    finally:
+        signal.signal(number, before)
+    assert code == cli.EXIT_INTERRUPTED and not list(tmp_path.iterdir())
 
 
 def test_more_logs_than_may_be_open(tmp_path):

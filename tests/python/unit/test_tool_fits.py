@@ -155,6 +155,7 @@ def test_what_graphs_refuse(
     out = ("--output", "out.png")
     for wanted, arguments in {
         "No files to process": ("ATTITUDE.roll", *out),
+        "Name a field, such as ATTITUDE.roll": (log, *out),
         "no such log: none.tlog": (log, "none.tlog", "ATTITUDE.roll", *out),
         "Number of labels (1) must match number of fields (2)": (
             log, "ATTITUDE.roll", "ATTITUDE.yaw", "--labels", "a", *out,
