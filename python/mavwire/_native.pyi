@@ -378,17 +378,17 @@ class Message:
 
 @final
 class SequenceGaps:
-    """Counts messages and the gaps before them."""
+    """Counts messages and the gaps before them, of each component, or of its types apart."""
 
-    def __new__(cls) -> Self: ...
+    def __new__(cls, by_type: bool) -> Self: ...
     def read(self, messages: Iterable[Any]) -> list[Any]:
         """Counts messages in the order in which they came. Gives those that it does not know: BAD_DATA
         and UNKNOWN.
         """
 
-    def rows(self) -> list[tuple[int, int, str, int, int, int, int]]:
-        """`(sysid, compid, type, seen, gaps, lost, first_gap)` for each component's messages of a type,
-        in the order in which they were first seen. `gaps` were noticed by such a message, `lost` are
+    def rows(self) -> list[tuple[int, int, str | None, int, int, int, int]]:
+        """`(sysid, compid, type, seen, gaps, lost, first_gap)` for each component, type None, or its
+        messages of a type, in the order in which they were first seen. `gaps` were noticed by such a message, `lost` are
         missing in them, `first_gap` grows with the place of the first one in the log and is 0 if there
         is none.
         """

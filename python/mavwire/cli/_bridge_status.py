@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import signal
 import sys
+from contextlib import ExitStack
 
 from mavwire._wording import drawn_on, printable
 from mavwire.cli._bridge_warnings import full_name, losses
 from mavwire.cli._errors import CommandError
+from mavwire.cli._signals import handled
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -33,7 +35,9 @@ LEAST_FOR_LINKS = 10
 # Of a file or a pipe, where lines are as long as they need to be.
 NO_TERMINAL_WIDTH = 10_000
 # Signals after which a terminal shows something else than what was drawn: another size, and back from Ctrl-Z.
-DISTURBING = ("SIGWINCH", "SIGCONT")
+DISTURBING = tuple(
+    getattr(signal, name) for name in ("SIGWINCH", "SIGCONT") if hasattr(signal, name)
+)
 
 
 class StatusTable:
@@ -55,12 +59,10 @@ class StatusTable:
         self._console = Console(file=terminal, force_terminal=is_terminal, width=width)
         self.is_live = is_terminal and not self._console.is_dumb_terminal
         self._is_disturbed = False
-        self._handlers: dict[int, Any] = {}
         self._live = Live(self._tables(bridge.stats()), console=self._console, auto_refresh=False)
-        if self.is_live:
-            for name in DISTURBING:
-                number = getattr(signal, name)
-                self._handlers[number] = signal.signal(number, self._disturb)
+        numbers = DISTURBING if self.is_live else ()
+        self._exits = ExitStack()
+        self._exits.enter_context(handled(numbers, self._disturb))
         self._live.start()
 
     def __call__(self) -> None:
@@ -73,8 +75,7 @@ class StatusTable:
     def close(self) -> None:
         """Leave the table as it is."""
         self._live.stop()
-        for number, handler in self._handlers.items():
-            signal.signal(number, handler)
+        self._exits.close()
 
     def _disturb(self, number: int, frame: object) -> None:
         self._is_disturbed = True

@@ -8,23 +8,31 @@ from contextlib import contextmanager
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterable, Iterator
+    from contextlib import AbstractContextManager
+    from typing import Any
 
 
 @contextmanager
-def ended_in_order() -> Iterator[None]:
-    """Meanwhile what ends a process does so as Ctrl-C does: what is being written is completed or
-    removed.
-    """
+def handled(numbers: Iterable[int], handler: Callable[[int, Any], None]) -> Iterator[None]:
+    """Meanwhile these signals are for `handler`."""
     if threading.current_thread() is not threading.main_thread():  # which takes all signals
         yield
         return
-    before = {number: signal.signal(number, _interrupt) for number in _ending()}
+    before = {number: signal.signal(number, handler) for number in numbers}
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for number, other in before.items():
+            if other is not None:  # one that was not set by Python, which cannot set it again
+                signal.signal(number, other)
+
+
+def ended_in_order() -> AbstractContextManager[None]:
+    """Meanwhile what ends a process does so as Ctrl-C does: what is being written is completed or
+    removed.
+    """
+    return handled(_ending(), _interrupt)
 
 
 def _ending() -> list[int]:

@@ -29,7 +29,8 @@ SLOT = 8 + 4
 SLOT_OFFSETS = (0, 4096)
 # A pipe is refused, not waited for.
 _FLAGS = getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
-# How long others may take who store at the same time: a slow card's time. Sending waits for it.
+# How long others may take who store at the same time, on a slow card: when signing begins, and later, when sending waits.
+FIRST_PATIENCE = 10.0
 LOCK_PATIENCE = 1.0
 LOCK_INTERVAL = 0.005
 
@@ -41,6 +42,7 @@ class TimestampStore:
         self.path = path
         # Daemons change their folder.
         self._path = os.path.abspath(os.fsdecode(path))
+        self._patience = FIRST_PATIENCE
         # Descriptors that may be locked, and the threads that have them.
         self._open: dict[int, int] = {}
         follow_forks(self, TimestampStore._close_copies)
@@ -62,7 +64,8 @@ class TimestampStore:
         fd = os.open(self._path, os.O_RDWR | os.O_CREAT | _FLAGS, 0o600)
         try:
             self._open[fd] = get_ident()
-            _lock(fd, self._path)
+            _lock(fd, self._path, self._patience)
+            self._patience = LOCK_PATIENCE
             slots = self._slots(fd)
             if timestamp > max(slots):
                 os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
@@ -117,21 +120,21 @@ def store_of(given: Any) -> Any:
     return TimestampStore(given)
 
 
-def _lock(fd: int, path: str) -> None:
+def _lock(fd: int, path: str, patience: float) -> None:
     """Keep others out, where the platform can: two that overwrite the same slot would leave the smaller timestamp.
-    OSError where somebody else keeps it.
+    OSError where it takes more than `patience` seconds.
     """
     try:
         import fcntl
     except ImportError:
         return
-    deadline = time.monotonic() + LOCK_PATIENCE
+    deadline = time.monotonic() + patience
     while True:
         try:
             return fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             if time.monotonic() > deadline:
-                reason = "is locked by another process, which does not let go of it"
+                reason = f"was locked by other processes for {patience} s"
                 raise OSError(errno.EAGAIN, reason, path) from None
         time.sleep(LOCK_INTERVAL)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import secrets
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -136,12 +137,19 @@ def merge(
     _, native = native_dialect(dialect)
     inputs, target = _checked(paths, out)
     done = _run(LogRewrite.merge(inputs, native, target), inputs, progress)
-    return replace(done, damage=_named_damage(inputs, native)) if done.damage else done
+    return (
+        replace(done, damage=_named_damage(inputs, native) or done.damage) if done.damage else done
+    )
 
 
 def _named_damage(paths: list[str], native: Any) -> str:
-    """What is wrong with the compressed ones of some logs: they are read again for that."""
-    found = {path: summarise(path, native).damage for path in paths if is_compressed(path)}
+    """What is wrong with the compressed ones of some logs: they are read again for that, as far as
+    they are still there.
+    """
+    found = {}
+    for path in paths:
+        with suppress(OSError):
+            found[path] = summarise(path, native).damage if is_compressed(path) else None
     return "; ".join(f"{path!r}: {damage}" for path, damage in found.items() if damage)
 
 

@@ -190,6 +190,8 @@ def as_number(value: Any) -> float:
     """What an expression gives, as a number; ValueError says what it is instead."""
     try:
         return float(value)
+    except OverflowError:
+        raise ValueError("a number is too large") from None
     except (TypeError, ValueError):
         if hasattr(value, "get_type"):
             raise ValueError(f"{value.get_type()} is a message: name a field of it") from None

@@ -49,7 +49,7 @@ def main(args: Namespace) -> int:
             ) as log,
         ):  # fmt: skip
             require_telemetry(log)
-            losses = Losses(args.sysid, args.compid)
+            losses = Losses(args.sysid, args.compid, args.stats)
             for chunk in log.chunks():
                 losses.read(chunk)
         print("\n".join(losses.table()))
@@ -73,11 +73,13 @@ class Sender:
 class Losses:
     """What is missing between the messages of a log. `sysid` and `compid` choose whose."""
 
-    def __init__(self, sysid: int | None = None, compid: int | None = None) -> None:
+    def __init__(
+        self, sysid: int | None = None, compid: int | None = None, by_type: bool = False
+    ) -> None:
         self.reasons: dict[str, None] = {}
         self._sysid = sysid
         self._compid = compid
-        self._gaps = SequenceGaps()
+        self._gaps = SequenceGaps(by_type)
 
     def read(self, messages: Iterable[Any]) -> None:
         """Count messages in the order in which they came."""

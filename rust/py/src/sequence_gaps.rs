@@ -11,11 +11,11 @@ use crate::info::Info;
 use crate::lock::Lock;
 use crate::message::Message;
 
-/// Messages of one type from one component.
+/// Messages from one component, all of them or those of one type.
 struct Kind {
     sysid: u8,
     compid: u8,
-    name: &'static Py<PyString>,
+    name: Option<&'static Py<PyString>>,
     seen: u64,
     /// Gaps that were noticed by such a message, and the messages missing in them.
     gaps: u64,
@@ -25,15 +25,15 @@ struct Kind {
 }
 
 /// `(sysid, compid, type, seen, gaps, lost, first_gap)`
-type Row = (u8, u8, &'static Py<PyString>, u64, u64, u64, u64);
+type Row = (u8, u8, Option<&'static Py<PyString>>, u64, u64, u64, u64);
 
-#[derive(Default)]
 struct Counts {
+    by_type: bool,
     tracker: SequenceTracker,
     seen: u64,
     /// In the order in which they were first seen.
     kinds: Vec<Kind>,
-    /// Where a sender's message of an id stands in `kinds`.
+    /// Where a sender's message of an id stands in `kinds`; the id is 0 for all where types do not matter.
     places: HashMap<(u8, u8, u32), usize>,
 }
 
@@ -58,24 +58,31 @@ impl Counts {
 
     fn kind(&mut self, sysid: u8, compid: u8, info: &'static Info) -> &mut Kind {
         let next = self.kinds.len();
-        let place = *self.places.entry((sysid, compid, info.definition.id)).or_insert(next);
+        let id = if self.by_type { info.definition.id } else { 0 };
+        let place = *self.places.entry((sysid, compid, id)).or_insert(next);
         if place == next {
-            let name = &info.name;
+            let name = self.by_type.then_some(&info.name);
             self.kinds.push(Kind { sysid, compid, name, seen: 0, gaps: 0, lost: 0, first_gap: 0 });
         }
         &mut self.kinds[place]
     }
 }
 
-/// Counts messages and the gaps before them.
+/// Counts messages and the gaps before them, of each component, or of its types apart.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct SequenceGaps(Lock<Counts>);
 
 #[pymethods]
 impl SequenceGaps {
     #[new]
-    fn new() -> Self {
-        Self(Lock::new(Counts::default()))
+    fn new(by_type: bool) -> Self {
+        Self(Lock::new(Counts {
+            by_type,
+            tracker: SequenceTracker::new(),
+            seen: 0,
+            kinds: Vec::new(),
+            places: HashMap::new(),
+        }))
     }
 
     /// Counts messages in the order in which they came. Gives those that it does not know: BAD_DATA
@@ -92,8 +99,8 @@ impl SequenceGaps {
         Ok(others)
     }
 
-    /// `(sysid, compid, type, seen, gaps, lost, first_gap)` for each component's messages of a type, in
-    /// the order in which they were first seen. `gaps` were noticed by such a message, `lost` are missing
+    /// `(sysid, compid, type, seen, gaps, lost, first_gap)` for each component, type `None`, or its messages of a type,
+    /// in the order in which they were first seen. `gaps` were noticed by such a message, `lost` are missing
     /// in them, `first_gap` grows with the place of the first one in the log and is 0 if there is none.
     fn rows(&self, py: Python<'_>) -> Vec<Row> {
         let row = |kind: &Kind| {

@@ -220,15 +220,16 @@ def test_two_slots_take_turns_and_half_a_write_is_not_believed(tmp_path):
 
 def test_a_store_that_somebody_keeps_locked_stops_nothing(tmp_path, caplog, monkeypatch):
     fcntl = pytest.importorskip("fcntl")
+    monkeypatch.setattr(timestamp_store, "FIRST_PATIENCE", 0.02)
     monkeypatch.setattr(timestamp_store, "LOCK_PATIENCE", 0.01)
     store = TimestampStore(tmp_path / "store")
     keep = keeper(store, 1)
     with store.path.open("rb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         assert [keep(n * RESERVE) for n in (2, 3, 4)] == [n * RESERVE for n in (3, 4, 5)]
-        reason = f"is locked by another process, which does not let go of it: '{store.path}'"
+        reason = f"was locked by other processes for 0.01 s: '{store.path}'"
         assert [reason in record.getMessage() for record in caplog.records] == [True]
-        with pytest.raises(OSError, match="is locked"):
+        with pytest.raises(OSError, match=r"was locked .* 0\.02 s"):
             keeper(TimestampStore(store.path), 1)
     assert keep(9 * RESERVE) == TimestampStore(store.path).load() == 10 * RESERVE
 

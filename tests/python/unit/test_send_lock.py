@@ -191,12 +191,14 @@ def test_who_is_left_the_lock_takes_it_before_a_signal_handler_runs(threads: Any
 
     before, interval = signal.signal(signal.SIGINT, handle), sys.getswitchinterval()
     sys.setswitchinterval(10.0)  # from the signal to the end of the section no other thread runs
-    threads(section.run, hold)
-    with pytest.raises(Stop):
-        has_it.wait(WAIT)
-        section.run(done.append, True)
-    sys.setswitchinterval(interval)
-    signal.signal(signal.SIGINT, before)
+    try:
+        threads(section.run, hold)
+        with pytest.raises(Stop):
+            has_it.wait(WAIT)
+            section.run(done.append, True)
+    finally:
+        sys.setswitchinterval(interval)
+        signal.signal(signal.SIGINT, before)
     assert done == [True]
 
 

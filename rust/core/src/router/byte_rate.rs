@@ -24,6 +24,8 @@ const SHARE_INTERVAL: u64 = 250_000_000;
 const BURST: f64 = 100e6;
 /// those of a stream whose turn was a whole one ago by this much longer.
 const WAITED_BURST: f64 = 1_400e6;
+/// By this much of a turn a stream may be early: the next turn is not any earlier for it.
+const EARLY: f64 = 0.25;
 /// What comes may be ahead of the rate by this long at most in `wanted`.
 const MAX_WANTED: u64 = 10_000_000_000;
 /// What is ahead of the rate for longer is made up for within this time.
@@ -103,8 +105,10 @@ struct Stream {
 }
 
 impl Stream {
-    fn arrive(&mut self, is_urgent: bool, now: u64) {
+    fn arrive(&mut self, is_urgent: bool, turn: f64, now: u64) {
         self.is_urgent = is_urgent;
+        // Turns may have been longer when it passed last.
+        self.due = self.due.min(now as f64 + (1.0 + EARLY) * turn);
         let gap = now.saturating_sub(self.seen) as f64;
         let weight = if self.interval.is_finite() { 0.125 } else { 1.0 };
         let before = if self.interval.is_finite() { self.interval } else { 0.0 };
@@ -169,7 +173,7 @@ impl Account {
         let turn = self.turns[usize::from(is_urgent)];
         let (cost, reach) = match self.streams.get_mut(&key) {
             Some(stream) => {
-                stream.arrive(is_urgent, now);
+                stream.arrive(is_urgent, turn, now);
                 (stream.cost, reach(now as f64 - stream.due, turn))
             }
             None => {
@@ -240,9 +244,8 @@ impl Account {
 
 /// How far the account may be ahead for a stream whose turn was `waited` ago; `None` if it is another one's turn.
 fn reach(waited: f64, turn: f64) -> Option<f64> {
-    // A little early is no harm: the next turn is not any earlier for it.
     let part = if turn > 0.0 { waited / turn } else { 1.0 };
-    (part >= -0.25).then(|| BURST + WAITED_BURST * part.clamp(0.0, 1.0))
+    (part >= -EARLY).then(|| BURST + WAITED_BURST * part.clamp(0.0, 1.0))
 }
 
 /// The turn of streams that have `room` (1 is all that the link takes), and how much of that they take then.
@@ -388,6 +391,32 @@ mod tests {
             check("two", rate, &VEHICLE, &[30, 27, HEARTBEAT]);
             check("all", rate, &VEHICLE, &VEHICLE.map(|kind| kind.0));
         }
+    }
+
+    #[test]
+    fn turns_that_were_long_for_a_while_are_forgotten() {
+        let bytes = ByteRate::new(150.0);
+        let (mut number, mut passed) = (0, vec![0; 8]);
+        for tenth in 0..900_u64 {
+            let now = (1_000 + 100 * tenth) * MS;
+            let mut asks = |header: &Header, len, is_urgent| {
+                number += 1;
+                let is_allowed = bytes.allows(header, len, is_urgent, number, now);
+                if is_allowed {
+                    bytes.charge(len, now);
+                }
+                is_allowed
+            };
+            for (compid, _) in (1..21).zip(0..20).filter(|_| (200..230).contains(&tenth)) {
+                asks(&Header { compid, ..header(V2, 22, 0) }, 37, true);
+            }
+            for (&(msgid, len, _), count) in VEHICLE.iter().zip(&mut passed) {
+                let got = asks(&header(V2, msgid, 0), len, false);
+                *count += u32::from(got && tenth >= 300);
+            }
+        }
+        // A minute of 9,000 bytes for frames of 308 in all.
+        assert!(passed.iter().all(|count| (24..=34).contains(count)), "{passed:?}");
     }
 
     #[test]
