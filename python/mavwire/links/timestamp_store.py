@@ -27,6 +27,7 @@ RESERVE = 10 * 100 * 1000
 SLOT = 8 + 4
 # Where each slot begins: far enough apart for no write to touch both.
 SLOT_OFFSETS = (0, 4096)
+SIZE = SLOT_OFFSETS[-1] + SLOT
 # A pipe is refused, not waited for.
 _FLAGS = getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
 # How long others may take who store at the same time, on a slow card: when signing begins, and later, when sending waits.
@@ -93,10 +94,10 @@ class TimestampStore:
         if not stat.S_ISREG(os.fstat(fd).st_mode):
             raise OSError(errno.EINVAL, "is no file that could be a timestamp store", self._path)
         os.lseek(fd, 0, os.SEEK_SET)
-        content = os.read(fd, SLOT_OFFSETS[-1] + SLOT)
+        content = os.read(fd, SIZE)
         slots = [_unpacked(content[start : start + SLOT]) for start in SLOT_OFFSETS]
         # A disk that lost power may hold zeros where nothing was written yet.
-        if not any(slots) and any(content):
+        if os.fstat(fd).st_size > SIZE or (not any(slots) and any(content)):
             reason = "is no timestamp store: name a file of its own, or remove this one"
             raise OSError(errno.EINVAL, reason, self._path)
         return slots

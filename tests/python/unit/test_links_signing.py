@@ -243,17 +243,17 @@ def test_a_pipe_is_no_store(tmp_path):
             action()
 
 
-@pytest.mark.parametrize("length", [2, 5, 12, 32])
-def test_another_file_is_no_store_and_stays_as_it_is(tmp_path, length):
+@pytest.mark.parametrize("content", [*map(bytes, map(range, (2, 5, 12, 32))), bytes(4108) + b"x"])
+def test_another_file_is_no_store_and_stays_as_it_is(tmp_path, content):
     path = tmp_path / "key"
-    path.write_bytes(bytes(range(length)))
+    path.write_bytes(content)
     for use in (TimestampStore(path).load, lambda: TimestampStore(path).save(7)):
         with pytest.raises(OSError, match="no timestamp store") as caught:
             use()
         assert caught.value.filename == str(path)
     with pytest.raises(OSError, match="no timestamp store"):
         link_with_key(timestamp_store=path)
-    assert path.read_bytes() == bytes(range(length))
+    assert path.read_bytes() == content
 
 
 def test_a_store_that_is_shared_keeps_the_latest(tmp_path):

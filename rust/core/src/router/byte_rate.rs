@@ -26,6 +26,8 @@ const BURST: f64 = 100e6;
 const WAITED_BURST: f64 = 1_400e6;
 /// By this much of a turn a stream may be early: the next turn is not any earlier for it.
 const EARLY: f64 = 0.25;
+/// So many turns that were left out a stream may take later, one behind the other: long texts and lists come in bursts.
+const CREDIT: f64 = 8.0;
 /// What comes may be ahead of the rate by this long at most in `wanted`.
 const MAX_WANTED: u64 = 10_000_000_000;
 /// What is ahead of the rate for longer is made up for within this time.
@@ -205,8 +207,8 @@ impl Account {
         let Some(stream) = self.streams.get_mut(&self.decided.key) else { return };
         let weight = *self.decided.weight.get_or_insert_with(|| {
             let turn = self.turns[usize::from(stream.is_urgent)];
-            // Who comes late comes earlier next time, by a turn at most: the mean counts.
-            stream.due = stream.due.max(now as f64 - turn) + turn;
+            // Who comes late comes earlier next time: the mean counts.
+            stream.due = stream.due.max(now as f64 - CREDIT * turn) + turn;
             let weight = if stream.has_passed { 0.125 } else { 1.0 };
             stream.has_passed = true;
             stream.cost *= 1.0 - weight;
@@ -417,6 +419,35 @@ mod tests {
         }
         // A minute of 9,000 bytes for frames of 308 in all.
         assert!(passed.iter().all(|count| (24..=34).contains(count)), "{passed:?}");
+    }
+
+    #[test]
+    fn a_stream_that_asks_for_little_may_ask_for_it_at_once() {
+        let bytes = ByteRate::new(300.0);
+        let (mut number, mut passed) = (0, [0; 2]);
+        for tenth in 0..1_800_u64 {
+            let mut now = (1_000 + 100 * tenth) * MS;
+            let mut asks = |header: &Header, len| {
+                number += 1;
+                now += MS / 10;
+                let is_allowed = bytes.allows(header, len, false, number, now);
+                if is_allowed {
+                    bytes.charge(len, now);
+                }
+                u32::from(is_allowed)
+            };
+            for msgid in 30..34 {
+                asks(&header(V2, msgid, 0), 40);
+            }
+            // A text in three pieces each ten seconds, eight parameters each fifteen.
+            for _ in (0..3).filter(|_| tenth % 100 == 50) {
+                passed[0] += asks(&header(V2, 253, 0), 60);
+            }
+            for _ in (0..8).filter(|_| tenth % 150 == 70) {
+                passed[1] += asks(&header(V2, 22, 0), 37);
+            }
+        }
+        assert!(passed[0] >= 50 && passed[1] >= 86, "{passed:?} of [54, 96]");
     }
 
     #[test]
