@@ -38,7 +38,7 @@ const MAX_LEN: f64 = 280.0;
 const NEVER: f64 = 1e18;
 const SECOND: f64 = 1e9;
 
-/// A stream: one message type from one component. Times are in nanoseconds.
+/// Which stream a frame belongs to.
 pub(super) fn stream_key(&Header { msgid, sysid, compid, .. }: &Header) -> u64 {
     u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid)
 }
@@ -92,6 +92,7 @@ struct Decision {
     weight: Option<f64>,
 }
 
+/// One message type from one component. Times are in nanoseconds.
 #[derive(Debug)]
 struct Stream {
     is_urgent: bool,
