@@ -39,9 +39,6 @@ class Kind(NamedTuple):
     link: str
 
 
-# Bytes of frames that are looked at together before they are sent: each becomes a message for that.
-CHECKED_PIECE = 64 * 1024
-
 # To be stopped at the end of the program: a thread inside one would keep it, and the end of its recording.
 _running_bridges: WeakSet[Bridge] = WeakSet()
 
@@ -203,30 +200,12 @@ class Bridge:
         a known message is wrong, of which none is sent; TypeError for anything else.
         """
         if isinstance(message, bytes | bytearray | memoryview):
-            core, frames = self._running(), bytes(message)
-            self._refuse_damaged(frames)
-            core.write(frames)
+            self._running().write(bytes(message))
             return
         if not hasattr(message, "pack"):
             raise TypeError(f"a message or the bytes of frames can be sent, not {message!r}")
         self._running()
         self._mav.send(message)
-
-    def _refuse_damaged(self, frames: bytes) -> None:
-        """ValueError for bytes that no parser takes. Part of a frame at the end may be there: the core refuses it."""
-        parser = self.dialect.MAVLink(None)  # of its own: the handler of a signal may send too
-        parser.robust_parsing = True
-        at = 0
-        for start in range(0, len(frames), CHECKED_PIECE):
-            messages = parser.parse_buffer(frames[start : start + CHECKED_PIECE])
-            if parser.total_receive_errors:
-                for one in messages or ():
-                    if one.get_type() == "BAD_DATA":
-                        raise ValueError(
-                            f"no good frame at byte {at} of {len(frames)}: {one.reason}"
-                        )
-                    at += len(one.get_msgbuf())
-            at = parser.total_bytes_received - parser.buf_len()
 
     def latest(
         self, type: str | int, system: int | None = None, component: int | None = None

@@ -54,9 +54,10 @@ use std::thread::JoinHandle;
 
 use endpoint::Opened;
 use event_loop::{Command, EventLoop};
-use mavwire_core::frame::claimed_len;
+use mavwire_core::frame::FrameError;
 use mavwire_core::registry::Registry;
 use mavwire_core::router::Settings;
+use mavwire_core::scan::{Found, Resync, Scanner};
 use recorder::Recorder;
 use switch::Switch;
 
@@ -96,6 +97,16 @@ pub enum BridgeError {
         at: usize,
         /// Bytes in all.
         len: usize,
+    },
+    /// The program sends a frame that receivers refuse.
+    #[error("no good frame at byte {at} of {len}: {error}")]
+    BadFrame {
+        /// Where the frame begins.
+        at: usize,
+        /// Bytes in all.
+        len: usize,
+        /// What is wrong with it.
+        error: FrameError,
     },
     /// The bridge runs no more.
     #[error("the bridge has stopped")]
@@ -145,6 +156,7 @@ impl Waker {
 
 /// A running bridge. Dropping it stops it.
 pub struct Bridge {
+    registry: Arc<Registry>,
     waker: Waker,
     hub: Arc<Hub>,
     /// Pieces of what two threads send do not mix.
@@ -170,12 +182,14 @@ impl Bridge {
         let waker = Waker { commands, signal: Arc::new(signal) };
         let hub = Arc::new(Hub::new());
         let (for_loop, hub_of_loop) = (waker.clone(), Arc::clone(&hub));
+        let registry_of_loop = Arc::clone(&registry);
         let run = move || {
-            let switch = Switch::new(registry, settings);
+            let switch = Switch::new(registry_of_loop, settings);
             EventLoop::new(switch, hub_of_loop, recorder, receiver, for_loop, wake).run();
         };
         let thread = std::thread::Builder::new().name("mavwire-bridge".into()).spawn(run)?;
-        Ok(Self { waker, hub, sending: Mutex::new(()), thread: Mutex::new(Some(thread)) })
+        let (sending, thread) = (Mutex::new(()), Mutex::new(Some(thread)));
+        Ok(Self { registry, waker, hub, sending, thread })
     }
 
     fn tell(&self, command: Command) -> Result<(), BridgeError> {
@@ -225,12 +239,18 @@ impl Bridge {
     /// Routes frames as if they came over a link of their own. Waits while more than some MB of them wait.
     ///
     /// # Errors
-    /// The bridge has stopped, or something is no whole frame; then none is sent.
+    /// The bridge has stopped, or something is no whole frame or has a wrong checksum; then none is sent.
     pub fn send(&self, frames: &[u8]) -> Result<(), BridgeError> {
+        let (mut scanner, len) = (Scanner::new(Resync::Skip), frames.len());
         let mut at = 0;
-        while at < frames.len() {
-            let len = claimed_len(&frames[at..]).filter(|len| at + len <= frames.len());
-            at += len.ok_or(BridgeError::NoFrame { at, len: frames.len() })?;
+        while at < len {
+            match scanner.next(&frames[at..], &self.registry) {
+                Found::Frame { len, .. } => at += len,
+                Found::Rejected { error, .. } => {
+                    return Err(BridgeError::BadFrame { at, len, error });
+                }
+                _ => return Err(BridgeError::NoFrame { at, len }),
+            }
         }
         self.send_bytes(frames)
     }

@@ -42,7 +42,7 @@ fn to_python(error: Error) -> PyErr {
             let errno = error.raw_os_error().unwrap_or(NO_SUCH_ADDRESS);
             PyOSError::new_err((errno, in_words(&error), link))
         }
-        Error::NoFrame { .. } => PyValueError::new_err(error.to_string()),
+        Error::NoFrame { .. } | Error::BadFrame { .. } => PyValueError::new_err(error.to_string()),
         other => BridgeError::new_err(other.to_string()),
     }
 }

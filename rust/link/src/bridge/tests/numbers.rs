@@ -102,7 +102,8 @@ fn what_is_sent_waits_in_pieces_and_those_of_two_threads_do_not_mix() {
     signal.set_nonblocking(true).unwrap();
     let waker = Waker { commands, signal: Arc::new(signal) };
     let (hub, sending, thread) = (Arc::new(Hub::new()), Mutex::new(()), Mutex::new(None));
-    let bridge = Bridge { waker, hub, sending, thread };
+    let registry = registry();
+    let bridge = Bridge { registry, waker, hub, sending, thread };
     let len = 2 * SENT_PIECE * MAX_COMMANDS; // one thread alone has to wait
     std::thread::scope(|scope| {
         for byte in 1..=2 {
