@@ -8,14 +8,19 @@ from __future__ import annotations
 
 import os
 from _weakref import ref
+from itertools import count
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-# What has to be begun anew, and how.
+# What has to be begun anew, and how. What is gone stays here for a while: in the callback of a weak reference, exceptions
+# of signal handlers would be lost.
 _followers: dict[int, tuple[ref[Any], Callable[[Any], None]]] = {}
+_numbers = count()
+MIN_FOLLOWERS = 64
+_most = MIN_FOLLOWERS
 
 
 def follow_forks(one: Any, renew: Callable[[Any], None]) -> None:
@@ -23,8 +28,17 @@ def follow_forks(one: Any, renew: Callable[[Any], None]) -> None:
 
     It must import nothing and wait for no lock.
     """
-    number = id(one)
-    _followers[number] = (ref(one, lambda _: _followers.pop(number, None)), renew)
+    if len(_followers) >= _most:
+        _forget_dead()
+    _followers[next(_numbers)] = ref(one), renew
+
+
+def _forget_dead() -> None:
+    global _most
+    for number, (follower, _) in list(_followers.items()):
+        if follower() is None:
+            _followers.pop(number, None)
+    _most = 2 * len(_followers) + MIN_FOLLOWERS
 
 
 def _renew_all() -> None:

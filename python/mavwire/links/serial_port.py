@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import time
 
@@ -28,13 +29,23 @@ WRITE_TIMEOUT = 0.5
 MAX_UNSENT = 1 << 14
 
 
+def _rate(baud: Any) -> int | None:
+    """A baud rate as a number; None for what is none."""
+    try:
+        rate = int(baud)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return rate if rate >= 0 else None
+
+
 def _check_baud(baud: Any, device: str) -> None:
     """ValueError before a port is opened for nothing."""
-    try:
-        int(baud)
-    except ValueError:
-        reason = f"the baud rate {baud!r} of the serial port {device} is not a number"
-        raise ValueError(reason) from None
+    if _rate(baud) is None:
+        raise ValueError(_not_a_rate(baud, device))
+
+
+def _not_a_rate(baud: Any, device: str) -> str:
+    return f"the baud rate {baud!r} of the serial port {device} is not a number"
 
 
 def _is_of_handler(error: BaseException) -> bool:
@@ -275,14 +286,16 @@ class mavserial(RetryingLink):
 
     def _reopen(self) -> bool:
         self._next_reset = time.monotonic() + self.reconnect_delay
+        baud = _rate(self.baud)
+        if baud is None:
+            self._note_failure(OSError(errno.EINVAL, _not_a_rate(self.baud, self.device)))
+            return False
         try:
-            port = self._open_at(int(self.baud))
+            port = self._open_at(baud)
         except OSError as error:  # SerialException is one
             if _is_of_handler(error):
                 raise
             self._note_failure(error)
-            return False
-        except ValueError:
             return False
         self._note_success()
         hang_up(self.port)  # it is gone, which is why it is replaced

@@ -571,6 +571,20 @@ def test_a_serial_port_is_reopened_once_a_second_at_most(serial_port, monkeypatc
     link.close()
 
 
+@pytest.mark.parametrize("baud", ["x", -5, None, float("inf")])
+def test_an_unusable_baud_rate_is_why_a_serial_port_stays_dead(serial_port, baud, caplog):
+    link = mavutil.mavlink_connection(serial_port, autoreconnect=True, reconnect_delay=0)
+    link.baud = baud
+    for _ in range(2):
+        assert not link.reset()
+    reason = f"the baud rate {baud!r} of the serial port {serial_port} is not a number"
+    assert link.connect_error.strerror == reason
+    assert [record.getMessage() for record in caplog.records] == [f"{reason}; trying again"]
+    link.baud = 115200
+    assert link.reset() and link.connect_error is None
+    link.close()
+
+
 def test_a_serial_port_that_is_closed_under_a_writer_says_nothing(serial_port, capsys):
     link = mavutil.mavlink_connection(serial_port)
 

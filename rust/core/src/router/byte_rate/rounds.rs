@@ -192,12 +192,16 @@ impl Turns {
         self.busy_until.saturating_sub(now) as f64
     }
 
+    /// Works out how much further bytes may run ahead now.
     fn rest(&mut self, now: u64) {
-        let passed = now.saturating_sub(self.rested_at) as f64;
+        if now <= self.rested_at {
+            return;
+        }
+        let passed = (now - self.rested_at) as f64;
         let idle = now.saturating_sub(self.busy_until.max(self.rested_at)) as f64;
         self.rested *= ((idle - passed) / REST_DECAY).exp();
         self.rested = (self.rested + REST_GAIN * idle).min(self.long - SHORT);
-        self.rested_at = self.rested_at.max(now);
+        self.rested_at = now;
     }
 
     fn decide(&mut self, key: u64, stream: &mut Stream, now: u64) -> bool {
