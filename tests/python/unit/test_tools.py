@@ -80,6 +80,18 @@ def test_a_condition_that_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture
         assert "--condition 'import os'" in fails(capsys, verb, path, "--condition", "import os")
 
 
+@pytest.mark.parametrize("condition", ["(", "", "GPS_RAW_INT.nope>1", "__import__('os')"])
+@pytest.mark.parametrize("verb", ["extract", "loss"])
+def test_a_wrong_condition_that_no_message_asks_for(
+    verb: str, condition: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No stretch of the log is in that mode, and `loss` counts all messages."""
+    path = flight_log(tmp_path / "flight.tlog")
+    options = ["--mode", "no_such_mode"] if verb == "extract" else []
+    said = fails(capsys, verb, path, *options, "--condition", condition)
+    assert said.startswith(f"mavwire {verb}: error: --condition {condition!r}: ")
+
+
 def test_a_dialect_that_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = random_log(tmp_path / "random.tlog", 3)
     for verb in ("loss", "summarize", "tomfile"):
