@@ -13,6 +13,7 @@ from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.links import state
+from mavwire.tools.mavloss import Losses
 from tool_runs import Log, attitude, flight_log, heartbeat, random_log
 
 READERS = (
@@ -90,6 +91,12 @@ def test_a_wrong_condition_that_no_message_asks_for(
     options = ["--mode", "no_such_mode"] if verb == "extract" else []
     said = fails(capsys, verb, path, *options, "--condition", condition)
     assert said.startswith(f"mavwire {verb}: error: --condition {condition!r}: ")
+
+
+def test_gaps_that_were_not_counted_by_type() -> None:
+    """ValueError also where there is no gap."""
+    with pytest.raises(ValueError, match="not counted by type"):
+        Losses().types_table()
 
 
 def test_a_dialect_that_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
