@@ -81,11 +81,15 @@ with mavutil.mavlink_connection(device) as link:
     link.wait_heartbeat()
     here = link.recv_match("GPS_RAW_INT.fix_type>=3", "GPS_RAW_INT", blocking=True)
     sent = square(here.lat / 1e7, here.lon / 1e7)
-    print("upload:", upload(link, sent))
+    result = upload(link, sent)
+    print("upload:", result)
+    if result != "MAV_MISSION_ACCEPTED":
+        raise SystemExit("the vehicle did not take the mission")
     back = download(link)
     for one in back:
         name = mavlink.enums["MAV_CMD"][one.command].name
         print(f"{one.seq}  {name:<28} {one.x / 1e7:.6f} {one.y / 1e7:.6f} {one.z:.0f} m")
-    same = [(a.command, a.x, a.y, a.z) == (b.command, b.x, b.y, b.z)
-            for a, b in zip(sent[1:], back[1:], strict=True)]  # fmt: skip
-    print("the same" if all(same) else "different")
+    ours, theirs = (
+        [(one.command, one.x, one.y, one.z) for one in items[1:]] for items in (sent, back)
+    )
+    print("the same" if ours == theirs else "different")

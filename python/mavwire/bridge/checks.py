@@ -61,8 +61,10 @@ def flag(name: str, value: object) -> bool:
 
 def text(name: str, value: object) -> str:
     """A text that is not empty."""
-    if not isinstance(value, str) or not value:
+    if not isinstance(value, str):
         raise ConfigError(f"{name} must be a text, not {value!r}", name)
+    if not value:
+        raise ConfigError(f"{name} must not be empty", name)
     return value
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, field
 
 from .beside import Listen, SinkOptions, listen_from, sink_from
@@ -156,6 +157,12 @@ class _Toml:
         config.places.update(((where, key), place) for key, place in places.items())
 
 
+def _line(error: ValueError, text: str) -> int:
+    """Where a text is no TOML: what `tomllib` says, or the last line, where it only says that the text ended."""
+    told = re.search(r"\(at line (\d+), ", str(error))
+    return int(told[1]) if told else text.rstrip().count("\n") + 1
+
+
 def _content(name: str, text: str) -> dict[str, Any]:
     import tomllib
 
@@ -168,6 +175,6 @@ def _content(name: str, text: str) -> dict[str, Any]:
     except RecursionError:
         raise ConfigError(f"{name}: nested too deeply") from None
     except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{name}: {error}") from None
+        raise ConfigError(f"{name}:{_line(error, text)}: {error}") from None
     except ValueError:  # what int() says is nothing that a user can act upon
         raise ConfigError(f"{name}: a number has thousands of digits") from None

@@ -61,9 +61,12 @@ class StatusTable:
         self._is_disturbed = False
         self._live = Live(self._tables(bridge.stats()), console=self._console, auto_refresh=False)
         numbers = DISTURBING if self.is_live else ()
-        self._exits = ExitStack()
-        self._exits.enter_context(handled(numbers, self._disturb))
-        self._live.start()
+        with ExitStack() as exits:
+            exits.enter_context(handled(numbers, self._disturb))
+            exits.callback(self._live.stop)
+            self._live.start()
+            # From here on it is for `close`, which gives the signals back also where the terminal is gone.
+            self._exits = exits.pop_all()
 
     def __call__(self) -> None:
         if self._is_disturbed:
@@ -74,7 +77,6 @@ class StatusTable:
 
     def close(self) -> None:
         """Leave the table as it is."""
-        self._live.stop()
         self._exits.close()
 
     def _disturb(self, number: int, frame: object) -> None:

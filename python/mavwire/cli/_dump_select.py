@@ -89,14 +89,16 @@ class Selection:
         if not every or not (kind in STREAMED or kind.startswith(STREAMED_PREFIXES)):
             return False
         self._counts[kind] = count = self._counts.get(kind, 0) + 1
-        return count % every != 0
+        # mavlogdump shows none of them for a negative number.
+        return every < 0 or count % every != 0
 
     def _is_too_soon(self, kind: str, msg: Any) -> bool:
         rate = self._args.reduce_rate
         if rate <= 0 or kind in UNRATED:
             return False
         now = msg._timestamp
-        if now - self._shown_at.setdefault(kind, now) < 1.0 / rate:
+        # A clock that went back is no reason to wait until it has caught up.
+        if 0.0 <= now - self._shown_at.setdefault(kind, now) < 1.0 / rate:
             return True
         self._shown_at[kind] = now
         return False

@@ -225,13 +225,16 @@ class Reading:
         newest = self.link.messages.values()
         return self.is_text and any(_word_in(msg) for msg in newest if hasattr(msg, "to_dict"))
 
-    def chunks(self) -> Iterator[Iterator[Any]]:
+    def chunks(self, condition: str | None = None) -> Iterator[Iterator[Any]]:
         """All messages, BAD_DATA and UNKNOWN included, some thousands at a time: for loops in which
-        a generator would cost more than the reading.
+        a generator would cost more than the reading. CommandError for a condition that is wrong,
+        also where the loop never asks whether it holds.
         """
+        self.holds(condition)
         receive = iter(self.link.recv_msg, None)
         for first in receive:
             yield chain((first,), islice(receive, PROGRESS_EVERY))
+            self.holds(condition)  # with messages: now a field may turn out not to be there
             self.show_progress()
 
     def holds(self, condition: str | None) -> bool:

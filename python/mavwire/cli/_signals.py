@@ -19,13 +19,23 @@ def handled(numbers: Iterable[int], handler: Callable[[int, Any], None]) -> Iter
     if threading.current_thread() is not threading.main_thread():  # which takes all signals
         yield
         return
-    before = {number: signal.signal(number, handler) for number in numbers}
+    before = {number: signal.getsignal(number) for number in numbers}
     try:
+        for number in before:
+            signal.signal(number, handler)
         yield
     finally:
-        for number, other in before.items():
+        _give_back(before)
+
+
+def _give_back(handlers: dict[int, Any]) -> None:
+    try:
+        for number, other in handlers.items():
             if other is not None:  # one that was not set by Python, which cannot set it again
                 signal.signal(number, other)
+    except BaseException:  # of a signal that came between two of them
+        _give_back(handlers)
+        raise
 
 
 def ended_in_order() -> AbstractContextManager[None]:

@@ -43,7 +43,6 @@ class TimestampStore:
         self.path = path
         # Daemons change their folder.
         self._path = os.path.abspath(os.fsdecode(path))
-        self._patience = FIRST_PATIENCE
         # Descriptors that may be locked, and the threads that have them.
         self._open: dict[int, int] = {}
         follow_forks(self, TimestampStore._close_copies)
@@ -62,11 +61,13 @@ class TimestampStore:
 
     def save(self, timestamp: int) -> None:
         """Store `timestamp` for good, unless a later one is; OSError if that fails."""
+        self._save(timestamp, LOCK_PATIENCE)
+
+    def _save(self, timestamp: int, patience: float) -> None:
         fd = os.open(self._path, os.O_RDWR | os.O_CREAT | _FLAGS, 0o600)
         try:
             self._open[fd] = get_ident()
-            _lock(fd, self._path, self._patience)
-            self._patience = LOCK_PATIENCE
+            _lock(fd, self._path, patience)
             slots = self._slots(fd)
             if timestamp > max(slots):
                 os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
@@ -135,7 +136,7 @@ def _lock(fd: int, path: str, patience: float) -> None:
             return fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             if time.monotonic() > deadline:
-                reason = f"was locked by other processes for {patience} s"
+                reason = f"was locked by others for {patience} s"
                 raise OSError(errno.EAGAIN, reason, path) from None
         time.sleep(LOCK_INTERVAL)
 
@@ -173,7 +174,10 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
     likes. One that fails later does not stop the link; it is reported once.
     """
     mark = ahead(timestamp, RESERVE)
-    store.save(mark)
+    if type(store) is TimestampStore:  # a derived class has a `save` of its own
+        store._save(mark, FIRST_PATIENCE)
+    else:
+        store.save(mark)
     failed = False
 
     def keep(timestamp: int) -> int:

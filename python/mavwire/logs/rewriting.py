@@ -9,16 +9,14 @@ from __future__ import annotations
 
 import os
 import secrets
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import LogRewrite
 
 from .query import Query
 from .reading import check_readable, native_dialect, paths_of
-from .sources import head_of, is_compressed, is_dataflash
-from .summary import summarise
+from .sources import head_of, is_dataflash
 from .targets import file_to_write
 from .telemetry import HEAD_SIZE, LogFormatError, check_barren, not_telemetry
 
@@ -136,21 +134,8 @@ def merge(
     """
     _, native = native_dialect(dialect)
     inputs, target = _checked(paths, out)
-    done = _run(LogRewrite.merge(inputs, native, target), inputs, progress)
-    return (
-        replace(done, damage=_named_damage(inputs, native) or done.damage) if done.damage else done
-    )
-
-
-def _named_damage(paths: list[str], native: Any) -> str:
-    """What is wrong with the compressed ones of some logs: they are read again for that, as far as
-    they are still there.
-    """
-    found = {}
-    for path in paths:
-        with suppress(OSError):
-            found[path] = summarise(path, native).damage if is_compressed(path) else None
-    return "; ".join(f"{path!r}: {damage}" for path, damage in found.items() if damage)
+    rewrite = LogRewrite.merge(inputs, native, target)
+    return _run(rewrite, inputs, progress, is_damage_named=True)
 
 
 def _checked(
@@ -173,12 +158,21 @@ def _checked(
     return inputs, out
 
 
-def _run(rewrite: Any, paths: list[str], progress: Callable[[int], object] | None) -> Rewritten:
+def _run(
+    rewrite: Any,
+    paths: list[str],
+    progress: Callable[[int], object] | None,
+    is_damage_named: bool = False,
+) -> Rewritten:
     try:
         while rewrite.step():
             if progress is not None:
                 progress(rewrite.outcome()["bytes"])
-        done = Rewritten(**rewrite.outcome())
+        damages = [
+            f"{paths[place]!r}: {damage}" if is_damage_named else damage
+            for place, damage in rewrite.damage()
+        ]
+        done = Rewritten(**rewrite.outcome(), damage="; ".join(damages) or None)
         for place, damage in rewrite.barren():
             path = paths[place]
             check_barren(path, path, damage)

@@ -87,7 +87,7 @@ class Extraction:
 
     def run(self) -> None:
         """Read the log to its end."""
-        for chunk in self._log.chunks():
+        for chunk in self._log.chunks(self._args.condition):
             self._read(chunk)
 
     def _read(self, messages: Iterable[Any]) -> None:

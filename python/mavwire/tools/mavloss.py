@@ -50,7 +50,7 @@ def main(args: Namespace) -> int:
         ):  # fmt: skip
             require_telemetry(log)
             losses = Losses(args.sysid, args.compid, args.stats)
-            for chunk in log.chunks():
+            for chunk in log.chunks(args.condition):
                 losses.read(chunk)
         print("\n".join(losses.table()))
         if args.stats:
@@ -79,6 +79,7 @@ class Losses:
         self.reasons: dict[str, None] = {}
         self._sysid = sysid
         self._compid = compid
+        self._by_type = by_type
         self._gaps = SequenceGaps(by_type)
 
     def read(self, messages: Iterable[Any]) -> None:
@@ -141,7 +142,11 @@ class Losses:
         return f" [{','.join(parts)}]" if parts else ""
 
     def types_table(self) -> list[str]:
-        """Lines about the types that a gap was noticed by, those with the most missing first."""
+        """Lines about the types that a gap was noticed by, those with the most missing first.
+        ValueError unless they were counted `by_type`.
+        """
+        if not self._by_type:
+            raise ValueError("gaps were not counted by type")
         rows = [row for row in self._gaps.rows() if row[4] and self._is_wanted(*row[:2])]
         if not rows:
             return ["", "No message-type triggered any sequence gaps."]

@@ -11,6 +11,7 @@ from mavwire.tools._arguments import add_condition, add_dialect, add_logs, add_n
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
+    from typing import Any
 
     from mavwire.cli._reading import Reading
 
@@ -20,6 +21,8 @@ FIX_3D = 3
 AUTONOMOUS = 4 | 8
 # The type of a HEARTBEAT's sender that does not fly.
 GROUND_STATION = 6
+# 2009, in seconds since 1970: an earlier time is of no clock that was set, such as one since the vehicle's start.
+EARLIEST = 1_230_768_000
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -57,12 +60,19 @@ def _read(path: str, args: Namespace) -> Summary | None:
 
 
 class Summary:
-    """What is known of a log; times are in seconds."""
+    """What is known of a log; times are in seconds. `dated` is the first that is one of a clock."""
 
     def __init__(
-        self, began: float, ended: float, sections: int, autonomous: float, track: Track
+        self,
+        began: float,
+        dated: float | None,
+        ended: float,
+        sections: int,
+        autonomous: float,
+        track: Track,
     ) -> None:
         self.began = began
+        self.dated = dated
         self.ended = ended
         self.sections = sections
         self.autonomous = autonomous
@@ -75,8 +85,7 @@ class Summary:
 
     def tell(self) -> None:
         """Print it."""
-        clock = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(self.began))
-        print(f"Log started at about {clock}")
+        print(self._start())
         if self.track.start is None:
             print("Warning: No GPS data found, can't give position summary.")
         else:
@@ -87,12 +96,22 @@ class Summary:
         if self.sections > 0:
             print(f"Autonomous time (mm:ss): {_clock(self.autonomous)}")
 
+    def _start(self) -> str:
+        if self.dated is None:
+            return (
+                "Warning: No absolute timestamp found in datastream. "
+                "No starting time can be provided for this log."
+            )
+        clock = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(self.dated))
+        return f"Log started at about {clock}"
+
 
 def summarise(log: Reading, condition: str | None) -> Summary | None:
     """Read a log to its end; None if nothing of interest is in it."""
     track = Track()
     add = track.add
     began: float | None = None
+    dated: float | None = None
     since: float | None = None
     now = autonomous = 0.0
     sections = 0
@@ -100,6 +119,8 @@ def summarise(log: Reading, condition: str | None) -> Summary | None:
         now = msg._timestamp
         if began is None:
             began = now
+        if dated is None:
+            dated = _date(msg)
         if msg.get_type() == "GPS_RAW_INT":
             lat, lon = msg.lat, msg.lon
             if lat and lon and msg.fix_type >= FIX_3D:
@@ -116,7 +137,19 @@ def summarise(log: Reading, condition: str | None) -> Summary | None:
         return None
     if since is not None:
         autonomous += now - since
-    return Summary(began, now, sections, autonomous, track)
+    return Summary(began, dated, now, sections, autonomous, track)
+
+
+def _date(msg: Any) -> float | None:
+    """When it was, by the log or by GPS; None if neither says. That microseconds are compared with EARLIEST, too, so that
+    20 minutes are enough, is mavsummarize.py's.
+    """
+    now: float = msg._timestamp
+    if now >= EARLIEST:
+        return now
+    if msg.get_type() == "GPS_RAW_INT" and msg.time_usec >= EARLIEST:
+        return float(msg.time_usec * 1.0e-6)
+    return None
 
 
 def _clock(seconds: float) -> str:

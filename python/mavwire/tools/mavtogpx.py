@@ -60,8 +60,8 @@ def main(args: Namespace) -> int:
 
 
 class Point:
-    """A position: degrees, metres, metres a second. `fix_type` is None in a message that does not
-    tell: that of the last one that did stands for it.
+    """A position: degrees, metres, metres a second. Of a message that does not tell them, `course`,
+    `speed` and `fix_type` are None: those of the last one that did stand for them.
     """
 
     __slots__ = ("altitude", "course", "fix_type", "lat", "lon", "speed")
@@ -71,8 +71,8 @@ class Point:
         lat: float,
         lon: float,
         altitude: float,
-        course: float = 0.0,
-        speed: float = 0.0,
+        course: float | None = None,
+        speed: float | None = None,
         fix_type: int | None = None,
     ) -> None:
         self.lat = lat
@@ -81,6 +81,15 @@ class Point:
         self.course = course
         self.speed = speed
         self.fix_type = fix_type
+
+    def fill_in(self, last: Point) -> None:
+        """Take what the message does not tell from the point before, of whatever type."""
+        if self.course is None:
+            self.course = last.course
+        if self.speed is None:
+            self.speed = last.speed
+        if self.fix_type is None:
+            self.fix_type = last.fix_type
 
     def gpx(self, stamp: float) -> str:
         """One point of a track. The time is local, though it says otherwise: mavtogpx.py's."""
@@ -97,15 +106,19 @@ class Point:
 
 
 def _points(log: Reading, args: Namespace) -> Iterator[str]:
-    fix_type = 0
+    last = Point(0.0, 0.0, 0.0, 0.0, 0.0, 0)
     for msg in log.messages(args.types or TYPES, args.condition):
         point = _point(msg)
         if point is None:
             continue
-        if point.fix_type is not None:
-            fix_type = point.fix_type
-        if (fix_type >= FIX_2D or args.nofixcheck) and point.lat != 0.0 and point.lon != 0.0:
+        point.fill_in(last)
+        last = point
+        if (_has_fix(point) or args.nofixcheck) and point.lat != 0.0 and point.lon != 0.0:
             yield point.gpx(msg._timestamp)
+
+
+def _has_fix(point: Point) -> bool:
+    return point.fix_type is not None and point.fix_type >= FIX_2D
 
 
 def _point(msg: Any) -> Point | None:

@@ -242,9 +242,10 @@ impl Merge {
         barren.map(|(place, log)| (place, log.blocks.damage())).collect()
     }
 
-    /// What is wrong with the compressed files.
-    pub fn damage(&self) -> Option<&str> {
-        self.logs.iter().find_map(|log| log.blocks.damage())
+    /// The places of the logs whose compressed files are damaged, and what is wrong with them.
+    pub fn damage(&self) -> Vec<(usize, &str)> {
+        let logs = self.logs.iter().enumerate();
+        logs.filter_map(|(place, log)| Some((place, log.blocks.damage()?))).collect()
     }
 
     /// Writes what can be ordered until the next block of a log is needed; false at the end.

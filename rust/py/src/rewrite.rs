@@ -41,10 +41,17 @@ impl Run {
         }
     }
 
-    fn outcome(&self) -> (Outcome, Option<&str>) {
+    fn outcome(&self) -> Outcome {
         match self {
-            Self::One(rewrite) => (rewrite.outcome(), rewrite.damage()),
-            Self::Several(merge) => (merge.outcome(), merge.damage()),
+            Self::One(rewrite) => rewrite.outcome(),
+            Self::Several(merge) => merge.outcome(),
+        }
+    }
+
+    fn damage(&self) -> Vec<(usize, &str)> {
+        match self {
+            Self::One(rewrite) => rewrite.damage().map(|damage| (0, damage)).into_iter().collect(),
+            Self::Several(merge) => merge.damage(),
         }
     }
 }
@@ -151,14 +158,15 @@ impl LogRewrite {
         py.detach(|| self.with(|work| work.run.barren().into_iter().map(owned).collect()))
     }
 
+    /// The places of the compressed logs that are damaged, as far as they were read, and what is wrong with them.
+    fn damage(&self, py: Python<'_>) -> Vec<(usize, String)> {
+        let owned = |(place, damage): (usize, &str)| (place, damage.to_owned());
+        py.detach(|| self.with(|work| work.run.damage().into_iter().map(owned).collect()))
+    }
+
     /// What became of the logs so far, as a dict of counts; see `mavwire.logs.rewriting`.
     fn outcome<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (outcome, damage) = py.detach(|| {
-            self.with(|work| {
-                let (outcome, damage) = work.run.outcome();
-                (outcome, damage.map(str::to_owned))
-            })
-        });
+        let outcome = py.detach(|| self.with(|work| work.run.outcome()));
         let dict = PyDict::new(py);
         dict.set_item("bytes", outcome.bytes)?;
         dict.set_item("records", outcome.records)?;
@@ -166,7 +174,6 @@ impl LogRewrite {
         dict.set_item("bad_bytes", outcome.bad_bytes)?;
         dict.set_item("bad_places", outcome.bad_places)?;
         dict.set_item("restamped", outcome.restamped)?;
-        dict.set_item("damage", damage)?;
         Ok(dict)
     }
 }

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from dump_logs import clean_log, compare, damaged_log, mavwire_dump, oracle_dump
+from tool_runs import Log, attitude, heartbeat
 
 CASES = (
     "",
@@ -35,6 +36,7 @@ CASES = (
     "--show-loss --format csv --types HEARTBEAT",
     "--show-loss --source-system 7 --format json",
     "--reduce 2",
+    "--reduce -3",
     "--reduce 3 --reduce-rate 2",
     "--reduce-rate 1.5 --types HEARTBEAT,ATTITUDE",
     "--verbose",
@@ -125,6 +127,17 @@ def test_a_log_that_begins_with_garbage(start: bytes, tmp_path: Path, oracle: st
         start + (bytes([whole[0] ^ 1]) if start else b"") + whole[1 if start else 60 :]
     )
     compare("--show-source", "--format", "json", str(path))
+
+
+@pytest.mark.parametrize("rate", ["0.5", "2", "10"])
+def test_a_reduced_log_whose_clock_goes_back(rate: str, tmp_path: Path, oracle: str) -> None:
+    """Back by much and by little, and on from a time that damage made."""
+    log = Log(tmp_path / "back.tlog")
+    for start in (0.0, 100.0, 1.0, 0.7, 1e6, 3.0):
+        for step in (0.0, 0.1, 0.4, 0.6, 1.0, 1.2):
+            log.add(start + step, attitude(step))
+            log.add(start + step * 7, heartbeat())
+    assert compare("--reduce-rate", rate, str(log.done())) > 5
 
 
 def test_a_log_without_a_message(tmp_path: Path, oracle: str) -> None:

@@ -8,6 +8,7 @@ from random import Random
 
 import dataflash_writer
 import pytest
+import tool_runs
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.mavftp_op import (
     FTP_OP,
@@ -30,6 +31,7 @@ from tool_runs import (
     run,
 )
 
+Y2009 = 1_230_768_000
 SENSORS = "SYS_STATUS.onboard_control_sensors_health"
 # Subcommand -> script, and the options that it is run with.
 CASES = {
@@ -328,6 +330,41 @@ def test_a_log_with_positions_at_zero(tmp_path: Path, oracle: str) -> None:
     for verb in ("flighttime", "summarize", "togpx", "gpslock"):
         (tmp_path / verb).mkdir()
         compare(CASES[verb][0], verb, "", tmp_path / verb, path)
+
+
+@pytest.mark.parametrize("options", ["", "--nofixcheck"])
+def test_positions_that_do_not_tell_a_speed(options: str, tmp_path: Path, oracle: str) -> None:
+    log = dataflash_writer.Log().define("POS", "QLLf", "TimeUS,Lat,Lng,Alt")
+    for name in ("GPS", "GPS2"):
+        log.define(name, "QBIHLLfff", "TimeUS,Status,GMS,GWk,Lat,Lng,Alt,Spd,GCrs")
+    places = [("GPS", 3, 9), ("GPS2", 3, 9), ("GPS", 1, 9), ("GPS", 3, 0), ("GPS", 4, 9)]
+    for number, (name, status, lat) in enumerate(places, 1):
+        place = lat * 10_000_000, 200_000_000, 58.0
+        log.add(name, number * 1000, status, number, 2280, *place, number * 1.5, number * 10.0)
+        log.add("POS", number * 1000 + 500, 90_000_000, 200_000_000, 59.0)
+    path = Path(log.write(tmp_path / "flight.bin"))
+    compare("mavtogpx", "togpx", options, tmp_path, path)
+
+
+@pytest.mark.parametrize(
+    "times",
+    [(0, 5, 9), (5, 0), (Y2009 - 2, Y2009 - 1), (0, Y2009 - 1, Y2009, Y2009 + 5), (Y2009 + 9, 0)],
+)
+@pytest.mark.parametrize("since", [0, 20 * 60, 21 * 60, Y2009 - 1, Y2009 + 99])
+def test_times_that_are_of_no_clock(
+    times: tuple[int, ...],
+    since: int,
+    tmp_path: Path,
+    oracle: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of the log's, and of GPS's."""
+    monkeypatch.setattr(tool_runs, "START", 0)
+    log = Log(tmp_path / "started.tlog")
+    for seconds in times:
+        log.add(seconds, heartbeat())
+        log.add(seconds, gps(since, 10.0, 5.0))
+    compare("mavsummarize", "summarize", "", tmp_path, log.done())
 
 
 def test_a_log_without_what_is_looked_for(tmp_path: Path, oracle: str) -> None:

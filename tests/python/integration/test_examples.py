@@ -9,14 +9,16 @@ import signal
 import socket
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from mavwire import mavutil, traffic
+from mavwire import Bridge, mavutil, traffic
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.sim import Impairment, Vehicle, serve
+from unit.bridge_tools import wait_until
 from unit.link_tools import KEY, free_port
 from unit.sim_tools import PATIENT
 from unit.terminal_tools import read_terminal
@@ -175,6 +177,57 @@ def test_a_mission_whose_numbers_get_lost() -> None:
     lines = run("mission.py", vehicle)
     assert (lines[0], lines[-1]) == ("upload: MAV_MISSION_ACCEPTED", "the same")
     assert not vehicle.losing
+
+
+def test_a_mission_over_the_satellite_of_the_documentation() -> None:
+    """Once telemetry fills the link, answers still come while who asked waits for them."""
+    port, far = free_port(socket.SOCK_DGRAM), free_port(socket.SOCK_DGRAM)
+    blocks = re.findall(
+        r"^```toml\n(.*?)^```", (ROOT / "docs" / "bridge.md").read_text(), re.DOTALL | re.MULTILINE
+    )
+    links = [link for block in blocks for link in tomllib.loads(block).get("link", ())]
+    (options,) = (link for link in links if link.get("name") == "satellite")
+    options["endpoint"] = f"udpout:127.0.0.1:{far}"
+    with Bridge([f"udpin:127.0.0.1:{port}"]) as bridge:
+        bridge.add(**options)
+        with serve(f"udpout:127.0.0.1:{port}", Vehicle()):
+            wait_until("a full link", lambda: _limited(bridge, "satellite") > 500)
+            lines = finish(start("mission.py", f"udpin:127.0.0.1:{far}"))
+    assert (lines[0], lines[-1]) == ("upload: MAV_MISSION_ACCEPTED", "the same")
+
+
+def _limited(bridge: Bridge, name: str) -> int:
+    return sum(one["limited"] for one in bridge.stats()["links"] if one["name"] == name)
+
+
+class Silent(Vehicle):
+    """A vehicle that has no answer for who uploads a mission."""
+
+    def handle(self, msg: Any) -> None:
+        if msg.get_type() != "MISSION_COUNT":
+            super().handle(msg)
+
+
+class Refusing(Vehicle):
+    """A vehicle that takes no mission."""
+
+    def handle(self, msg: Any) -> None:
+        if msg.get_type() == "MISSION_COUNT":
+            self.send(mavlink.MAVLink_mission_ack_message(255, 0, mavlink.MAV_MISSION_DENIED))
+        else:
+            super().handle(msg)
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "result"), [(Silent, "no answer"), (Refusing, "MAV_MISSION_DENIED")]
+)
+def test_a_mission_that_the_vehicle_does_not_take(vehicle: type[Vehicle], result: str) -> None:
+    port = free_port(socket.SOCK_DGRAM)
+    with serve(f"udpout:127.0.0.1:{port}", vehicle(), speed=5):
+        example = start("mission.py", f"udpin:127.0.0.1:{port}")
+        out, err = example.communicate(timeout=TIMEOUT)
+    assert (example.returncode, out) == (1, f"upload: {result}\n")
+    assert err == "the vehicle did not take the mission\n"
 
 
 def test_a_parameter_that_the_vehicle_does_not_have() -> None:

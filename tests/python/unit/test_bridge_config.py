@@ -97,7 +97,9 @@ def test_any_text_is_an_endpoint_or_a_clear_error(text: str) -> None:
         ({"datagram_bytes": 70_000}, "datagram_bytes must be a number from 0"),
         ({"peer_timeout": -1}, "peer_timeout must be"),
         ({"retry": "soon"}, "retry must be a number"),
-        ({"name": ""}, "name must be a text"),
+        ({"name": ""}, "name must not be empty"),
+        ({"group": ""}, "group must not be empty"),
+        ({"name": 5}, "name must be a text, not 5"),
     ],
 )
 def test_wrong_options(options: dict[str, Any], wrong: str) -> None:
@@ -346,7 +348,9 @@ address = "ws://:8765"
             '[[link]]\nendpoint = "udpin:127.0.0.1:0"\nsign_out = true\nsigning_key_file = "a\\u0000b"',
             ":4: link 1: signing_key_file must be a path, not 'a.x00b'",
         ),
-        ("dedup = x = 1", "at line 1"),
+        ("\ndedup = x = 1", r":2: Invalid value \(at line 2"),
+        ("dedup = 1\n\nx\n\n", ":3: Expected '=' after a key"),
+        ("dedup = [1,\n", ":1: "),
         ("# a\n\ndedop = 1", ":3: unknown option 'dedop'; did you mean 'dedup'"),
         ("dedup = -1", ":1: dedup must be 0 seconds or more"),
         ("dedup = 1e300", ":1: dedup must be 10000000000 seconds or less, not 1e.300"),

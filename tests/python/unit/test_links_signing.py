@@ -227,10 +227,13 @@ def test_a_store_that_somebody_keeps_locked_stops_nothing(tmp_path, caplog, monk
     with store.path.open("rb") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         assert [keep(n * RESERVE) for n in (2, 3, 4)] == [n * RESERVE for n in (3, 4, 5)]
-        reason = f"was locked by other processes for 0.01 s: '{store.path}'"
+        reason = f"was locked by others for 0.01 s: '{store.path}'"
         assert [reason in record.getMessage() for record in caplog.records] == [True]
-        with pytest.raises(OSError, match=r"was locked .* 0\.02 s"):
-            keeper(TimestampStore(store.path), 1)
+        for one in (store, TimestampStore(store.path)):  # also one that another link has used
+            with pytest.raises(OSError, match=r"was locked .* 0\.02 s"):
+                keeper(one, 1)
+        with pytest.raises(OSError, match=r"was locked .* 0\.01 s"):
+            TimestampStore(store.path).save(1)
     assert keep(9 * RESERVE) == TimestampStore(store.path).load() == 10 * RESERVE
 
 

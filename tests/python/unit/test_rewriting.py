@@ -195,6 +195,23 @@ def test_a_merge_names_all_logs_that_are_cut_off(flight, tmp_path, capsys):
     assert "whole.tlog" not in said
 
 
+@pytest.mark.skipif(os.name == "nt", reason="an open file cannot be removed there")
+def test_a_merge_reads_each_log_once(flight, tmp_path):
+    """Of what happens to one meanwhile nothing is told, and one given twice is named twice."""
+    gone, replaced = tmp_path / "gone.tlog.gz", tmp_path / "replaced.tlog.gz"
+    for path in (gone, replaced):
+        path.write_bytes(gzip.compress(flight.read_bytes())[:-30_000])
+
+    def change(_read: int) -> None:
+        gone.unlink(missing_ok=True)
+        (tmp_path / "new").write_bytes(b"no log")
+        (tmp_path / "new").replace(replaced)
+
+    done = merge([gone, replaced, flight, gone], tmp_path / "out.tlog", progress=change)
+    said = "{!r}: incomplete deflate stream"
+    assert done.damage == "; ".join(said.format(str(path)) for path in (gone, replaced, gone))
+
+
 @pytest.mark.parametrize("pack", [bytes, gzip.compress])
 def test_an_empty_log_is_one_compressed_too(tmp_path, pack):
     path, out = tmp_path / "empty.tlog", tmp_path / "out.tlog"

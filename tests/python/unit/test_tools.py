@@ -13,6 +13,7 @@ from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.links import state
+from mavwire.tools.mavloss import Losses
 from tool_runs import Log, attitude, flight_log, heartbeat, random_log
 
 READERS = (
@@ -78,6 +79,24 @@ def test_a_condition_that_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture
     path = flight_log(tmp_path / "flight.tlog")
     for verb in ("flighttime", "summarize", "togpx", "search", "tomfile"):
         assert "--condition 'import os'" in fails(capsys, verb, path, "--condition", "import os")
+
+
+@pytest.mark.parametrize("condition", ["(", "", "GPS_RAW_INT.nope>1", "__import__('os')"])
+@pytest.mark.parametrize("verb", ["extract", "loss"])
+def test_a_wrong_condition_that_no_message_asks_for(
+    verb: str, condition: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No stretch of the log is in that mode, and `loss` counts all messages."""
+    path = flight_log(tmp_path / "flight.tlog")
+    options = ["--mode", "no_such_mode"] if verb == "extract" else []
+    said = fails(capsys, verb, path, *options, "--condition", condition)
+    assert said.startswith(f"mavwire {verb}: error: --condition {condition!r}: ")
+
+
+def test_gaps_that_were_not_counted_by_type() -> None:
+    """ValueError also where there is no gap."""
+    with pytest.raises(ValueError, match="not counted by type"):
+        Losses().types_table()
 
 
 def test_a_dialect_that_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
