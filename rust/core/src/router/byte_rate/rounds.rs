@@ -3,7 +3,8 @@
 //! In each round a stream may pass once, whenever its message comes. A round ends when the link has time and a stream
 //! comes that passed in it already: this begins the next one. Where there are not enough bytes for all, streams that come
 //! often thus pass equally often, once a round, and a stream that comes less often than rounds end passes always (max-min
-//! fairness). Nothing has to be known of how often streams come, so that nothing has to be learnt anew when that changes.
+//! fairness). This takes no knowledge of how often streams come, which would have to be learnt anew when that changes; only
+//! when one is to be expected that its round left out goes by when it came before.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -18,8 +19,8 @@ pub(super) const FORGOTTEN: u64 = 120_000_000_000;
 const SWEEP_INTERVAL: u64 = 1_000_000_000;
 /// Rounds that a stream missed and may make up for: long texts and lists come in bursts.
 const CREDIT: u64 = 8;
-/// Rounds that are told apart. More than `CREDIT`: a stream that never passes comes before those that do.
-const LEVELS: usize = 24;
+/// Rounds that are told apart. Far more than `CREDIT`: a stream that does not pass for long comes before those that do.
+const LEVELS: usize = 128;
 
 /// Bytes may run ahead of their rate by this long on a link that is busy all the time,
 const SHORT: f64 = 100e6;
@@ -36,50 +37,80 @@ const REST_DECAY: f64 = 2e9;
 /// What the time between two messages of a new stream is taken for, and the most it is taken for.
 const FIRST_GAP: u64 = 5_000_000_000;
 const MAX_GAP: u64 = 60_000_000_000;
-/// How much later than expected a stream may come and still find room.
+/// By so much of the time between two messages, and by this long at most, they may be early, or late by twice as much,
+const JITTER: u64 = 8;
+const MAX_JITTER: u64 = 1_500_000_000;
+/// and this much.
 const GRACE: u64 = 250_000_000;
+/// So many in a row that follow each other as closely as that are one burst.
+const MAX_BURST: u8 = 8;
+/// After so many messages a stream is one that others wait for.
+const FAMILIAR: u8 = 4;
 
 /// One message type from one component. Times are in nanoseconds.
 #[derive(Debug)]
 struct Stream {
     /// The round from which on it may pass.
     turn: u64,
-    /// When its last message came, passed or not, and how long after the one before.
+    /// When its last message came, passed or not.
+    last: u64,
+    /// When its last burst began, how many followed in that, and how long after the one before it came.
     seen: u64,
+    burst: u8,
     gap: u64,
     /// The time that the link takes for one, at all peers.
     cost: f64,
     /// It was refused although it was its turn.
     is_waiting: bool,
     /// Others leave room for it.
-    has_room: bool,
-    /// Nothing came of it before.
-    is_new: bool,
+    holds_room: bool,
+    /// Messages that came of it, up to `FAMILIAR`.
+    came: u8,
     /// When this is looked at again.
     check_at: u64,
 }
 
 impl Stream {
     fn new(turn: u64, cost: f64, now: u64) -> Self {
-        let (seen, gap) = (now, FIRST_GAP);
-        let (is_waiting, has_room, is_new) = (false, false, true);
-        Self { turn, seen, gap, cost, is_waiting, has_room, is_new, check_at: 0 }
-    }
-
-    fn arrive(&mut self, now: u64) {
-        self.is_new = false;
-        let gap = now.saturating_sub(self.seen);
-        if gap > 0 {
-            // A pause tells little about what follows it.
-            self.gap = gap.min(4 * self.gap).min(MAX_GAP);
-            self.seen = now;
+        Self {
+            turn,
+            last: now,
+            seen: now,
+            burst: 0,
+            gap: FIRST_GAP,
+            cost,
+            is_waiting: false,
+            holds_room: false,
+            came: 1,
+            check_at: 0,
         }
     }
 
-    /// From when on and until when its next message is to be expected.
+    fn arrive(&mut self, now: u64) {
+        self.came = FAMILIAR.min(self.came + 1);
+        let since_last = now.saturating_sub(self.last);
+        let is_close = since_last <= self.gap / JITTER;
+        self.last = now;
+        if is_close && self.burst < MAX_BURST {
+            self.burst += 1;
+            return;
+        }
+        let gap = if is_close { since_last } else { now.saturating_sub(self.seen) };
+        // A pause tells little about what follows it.
+        self.gap = gap.min(4 * self.gap.max(1)).min(MAX_GAP);
+        (self.seen, self.burst) = (now, 0);
+    }
+
+    /// Whether it may be behind others, and have room left for it: addresses can be made up.
+    fn is_familiar(&self) -> bool {
+        self.came == FAMILIAR
+    }
+
+    /// From when on and until when its next burst is to be expected.
     fn expected(&self) -> (u64, u64) {
-        let from = self.seen.saturating_add(self.gap / 8 * 7);
-        (from, self.seen.saturating_add(self.gap / 4 * 5 + GRACE))
+        let (jitter, next) =
+            ((self.gap / JITTER).min(MAX_JITTER), self.seen.saturating_add(self.gap));
+        (next - jitter, next.saturating_add(2 * jitter + GRACE))
     }
 }
 
@@ -127,9 +158,11 @@ impl Rounds {
 
     /// A stream passed: to the first peer, or to a further one.
     pub(super) fn take_turn(&mut self, key: u64, cost: f64, is_first: bool) {
-        let Some(stream) = self.streams.get_mut(&key) else { return };
+        let Some(stream) = self.streams.get_mut(&key) else {
+            return self.turns.begin_round(); // there was no room to remember it
+        };
         if is_first {
-            stream.turn = stream.turn.max(self.turns.round.saturating_sub(CREDIT)) + 1;
+            self.turns.take(stream);
             stream.cost = 0.0;
         }
         stream.cost += cost;
@@ -140,7 +173,7 @@ impl Rounds {
         if self.streams.len() == MAX_STREAMS && now >= self.sweep_at {
             self.sweep_at = now.saturating_add(SWEEP_INTERVAL);
             let is_kept =
-                |stream: &Stream| stream.is_waiting || stream.seen.saturating_add(FORGOTTEN) > now;
+                |stream: &Stream| stream.holds_room || stream.seen.saturating_add(FORGOTTEN) > now;
             self.streams.retain(|_, stream| is_kept(stream));
         }
         if self.streams.len() < MAX_STREAMS {
@@ -206,12 +239,8 @@ impl Turns {
 
     fn decide(&mut self, key: u64, stream: &mut Stream, now: u64) -> bool {
         if stream.turn > self.round {
-            let reach = if stream.is_new { MIDDLE } else { SHORT };
-            let passes = self.has_room(now, reach.max(SHORT + self.rested), 0);
-            if passes {
-                self.begin_round();
-            }
-            return passes;
+            let reach = if stream.came == 1 { MIDDLE } else { SHORT };
+            return self.has_room(now, reach.max(SHORT + self.rested), 0);
         }
         let behind = self.behind(stream);
         let reach = match behind {
@@ -221,28 +250,42 @@ impl Turns {
         };
         // Those that are as far behind and wait come before one that does not.
         let passes = self.has_room(now, reach, behind + usize::from(stream.is_waiting));
-        if passes {
-            self.stop_waiting(stream);
-        } else if !stream.is_waiting {
+        if !passes && !stream.is_waiting && stream.is_familiar() {
             stream.is_waiting = true;
             self.check(stream.expected().0, key, stream);
         }
         passes
     }
 
+    /// A stream takes its turn, in this round or the next.
+    fn take(&mut self, stream: &mut Stream) {
+        if stream.turn > self.round {
+            self.begin_round();
+        }
+        self.stop_waiting(stream);
+        stream.turn = stream.turn.max(self.round.saturating_sub(CREDIT)) + 1;
+    }
+
     /// Whether bytes that may run ahead by `reach` leave room for streams that are so many rounds behind.
     fn has_room(&self, now: u64, reach: f64, behind: usize) -> bool {
         let lead = self.lead(now);
-        lead <= reach && lead + self.room[behind..].iter().sum::<f64>() <= self.long
+        let room = || self.room[behind..].iter().sum::<f64>();
+        lead <= reach && (self.holders == 0 || lead + room() <= self.long)
     }
 
     /// How many rounds a stream is behind.
     fn behind(&self, stream: &Stream) -> usize {
+        if !stream.is_familiar() {
+            return 0;
+        }
         (self.round.saturating_sub(stream.turn) as usize).min(LEVELS - 1)
     }
 
     fn begin_round(&mut self) {
         self.round += 1;
+        if self.holders == 0 {
+            return;
+        }
         let last = self.room[LEVELS - 2] + self.room[LEVELS - 1];
         self.room.copy_within(..LEVELS - 1, 1);
         self.room[0] = 0.0;
@@ -284,10 +327,10 @@ impl Turns {
     }
 
     fn leave_room(&mut self, stream: &mut Stream, is_wanted: bool) {
-        if stream.has_room == is_wanted {
+        if stream.holds_room == is_wanted {
             return;
         }
-        stream.has_room = is_wanted;
+        stream.holds_room = is_wanted;
         let behind = self.behind(stream);
         if is_wanted {
             self.holders += 1;

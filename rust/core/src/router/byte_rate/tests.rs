@@ -388,6 +388,90 @@ fn what_a_stream_that_ended_had_is_the_others() {
 }
 
 #[test]
+fn types_that_come_twice_in_a_rare_burst_all_get_something() {
+    for rate in [60.0, 100.0] {
+        let (mut link, mut counts) = (Link::new(rate), [0; 10]);
+        for burst in 0..120_u64 {
+            for n in 0..20 {
+                let now = (1_000 + 5_000 * burst + 2 * (n / 10)) * MS + n % 10 * MS / 10;
+                let kind = n as usize % 10;
+                counts[kind] += u32::from(link.passes(kind as u32 + 1, 40, false, now));
+            }
+        }
+        let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
+        assert!(3 * least > *most, "{counts:?} at {rate}");
+    }
+}
+
+#[test]
+fn rare_types_pass_beside_steady_ones_and_do_not_stop_them() {
+    // Rare types, bytes of each, tenths of a second between, bytes a second.
+    for (rare, len, each, rate) in
+        [(30, 40, 100, 300.0), (20, 50, 500, 100.0), (100, 40, 300, 600.0)]
+    {
+        let (mut link, mut counts, mut bytes) = (Link::new(rate), vec![0; rare as usize], 0);
+        let (mut passed_at, mut longest) = (0, 0);
+        for tenth in 0..6_000_u64 {
+            let now = (1_000 + 100 * tenth) * MS;
+            for msgid in 1_000..1_004 {
+                if link.passes(msgid, 40, false, now) {
+                    (bytes, passed_at) = (bytes + 40, tenth);
+                }
+            }
+            for msgid in (0..rare).filter(|_| tenth % each == 50) {
+                if link.passes(msgid + 1, len, false, now) {
+                    counts[msgid as usize] += 1;
+                    (bytes, passed_at) = (bytes + len, tenth);
+                }
+            }
+            longest = longest.max(tenth - passed_at);
+        }
+        let told =
+            format!("{rare} at {rate}: {counts:?}, {bytes} bytes, {longest} tenths of silence");
+        assert!(bytes as f64 > 600.0 * rate * 0.9 && longest <= 50, "{told}");
+        assert!(each > 100 || counts.iter().all(|&count| count > 6), "{told}");
+    }
+}
+
+#[test]
+fn made_up_streams_that_come_again_do_not_shut_out_the_others() {
+    for (again, len) in [(10, 40), (50, 40), (50, 280), (200, 280)] {
+        let (mut link, mut passed) = (Link::new(1_000.0), 0);
+        for tenth in 0..3_000_u64 {
+            let now = (1_000 + 100 * tenth) * MS;
+            for since in [0, again].into_iter().filter(|&since| since <= tenth) {
+                for n in 0..10 {
+                    link.passes(1_000 + ((tenth - since) * 10 + n) as u32, len, false, now);
+                }
+            }
+            for msgid in (100..110).filter(|_| tenth % 10 == 0) {
+                passed += u32::from(link.passes(msgid, 40, false, now));
+            }
+        }
+        assert!(passed > 2_400, "{passed} of 3,000 beside {len} bytes, again after {again} tenths");
+    }
+}
+
+#[test]
+fn a_frame_for_several_peers_takes_one_turn() {
+    let bytes = ByteRate::new(1_000.0);
+    let mut passed = [0; 2];
+    for (number, hundredth) in (0..12_000_u64).enumerate() {
+        let now = (1_000 + 10 * hundredth) * MS;
+        let kind = number % 2;
+        for _ in 0..[5, 1][kind] {
+            if bytes.allows(&header(V2, kind as u32 + 1, 0), 40, false, 1 + number as u64, now) {
+                bytes.charge(40, now);
+                passed[kind] += 1;
+            }
+        }
+    }
+    // 120,000 bytes: as many frames of 200 as of 40.
+    assert!(passed[0] % 5 == 0 && (2_350..=2_650).contains(&passed[0]), "{passed:?}");
+    assert!((470..=530).contains(&passed[1]), "{passed:?}");
+}
+
+#[test]
 fn streams_that_are_too_many_are_forgotten_with_time() {
     let mut rounds = Rounds::new(1e6);
     for key in 0..2 * rounds::MAX_STREAMS as u64 {
