@@ -158,14 +158,15 @@ impl Rounds {
 
     /// A stream passed: to the first peer, or to a further one.
     pub(super) fn take_turn(&mut self, key: u64, cost: f64, is_first: bool) {
-        let Some(stream) = self.streams.get_mut(&key) else {
-            return self.turns.begin_round(); // there was no room to remember it
-        };
-        if is_first {
-            self.turns.take(stream);
-            stream.cost = 0.0;
+        match self.streams.get_mut(&key) {
+            Some(stream) if is_first => {
+                self.turns.take(stream);
+                stream.cost = cost;
+            }
+            Some(stream) => stream.cost += cost,
+            None if is_first => self.turns.begin_round(), // there was no room to remember it
+            None => {}
         }
-        stream.cost += cost;
     }
 
     /// Remembers a new stream, if need be in the place of some that have been silent for long.
