@@ -37,14 +37,13 @@ const REST_DECAY: f64 = 2e9;
 /// What the time between two messages of a new stream is taken for, and the most it is taken for.
 const FIRST_GAP: u64 = 5_000_000_000;
 const MAX_GAP: u64 = 60_000_000_000;
-/// By so much of the time between two messages, and by this long at most, they may be early, or late by twice as much,
+/// By so much of the time between two messages, and by this long at most, they may be early, or late by twice as much;
+/// what comes within so much of it is one burst,
 const JITTER: u64 = 8;
 const MAX_JITTER: u64 = 1_500_000_000;
 /// and this much.
 const GRACE: u64 = 250_000_000;
-/// So many in a row that follow each other as closely as that are one burst.
-const MAX_BURST: u8 = 8;
-/// After so many messages a stream is one that others wait for.
+/// From so many messages on a stream is one that others wait for.
 const FAMILIAR: u8 = 4;
 
 /// One message type from one component. Times are in nanoseconds.
@@ -52,15 +51,12 @@ const FAMILIAR: u8 = 4;
 struct Stream {
     /// The round from which on it may pass.
     turn: u64,
-    /// When its last message came, passed or not.
-    last: u64,
-    /// When its last burst began, how many followed in that, and how long after the one before it came.
+    /// When its last message came, or burst began, passed or not, and how long after the one before.
     seen: u64,
-    burst: u8,
     gap: u64,
     /// The time that the link takes for one, at all peers.
     cost: f64,
-    /// It was refused although it was its turn.
+    /// It was refused although it was its turn, and is familiar.
     is_waiting: bool,
     /// Others leave room for it.
     holds_room: bool,
@@ -74,9 +70,7 @@ impl Stream {
     fn new(turn: u64, cost: f64, now: u64) -> Self {
         Self {
             turn,
-            last: now,
             seen: now,
-            burst: 0,
             gap: FIRST_GAP,
             cost,
             is_waiting: false,
@@ -86,19 +80,17 @@ impl Stream {
         }
     }
 
-    fn arrive(&mut self, now: u64) {
-        self.came = FAMILIAR.min(self.came + 1);
-        let since_last = now.saturating_sub(self.last);
-        let is_close = since_last <= self.gap / JITTER;
-        self.last = now;
-        if is_close && self.burst < MAX_BURST {
-            self.burst += 1;
-            return;
+    fn arrive(&mut self, round: u64, now: u64) {
+        if !self.is_familiar() {
+            self.came += 1;
+            self.turn = self.turn.max(round); // which it only begins to miss
         }
-        let gap = if is_close { since_last } else { now.saturating_sub(self.seen) };
-        // A pause tells little about what follows it.
-        self.gap = gap.min(4 * self.gap.max(1)).min(MAX_GAP);
-        (self.seen, self.burst) = (now, 0);
+        let gap = now.saturating_sub(self.seen);
+        if gap > self.gap / JITTER {
+            // A pause tells little about what follows it.
+            self.gap = gap.min(4 * self.gap.max(1)).min(MAX_GAP);
+            self.seen = now;
+        }
     }
 
     /// Whether it may be behind others, and have room left for it: addresses can be made up.
@@ -140,7 +132,7 @@ impl Rounds {
         self.turns.rest(now);
         self.turns.look_at_waiting(&mut self.streams, now);
         if let Some(stream) = self.streams.get_mut(&key) {
-            stream.arrive(now);
+            stream.arrive(self.turns.round, now);
             return self.turns.decide(key, stream, now);
         }
         // Addresses can be made up: a new one begins a round, so that all that are known have their turns beside it.
@@ -245,17 +237,27 @@ impl Turns {
         }
         let behind = self.behind(stream);
         let reach = match behind {
-            0 if stream.is_waiting => MIDDLE.max(SHORT + self.rested),
+            0 if stream.is_waiting || !stream.is_familiar() => MIDDLE.max(SHORT + self.rested),
             0 => SHORT + self.rested,
             _ => self.long,
         };
         // Those that are as far behind and wait come before one that does not.
         let passes = self.has_room(now, reach, behind + usize::from(stream.is_waiting));
-        if !passes && !stream.is_waiting && stream.is_familiar() {
-            stream.is_waiting = true;
-            self.check(stream.expected().0, key, stream);
+        if !passes {
+            self.wait(key, stream, now);
         }
         passes
+    }
+
+    /// A stream was refused in its turn.
+    fn wait(&mut self, key: u64, stream: &mut Stream, now: u64) {
+        let from = stream.expected().0;
+        let is_early = stream.holds_room && now < from;
+        if is_early || (!stream.is_waiting && stream.is_familiar()) {
+            stream.is_waiting = true;
+            self.leave_room(stream, false);
+            self.check(from, key, stream);
+        }
     }
 
     /// A stream takes its turn, in this round or the next.

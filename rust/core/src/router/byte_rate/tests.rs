@@ -177,7 +177,7 @@ fn a_stream_that_asks_for_little_may_ask_for_it_at_once() {
             passed[1] += asks(&header(V2, 22, 0), 37);
         }
     }
-    assert!(passed[0] >= 50 && passed[1] >= 86, "{passed:?} of [54, 96]");
+    assert!(passed[0] >= 50 && passed[1] >= 84, "{passed:?} of [54, 96]");
 }
 
 #[test]
@@ -361,11 +361,13 @@ fn of_any_mix_each_stream_gets_its_share() {
 #[test]
 fn whoever_is_silent_for_long_takes_a_few_rounds_at_once_and_no_more() {
     let mut link = Link::new(1_000.0);
-    link.passes(1, 40, false, 1_000 * MS);
-    for hundredth in 0..60_000_u64 {
-        link.passes(30, 40, false, (1_000 + 10 * hundredth) * MS);
+    for second in 1..5 {
+        link.passes(1, 40, false, 1_000 * second * MS);
     }
-    let now = 601_000 * MS;
+    for hundredth in 0..60_000_u64 {
+        link.passes(30, 40, false, (5_000 + 10 * hundredth) * MS);
+    }
+    let now = 605_000 * MS;
     let burst = (0..100).filter(|_| link.passes(1, 40, false, now)).count();
     assert!((8..=36).contains(&burst), "{burst}");
     // Then both alike.
@@ -388,18 +390,21 @@ fn what_a_stream_that_ended_had_is_the_others() {
 }
 
 #[test]
-fn types_that_come_twice_in_a_rare_burst_all_get_something() {
-    for rate in [60.0, 100.0] {
+fn types_that_come_several_times_in_a_rare_burst_all_get_something() {
+    // Of each kind in a burst, milliseconds between two, and bytes a second.
+    for (times, apart, rate) in
+        [(2, 2, 60.0), (2, 2, 100.0), (12, 0, 60.0), (12, 0, 100.0), (12, 2, 100.0)]
+    {
         let (mut link, mut counts) = (Link::new(rate), [0; 10]);
         for burst in 0..120_u64 {
-            for n in 0..20 {
-                let now = (1_000 + 5_000 * burst + 2 * (n / 10)) * MS + n % 10 * MS / 10;
+            for n in 0..10 * times {
+                let now = (1_000 + 5_000 * burst + apart * (n / 10)) * MS;
                 let kind = n as usize % 10;
                 counts[kind] += u32::from(link.passes(kind as u32 + 1, 40, false, now));
             }
         }
         let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
-        assert!(3 * least > *most, "{counts:?} at {rate}");
+        assert!(3 * least > *most, "{counts:?}, {times} each {apart} ms at {rate}");
     }
 }
 
@@ -435,11 +440,14 @@ fn rare_types_pass_beside_steady_ones_and_do_not_stop_them() {
 
 #[test]
 fn made_up_streams_that_come_again_do_not_shut_out_the_others() {
-    for (again, len) in [(10, 40), (50, 40), (50, 280), (200, 280)] {
+    // How often each comes, after how many tenths of a second, and bytes.
+    for (times, again, len) in
+        [(2, 10, 40), (2, 50, 40), (2, 50, 280), (2, 200, 280), (4, 20, 40), (8, 20, 40)]
+    {
         let (mut link, mut passed) = (Link::new(1_000.0), 0);
         for tenth in 0..3_000_u64 {
             let now = (1_000 + 100 * tenth) * MS;
-            for since in [0, again].into_iter().filter(|&since| since <= tenth) {
+            for since in (0..times).map(|n| n * again).filter(|&since| since <= tenth) {
                 for n in 0..10 {
                     link.passes(1_000 + ((tenth - since) * 10 + n) as u32, len, false, now);
                 }
@@ -448,7 +456,9 @@ fn made_up_streams_that_come_again_do_not_shut_out_the_others() {
                 passed += u32::from(link.passes(msgid, 40, false, now));
             }
         }
-        assert!(passed > 2_400, "{passed} of 3,000 beside {len} bytes, again after {again} tenths");
+        // An even share is theirs: from the fourth message on, a made-up stream is one like all.
+        let least = if times < 4 { 2_400 } else { 800 };
+        assert!(passed > least, "{passed} of 3,000 beside {times} of {len} bytes each {again}");
     }
 }
 
