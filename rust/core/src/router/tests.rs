@@ -284,7 +284,8 @@ fn bytes_are_counted_as_they_leave_and_those_of_the_link_itself_too() {
         let entry = net.registry.lookup(msgid);
         (0..10_000).filter(|_| net.router.admit(&frame, &header, entry, LinkId(2), net.now)).count()
     };
-    assert_eq!((own(30), own(HEARTBEAT)), (0, 1), "stopped, and too many but for the first one");
+    assert_eq!(own(30), 0, "stopped");
+    assert!((1..=4).contains(&own(HEARTBEAT)), "too many but for the first ones");
     net.now += 10_000_000;
     let frame = net.frame((125, 240), HEARTBEAT, &[1; 9]);
     let header = Header::parse(&frame).expect("a frame");

@@ -24,7 +24,7 @@ const LEVELS: usize = 128;
 
 /// Bytes may run ahead of their rate by this long on a link that is busy all the time,
 const SHORT: f64 = 100e6;
-/// by this much for a new stream, and one that was refused in its round,
+/// by this much for a stream that is not familiar, and one that was refused in its round,
 const MIDDLE: f64 = 800e6;
 /// and by this much, or these bytes, for streams that missed rounds, and on a link that rested for as long.
 const LONG: f64 = 1_500e6;
@@ -43,7 +43,7 @@ const JITTER: u64 = 8;
 const MAX_JITTER: u64 = 1_500_000_000;
 /// and this much.
 const GRACE: u64 = 250_000_000;
-/// From so many messages on a stream is one that others wait for.
+/// From so many messages on a stream is familiar: one that others wait for.
 const FAMILIAR: u8 = 4;
 
 /// One message type from one component. Times are in nanoseconds.
@@ -83,7 +83,8 @@ impl Stream {
     fn arrive(&mut self, round: u64, now: u64) {
         if !self.is_familiar() {
             self.came += 1;
-            self.turn = self.turn.max(round); // which it only begins to miss
+            // It begins a round, so that all others have their turns beside it: addresses can be made up.
+            self.turn = round + 1;
         }
         let gap = now.saturating_sub(self.seen);
         if gap > self.gap / JITTER {
@@ -93,7 +94,7 @@ impl Stream {
         }
     }
 
-    /// Whether it may be behind others, and have room left for it: addresses can be made up.
+    /// Whether it may be behind others, and have room left for it.
     fn is_familiar(&self) -> bool {
         self.came == FAMILIAR
     }
@@ -135,7 +136,6 @@ impl Rounds {
             stream.arrive(self.turns.round, now);
             return self.turns.decide(key, stream, now);
         }
-        // Addresses can be made up: a new one begins a round, so that all that are known have their turns beside it.
         let mut stream = Stream::new(self.turns.round + 1, cost, now);
         let passes = self.turns.decide(key, &mut stream, now);
         self.meet(key, stream, now);
@@ -232,12 +232,12 @@ impl Turns {
 
     fn decide(&mut self, key: u64, stream: &mut Stream, now: u64) -> bool {
         if stream.turn > self.round {
-            let reach = if stream.came == 1 { MIDDLE } else { SHORT };
+            let reach = if stream.is_familiar() { SHORT } else { MIDDLE };
             return self.has_room(now, reach.max(SHORT + self.rested), 0);
         }
         let behind = self.behind(stream);
         let reach = match behind {
-            0 if stream.is_waiting || !stream.is_familiar() => MIDDLE.max(SHORT + self.rested),
+            0 if stream.is_waiting => MIDDLE.max(SHORT + self.rested),
             0 => SHORT + self.rested,
             _ => self.long,
         };
