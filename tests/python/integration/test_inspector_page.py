@@ -213,6 +213,15 @@ def test_a_vehicle_on_the_page(tmp_path: Path) -> None:
             for needed, given in page.run(widths):
                 assert needed <= given, "no column is cut off, or runs into another"
 
+            phone = {"width": 420, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+            page.call("Emulation.setDeviceMetricsOverride", **phone)
+            assert page.run(BROKEN) == 1, WHOLE
+            assert page.run("document.documentElement.scrollWidth <= innerWidth"), "it fits a phone"
+            for needed, given in page.run(widths):
+                assert needed <= given
+            page.call("Emulation.clearDeviceMetricsOverride")
+            page.run(f"{ROW.format('SYS_STATUS')}.click()")
+
             page.run("byId('filter').value = 'attitude 1/1, statustext 66/1'; sift()")
             shown = "[...document.querySelectorAll('.kind')].filter(row => !row.hidden).length"
             assert page.run(shown) == 2
