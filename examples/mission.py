@@ -63,18 +63,23 @@ def item_count(link: Any) -> int:
 
 
 def download(link: Any) -> list[Any]:
-    """Ask for the number, and for one item after the other; again for what got lost."""
-    count = item_count(link)
-    items: list[Any] = []
-    while len(items) < count:
-        link.mav.mission_request_int_send(link.target_system, link.target_component, len(items))
-        msg = link.recv_match(type="MISSION_ITEM_INT", blocking=True, timeout=1)
-        if msg is not None and msg.seq == len(items):
-            items.append(msg)
+    """Ask for the number, and for one item after the other."""
+    items = [download_item(link, seq) for seq in range(item_count(link))]
     link.mav.mission_ack_send(
         link.target_system, link.target_component, mavlink.MAV_MISSION_ACCEPTED
     )
     return items
+
+
+def download_item(link: Any, seq: int) -> Any:
+    """Ask for an item, again if that gets lost."""
+    for _ in range(TRIES):
+        link.mav.mission_request_int_send(link.target_system, link.target_component, seq)
+        condition = f"MISSION_ITEM_INT.seq=={seq}"
+        msg = link.recv_match(condition, "MISSION_ITEM_INT", blocking=True, timeout=WAIT)
+        if msg is not None:
+            return msg
+    raise SystemExit(f"the vehicle does not send item {seq}")
 
 
 with mavutil.mavlink_connection(device) as link:
