@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from functools import lru_cache
 
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
@@ -92,17 +93,22 @@ class Point:
             self.fix_type = last.fix_type
 
     def gpx(self, stamp: float) -> str:
-        """One point of a track. The time is local, though it says otherwise: mavtogpx.py's."""
-        clock = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.localtime(stamp))
+        """One point of a track."""
         return (
             f'<trkpt lat="{self.lat}" lon="{self.lon}">\n'
             f"  <ele>{self.altitude}</ele>\n"
-            f"  <time>{clock}</time>\n"
+            f"  <time>{_clock(math.floor(stamp))}</time>\n"
             f"  <course>{self.course}</course>\n"
             f"  <speed>{self.speed}</speed>\n"
             "  <fix>3d</fix>\n"
             "</trkpt>\n"
         )
+
+
+@lru_cache(maxsize=1)
+def _clock(second: int) -> str:
+    """The time is local, though it says otherwise: mavtogpx.py's."""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.localtime(second))
 
 
 def _points(log: Reading, args: Namespace) -> Iterator[str]:
