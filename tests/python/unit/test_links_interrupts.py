@@ -68,10 +68,14 @@ def interrupted() -> Iterator[Callable[[Callable[[], object]], None]]:
                 while armed:  # also where the exception is swallowed
                     act()
 
+    # What runs while garbage is collected, such as Hypothesis's callback, loses what is raised in it.
+    gc.collect()
+    gc.disable()
     before = signal.signal(signal.SIGALRM, handle)
     yield run
     signal.setitimer(signal.ITIMER_REAL, 0)
     signal.signal(signal.SIGALRM, before)
+    gc.enable()
 
 
 class Reader:
