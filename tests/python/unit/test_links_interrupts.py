@@ -28,6 +28,10 @@ from mavwire._native import (
     Turn,
     hang_up,
 )
+from mavwire.dialects.v20 import all as all_messages
+from mavwire.links import signing
+from mavwire.links.recording import open_recording
+from mavwire.links.signing import prepared
 from mavwire.links.waiting import ask_for_room, prepare_tcp, set_close_on_exec
 from unit.faults import python
 from unit.link_tools import heartbeat
@@ -217,6 +221,13 @@ def test_a_recording_goes_on_after_interrupts(interrupted: Any, tmp_path: Path) 
     interrupted(lambda: (link._arrived(b"bytes"), link._flush_logs_now()))
     assert link.logfile_errors == 0
     link.close()
+
+
+def test_recordings_and_keys_that_go_lose_no_interrupts(interrupted: Any, tmp_path: Path) -> None:
+    path = str(tmp_path / "log")
+    arguments = prepared(bytes(32), link_id=1)
+    interrupted(lambda: open_recording(path, "wb").close())
+    interrupted(lambda: signing._set_up(all_messages.MAVLinkSigning(), arguments))
 
 
 def test_turns_and_sections_are_free_after_interrupts(interrupted: Any) -> None:
