@@ -13,7 +13,7 @@ import threading
 import tty
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,7 @@ from mavwire.dialects.v20 import all as all_messages
 from mavwire.links import signing
 from mavwire.links.recording import open_recording
 from mavwire.links.signing import prepared
+from mavwire.links.timestamp_store import TimestampStore
 from mavwire.links.waiting import ask_for_room, prepare_tcp, set_close_on_exec
 from unit.faults import python
 from unit.link_tools import heartbeat
@@ -228,6 +229,18 @@ def test_recordings_and_keys_that_go_lose_no_interrupts(interrupted: Any, tmp_pa
     arguments = prepared(bytes(32), link_id=1)
     interrupted(lambda: open_recording(path, "wb").close())
     interrupted(lambda: signing._set_up(all_messages.MAVLinkSigning(), arguments))
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="counts descriptors")
+def test_no_timestamp_store_is_left_open_by_interrupts(interrupted: Any, tmp_path: Path) -> None:
+    store, numbers = TimestampStore(tmp_path / "store"), count(1)
+    before = descriptors()
+    interrupted(lambda: (store.load(), store.save(next(numbers))))
+    gc.collect()
+    assert descriptors() <= before
+    last = next(numbers)
+    store.save(last)
+    assert store.load() == last
 
 
 def test_turns_and_sections_are_free_after_interrupts(interrupted: Any) -> None:

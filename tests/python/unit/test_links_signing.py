@@ -246,6 +246,20 @@ def test_a_pipe_is_no_store(tmp_path):
             action()
 
 
+def test_a_store_may_be_a_link_to_a_file_that_is_made(tmp_path):
+    path = tmp_path / "timestamps"
+    path.symlink_to("elsewhere")
+    assert TimestampStore(path).load() == 0
+    TimestampStore(path).save(5)
+    assert (TimestampStore(path).load(), path.is_symlink()) == (5, True)
+
+
+def test_a_folder_is_no_store(tmp_path):
+    for use in (TimestampStore(tmp_path).load, lambda: TimestampStore(tmp_path).save(7)):
+        with pytest.raises(OSError, match="is no file"):
+            use()
+
+
 @pytest.mark.parametrize("content", [*map(bytes, map(range, (2, 5, 12, 32))), bytes(4108) + b"x"])
 def test_another_file_is_no_store_and_stays_as_it_is(tmp_path, content):
     path = tmp_path / "key"
