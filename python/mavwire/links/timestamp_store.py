@@ -194,7 +194,8 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
     likes. One that fails later does not stop the link; it is reported once.
     """
     mark = ahead(timestamp, RESERVE)
-    if type(store) is TimestampStore:  # a derived class has a `save` of its own
+    is_ours = type(store) is TimestampStore  # a derived class has a `save` of its own
+    if is_ours:
         store._save(mark, FIRST_PATIENCE)
     else:
         store.save(mark)
@@ -213,7 +214,7 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
                 later = mark
                 store.save(later)
         except Exception as error:  # a store of the user's own fails in ways of its own
-            if isinstance(store, TimestampStore) and getattr(error, "errno", None) is None:
+            if is_ours and getattr(error, "errno", None) is None:
                 raise  # a signal handler's
             if not failed:
                 import logging

@@ -314,8 +314,9 @@ def test_half_a_timestamp_is_not_stored(tmp_path, monkeypatch):
     assert store.load() == 8
 
 
-def test_a_store_may_fail_in_any_way(caplog):
-    class Store:
+@pytest.mark.parametrize("base", [object, TimestampStore])
+def test_a_store_may_fail_in_any_way(base, caplog, tmp_path):
+    class Store(base):
         works = False
 
         def load(self):
@@ -325,7 +326,7 @@ def test_a_store_may_fail_in_any_way(caplog):
             if not self.works:
                 raise RuntimeError("no database")
 
-    store = Store()
+    store = Store() if base is object else Store(tmp_path / "timestamps")
     with pytest.raises(RuntimeError, match="no database"):
         link_with_key(timestamp_store=store)
     store.works = True
