@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import os
 import time
 
 from mavwire._native import Turn, hang_up
@@ -11,6 +10,7 @@ from mavwire._native import Turn, hang_up
 from .chunked import READ_SIZE
 from .helpers import FakeSerial
 from .readiness import from_handler, wait_writable
+from .recognise import mode_of
 from .reconnecting import RetryingLink
 from .stream import DescriptorPort, PortError, StreamWriter, ask_port
 from .waiting import set_close_on_exec
@@ -81,7 +81,7 @@ class mavserial(RetryingLink):
         force_connected: bool = False,
         reconnect_delay: float = 1,
     ) -> None:
-        if "," in device and not os.path.exists(device):
+        if "," in device and not mode_of(device):
             device, baud = device.rsplit(",", 1)  # type: ignore[assignment]
             _check_baud(baud, device)
         self.baud = baud

@@ -316,6 +316,22 @@ def test_what_a_handler_raises_is_not_taken_for_the_systems(interrupted: Any) ->
         interrupted(act)
 
 
+@pytest.mark.parametrize("kind", ["udpin", "tcpin", "mcast", "serial"])
+def test_what_a_handler_raises_while_a_link_is_opened_is_not_lost(
+    kind: str, interrupted: Any
+) -> None:
+    serial, device = serial_link() if kind == "serial" else (None, None)
+    name = serial.device if serial else "mcast:" if kind == "mcast" else f"{kind}:127.0.0.1:0"
+    try:
+        mavutil.mavlink_connection(name).close()
+    except OSError as error:
+        pytest.skip(f"no multicast here: {error}")
+    interrupted(lambda: mavutil.mavlink_connection(name).close())
+    if serial:
+        serial.close()
+        device.close()
+
+
 def descriptors() -> int:
     return len(os.listdir("/proc/self/fd"))
 
