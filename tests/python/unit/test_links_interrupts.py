@@ -332,6 +332,21 @@ def test_what_a_handler_raises_while_a_link_is_opened_is_not_lost(
         device.close()
 
 
+def test_a_log_whose_closing_is_interrupted_is_closed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise Stop
+
+    path = tmp_path / "log.tlog"
+    path.write_bytes(bytes(8) + heartbeat())
+    log = mavutil.mavlink_connection(str(path))
+    monkeypatch.setattr("mmap.mmap", interrupted)
+    with pytest.raises(Stop):
+        log.close()
+    assert log.f.closed
+
+
 def descriptors() -> int:
     return len(os.listdir("/proc/self/fd"))
 
