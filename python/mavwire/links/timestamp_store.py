@@ -193,7 +193,7 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
     `timestamp` is the first one, which is stored now: a store that fails at once raises what it
     likes. One that fails later does not stop the link; it is reported once.
     """
-    mark = ahead(timestamp, RESERVE)
+    mark = wanted = ahead(timestamp, RESERVE)
     is_ours = type(store) is TimestampStore  # a derived class has a `save` of its own
     if is_ours:
         store._save(mark, FIRST_PATIENCE)
@@ -202,16 +202,16 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
     failed = False
 
     def keep(timestamp: int) -> int:
-        nonlocal mark, failed
+        nonlocal mark, wanted, failed
         if timestamp < mark:
             return mark
         later = ahead(timestamp, RESERVE)
+        # Said before it is stored: who overwrites it with an earlier one, in a store of the user's, stores it again.
+        wanted = max(wanted, later)
         try:
             store.save(later)
-            while (
-                later < mark
-            ):  # by which another thread's may have been overwritten, in a store of the user's
-                later = mark
+            while later < wanted:
+                later = wanted
                 store.save(later)
         except Exception as error:  # a store of the user's own fails in ways of its own
             if is_ours and getattr(error, "errno", None) is None:

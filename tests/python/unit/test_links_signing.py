@@ -179,6 +179,31 @@ def test_no_thread_uses_what_another_one_still_stores():
     assert store.saved == 3 * RESERVE + 1
 
 
+def test_an_earlier_timestamp_of_another_thread_does_not_stay_in_place_of_a_later_one():
+    class Store:
+        saved = 0
+
+        def load(self):
+            return 0
+
+        def save(self, timestamp):
+            if threading.current_thread() is slow:
+                begun.set()
+                assert go_on.wait(WAIT)
+            self.saved = timestamp
+            if timestamp == 3 * RESERVE + 1:
+                go_on.set()
+                if threading.current_thread() is not slow:
+                    slow.join(WAIT)
+
+    store, begun, go_on, slow = Store(), threading.Event(), threading.Event(), None
+    keep = keeper(store, 0)
+    slow = threading.Thread(target=keep, args=(2 * RESERVE,))
+    slow.start()
+    assert begun.wait(WAIT)
+    assert keep(2 * RESERVE + 1) <= store.saved == 3 * RESERVE + 1
+
+
 def test_a_store_stays_where_it_is_when_the_folder_is_changed(tmp_path, monkeypatch):
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path)
