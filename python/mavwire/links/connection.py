@@ -10,7 +10,7 @@ import math
 import os
 
 from . import state
-from .recognise import check_usable, is_log_name, is_serial_name, log_kind
+from .recognise import check_usable, is_log_name, is_serial_name, log_kind, mode_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -262,6 +262,6 @@ def _connect_unprefixed(device: str, o: Options) -> Any:
         return _udp(device, o)
     if kind != "dataflash":
         check_usable(device, creating=o.write)
-    if kind is None and o.write and not os.path.exists(device) and not is_serial_name(device):
+    if kind is None and o.write and not mode_of(device) and not is_serial_name(device):
         kind = "tlog"
     return _serial(device, o) if kind is None else _log(device, kind, o)

@@ -7,20 +7,16 @@ what that one was in the middle of stays half done, so that both are begun anew.
 from __future__ import annotations
 
 import os
-from _weakref import ref
-from itertools import count
+
+from .living import Living
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-# What has to be begun anew, and how. What is gone stays here for a while: in the callback of a weak reference, exceptions
-# of signal handlers would be lost.
-_followers: dict[int, tuple[ref[Any], Callable[[Any], None]]] = {}
-_numbers = count()
-MIN_FOLLOWERS = 64
-_most = MIN_FOLLOWERS
+# How something is begun anew -> what has to be.
+_followers: dict[Callable[[Any], None], Living] = {}
 
 
 def follow_forks(one: Any, renew: Callable[[Any], None]) -> None:
@@ -28,23 +24,12 @@ def follow_forks(one: Any, renew: Callable[[Any], None]) -> None:
 
     It must import nothing and wait for no lock.
     """
-    if len(_followers) >= _most:
-        _forget_dead()
-    _followers[next(_numbers)] = ref(one), renew
-
-
-def _forget_dead() -> None:
-    global _most
-    for number, (follower, _) in list(_followers.items()):
-        if follower() is None:
-            _followers.pop(number, None)
-    _most = 2 * len(_followers) + MIN_FOLLOWERS
+    _followers.setdefault(renew, Living()).add(one)
 
 
 def _renew_all() -> None:
-    for follower, renew in list(_followers.values()):
-        one = follower()
-        if one is not None:
+    for renew, followers in list(_followers.items()):
+        for one in followers:
             renew(one)
 
 

@@ -7,6 +7,7 @@ import sys
 from mavwire._native import PortError, ask_port, hang_up
 
 from .chunked import ChunkedLink
+from .readiness import from_handler
 from .udp import NOTHING_RECEIVED, UDP_MAX_PACKET_LEN
 from .waiting import (
     address_family,
@@ -81,7 +82,7 @@ class mavmcast(ChunkedLink):
                 index = interface_index(group.partition("%")[2])
                 self.port_out.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, index)
             self.port_out.connect(socket_address((group, number)))
-        except OSError:
+        except BaseException:
             hang_up(self.port)
             hang_up(self.port_out)
             raise
@@ -106,7 +107,10 @@ class mavmcast(ChunkedLink):
                 port.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
             try:
                 port.bind(socket_address((group, number)))
-            except OSError:  # Windows binds no group address
+            except OSError as error:
+                if from_handler(error):
+                    raise
+                # Windows binds no group address.
                 port.bind(("", number))
             # On the interface that is named, or the one that the system chooses.
             if family == socket.AF_INET6:
@@ -119,7 +123,7 @@ class mavmcast(ChunkedLink):
                 port.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
             port.setblocking(False)
             ask_for_room(port)
-        except OSError:
+        except BaseException:
             hang_up(port)
             raise
         return port

@@ -7,8 +7,7 @@ next. As in pymavlink the first record of each type is read for real on the way,
 
 from __future__ import annotations
 
-from contextlib import suppress
-
+from .readiness import from_handler
 from .tlog import mavlogfile
 from .vehicle_state import add_message
 
@@ -51,12 +50,16 @@ class mavmmaplog(mavlogfile):
 
     def close(self) -> None:
         """Close the file and its map."""
-        # Made now, so that it can be seen closed afterwards. A log that became empty has no map.
-        with suppress(OSError, ValueError):
-            self.data_map  # noqa: B018
-        super().close()
-        if self._data_map is not None:
-            self._data_map.close()
+        try:
+            self.data_map  # noqa: B018  # made now, so that it can be seen closed afterwards
+        except (OSError, ValueError) as error:
+            if from_handler(error):
+                raise
+            # A log that became empty has no map.
+        finally:
+            super().close()
+            if self._data_map is not None:
+                self._data_map.close()
 
     @property
     def data_map(self) -> Any:

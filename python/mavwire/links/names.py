@@ -9,7 +9,7 @@ import errno
 import os
 import sys
 
-from mavwire._native import hang_up
+from mavwire._native import PortError, ask_port, hang_up
 
 from .readiness import from_handler, wait_writable
 
@@ -69,8 +69,8 @@ def is_numeric(host: str) -> bool:
     if ":" in host:
         return True
     try:
-        socket.inet_aton(host)
-    except (OSError, UnicodeError):
+        ask_port(socket, "inet_aton", host)
+    except PortError:
         return False
     return True
 

@@ -10,6 +10,8 @@ import errno
 import os
 import stat
 
+from .readiness import from_handler
+
 LOG_SUFFIXES = ("mavlink", "log", "raw", "tlog")
 DATAFLASH_SUFFIXES = (".bin", ".px4log")
 # The head of the FMT record that describes FMT itself, which dataflash logs begin with.
@@ -28,8 +30,20 @@ def read_head(path: str, size: int) -> bytes:
     try:
         with open(path, "rb") as file:
             return file.read(size)
-    except OSError:
+    except OSError as error:
+        if from_handler(error):
+            raise
         return b""
+
+
+def mode_of(path: str) -> int:
+    """The mode of the file at `path`; 0 where there is none."""
+    try:
+        return os.stat(path).st_mode
+    except (OSError, ValueError) as error:
+        if from_handler(error):
+            raise
+        return 0
 
 
 def frame_length(head: bytes) -> int:
@@ -59,7 +73,7 @@ def log_kind(device: str, readonly: bool) -> str | None:
     Files that are to be written, or read as raw streams, are not recognised by content.
     """
     lower = device.lower()
-    exists = os.path.isfile(device)
+    exists = stat.S_ISREG(mode_of(device))
     head = read_head(device, TEXT_LOG_PROBE) if exists else b""
     if looks_like_tlog(head):
         return "tlog"
@@ -91,7 +105,7 @@ def is_serial_name(device: str) -> bool:
 
 def missing_log(device: str) -> bool:
     """Whether `device` can only mean a log file, and that file does not exist."""
-    if os.path.exists(device) or is_serial_name(device):
+    if mode_of(device) or is_serial_name(device):
         return False
     is_path = "/" in device or "\\" in device
     return is_path or is_log_name(device)
@@ -105,10 +119,7 @@ def is_program(device: str) -> bool:
 
 def is_pipe_or_socket(device: str) -> bool:
     """Whether a name leads to a named pipe or a socket, which opening would wait on for ever."""
-    try:
-        mode = os.stat(device).st_mode
-    except (OSError, ValueError):
-        return False
+    mode = mode_of(device)
     return stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)
 
 
@@ -123,10 +134,10 @@ def check_usable(device: str, creating: bool) -> None:
         raise ValueError("no device: the name is empty")
     if missing_log(device) and not creating:
         raise FileNotFoundError(errno.ENOENT, "no such log file", device)
-    if os.path.isdir(device):
+    if stat.S_ISDIR(mode_of(device)):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), device)
     if is_pipe_or_socket(device):
         raise ValueError(f"a pipe or a socket is neither a log nor a port: {device!r}")
-    if os.path.isfile(device) and is_program(device):
+    if stat.S_ISREG(mode_of(device)) and is_program(device):
         reason = f"is a program, not a log; use 'exec:{device}' to run it and talk to it"
         raise PermissionError(errno.EACCES, reason, device)

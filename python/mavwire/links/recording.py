@@ -11,6 +11,7 @@ from io import BufferedRandom, BufferedWriter
 from mavwire._native import recordable
 
 from .forks import follow_forks
+from .living import Living
 from .signing import KEY_LEN
 
 TYPE_CHECKING = False
@@ -20,8 +21,9 @@ if TYPE_CHECKING:
 SECRET_FIELD = "secret_key"
 # The id of the message with that field, which a dialect may lack.
 SETUP_SIGNING = 256
-# Files that links record to, weakly held.
-_open_files: Any = None
+# Files that links record to.
+_files = Living()
+_is_registered = False
 # How long a fork and the end of the program wait for a file that another thread is writing, in seconds.
 PATIENCE = 1.0
 
@@ -41,36 +43,42 @@ def open_recording(path: str, mode: str) -> Any:
     """Open a file to record to. What is in its buffer is written when the program ends, even if threads still
     hold the link then, as daemon threads do, and before it forks, unless another thread waits for that very file.
     """
-    global _open_files
-    if _open_files is None:
-        from atexit import register
-        from weakref import WeakSet
-
-        _open_files = WeakSet()
-        register(_flush_all)
-        if hasattr(os, "register_at_fork"):
-            os.register_at_fork(before=_flush_all)
+    if not _is_registered:
+        _register()
     file = open(path, mode)
-    _open_files.add(file)
+    _files.add(file)
     follow_forks(file, _renew)
     return file
 
 
+def _register() -> None:
+    """Not before something is recorded: at the end of the program, what was registered last comes first, and what the
+    program has registered may read the file."""
+    from atexit import register
+
+    global _is_registered
+    register(_flush_all)
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(before=_flush_all)
+    _is_registered = True
+
+
 def _flush_all() -> None:
-    if not count_threads():
-        _flush_each(list(_open_files))
+    files = list(_files)
+    if not files or not count_threads():
+        _flush_each(files)
         return
     flushed = allocate_lock()
     flushed.acquire()
 
-    def flush(files: list[Any]) -> None:
+    def flush() -> None:
         try:
             _flush_each(files)
         finally:
             flushed.release()
 
     with suppress(RuntimeError):  # no thread can be had at the very end
-        start_new_thread(flush, (list(_open_files),))
+        start_new_thread(flush, ())
         flushed.acquire(timeout=PATIENCE)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import os
 import time
 
 from mavwire._native import Turn, hang_up
@@ -11,6 +10,7 @@ from mavwire._native import Turn, hang_up
 from .chunked import READ_SIZE
 from .helpers import FakeSerial
 from .readiness import from_handler, wait_writable
+from .recognise import mode_of
 from .reconnecting import RetryingLink
 from .stream import DescriptorPort, PortError, StreamWriter, ask_port
 from .waiting import set_close_on_exec
@@ -81,7 +81,7 @@ class mavserial(RetryingLink):
         force_connected: bool = False,
         reconnect_delay: float = 1,
     ) -> None:
-        if "," in device and not os.path.exists(device):
+        if "," in device and not mode_of(device):
             device, baud = device.rsplit(",", 1)  # type: ignore[assignment]
             _check_baud(baud, device)
         self.baud = baud
@@ -98,7 +98,11 @@ class mavserial(RetryingLink):
             self._descriptor(self.port), device, source_system=source_system,
             source_component=source_component, use_native=use_native,
         )  # fmt: skip
-        self.set_baudrate(self.baud)
+        try:
+            self.set_baudrate(self.baud)
+        except BaseException:
+            self._release()
+            raise
         self._read_stream()
 
     def _open(self) -> Any:
@@ -117,12 +121,17 @@ class mavserial(RetryingLink):
 
         try:
             return serial.Serial(
-                self.device, baud, timeout=0, dsrdtr=False, rtscts=False, xonxoff=False
+                self.device, baud, timeout=0, dsrdtr=False, rtscts=self.rtscts, xonxoff=False
             )
         except serial.SerialException as error:
             if _is_of_handler(error):
                 raise error.__context__ or error from None
             raise
+        except Exception as error:
+            if type(error).__module__ != "termios":
+                raise
+            # It was unplugged while it was set up, which pyserial does not tell in its own words.
+            raise serial.SerialException(*error.args) from None
 
     @staticmethod
     def _descriptor(port: Any) -> int | None:
@@ -303,8 +312,6 @@ class mavserial(RetryingLink):
         self._drop_partial()
         self.portdead = False
         self.port, self.fd = port, self._descriptor(port)
-        if self.rtscts:
-            self.set_rtscts(self.rtscts)
         if self._closed:  # meanwhile
             self._release()
             return False

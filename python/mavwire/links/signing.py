@@ -12,6 +12,7 @@ from mavwire._native import Section
 from mavwire._native import Signing as SigningState
 
 from . import state
+from .living import Living
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -29,8 +30,8 @@ MAX_TIMESTAMP = (1 << 48) - 1
 # RADIO_STATUS and RADIO, which a telemetry radio injects without knowing any key.
 RADIO_MESSAGES = frozenset((109, 166))
 
-# The signing states that have a key, weakly held.
-_with_key: Any = None
+# The signing states that have a key.
+_with_key = Living()
 # For them, and for the number of the next link. What runs when an object goes may set up signing, too.
 _section = Section()
 
@@ -86,13 +87,9 @@ def allow_radio_status(mav: Any, msgid: int) -> bool:
 
 def _set_up(signing: Any, arguments: tuple[Any, ...]) -> None:
     """Use what was `prepared`, and share the streams of a link that has the same key."""
-    from weakref import WeakSet
-
-    global _with_key
     signing._set_up(*arguments)
-    if _with_key is None:
-        _with_key = WeakSet()
     any(signing._share(other) for other in list(_with_key))
+    _with_key.discard(signing)  # it may have had a key
     _with_key.add(signing)
 
 
@@ -128,8 +125,7 @@ def _tried(
 
 def _forget_key(signing: Any) -> None:
     signing._set_up(None, False, None, 0, 0, False, None, None)
-    if _with_key is not None:
-        _with_key.discard(signing)
+    _with_key.discard(signing)
 
 
 def _take_link_id() -> int:

@@ -12,6 +12,9 @@ import os
 import stat
 import time
 from _thread import get_ident
+from contextlib import suppress
+from functools import partial
+from io import FileIO
 
 from .forks import follow_forks
 from .signing import MAX_TIMESTAMP
@@ -28,8 +31,6 @@ SLOT = 8 + 4
 # Where each slot begins: far enough apart for no write to touch both.
 SLOT_OFFSETS = (0, 4096)
 SIZE = SLOT_OFFSETS[-1] + SLOT
-# A pipe is refused, not waited for.
-_FLAGS = getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
 # How long others may take who store at the same time, on a slow card: when signing begins, and later, when sending waits.
 FIRST_PATIENCE = 10.0
 LOCK_PATIENCE = 1.0
@@ -43,57 +44,56 @@ class TimestampStore:
         self.path = path
         # Daemons change their folder.
         self._path = os.path.abspath(os.fsdecode(path))
-        # Descriptors that may be locked, and the threads that have them.
-        self._open: dict[int, int] = {}
+        # Files that may be locked, and the threads that have them.
+        self._open: dict[FileIO, int] = {}
         follow_forks(self, TimestampStore._close_copies)
 
     def load(self) -> int:
         """The timestamp to go on from; 0 where nothing was stored. OSError if it cannot be read, or is
         another kind of file."""
         try:
-            fd = os.open(self._path, os.O_RDONLY | _FLAGS)
+            with _opened(self._path, "r") as file:
+                return max(self._slots(file.fileno()))
         except FileNotFoundError:
             return 0
-        try:
-            return max(self._slots(fd))
-        finally:
-            os.close(fd)
 
     def save(self, timestamp: int) -> None:
         """Store `timestamp` for good, unless a later one is; OSError if that fails."""
         self._save(timestamp, LOCK_PATIENCE)
 
     def _save(self, timestamp: int, patience: float) -> None:
-        fd = os.open(self._path, os.O_RDWR | os.O_CREAT | _FLAGS, 0o600)
-        try:
-            self._open[fd] = get_ident()
-            _lock(fd, self._path, patience)
-            slots = self._slots(fd)
-            if timestamp > max(slots):
-                os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
-                if os.write(fd, _packed(timestamp)) < SLOT:
-                    if not any(slots):  # what is left would be taken for somebody's file
-                        os.ftruncate(fd, 0)
-                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self._path)
-                os.fsync(fd)
-        finally:
+        with _made(self._path) as file:
             try:
-                _unlock(fd)
-            finally:  # or it stays locked, also for this process
-                self._open.pop(fd, None)
-                os.close(fd)
+                self._open[file] = get_ident()
+                _lock(file.fileno(), self._path, patience)
+                self._put(file.fileno(), timestamp)
+            finally:
+                try:
+                    _unlock(file.fileno())
+                finally:
+                    self._open.pop(file, None)
+
+    def _put(self, fd: int, timestamp: int) -> None:
+        """Write `timestamp` over the earlier of both, unless one is as late."""
+        slots = self._slots(fd)
+        if timestamp <= max(slots):
+            return
+        os.lseek(fd, SLOT_OFFSETS[slots.index(min(slots))], os.SEEK_SET)
+        if os.write(fd, _packed(timestamp)) < SLOT:
+            if not any(slots):  # what is left would be taken for somebody's file
+                os.ftruncate(fd, 0)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), self._path)
+        os.fsync(fd)
 
     def _close_copies(self) -> None:
         """In a forked process: what other threads have locked stays so for as long as there is a copy."""
-        for fd, thread in list(self._open.items()):
+        for file, thread in list(self._open.items()):
             if thread != get_ident():
-                del self._open[fd]
-                os.close(fd)
+                del self._open[file]
+                file.close()
 
     def _slots(self, fd: int) -> list[int]:
         """What the slots hold; 0 for one that was never written, or not to its end."""
-        if not stat.S_ISREG(os.fstat(fd).st_mode):
-            raise OSError(errno.EINVAL, "is no file that could be a timestamp store", self._path)
         os.lseek(fd, 0, os.SEEK_SET)
         content = os.read(fd, SIZE)
         slots = [_unpacked(content[start : start + SLOT]) for start in SLOT_OFFSETS]
@@ -120,6 +120,26 @@ def store_of(given: Any) -> Any:
         reason = "timestamp_store is a path, or an object with load and save"
         raise TypeError(f"{reason}, not {given!r}")
     return TimestampStore(given)
+
+
+def _opened(path: str, mode: str) -> FileIO:
+    """The file at `path`. It owns its descriptor from the beginning, so that none is left open, nor locked, wherever a
+    signal handler raises. OSError for what is no file, which opening may wait for, as for a pipe, or may change.
+    """
+    if not stat.S_ISREG(os.stat(path).st_mode):
+        raise OSError(errno.EINVAL, "is no file that could be a timestamp store", path)
+    return FileIO(path, mode)
+
+
+def _made(path: str) -> FileIO:
+    """The file at `path`, to read and to write, made if there is none."""
+    try:
+        return _opened(path, "r+")
+    except FileNotFoundError:
+        with suppress(FileExistsError):  # another process has made it meanwhile
+            # Where `path` is a link to a file that is not there yet, that one is made.
+            FileIO(os.path.realpath(path), "x", opener=partial(os.open, mode=0o600)).close()
+    return _opened(path, "r+")
 
 
 def _lock(fd: int, path: str, patience: float) -> None:
@@ -173,27 +193,28 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
     `timestamp` is the first one, which is stored now: a store that fails at once raises what it
     likes. One that fails later does not stop the link; it is reported once.
     """
-    mark = ahead(timestamp, RESERVE)
-    if type(store) is TimestampStore:  # a derived class has a `save` of its own
+    mark = wanted = ahead(timestamp, RESERVE)
+    is_ours = type(store) is TimestampStore  # a derived class has a `save` of its own
+    if is_ours:
         store._save(mark, FIRST_PATIENCE)
     else:
         store.save(mark)
     failed = False
 
     def keep(timestamp: int) -> int:
-        nonlocal mark, failed
+        nonlocal mark, wanted, failed
         if timestamp < mark:
             return mark
         later = ahead(timestamp, RESERVE)
+        # Said before it is stored: who overwrites it with an earlier one, in a store of the user's, stores it again.
+        wanted = max(wanted, later)
         try:
             store.save(later)
-            while (
-                later < mark
-            ):  # by which another thread's may have been overwritten, in a store of the user's
-                later = mark
+            while later < wanted:
+                later = wanted
                 store.save(later)
         except Exception as error:  # a store of the user's own fails in ways of its own
-            if isinstance(store, TimestampStore) and getattr(error, "errno", None) is None:
+            if is_ours and getattr(error, "errno", None) is None:
                 raise  # a signal handler's
             if not failed:
                 import logging

@@ -274,8 +274,10 @@ class mavudp(ChunkedLink):
             return
         try:
             port = self._socket(family)
-        except OSError:  # then sending fails too, and is counted
-            return
+        except OSError as error:
+            if from_handler(error):
+                raise
+            return  # sending fails too, and is counted
         self.port, self.fd = port, port.fileno()
         hang_up(old)
         if self._closed:  # meanwhile

@@ -82,8 +82,10 @@ def datagrams_dropped(port: Any) -> int:
         return 0
     try:
         memory = port.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO_LEN)
-    except OSError:  # closed, or a system that does not count
-        return 0
+    except OSError as error:
+        if from_handler(error):
+            raise
+        return 0  # closed, or a system that does not count
     return int.from_bytes(memory[-4:], sys.byteorder)
 
 
@@ -114,9 +116,10 @@ def interface_index(scope: str) -> int:
     if scope.isdecimal() and len(scope) < len(str(1 << 32)):
         return int(scope)
     try:
-        return socket.if_nametoindex(scope) if scope else 0
-    except (OSError, ValueError):
+        index: int = ask_port(socket, "if_nametoindex", scope) if scope else 0
+    except PortError:
         raise OSError(errno.ENODEV, f"there is no network interface {scope!r}") from None
+    return index
 
 
 def socket_address(address: tuple[str, int]) -> tuple[str, int] | tuple[str, int, int, int]:

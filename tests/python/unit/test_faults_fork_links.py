@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 
 import pytest
-from mavwire.links import forks
 from unit.faults import FORKS, python
 from unit.link_tools import make_certificate
 
@@ -265,14 +264,3 @@ def test_a_websocket_in_use_survives_a_fork(
     certificate = [str(make_certificate(tmp_path, monkeypatch))] if kind == "wss" else []
     done = python(HEAD + WEBSOCKET + WEBSOCKETS[kind], str(tmp_path), *certificate)
     assert (done.returncode, done.stderr) == (0, ""), kind
-
-
-def test_what_is_gone_is_not_kept_for_forks_for_ever() -> None:
-    class One: ...
-
-    one = One()
-    forks.follow_forks(one, print)
-    for _ in range(1000):
-        forks.follow_forks(One(), print)
-    assert len(forks._followers) <= forks._most < 500
-    assert any(follower() is one for follower, _ in forks._followers.values())

@@ -585,6 +585,50 @@ def test_an_unusable_baud_rate_is_why_a_serial_port_stays_dead(serial_port, baud
     link.close()
 
 
+def test_a_serial_port_whose_rate_is_refused_is_not_left_open(serial_port, monkeypatch):
+    import serial
+
+    opened, open_port = [], serial.Serial
+    monkeypatch.setattr(
+        serial, "Serial", lambda *args, **kw: opened.append(open_port(*args, **kw)) or opened[0]
+    )
+    with pytest.raises(ValueError, match="invalid literal"):
+        mavutil.mavlink_connection(serial_port, baud="x")
+    assert [port.is_open for port in opened] == [False]
+
+
+def test_a_serial_port_is_reopened_with_its_flow_control(serial_port):
+    link = mavutil.mavlink_connection(serial_port, autoreconnect=True)
+    link.set_rtscts(True)
+    before = link.port
+    assert link.reset()
+    assert (link.port is not before, link.port.rtscts) == (True, True)
+    link.close()
+
+
+def test_a_serial_port_that_is_unplugged_while_it_is_opened_is_tried_again(
+    serial_port, monkeypatch, caplog
+):
+    import termios
+
+    import serial
+
+    def unplugged(port):
+        raise termios.error(errno.EIO, "Input/output error")
+
+    link = mavutil.mavlink_connection(serial_port, autoreconnect=True, reconnect_delay=0)
+    with monkeypatch.context() as patched:
+        patched.setattr(serial.Serial, "_reset_input_buffer", unplugged)
+        link._lost(link.port)
+        assert link.recv() == b""
+        reason = f"{serial_port}: Input/output error; trying again"
+        assert [record.getMessage() for record in caplog.records] == [reason]
+        with pytest.raises(serial.SerialException, match="Input/output error"):
+            mavutil.mavlink_connection(serial_port)
+    assert link.reset()
+    link.close()
+
+
 def test_a_serial_port_that_is_closed_under_a_writer_says_nothing(serial_port, capsys):
     link = mavutil.mavlink_connection(serial_port)
 

@@ -13,7 +13,7 @@ import threading
 import tty
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,11 @@ from mavwire._native import (
     Turn,
     hang_up,
 )
+from mavwire.dialects.v20 import all as all_messages
+from mavwire.links import signing
+from mavwire.links.recording import open_recording
+from mavwire.links.signing import prepared
+from mavwire.links.timestamp_store import TimestampStore
 from mavwire.links.waiting import ask_for_room, prepare_tcp, set_close_on_exec
 from unit.faults import python
 from unit.link_tools import heartbeat
@@ -68,10 +73,14 @@ def interrupted() -> Iterator[Callable[[Callable[[], object]], None]]:
                 while armed:  # also where the exception is swallowed
                     act()
 
+    # What runs while garbage is collected, such as Hypothesis's callback, loses what is raised in it.
+    gc.collect()
+    gc.disable()
     before = signal.signal(signal.SIGALRM, handle)
     yield run
     signal.setitimer(signal.ITIMER_REAL, 0)
     signal.signal(signal.SIGALRM, before)
+    gc.enable()
 
 
 class Reader:
@@ -215,6 +224,25 @@ def test_a_recording_goes_on_after_interrupts(interrupted: Any, tmp_path: Path) 
     link.close()
 
 
+def test_recordings_and_keys_that_go_lose_no_interrupts(interrupted: Any, tmp_path: Path) -> None:
+    path = str(tmp_path / "log")
+    arguments = prepared(bytes(32), link_id=1)
+    interrupted(lambda: open_recording(path, "wb").close())
+    interrupted(lambda: signing._set_up(all_messages.MAVLinkSigning(), arguments))
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="counts descriptors")
+def test_no_timestamp_store_is_left_open_by_interrupts(interrupted: Any, tmp_path: Path) -> None:
+    store, numbers = TimestampStore(tmp_path / "store"), count(1)
+    before = descriptors()
+    interrupted(lambda: (store.load(), store.save(next(numbers))))
+    gc.collect()
+    assert descriptors() <= before
+    last = next(numbers)
+    store.save(last)
+    assert store.load() == last
+
+
 def test_turns_and_sections_are_free_after_interrupts(interrupted: Any) -> None:
     turn, section = Turn(), Section()
     interrupted(lambda: turn.run(int))
@@ -286,6 +314,37 @@ def each_step() -> Iterator[Callable[[], object]]:
 def test_what_a_handler_raises_is_not_taken_for_the_systems(interrupted: Any) -> None:
     for act in each_step():
         interrupted(act)
+
+
+@pytest.mark.parametrize("kind", ["udpin", "tcpin", "mcast", "serial"])
+def test_what_a_handler_raises_while_a_link_is_opened_is_not_lost(
+    kind: str, interrupted: Any
+) -> None:
+    serial, device = serial_link() if kind == "serial" else (None, None)
+    name = serial.device if serial else "mcast:" if kind == "mcast" else f"{kind}:127.0.0.1:0"
+    try:
+        mavutil.mavlink_connection(name).close()
+    except OSError as error:
+        pytest.skip(f"no multicast here: {error}")
+    interrupted(lambda: mavutil.mavlink_connection(name).close())
+    if serial:
+        serial.close()
+        device.close()
+
+
+def test_a_log_whose_closing_is_interrupted_is_closed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise Stop
+
+    path = tmp_path / "log.tlog"
+    path.write_bytes(bytes(8) + heartbeat())
+    log = mavutil.mavlink_connection(str(path))
+    monkeypatch.setattr("mmap.mmap", interrupted)
+    with pytest.raises(Stop):
+        log.close()
+    assert log.f.closed
 
 
 def descriptors() -> int:

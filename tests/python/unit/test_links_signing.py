@@ -114,7 +114,7 @@ def test_a_stored_timestamp_survives_a_clock_that_went_back(tmp_path):
     path = tmp_path / "timestamps"
     link = link_with_key(initial_timestamp=5_000_000, timestamp_store=path)
     before = sent_timestamp(link)
-    signing_module._with_key.clear()
+    signing_module._with_key.discard(link.mav.signing)
     restarted = link_with_key(initial_timestamp=7, timestamp_store=str(path))
     assert before < sent_timestamp(restarted) <= before + 2 * RESERVE
 
@@ -177,6 +177,31 @@ def test_no_thread_uses_what_another_one_still_stores():
         go_on.set()
         storing.join(WAIT)
     assert store.saved == 3 * RESERVE + 1
+
+
+def test_an_earlier_timestamp_of_another_thread_does_not_stay_in_place_of_a_later_one():
+    class Store:
+        saved = 0
+
+        def load(self):
+            return 0
+
+        def save(self, timestamp):
+            if threading.current_thread() is slow:
+                begun.set()
+                assert go_on.wait(WAIT)
+            self.saved = timestamp
+            if timestamp == 3 * RESERVE + 1:
+                go_on.set()
+                if threading.current_thread() is not slow:
+                    slow.join(WAIT)
+
+    store, begun, go_on, slow = Store(), threading.Event(), threading.Event(), None
+    keep = keeper(store, 0)
+    slow = threading.Thread(target=keep, args=(2 * RESERVE,))
+    slow.start()
+    assert begun.wait(WAIT)
+    assert keep(2 * RESERVE + 1) <= store.saved == 3 * RESERVE + 1
 
 
 def test_a_store_stays_where_it_is_when_the_folder_is_changed(tmp_path, monkeypatch):
@@ -246,6 +271,20 @@ def test_a_pipe_is_no_store(tmp_path):
             action()
 
 
+def test_a_store_may_be_a_link_to_a_file_that_is_made(tmp_path):
+    path = tmp_path / "timestamps"
+    path.symlink_to("elsewhere")
+    assert TimestampStore(path).load() == 0
+    TimestampStore(path).save(5)
+    assert (TimestampStore(path).load(), path.is_symlink()) == (5, True)
+
+
+def test_a_folder_is_no_store(tmp_path):
+    for use in (TimestampStore(tmp_path).load, lambda: TimestampStore(tmp_path).save(7)):
+        with pytest.raises(OSError, match="is no file"):
+            use()
+
+
 @pytest.mark.parametrize("content", [*map(bytes, map(range, (2, 5, 12, 32))), bytes(4108) + b"x"])
 def test_another_file_is_no_store_and_stays_as_it_is(tmp_path, content):
     path = tmp_path / "key"
@@ -300,8 +339,9 @@ def test_half_a_timestamp_is_not_stored(tmp_path, monkeypatch):
     assert store.load() == 8
 
 
-def test_a_store_may_fail_in_any_way(caplog):
-    class Store:
+@pytest.mark.parametrize("base", [object, TimestampStore])
+def test_a_store_may_fail_in_any_way(base, caplog, tmp_path):
+    class Store(base):
         works = False
 
         def load(self):
@@ -311,7 +351,7 @@ def test_a_store_may_fail_in_any_way(caplog):
             if not self.works:
                 raise RuntimeError("no database")
 
-    store = Store()
+    store = Store() if base is object else Store(tmp_path / "timestamps")
     with pytest.raises(RuntimeError, match="no database"):
         link_with_key(timestamp_store=store)
     store.works = True
@@ -416,10 +456,11 @@ def test_what_is_sent_in_the_middle_of_a_set_up_has_all_of_it_or_nothing(monkeyp
     monkeypatch.setattr(signing_module, "_with_key", Interrupting(link))
     link.setup_signing(KEY, initial_timestamp=5, link_id=9)
     link.disable_signing()
-    first, second = bytes(link.tx[:34]), bytes(link.tx[34:68])
-    assert (first[2], first[21], int.from_bytes(first[22:28], "little")) == (1, 9, 5)
-    assert (second[2], second[21], int.from_bytes(second[22:28], "little")) == (1, 9, 6)
-    unsigned = bytes(link.tx[68:])
+    *frames, unsigned = [bytes(link.tx[at : at + 34]) for at in range(0, len(link.tx), 34)]
+    assert len(frames) > 1
+    for number, frame in enumerate(frames):
+        assert (frame[2], frame[21]) == (1, 9)
+        assert int.from_bytes(frame[22:28], "little") == 5 + number
     assert (len(unsigned), unsigned[2]) == (21, 0)
 
 

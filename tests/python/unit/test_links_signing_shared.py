@@ -11,7 +11,6 @@ import threading
 import time
 from collections.abc import Iterator
 from typing import Any
-from weakref import WeakSet
 
 import pytest
 from mavwire import mavutil
@@ -19,6 +18,7 @@ from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import signing as signing_module
 from mavwire.links import state, timestamp_store
 from mavwire.links.link_ids import claim
+from mavwire.links.living import Living
 from mavwire.links.timestamp_store import TimestampStore
 from unit.faults import ENVIRONMENT, python
 from unit.link_tools import KEY, Capture, at_once, drain, signed, types
@@ -240,7 +240,7 @@ def test_links_that_threads_set_up_have_different_ids(monkeypatch):
     assert sorted(numbers) == list(range(30))
 
 
-class Guarded(WeakSet):
+class Guarded(Living):
     """The links with a key, which one thread at a time may look through or change."""
 
     def __init__(self) -> None:
