@@ -11,7 +11,7 @@ from math import radians
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import open_output
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.tools._arguments import add_condition
 from mavwire.tools._figures import open_figures
 
@@ -67,8 +67,9 @@ def main(args: Namespace) -> int:
     figures = open_figures(f"{_stem(args)}.png") if args.save_plot else None
     print(f"Processing log {args.log}")
     with definitions(), reading("magfit_WMM", args.log) as log:
-        if hasattr(log.link, "mav"):
-            raise CommandError(f"{args.log} is a telemetry log; this is for dataflash logs only")
+        kind = kind_of(log.link)
+        if kind != "dataflash":
+            raise CommandError(f"{args.log} is a {kind} log; this is for dataflash logs only")
         samples = Samples(log, args)
     raw, expected, load = (np.array(one, float) for one in samples.arrays())
     print(f"Extracted {len(raw)} points")
@@ -150,13 +151,18 @@ class Samples:
         if self._args.att_source:
             return str(self._args.att_source)
         source = SOURCES.get(int(self._params.get("AHRS_EKF_TYPE", 0)), "ATT")
-        if (
-            source not in self._log.link.name_to_id
-            or not self._log.link.counts[self._log.link.name_to_id[source]]
-        ):
+        if not self._has(source):
             source = "ATT"
         print(f"Attitude source {source}")
         return source
+
+    def _has(self, kind: str) -> bool:
+        """Whether there are messages of a type. Text logs are counted by name, binary ones by id."""
+        link = self._log.link
+        if kind not in link.name_to_id:
+            return False
+        by_name = isinstance(link.counts, dict)
+        return bool(link.counts.get(kind) if by_name else link.counts[link.name_to_id[kind]])
 
     def _field(self) -> Any:
         """The field of the Earth: north, east, down, in milligauss."""

@@ -6,6 +6,7 @@ value at each of them, with the newest of the others.
 
 from __future__ import annotations
 
+from array import array
 from typing import Any
 
 from mavwire._wording import in_words
@@ -58,7 +59,7 @@ def main(args: Namespace) -> int:
     fields = [one for one in args.what if not is_log(one)]
     _check(args, logs, fields)
     check_output(args.output or "", logs)
-    figures = open_figures(args.output)
+    figures = open_figures(args.output, "--output")
     graph = Graph(_style(args))
     expressions = [_parsed(one) for one in fields]
     x = None if args.xaxis is None else _parsed(args.xaxis)
@@ -156,7 +157,7 @@ class Series:
         self._expression = expression
         self._over = None if x is None else x.text
         self._x: list[float] = []
-        self._y: list[float] = []
+        self._y: list[float | list[float]] = []
         self._texts: list[tuple[float, str]] = []
 
     def take(self, messages: Mapping[str, Any], msg: Any, kind: str, stamp: float) -> None:
@@ -172,10 +173,12 @@ class Series:
             self._texts.append((x, value))
             return
         try:
-            y = as_number(value)
+            y = _numbers(value)
             self._x.append(as_number(x))
         except ValueError as error:
             raise CommandError(f"{self._expression.text!r}: {error}") from error
+        if self._y and _width(y) != _width(self._y[0]):
+            raise CommandError(f"{self._expression.text!r}: arrays of different lengths")
         self._y.append(y)
 
     def _value(self, text: str, messages: Mapping[str, Any]) -> Any:
@@ -192,6 +195,18 @@ class Series:
         right = self._expression.right
         name = label.removesuffix(":2") if label == field else label
         graph.add(name, right, colour, self._x, self._y, self._texts)
+
+
+def _numbers(value: Any) -> float | list[float]:
+    """A number, or those of an array, of which each element is a line."""
+    if isinstance(value, list | tuple | array):
+        return [as_number(one) for one in value]
+    return as_number(value)
+
+
+def _width(y: float | list[float]) -> int | None:
+    """How many lines it belongs to; None for that of a number."""
+    return len(y) if isinstance(y, list) else None
 
 
 if __name__ == "__main__":

@@ -187,7 +187,10 @@ def test_windows(
 
     log = str(flight_log(tmp_path / "flight.tlog"))
     monkeypatch.setattr(matplotlib, "get_backend", lambda: "agg")
-    assert "there is no display for a window" in fails(capsys, "graph", log, "ATTITUDE.roll")
+    said = "there is no display for a window; {} FILE draws an image"
+    assert said.format("--output") in fails(capsys, "graph", log, "ATTITUDE.roll")
+    for verb in ("fft", "fft_int", "fft_isb", "fft_pid"):
+        assert said.format("--image") in fails(capsys, verb, log)
     shown: list[str] = []
 
     def show() -> None:
@@ -271,6 +274,25 @@ def test_compass_and_world_model(tmp_path: Path, capsys: pytest.CaptureFixture[s
     for name, value in wanted.items():
         near = 1.5 if name.startswith("OFS") else 0.02
         assert found[f"COMPASS_{name}"] == pytest.approx(value, abs=near), name
+
+
+def test_compass_of_a_text_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It counts its records by name, not by number."""
+    log = tmp_path / "flight.log"
+    log.write_text(
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+        "FMT, 10, 31, PARM, QNf, TimeUS,Name,Value\n"
+        "FMT, 11, 24, XKF1, QBccC, TimeUS,C,Roll,Pitch,Yaw\n"
+        "FMT, 12, 24, NKF1, QBccC, TimeUS,C,Roll,Pitch,Yaw\n"
+        "PARM, 1, AHRS_EKF_TYPE, {}\nXKF1, 2, 0, 1.5, 2.5, 3.5\n"
+    )
+    text = log.read_text()
+    for number, source in ((3, "XKF1"), (2, "ATT"), (0, "ATT")):
+        log.write_text(text.format(number))
+        assert cli.main(["magfit_WMM", str(log)]) == 1
+        said = capsys.readouterr()
+        assert f"Attitude source {source}" in said.out
+        assert "give --lat and --lon" in said.err
 
 
 def test_limits_of_the_compass_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -204,7 +204,10 @@ def test_a_csv_log_is_dumped(csv_log: str, capsys: pytest.CaptureFixture[str]) -
 
 
 def test_what_a_csv_log_does_not_have(csv_log: str, capsys: pytest.CaptureFixture[str]) -> None:
-    for options in (["dump", "--show-loss"], ["dump", "--output", "x"], ["loss"], ["msgstats"]):
+    for options in (
+        ["dump", "--show-loss"], ["dump", "--output", "x"], ["loss"], ["msgstats"],
+        ["magfit", "--mag2"], ["magfit_WMM"],
+    ):  # fmt: skip
         assert f"{csv_log} is a CSV log" in fails(capsys, options[0], csv_log, *options[1:])
     assert "no message type 'X'" in fails(capsys, "dump", csv_log, "--format=csv", "--types=X")
 
