@@ -332,3 +332,23 @@ def test_spectrum_of_a_selection(
     assert line.get_xdata()[np.argmax(line.get_ydata())] == pytest.approx(200.0, abs=2.0)
     none = dataflash_writer.Log().write(tmp_path / "none.bin")
     assert "nothing to draw" in fails(capsys, "fft_int", none, "--image", image)
+    assert "too few samples" in fails(capsys, *arguments[:2], "--from", "7", "--image", image)
+
+
+@pytest.mark.parametrize("verb", ["fft", "fft_int"])
+def test_spectra_of_sensors_that_share_a_type(
+    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As in the logs of newer autopilots."""
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    log = dataflash_writer.Log()
+    for kind, axis in (("ACC", "Acc"), ("GYR", "Gyr")):
+        log.define(kind, "QBQfff", f"TimeUS,I,SampleUS,{axis}X,{axis}Y,{axis}Z")
+    for number in range(100):
+        for kind, sensor in (("ACC", 0), ("ACC", 1), ("GYR", 0), ("GYR", 3)):
+            log.add(kind, number * 1000, sensor, number * 1000, number % 3, 0.0, sensor)
+    path = log.write(tmp_path / "fast.bin")
+    assert cli.main([verb, path, "--image", str(tmp_path / "out.png")]) == 0
+    images = sorted(one.name for one in tmp_path.glob("*.png"))
+    assert images == ["out-ACC1.png", "out-ACC2.png", "out-GYR1.png"]
+    assert verb == "fft_int" or "Extracted 200 data points" in capsys.readouterr().out
