@@ -58,7 +58,7 @@ def main(args: Namespace) -> int:
     logs = [one for one in args.what if is_log(one)]
     fields = [one for one in args.what if not is_log(one)]
     _check(args, logs, fields)
-    check_output(args.output or "", logs)
+    check_output(args.output or "", logs, "--output")
     figures = open_figures(args.output, "--output")
     graph = Graph(_style(args))
     expressions = [_parsed(one) for one in fields]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 
+from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
@@ -107,6 +108,7 @@ class Point:
 
 def _points(log: Reading, args: Namespace) -> Iterator[str]:
     last = Point(0.0, 0.0, 0.0, 0.0, 0.0, 0)
+    tell_unknown(args.types or (), log)
     for msg in log.messages(args.types or TYPES, args.condition):
         point = _point(msg)
         if point is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import ExitStack
 
+from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, open_output
 from mavwire.cli._reading import definitions, reading
 from mavwire.links.recording import shown
@@ -49,7 +50,7 @@ def main(args: Namespace) -> int:
 
 
 def _write(log: Reading, args: Namespace, file: OutputFile) -> None:
-    types = None if args.types is None else set(args.types.split(","))
+    types = wanted(args.types, log)
     rows: dict[str, int] = {}
     for msg in log.messages(condition=args.condition):
         kind = msg.get_type()
