@@ -6,15 +6,16 @@ value at each of them, with the newest of the others.
 
 from __future__ import annotations
 
+import sys
 from array import array
 from typing import Any
 
-from mavwire._wording import in_words
+from mavwire._wording import in_words, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli.plot import check_output, is_log
 from mavwire.expression import evaluate_expression
-from mavwire.plots.expressions import STATE_NAMES, as_number, parse
+from mavwire.plots.expressions import STATE_NAMES, as_number, parse, why_nothing
 from mavwire.plots.graphs import SIZE, Graph, Style, check, draw
 from mavwire.plots.series import is_instance
 from mavwire.tools._arguments import add_condition, add_dialect, add_no_timestamps, add_planner
@@ -133,6 +134,9 @@ def _read(path: str, args: Namespace, series: list[Series], graph: Graph, shift:
             for one in series:
                 if kind in one.types:
                     one.take(newest, msg, kind, stamp)
+        if args.condition is None:  # which would be why
+            for one in series:
+                one.tell_why_nothing(newest)
 
 
 class Newest(dict[str, Any]):
@@ -186,6 +190,13 @@ class Series:
             return evaluate_expression(text, messages)
         except Exception as error:  # whatever a function of an expression raises
             raise CommandError(f"{text!r}: {in_words(error)}") from error
+
+    def tell_why_nothing(self, messages: Mapping[str, Any]) -> None:
+        """Say on standard error why there are no values, by the newest messages of the log."""
+        if self._x or self._texts:
+            return
+        if why := why_nothing(self._expression.text, messages):
+            print(printable(f"mavwire graph: {self._expression.text}: {why}"), file=sys.stderr)
 
     def draw(self, graph: Graph, label: str, field: str, colour: int) -> None:
         """Add what was gathered to the graph; say so if that is nothing."""

@@ -175,7 +175,11 @@ def test_what_graphs_refuse(
     }.items():  # fmt: skip
         assert wanted in fails(capsys, "graph", *arguments)
     assert cli.main(["graph", log.name, "NOPE.x", *out]) == 1
-    assert "Failed to find any values for field NOPE.x" in capsys.readouterr().out
+    said = capsys.readouterr()
+    assert "Failed to find any values for field NOPE.x" in said.out
+    assert said.err == "mavwire graph: NOPE.x: there is no 'NOPE'\n"
+    assert cli.main(["graph", log.name, "twice(ATTITUDE.roll)", *out]) == 1
+    assert capsys.readouterr().err.endswith(": there is no 'twice'\n")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["flight.tlog"]
 
 
@@ -214,6 +218,8 @@ def test_a_way_without_altitude(
     log = dataflash_writer.Log().define("GPS", "QLL", "TimeUS,Lat,Lng").add("GPS", 1, 2, 3)
     path = log.write(tmp_path / "way.bin")
     assert "GPS has no Lat, Lon and Alt" in fails(capsys, "kml", path, "-s", "GPS")
+    assert cli.main(["kml", path]) == 0
+    assert "no GPOS in the logs; `mavwire map" in capsys.readouterr().err
 
 
 def compass_log(path: Path, offsets: tuple[float, ...], diagonals: tuple[float, ...]) -> Path:
