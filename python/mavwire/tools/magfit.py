@@ -49,6 +49,10 @@ def main(args: Namespace) -> int:
         import numpy as np
     except ImportError as error:
         raise CommandError("NumPy is needed to fit: pip install 'mavwire[tools]'") from error
+    if not 0 <= args.noise < float("inf"):
+        raise CommandError(f"--noise is a number of milligauss, not {args.noise}")
+    if args.radius is not None and not 0 < args.radius < float("inf"):
+        raise CommandError(f"--radius is a number of milligauss, not {args.radius}")
     figures = open_figures(args.image) if args.plot else None
     with definitions():
         for path in args.logs:

@@ -62,8 +62,7 @@ def main(args: Namespace) -> int:
         raise CommandError("NumPy is needed to fit: pip install 'mavwire[tools]'") from error
     from mavwire.tools._field_fit import fit
 
-    if args.reduce < 1:
-        raise CommandError("--reduce is a number of measurements, at least 1")
+    _check(args)
     figures = open_figures(f"{_stem(args)}.png") if args.save_plot else None
     print(f"Processing log {args.log}")
     with definitions(), reading("magfit_WMM", args.log) as log:
@@ -87,6 +86,15 @@ def main(args: Namespace) -> int:
         _draw(figures.figure(args.log), expected, found.apply(raw, load))
         figures.finish()
     return 0
+
+
+def _check(args: Namespace) -> None:
+    """CommandError for numbers that mean nothing."""
+    if args.reduce < 1:
+        raise CommandError("--reduce is a number of measurements, at least 1")
+    for name in ("scale", "diag", "offdiag"):
+        if not getattr(args, f"min_{name}") <= getattr(args, f"max_{name}"):
+            raise CommandError(f"--min-{name} is above --max-{name}, or one of them is no number")
 
 
 def _stem(args: Namespace) -> str:
@@ -149,6 +157,8 @@ class Samples:
     def _source(self) -> str:
         """The type of the messages with the attitude."""
         if self._args.att_source:
+            if not self._has(self._args.att_source):
+                raise CommandError(f"--att-source: there is no {self._args.att_source} in the log")
             return str(self._args.att_source)
         source = SOURCES.get(int(self._params.get("AHRS_EKF_TYPE", 0)), "ATT")
         if not self._has(source):
@@ -171,9 +181,10 @@ class Samples:
         lat, lon = self._args.lat, self._args.lon
         if not lat and not lon:
             lat, lon = self._place()
-        field = expected_earth_field_lat_lon(lat, lon)
-        if field is None:
-            raise CommandError(f"no field is known for latitude {lat}, longitude {lon}")
+        try:
+            field = expected_earth_field_lat_lon(lat, lon)
+        except ValueError as error:
+            raise CommandError(str(error)) from error
         from math import atan2, degrees
 
         print(

@@ -282,6 +282,24 @@ def test_compass_and_world_model(tmp_path: Path, capsys: pytest.CaptureFixture[s
         assert found[f"COMPASS_{name}"] == pytest.approx(value, abs=near), name
 
 
+@pytest.mark.parametrize(
+    ("verb", "options", "reason"),
+    [
+        ("magfit_WMM", "--lat 95 --lon 10", "no magnetic field is tabulated for 95.0, 10.0"),
+        ("magfit_WMM", "--att-source FOO", "there is no FOO in the log"),
+        ("magfit_WMM", "--min-scale 2 --max-scale 1", "--min-scale is above --max-scale"),
+        ("magfit_WMM", "--max-diag nan", "--min-diag is above --max-diag"),
+        ("magfit", "--noise nan", "--noise is a number of milligauss"),
+        ("magfit", "--radius -5", "--radius is a number of milligauss"),
+    ],
+)
+def test_numbers_that_mean_nothing_to_a_fit(
+    verb: str, options: str, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = compass_log(tmp_path / "flight.bin", (40.0, -30.0, 70.0), (1.0, 1.0, 1.0))
+    assert reason in fails(capsys, verb, path, *options.split())
+
+
 def test_compass_of_a_text_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It counts its records by name, not by number."""
     log = tmp_path / "flight.log"
