@@ -135,7 +135,7 @@ def main(arguments: Sequence[str] | None = None, mount: Callable[..., Any] | Non
         sys.exit(f"mavftpfs: {NEEDED}")
     try:
         link = mavutil.mavlink_connection(options.mavlink, baud=options.baudrate)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, ImportError) as error:
         sys.exit(f"mavftpfs: {error}")
     try:
         wait_heartbeat(link)

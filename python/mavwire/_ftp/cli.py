@@ -16,6 +16,8 @@ from .settings import DEFAULTS, MAVFTPSettings
 # Silence after which a transfer is given up.
 TRANSFER_SECONDS = 30.0
 HEARTBEAT_SECONDS = 30.0
+LOG_LEVELS = ("DEBUG", "INFO", "WARNING", "ERROR", "CRITICAL")
+EXIT_INTERRUPTED = 130
 
 _HELP = {
     "debug": "0 for silence, 1 to log every packet",
@@ -106,25 +108,37 @@ def wait_heartbeat(m: Any) -> None:
 
 def main() -> None:
     """Connect, do one command, show how it ended; the exit code is 1 after a failure."""
-    args = create_argument_parser().parse_args()
-    logging.basicConfig(level=args.loglevel.upper(), format="%(levelname)s - %(message)s")
+    parser = create_argument_parser()
+    args = parser.parse_args()
+    level = args.loglevel.upper()
+    if level not in LOG_LEVELS:
+        parser.error(f"--loglevel {args.loglevel}: one of {', '.join(LOG_LEVELS)}")
+    logging.basicConfig(level=level, format="%(levelname)s - %(message)s")
+    try:
+        result = _connect_and_run(args)
+    except KeyboardInterrupt:
+        sys.exit(EXIT_INTERRUPTED)
+    if result.error_code != FtpError.Success:
+        sys.exit(1)
+
+
+def _connect_and_run(args: argparse.Namespace) -> MAVFTPReturn:
     settings = MAVFTPSettings([(n, kind, getattr(args, n)) for n, kind, _ in DEFAULTS])
     port = auto_connect(args.device)
     try:
         link = mavutil.mavlink_connection(
             port.device, baud=args.baudrate, source_system=args.source_system
         )
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, ImportError) as error:
         raise SystemExit(f"mavftp: {error}") from error
     try:
         wait_heartbeat(link)
         ftp = MAVFTP(link, link.target_system, link.target_component, settings)
         result = _run(ftp, args)
         result.display_message()
+        return result
     finally:
         link.close()
-    if result.error_code != FtpError.Success:
-        sys.exit(1)
 
 
 def _run(ftp: MAVFTP, args: argparse.Namespace) -> MAVFTPReturn:

@@ -1,7 +1,10 @@
-"""Where a download goes: a file that appears when it is complete, memory, or standard output."""
+"""Where a download goes: a file that appears when it is complete, memory, or standard output; and the
+file that an upload comes from.
+"""
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import sys
@@ -19,6 +22,15 @@ def local_name(remote: str) -> str:
     if name in ("", ".", "..") or "\0" in name:
         raise ValueError(f"no file name in {remote!r}")
     return name
+
+
+def open_source(path: str) -> IO[bytes]:
+    """A file to send; OSError for one that cannot be read, from any place in it."""
+    source = open(path, "rb")
+    if not source.seekable():
+        source.close()
+        raise OSError(errno.ESPIPE, "a pipe, of which nothing can be read again", path)
+    return source
 
 
 class LocalFile:

@@ -12,7 +12,7 @@ from mavwire.mavftp_op import OP_TerminateSession
 from . import log
 from .commands import POLL_SECONDS, Args, Commands, PathError, encode, refusing, usage
 from .download import Download
-from .local import Destination, LocalFile, Memory, local_name
+from .local import Destination, LocalFile, Memory, local_name, open_source
 from .result import FtpError, MAVFTPReturn
 from .settings import MAVFTPSettings
 from .upload import Upload
@@ -100,7 +100,7 @@ class Transfers(Commands):
         try:
             remote = args[1] if len(args) > 1 else local_name(local)
             encoded = encode(remote)
-            source = open(local, "rb") if fh is None else fh
+            source = open_source(local) if fh is None else fh
         except PathError:
             raise
         except (OSError, ValueError) as error:

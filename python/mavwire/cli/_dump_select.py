@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from fnmatch import fnmatchcase
 
+from mavwire.cli._message_types import unknown
 from mavwire.cli._reading import kind_of
 
 TYPE_CHECKING = False
@@ -118,24 +119,9 @@ class Selection:
 
 
 def unknown_types(args: Namespace, log: Any) -> list[str]:
-    """What to say of each name in `--types` that is no message type."""
-    from mavwire import mavutil
-    from mavwire._wording import did_you_mean
-
-    kind = kind_of(log)
-    if kind == "telemetry":
-        prefix = "MAVLINK_MSG_ID_"
-        known = [one.removeprefix(prefix) for one in vars(mavutil.mavlink) if prefix in one]
-        place = f"dialect {mavutil.current_dialect}"
-    else:
-        known = [log.message_type] if kind == "CSV" else list(log.name_to_id)
-        place = "this log"
-    exact = [one for one in _patterns(args.types) or () if one and not WILDCARDS & set(one)]
-    return [
-        f"no message type {name!r} in {place}{did_you_mean(name.upper(), known)}"
-        for name in exact
-        if name not in known and name != "BAD_DATA" and not name.startswith("UNKNOWN")
-    ]
+    """What to say of each name in `--types` that is no message type, and no pattern of some."""
+    names = _patterns(args.types) or ()
+    return unknown([one for one in names if one and not WILDCARDS & set(one)], log)
 
 
 def _patterns(text: str | None) -> list[str] | None:

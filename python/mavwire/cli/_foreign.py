@@ -23,7 +23,7 @@ def warn_if_foreign(command: str, path: str, nothing_read: bool = False) -> bool
     if not os.path.isfile(path):
         return False
     if not os.path.getsize(path):
-        print(f"mavwire {command}: the log is empty: {path!r}", file=sys.stderr)
+        _tell(command, f"the log is empty: {path!r}", path)
         return False
     try:
         if log_kind(path, readonly=True) == TELEMETRY:
@@ -33,8 +33,16 @@ def warn_if_foreign(command: str, path: str, nothing_read: bool = False) -> bool
     except OSError:  # gone since it was read
         return False
     if problem:
-        print(f"mavwire {command}: {problem}", file=sys.stderr)
+        _tell(command, problem, path)
     return bool(problem)
+
+
+def _tell(command: str, problem: str, path: str) -> None:
+    from mavwire.cli._reading import is_standard_input
+
+    if is_standard_input(path):  # a file whose name nobody has given
+        problem = problem.replace(repr(path), "standard input")
+    print(f"mavwire {command}: {problem}", file=sys.stderr)
 
 
 def _telemetry_problem(command: str, path: str, nothing_read: bool) -> str:

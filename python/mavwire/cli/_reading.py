@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 PROGRESS_EVERY = 20_000
 # The name of standard input's file. Logs of each kind are recognised under it.
 STANDARD_INPUT = "stdin.log"
+STANDARD_INPUT_FOLDER = "mavwire-"
 # Seconds between looks at the end of a log that is followed.
 FOLLOW_EVERY = 0.05
 
@@ -67,7 +68,7 @@ def standard_input() -> Iterator[str]:
 
     if sys.stdin is None or sys.stdin.isatty():
         raise CommandError("- is a log on standard input: zcat flight.tlog.gz | mavwire ... -")
-    with TemporaryDirectory(prefix="mavwire-") as folder:
+    with TemporaryDirectory(prefix=STANDARD_INPUT_FOLDER) as folder:
         path = os.path.join(folder, STANDARD_INPUT)
         try:
             with open(path, "wb") as file:
@@ -75,6 +76,12 @@ def standard_input() -> Iterator[str]:
         except OSError as error:
             raise CommandError(f"cannot keep standard input in {folder}: {error}") from error
         yield path
+
+
+def is_standard_input(path: str) -> bool:
+    """Whether a path is that of the file in which `standard_input` keeps it."""
+    folder, name = os.path.split(path)
+    return name == STANDARD_INPUT and os.path.basename(folder).startswith(STANDARD_INPUT_FOLDER)
 
 
 @contextmanager

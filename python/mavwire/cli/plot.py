@@ -90,11 +90,11 @@ def main(args: argparse.Namespace) -> int:
     return 0
 
 
-def check_output(out: str, logs: list[str]) -> None:
+def check_output(out: str, logs: list[str], option: str = "--out") -> None:
     """CommandError where a picture would replace a log."""
     for log in logs:
         if same_file(log, out):
-            raise CommandError(f"--out {out} is a log that is read; name another file")
+            raise CommandError(f"{option} {out} is a log that is read; name another file")
 
 
 def is_log(name: str) -> bool:

@@ -13,6 +13,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_link_error
+from mavwire.cli._rewriting import split
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -48,7 +49,7 @@ def main(args: Namespace) -> int:
     from mavwire.bridge import Bridge, ConfigError
     from mavwire.logs import TelemetryLog
 
-    types = [one for one in (args.types or "").split(",") if one] or None
+    types = split(args.types, "--types")
     bridge = Bridge(dedup=0)
     try:
         log = TelemetryLog(args.log)

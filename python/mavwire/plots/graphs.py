@@ -69,13 +69,15 @@ class Modes:
 
 @dataclass
 class Line:
-    """One line: x in seconds since 1970 or of another field, and texts that stand at an x."""
+    """One line, or one for each element of an array: x in seconds since 1970 or of another field, and
+    texts that stand at an x.
+    """
 
     label: str
     right: bool
     colour: str
     x: list[float]
-    y: list[float]
+    y: list[float | list[float]]
     texts: list[tuple[float, str]]
 
 
@@ -93,7 +95,7 @@ class Graph:
         right: bool,
         colour: int,
         x: list[float],
-        y: list[float],
+        y: list[float | list[float]],
         texts: list[tuple[float, str]],
     ) -> None:
         """A line in the colour of this number."""
@@ -169,6 +171,7 @@ def _draw_line(axes: Any, line: Line, style: Style, shown: Callable[[list[float]
                 color=line.colour,
             )  # fmt: skip
             axes.update_datalim([(x, 0.0)], updatey=False)
+        axes.autoscale_view(scaley=False)
 
 
 def _use_clock(axes: Any) -> None:

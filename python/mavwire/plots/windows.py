@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 NEEDED = "matplotlib is needed for figures: pip install 'mavwire[plot]'"
-NO_DISPLAY = "there is no display for a window; --output FILE draws an image"
+NO_DISPLAY = "there is no display for a window"
 BLIND = frozenset(("agg", "cairo", "pdf", "pgf", "ps", "svg", "template"))
 """What matplotlib draws with where it opens no windows."""
 

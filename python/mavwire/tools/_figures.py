@@ -9,11 +9,15 @@ if TYPE_CHECKING:
     from mavwire.plots.windows import Figures
 
 
-def open_figures(output: str | None) -> Figures:
-    """Figures for windows, or for the image `output`; CommandError where there can be none."""
+def open_figures(output: str | None, option: str = "--image") -> Figures:
+    """Figures for windows, or for the image `output` that `option` names; CommandError where there can
+    be none.
+    """
     from mavwire.plots.windows import Figures
 
     try:
         return Figures(output)
-    except (ImportError, RuntimeError, ValueError) as error:
+    except RuntimeError as error:
+        raise CommandError(f"{error}; {option} FILE draws an image") from error
+    except (ImportError, ValueError) as error:
         raise CommandError(str(error)) from error

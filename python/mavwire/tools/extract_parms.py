@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mavwire.cli._errors import CommandError
+from mavwire.tools._arguments import check_parameter_file
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -27,13 +28,13 @@ def main(args: Namespace) -> int:
 
 
 def _load(path: str) -> MAVParmDict:
-    """A parameter file; CommandError for one that cannot be read."""
+    """A parameter file; CommandError for a mistake in it."""
     from mavwire.mavparm import MAVParmDict
 
+    check_parameter_file(path)
     found = MAVParmDict()
     try:
-        if not found.load(path):
-            raise CommandError(f"{path} is not read")
+        found.load(path)
     except ValueError as error:
         raise CommandError(str(error)) from error
     return found

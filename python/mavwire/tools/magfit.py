@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
 from mavwire.tools._figures import open_figures
 
@@ -49,6 +49,10 @@ def main(args: Namespace) -> int:
         import numpy as np
     except ImportError as error:
         raise CommandError("NumPy is needed to fit: pip install 'mavwire[tools]'") from error
+    if not 0 <= args.noise < float("inf"):
+        raise CommandError(f"--noise is a number of milligauss, not {args.noise}")
+    if args.radius is not None and not 0 < args.radius < float("inf"):
+        raise CommandError(f"--radius is a number of milligauss, not {args.radius}")
     figures = open_figures(args.image) if args.plot else None
     with definitions():
         for path in args.logs:
@@ -89,7 +93,10 @@ def _vector(values: Any) -> str:
 def _read(path: str, args: Namespace) -> tuple[list[tuple[float, ...]], tuple[float, ...]]:
     """The field that one compass measured, without offsets; and the offsets that it had last."""
     with reading("magfit", path, notimestamps=args.no_timestamps) as log:
-        if hasattr(log.link, "mav"):
+        kind = kind_of(log.link)
+        if kind == "CSV":
+            raise CommandError(f"{path} is a CSV log; this is for telemetry and dataflash logs")
+        if kind == "telemetry":
             return _telemetry(log, args.condition)
         return _dataflash(log, args.mag2, args.condition)
 

@@ -11,7 +11,7 @@ from math import radians
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import open_output
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.tools._arguments import add_condition
 from mavwire.tools._figures import open_figures
 
@@ -62,13 +62,13 @@ def main(args: Namespace) -> int:
         raise CommandError("NumPy is needed to fit: pip install 'mavwire[tools]'") from error
     from mavwire.tools._field_fit import fit
 
-    if args.reduce < 1:
-        raise CommandError("--reduce is a number of measurements, at least 1")
+    _check(args)
     figures = open_figures(f"{_stem(args)}.png") if args.save_plot else None
     print(f"Processing log {args.log}")
     with definitions(), reading("magfit_WMM", args.log) as log:
-        if hasattr(log.link, "mav"):
-            raise CommandError(f"{args.log} is a telemetry log; this is for dataflash logs only")
+        kind = kind_of(log.link)
+        if kind != "dataflash":
+            raise CommandError(f"{args.log} is a {kind} log; this is for dataflash logs only")
         samples = Samples(log, args)
     raw, expected, load = (np.array(one, float) for one in samples.arrays())
     print(f"Extracted {len(raw)} points")
@@ -86,6 +86,15 @@ def main(args: Namespace) -> int:
         _draw(figures.figure(args.log), expected, found.apply(raw, load))
         figures.finish()
     return 0
+
+
+def _check(args: Namespace) -> None:
+    """CommandError for numbers that mean nothing."""
+    if args.reduce < 1:
+        raise CommandError("--reduce is a number of measurements, at least 1")
+    for name in ("scale", "diag", "offdiag"):
+        if not getattr(args, f"min_{name}") <= getattr(args, f"max_{name}"):
+            raise CommandError(f"--min-{name} is above --max-{name}, or one of them is no number")
 
 
 def _stem(args: Namespace) -> str:
@@ -148,15 +157,22 @@ class Samples:
     def _source(self) -> str:
         """The type of the messages with the attitude."""
         if self._args.att_source:
+            if not self._has(self._args.att_source):
+                raise CommandError(f"--att-source: there is no {self._args.att_source} in the log")
             return str(self._args.att_source)
         source = SOURCES.get(int(self._params.get("AHRS_EKF_TYPE", 0)), "ATT")
-        if (
-            source not in self._log.link.name_to_id
-            or not self._log.link.counts[self._log.link.name_to_id[source]]
-        ):
+        if not self._has(source):
             source = "ATT"
         print(f"Attitude source {source}")
         return source
+
+    def _has(self, kind: str) -> bool:
+        """Whether there are messages of a type. Text logs are counted by name, binary ones by id."""
+        link = self._log.link
+        if kind not in link.name_to_id:
+            return False
+        by_name = isinstance(link.counts, dict)
+        return bool(link.counts.get(kind) if by_name else link.counts[link.name_to_id[kind]])
 
     def _field(self) -> Any:
         """The field of the Earth: north, east, down, in milligauss."""
@@ -165,9 +181,10 @@ class Samples:
         lat, lon = self._args.lat, self._args.lon
         if not lat and not lon:
             lat, lon = self._place()
-        field = expected_earth_field_lat_lon(lat, lon)
-        if field is None:
-            raise CommandError(f"no field is known for latitude {lat}, longitude {lon}")
+        try:
+            field = expected_earth_field_lat_lon(lat, lon)
+        except ValueError as error:
+            raise CommandError(str(error)) from error
         from math import atan2, degrees
 
         print(

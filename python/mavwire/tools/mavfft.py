@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from typing import Any
 
 SENSORS = ("ACC1", "ACC2", "ACC3", "GYR1", "GYR2", "GYR3")
+# Newer logs have one type for all sensors, which are counted from 0 in its field I.
+TYPES = (*SENSORS, "ACC", "GYR")
 AXES = ("X", "Y", "Z")
 
 
@@ -37,10 +39,11 @@ def main(args: Namespace) -> int:
             print(f"Processing log {path}")
             count = 0
             with reading("fft", path) as log:
-                for msg in log.messages(SENSORS, args.condition):
-                    kind = msg.get_type()
-                    samples[kind].add(msg, kind[:3].title())
-                    count += kind.startswith("ACC")
+                for msg in log.messages(TYPES, args.condition):
+                    name = sensor_of(msg)
+                    if name in samples:
+                        samples[name].add(msg)
+                        count += name.startswith("ACC")
             print(f"Extracted {count} data points")
     drawn = {name: one.spectra(args.sample_length) for name, one in samples.items()}
     if not any(drawn.values()):
@@ -55,6 +58,12 @@ def main(args: Namespace) -> int:
     return 0
 
 
+def sensor_of(msg: Any) -> str:
+    """Which sensor measured: ACC1, GYR2, ..."""
+    kind = str(msg.get_type())
+    return kind if kind in SENSORS else f"{kind}{msg.I + 1}"
+
+
 class Samples:
     """What one sensor measured on its three axes."""
 
@@ -62,8 +71,9 @@ class Samples:
         self.seconds: list[float] = []
         self.values: dict[str, list[float]] = {axis: [] for axis in AXES}
 
-    def add(self, msg: Any, prefix: str) -> None:
+    def add(self, msg: Any) -> None:
         """One sample."""
+        prefix = msg.get_type()[:3].title()
         self.seconds.append(msg.SampleUS * 1.0e-6)
         for axis, values in self.values.items():
             values.append(getattr(msg, prefix + axis))

@@ -8,7 +8,7 @@ from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
 from mavwire.tools._figures import open_figures
-from mavwire.tools.mavfft import SENSORS, Samples
+from mavwire.tools.mavfft import SENSORS, TYPES, Samples, sensor_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -36,15 +36,17 @@ def main(args: Namespace) -> int:
         for path in args.logs:
             print(f"Processing log {path}")
             with reading("fft_int", path) as log:
-                for msg in log.messages(SENSORS, args.condition):
-                    kind = msg.get_type()
-                    samples.setdefault(kind, Samples()).add(msg, kind[:3].title())
+                for msg in log.messages(TYPES, args.condition):
+                    name = sensor_of(msg)
+                    if name in SENSORS:
+                        samples.setdefault(name, Samples()).add(msg)
     if not samples:
         raise CommandError(f"there is nothing to draw: no {', '.join(SENSORS)} in the logs")
     # matplotlib itself does not keep what selects alive.
     selections = [Selection(figures, name, samples[name]) for name in sorted(samples)]
-    for one in selections:
-        one.begin(args.start, args.end)
+    drawn = [one.begin(args.start, args.end) for one in selections]
+    if not any(drawn):
+        raise CommandError("too few samples for a spectrum between --from and --to")
     figures.finish()
     return 0
 
@@ -62,19 +64,22 @@ class Selection:
         self._over_time.legend(loc="upper right")
         self._selector: Any = None
 
-    def begin(self, start: float | None, end: float | None) -> None:
-        """Show the spectrum of a stretch, all of it for None, and wait for the mouse."""
+    def begin(self, start: float | None, end: float | None) -> bool:
+        """Show the spectrum of a stretch, all of it for None, and wait for the mouse; whether there is
+        one.
+        """
         from matplotlib.widgets import SpanSelector
 
         seconds = self._samples.seconds
-        self.select(seconds[0] if start is None else start, seconds[-1] if end is None else end)
+        first, last = seconds[0] if start is None else start, seconds[-1] if end is None else end
         self._selector = SpanSelector(self._over_time, self.select, "horizontal", useblit=True)
+        return self.select(first, last)
 
-    def select(self, start: float, end: float) -> None:
+    def select(self, start: float, end: float) -> bool:
         """Show the spectrum from one time to another; nothing changes where there are no samples."""
         spectra = self._samples.between(start, end).spectra(0)
         if not spectra:
-            return
+            return False
         self._spectrum.clear()
         for axis, (frequencies, values) in spectra.items():
             self._spectrum.plot(frequencies, values, label=axis)
@@ -82,6 +87,7 @@ class Selection:
         self._spectrum.set_title(f"{start:.3f} s to {end:.3f} s")
         self._spectrum.legend(loc="upper right")
         self._figure.canvas.draw_idle()
+        return True
 
 
 if __name__ == "__main__":

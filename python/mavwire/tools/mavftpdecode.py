@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections import Counter
 
 from mavwire._wording import printable
 from mavwire.cli._errors import CommandError
@@ -38,8 +39,15 @@ def main(args: Namespace) -> int:
     for path in args.logs:
         with definitions(), reading("ftpdecode", path) as log:
             require_telemetry(log)
-            for transfer in transfers(log.messages(["FILE_TRANSFER_PROTOCOL"])):
+            strays = Counter[int]()
+            for transfer in transfers(log.messages(["FILE_TRANSFER_PROTOCOL"]), strays):
                 _tell(transfer, args.save)
+        for system, count in sorted(strays.items()):
+            print(
+                f"mavwire ftpdecode: {path}: {count} parts of files that system {system} sent are left"
+                " out: the log does not have which files were asked for",
+                file=sys.stderr,
+            )
     return 0
 
 
@@ -70,8 +78,10 @@ class Transfer:
         return bytes(found), missing
 
 
-def transfers(messages: Iterable[Any]) -> Iterator[Transfer]:
-    """The files that were opened for reading, each when it is at its end."""
+def transfers(messages: Iterable[Any], strays: Counter[int]) -> Iterator[Transfer]:
+    """The files that were opened for reading, each when it is at its end. `strays` counts the parts
+    of others, by system.
+    """
     from mavwire._ftp.channel import parse
     from mavwire.mavftp_op import OP_Ack, OP_OpenFileRO, OP_ResetSessions, OP_TerminateSession
 
@@ -82,7 +92,7 @@ def transfers(messages: Iterable[Any]) -> Iterator[Transfer]:
         if packet is None:
             continue
         if packet.opcode == OP_Ack:
-            yield from _answered(opened, msg.get_srcSystem(), packet)
+            yield from _answered(opened, msg.get_srcSystem(), packet, strays)
         elif packet.opcode == OP_OpenFileRO:
             request = (msg.target_system, packet.session)
             if request in opened:
@@ -97,7 +107,7 @@ def transfers(messages: Iterable[Any]) -> Iterator[Transfer]:
 
 
 def _answered(
-    opened: dict[tuple[int, int], Transfer], system: int, packet: Any
+    opened: dict[tuple[int, int], Transfer], system: int, packet: Any, strays: Counter[int]
 ) -> Iterator[Transfer]:
     """Take in an answer. Whoever says that it has opened what all were asked for is the one that
     sends it; what it had in that session is at its end.
@@ -110,12 +120,13 @@ def _answered(
         if one in opened:
             yield opened.pop(one)
         opened[one] = transfer
-    if one not in opened:
-        return
     data = bytes(packet.payload or b"")
-    if packet.req_opcode == OP_OpenFileRO and len(data) >= 4:
+    is_part = packet.req_opcode in (OP_ReadFile, OP_BurstReadFile)
+    if one not in opened:
+        strays.update([system] if is_part else ())
+    elif packet.req_opcode == OP_OpenFileRO and len(data) >= 4:
         opened[one].size = int.from_bytes(data[:4], "little")
-    elif packet.req_opcode in (OP_ReadFile, OP_BurstReadFile):
+    elif is_part:
         opened[one].add(packet.offset, data)
 
 
@@ -124,7 +135,7 @@ def _tell(transfer: Transfer, folder: str | None) -> None:
     name = printable(transfer.name)
     print(f"# {name}")
     if _is_parameters(transfer):
-        _tell_parameters(content)
+        _tell_parameters(name, content)
     elif missing:
         print(f"mavwire ftpdecode: {name}: {missing} bytes are missing", file=sys.stderr)
     if folder:
@@ -150,12 +161,12 @@ def _is_parameters(transfer: Transfer) -> bool:
     return transfer.name.startswith("@PARAM/param.pck")
 
 
-def _tell_parameters(content: bytes) -> None:
+def _tell_parameters(file: str, content: bytes) -> None:
     from mavwire._ftp.params import ftp_param_decode
 
     found = ftp_param_decode(content)
     if found is None:
-        print("mavwire ftpdecode: the parameters are not complete", file=sys.stderr)
+        print(f"mavwire ftpdecode: {file}: the parameters are not complete", file=sys.stderr)
         return
     for name, value, _ in found.params:
         print(printable(name.decode(errors="replace")), value)

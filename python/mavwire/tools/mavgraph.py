@@ -6,14 +6,16 @@ value at each of them, with the newest of the others.
 
 from __future__ import annotations
 
+import sys
+from array import array
 from typing import Any
 
-from mavwire._wording import in_words
+from mavwire._wording import in_words, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli.plot import check_output, is_log
 from mavwire.expression import evaluate_expression
-from mavwire.plots.expressions import STATE_NAMES, as_number, parse
+from mavwire.plots.expressions import STATE_NAMES, as_number, parse, why_nothing
 from mavwire.plots.graphs import SIZE, Graph, Style, check, draw
 from mavwire.plots.series import is_instance
 from mavwire.tools._arguments import add_condition, add_dialect, add_no_timestamps, add_planner
@@ -57,8 +59,8 @@ def main(args: Namespace) -> int:
     logs = [one for one in args.what if is_log(one)]
     fields = [one for one in args.what if not is_log(one)]
     _check(args, logs, fields)
-    check_output(args.output or "", logs)
-    figures = open_figures(args.output)
+    check_output(args.output or "", logs, "--output")
+    figures = open_figures(args.output, "--output")
     graph = Graph(_style(args))
     expressions = [_parsed(one) for one in fields]
     x = None if args.xaxis is None else _parsed(args.xaxis)
@@ -132,6 +134,9 @@ def _read(path: str, args: Namespace, series: list[Series], graph: Graph, shift:
             for one in series:
                 if kind in one.types:
                     one.take(newest, msg, kind, stamp)
+        if args.condition is None:  # which would be why
+            for one in series:
+                one.tell_why_nothing(newest)
 
 
 class Newest(dict[str, Any]):
@@ -156,7 +161,7 @@ class Series:
         self._expression = expression
         self._over = None if x is None else x.text
         self._x: list[float] = []
-        self._y: list[float] = []
+        self._y: list[float | list[float]] = []
         self._texts: list[tuple[float, str]] = []
 
     def take(self, messages: Mapping[str, Any], msg: Any, kind: str, stamp: float) -> None:
@@ -172,10 +177,12 @@ class Series:
             self._texts.append((x, value))
             return
         try:
-            y = as_number(value)
+            y = _numbers(value)
             self._x.append(as_number(x))
         except ValueError as error:
             raise CommandError(f"{self._expression.text!r}: {error}") from error
+        if self._y and _width(y) != _width(self._y[0]):
+            raise CommandError(f"{self._expression.text!r}: arrays of different lengths")
         self._y.append(y)
 
     def _value(self, text: str, messages: Mapping[str, Any]) -> Any:
@@ -183,6 +190,13 @@ class Series:
             return evaluate_expression(text, messages)
         except Exception as error:  # whatever a function of an expression raises
             raise CommandError(f"{text!r}: {in_words(error)}") from error
+
+    def tell_why_nothing(self, messages: Mapping[str, Any]) -> None:
+        """Say on standard error why there are no values, by the newest messages of the log."""
+        if self._x or self._texts:
+            return
+        if why := why_nothing(self._expression.text, messages):
+            print(printable(f"mavwire graph: {self._expression.text}: {why}"), file=sys.stderr)
 
     def draw(self, graph: Graph, label: str, field: str, colour: int) -> None:
         """Add what was gathered to the graph; say so if that is nothing."""
@@ -192,6 +206,18 @@ class Series:
         right = self._expression.right
         name = label.removesuffix(":2") if label == field else label
         graph.add(name, right, colour, self._x, self._y, self._texts)
+
+
+def _numbers(value: Any) -> float | list[float]:
+    """A number, or those of an array, of which each element is a line."""
+    if isinstance(value, list | tuple | array):
+        return [as_number(one) for one in value]
+    return as_number(value)
+
+
+def _width(y: float | list[float]) -> int | None:
+    """How many lines it belongs to; None for that of a number."""
+    return len(y) if isinstance(y, list) else None
 
 
 if __name__ == "__main__":

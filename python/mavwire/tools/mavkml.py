@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import sys
 from contextlib import ExitStack
 from html import escape
 from itertools import count
@@ -68,6 +69,9 @@ def main(args: Namespace) -> int:
             print(f"Processing {path}")
             with reading("kml", path, notimestamps=args.no_timestamps) as log:
                 lines += _lines(log, args)
+        if not lines:
+            hint = f"no {args.source} in the logs; `mavwire map LOG --out FILE.kml` draws any log"
+            print(f"mavwire kml: {hint}", file=sys.stderr)
         text = document(lines, args.extrude)
         open_output(args.output, args.logs, stack).write(text.encode())
     print(f"KML written to {args.output}")

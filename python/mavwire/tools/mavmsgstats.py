@@ -58,7 +58,8 @@ def _sizes(log: Reading) -> dict[str, int]:
         totals: Counter[str] = Counter()
         for (kind, length), count in counts.items():
             totals[kind] += length * count
-        return dict(totals)
+        # Of equal ones that comes first which the log describes first.
+        return {name: totals[name] for name in (*log.link.name_to_id, *totals) if totals[name]}
     sizes: dict[str, int] = {}
     for msg in log.messages():
         if msg.get_msgId() >= 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mavwire.cli._message_types import wanted
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
 
@@ -36,8 +37,7 @@ def main(args: Namespace) -> int:
 
 
 def _search(log: Reading, args: Namespace) -> None:
-    types = args.types.split(",") if args.types is not None else None
-    for msg in log.messages(types):
+    for msg in log.messages(wanted(args.types, log)):
         found = log.holds(args.condition)
         if found:
             print(msg)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 
+from mavwire.cli._message_types import wanted
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import (
     add_condition,
@@ -33,7 +34,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    types = args.types.split(",") if args.types is not None else None
     with definitions():
         for path in args.logs:
             print(f"Processing log {path}")
@@ -42,7 +42,7 @@ def main(args: Namespace) -> int:
                 "sigloss", path, notimestamps=args.no_timestamps, planner_format=args.planner,
                 robust_parsing=args.robust,
             ) as log:  # fmt: skip
-                for msg in log.messages(types, args.condition):
+                for msg in log.messages(wanted(args.types, log), args.condition):
                     stamp = msg._timestamp
                     if not stamp:  # how a dataflash log describes itself, before it has a time
                         continue

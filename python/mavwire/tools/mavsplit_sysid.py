@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import ExitStack
 
+from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, open_output
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
@@ -27,7 +28,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    types = args.types.split(",") if args.types else None
     for path in args.logs:
         print(f"Processing {path}")
         with (
@@ -36,7 +36,7 @@ def main(args: Namespace) -> int:
             ExitStack() as stack,
         ):
             require_telemetry(log)
-            _split(log, types, args, stack)
+            _split(log, wanted(args.types or None, log), args, stack)
     return 0
 
 

@@ -6,6 +6,7 @@ import math
 import time
 from functools import lru_cache
 
+from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
@@ -113,6 +114,7 @@ def _clock(second: int) -> str:
 
 def _points(log: Reading, args: Namespace) -> Iterator[str]:
     last = Point(0.0, 0.0, 0.0, 0.0, 0.0, 0)
+    tell_unknown(args.types or (), log)
     for msg in log.messages(args.types or TYPES, args.condition):
         point = _point(msg)
         if point is None:

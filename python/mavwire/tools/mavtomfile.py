@@ -6,6 +6,7 @@ import os
 from contextlib import ExitStack
 from operator import attrgetter
 
+from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, open_output
 from mavwire.cli._reading import definitions, reading
 from mavwire.links.recording import shown
@@ -54,7 +55,7 @@ def main(args: Namespace) -> int:
 
 
 def _write(log: Reading, args: Namespace, file: OutputFile) -> None:
-    types = None if args.types is None else set(args.types.split(","))
+    types = wanted(args.types, log)
     matrices: dict[str, Matrix | None] = {}
     for msg in log.messages(condition=args.condition):
         kind = msg.get_type()
@@ -66,7 +67,7 @@ def _write(log: Reading, args: Namespace, file: OutputFile) -> None:
             file.write(matrix.row(msg).encode())
 
 
-def _is_wanted(kind: str, types: set[str] | None) -> bool:
+def _is_wanted(kind: str, types: list[str] | None) -> bool:
     if kind in ("BAD_DATA", "FMT", "PARM") or kind.startswith("UNKNOWN_"):
         return False
     return types is None or kind in types

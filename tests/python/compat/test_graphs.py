@@ -14,7 +14,8 @@ from typing import Any
 import dataflash_writer
 import pytest
 from dump_logs import environment
-from tool_runs import flight_log, in_folder, program, random_log
+from mavwire.dialects.v20 import ardupilotmega as mavlink
+from tool_runs import Log, flight_log, in_folder, program, random_log
 
 pytest.importorskip("matplotlib", reason="matplotlib is not installed")
 
@@ -74,6 +75,34 @@ def test_one_log(options: str, tmp_path: Path, oracle: str) -> None:
     assert len(ours["axes"]) == len(theirs["axes"])
     for our, their in zip(ours["axes"], theirs["axes"], strict=True):
         assert_same_axes(our, their)
+
+
+def test_arrays_have_a_line_for_each_element(tmp_path: Path, oracle: str) -> None:
+    log = Log(tmp_path / "motors.tlog")
+    for number in range(5):
+        rpm = [number, 10 * number, 200 - number, 7]
+        message = mavlink.MAVLink_esc_telemetry_1_to_4_message(
+            bytes(4), [0] * 4, [0] * 4, [0] * 4, rpm, [0] * 4
+        )
+        log.add(number, message)
+    path, options = log.done(), "ESC_TELEMETRY_1_TO_4.rpm"
+    _, theirs = figure(program("mavgraph"), options, tmp_path / "theirs", path)
+    _, ours = figure(["-m", "mavwire", "graph"], options, tmp_path / "ours", path)
+    assert_same_axes(ours["axes"][0], theirs["axes"][0])
+    assert len(ours["axes"][0]["lines"]) == 4
+
+
+def test_texts_alone_are_in_view(tmp_path: Path) -> None:
+    """Without a line nothing else would set the limits of time."""
+    log = Log(tmp_path / "said.tlog")
+    for number in range(3):
+        log.add(number, mavlink.MAVLink_statustext_message(6, b"text %d" % number))
+    options = "STATUSTEXT.text"
+    _, drawn = figure(["-m", "mavwire", "graph"], options, tmp_path / "ours", log.done())
+    left, right = drawn["axes"][0]["limits"][:2]
+    places = [text["at"][0] for text in drawn["axes"][0]["texts"]]
+    assert len(places) == 3
+    assert all(left < place < right for place in places)
 
 
 def spectra_log(path: Path) -> Path:

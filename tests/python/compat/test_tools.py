@@ -320,6 +320,18 @@ def test_sizes_where_no_zeros_are_cut_off(tmp_path: Path, oracle: str) -> None:
     compare("mavmsgstats", "msgstats", "", tmp_path, log.done())
 
 
+def test_types_of_a_dataflash_log_that_are_as_large(tmp_path: Path, oracle: str) -> None:
+    """They are in the order of their descriptions."""
+    log = dataflash_writer.Log()
+    names = ("BAT", "ATT", "XKF1", "CTUN")
+    for name in names:
+        log.define(name, "Qf", "TimeUS,X")
+    for number, name in enumerate(reversed(names)):
+        log.add(name, number, 1.0)
+    lines = compare("mavmsgstats", "msgstats", "", tmp_path, Path(log.write(tmp_path / "a.bin")))
+    assert [line.split()[0] for line in lines[2:6]] == list(names)
+
+
 def test_a_log_with_positions_at_zero(tmp_path: Path, oracle: str) -> None:
     log = Log(tmp_path / "zero.tlog")
     for number, (lat, lon, fix) in enumerate(

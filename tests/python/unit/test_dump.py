@@ -218,6 +218,15 @@ def test_what_is_no_log_is_said_on_standard_error(
     assert printed.err == f"mavwire dump: {said}: {str(path)!r}\n"
 
 
+@pytest.mark.parametrize("content", [b"", b"no log at all"])
+def test_standard_input_is_not_called_by_the_file_that_keeps_it(
+    content: bytes, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(content)))
+    assert cli.main(["dump", "-"]) == 0
+    assert capsys.readouterr().err.endswith(": standard input\n")
+
+
 def test_a_compressed_log_is_said_to_be_one(
     log: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

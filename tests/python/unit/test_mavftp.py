@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mavwire import mavftp
+from mavwire import mavftp, mavutil
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.mavftp import FtpError
 from mavwire.sim import Vehicle
@@ -310,3 +310,44 @@ def test_a_download_follows_links_and_keeps_devices(tmp_path: Path) -> None:
         reader.join(30)
         assert read == [CONTENT]
         assert pipe.is_fifo()
+
+
+def test_a_pipe_is_no_file_to_send() -> None:
+    """Blocks that are lost are read again."""
+    _, ftp = client()
+    reading, writing = os.pipe()
+    os.write(writing, b"text")
+    os.close(writing)
+    try:
+        result = ftp.cmd_put([f"/dev/fd/{reading}", "/text"])
+        assert result.error_code == FtpError.FailToOpenLocalFile
+    finally:
+        os.close(reading)
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (KeyboardInterrupt(), 130),
+        (ImportError("pyserial is needed"), "mavftp: pyserial is needed"),
+        (OSError("no such port"), "mavftp: no such port"),
+    ],
+)
+def test_how_the_program_ends(
+    error: BaseException, code: int | str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: Any, **__: Any) -> None:
+        raise error
+
+    monkeypatch.setattr(mavutil, "mavlink_connection", fail)
+    monkeypatch.setattr("sys.argv", ["mavftp", "--device", "/dev/ttyX", "list"])
+    with pytest.raises(SystemExit) as ended:
+        mavftp.main()
+    assert ended.value.code == code
+
+
+def test_an_unknown_log_level(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.argv", ["mavftp", "--loglevel", "loud", "list"])
+    with pytest.raises(SystemExit) as ended:
+        mavftp.main()
+    assert ended.value.code == 2

@@ -171,11 +171,15 @@ def test_what_graphs_refuse(
         "marker style 'Q'": (log, "ATTITUDE.roll", "--marker", "Q", *out),
         "'zz' is not a valid value": (log, "ATTITUDE.roll", "--linestyle", "zz", *out),
         "images are .": (log, "ATTITUDE.roll", "--output", "out.nope"),
-        "is a log that is read": (log, "ATTITUDE.roll", "--output", log.name),
+        "--output flight.tlog is a log that is read": (log, "ATTITUDE.roll", "--output", log.name),
     }.items():  # fmt: skip
         assert wanted in fails(capsys, "graph", *arguments)
     assert cli.main(["graph", log.name, "NOPE.x", *out]) == 1
-    assert "Failed to find any values for field NOPE.x" in capsys.readouterr().out
+    said = capsys.readouterr()
+    assert "Failed to find any values for field NOPE.x" in said.out
+    assert said.err == "mavwire graph: NOPE.x: there is no 'NOPE'\n"
+    assert cli.main(["graph", log.name, "twice(ATTITUDE.roll)", *out]) == 1
+    assert capsys.readouterr().err.endswith(": there is no 'twice'\n")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["flight.tlog"]
 
 
@@ -187,7 +191,10 @@ def test_windows(
 
     log = str(flight_log(tmp_path / "flight.tlog"))
     monkeypatch.setattr(matplotlib, "get_backend", lambda: "agg")
-    assert "there is no display for a window" in fails(capsys, "graph", log, "ATTITUDE.roll")
+    said = "there is no display for a window; {} FILE draws an image"
+    assert said.format("--output") in fails(capsys, "graph", log, "ATTITUDE.roll")
+    for verb in ("fft", "fft_int", "fft_isb", "fft_pid"):
+        assert said.format("--image") in fails(capsys, verb, log)
     shown: list[str] = []
 
     def show() -> None:
@@ -211,6 +218,8 @@ def test_a_way_without_altitude(
     log = dataflash_writer.Log().define("GPS", "QLL", "TimeUS,Lat,Lng").add("GPS", 1, 2, 3)
     path = log.write(tmp_path / "way.bin")
     assert "GPS has no Lat, Lon and Alt" in fails(capsys, "kml", path, "-s", "GPS")
+    assert cli.main(["kml", path]) == 0
+    assert "no GPOS in the logs; `mavwire map" in capsys.readouterr().err
 
 
 def compass_log(path: Path, offsets: tuple[float, ...], diagonals: tuple[float, ...]) -> Path:
@@ -273,6 +282,43 @@ def test_compass_and_world_model(tmp_path: Path, capsys: pytest.CaptureFixture[s
         assert found[f"COMPASS_{name}"] == pytest.approx(value, abs=near), name
 
 
+@pytest.mark.parametrize(
+    ("verb", "options", "reason"),
+    [
+        ("magfit_WMM", "--lat 95 --lon 10", "no magnetic field is tabulated for 95.0, 10.0"),
+        ("magfit_WMM", "--att-source FOO", "there is no FOO in the log"),
+        ("magfit_WMM", "--min-scale 2 --max-scale 1", "--min-scale is above --max-scale"),
+        ("magfit_WMM", "--max-diag nan", "--min-diag is above --max-diag"),
+        ("magfit", "--noise nan", "--noise is a number of milligauss"),
+        ("magfit", "--radius -5", "--radius is a number of milligauss"),
+    ],
+)
+def test_numbers_that_mean_nothing_to_a_fit(
+    verb: str, options: str, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = compass_log(tmp_path / "flight.bin", (40.0, -30.0, 70.0), (1.0, 1.0, 1.0))
+    assert reason in fails(capsys, verb, path, *options.split())
+
+
+def test_compass_of_a_text_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It counts its records by name, not by number."""
+    log = tmp_path / "flight.log"
+    log.write_text(
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+        "FMT, 10, 31, PARM, QNf, TimeUS,Name,Value\n"
+        "FMT, 11, 24, XKF1, QBccC, TimeUS,C,Roll,Pitch,Yaw\n"
+        "FMT, 12, 24, NKF1, QBccC, TimeUS,C,Roll,Pitch,Yaw\n"
+        "PARM, 1, AHRS_EKF_TYPE, {}\nXKF1, 2, 0, 1.5, 2.5, 3.5\n"
+    )
+    text = log.read_text()
+    for number, source in ((3, "XKF1"), (2, "ATT"), (0, "ATT")):
+        log.write_text(text.format(number))
+        assert cli.main(["magfit_WMM", str(log)]) == 1
+        said = capsys.readouterr()
+        assert f"Attitude source {source}" in said.out
+        assert "give --lat and --lon" in said.err
+
+
 def test_limits_of_the_compass_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = str(compass_log(tmp_path / "flight.bin", (40.0, -30.0, 70.0), (1.5, 1.5, 1.5)))
     options = ["--mag", "2", "--no-cmot-change", "--max-scale", "1.2", "--max-offset", "20"]
@@ -310,3 +356,23 @@ def test_spectrum_of_a_selection(
     assert line.get_xdata()[np.argmax(line.get_ydata())] == pytest.approx(200.0, abs=2.0)
     none = dataflash_writer.Log().write(tmp_path / "none.bin")
     assert "nothing to draw" in fails(capsys, "fft_int", none, "--image", image)
+    assert "too few samples" in fails(capsys, *arguments[:2], "--from", "7", "--image", image)
+
+
+@pytest.mark.parametrize("verb", ["fft", "fft_int"])
+def test_spectra_of_sensors_that_share_a_type(
+    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As in the logs of newer autopilots."""
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    log = dataflash_writer.Log()
+    for kind, axis in (("ACC", "Acc"), ("GYR", "Gyr")):
+        log.define(kind, "QBQfff", f"TimeUS,I,SampleUS,{axis}X,{axis}Y,{axis}Z")
+    for number in range(100):
+        for kind, sensor in (("ACC", 0), ("ACC", 1), ("GYR", 0), ("GYR", 3)):
+            log.add(kind, number * 1000, sensor, number * 1000, number % 3, 0.0, sensor)
+    path = log.write(tmp_path / "fast.bin")
+    assert cli.main([verb, path, "--image", str(tmp_path / "out.png")]) == 0
+    images = sorted(one.name for one in tmp_path.glob("*.png"))
+    assert images == ["out-ACC1.png", "out-ACC2.png", "out-GYR1.png"]
+    assert verb == "fft_int" or "Extracted 200 data points" in capsys.readouterr().out

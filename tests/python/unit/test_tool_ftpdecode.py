@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from mavwire import cli
 from mavwire.dialects.v20 import common as mavlink
 from mavwire.mavftp_op import (
     FTP_OP,
@@ -14,6 +17,10 @@ from mavwire.mavftp_op import (
     OP_TerminateSession,
 )
 from mavwire.tools.mavftpdecode import transfers
+from tool_runs import Log
+
+if TYPE_CHECKING:
+    import pytest
 
 
 def packed(source: int, target: int, packet: FTP_OP) -> Any:
@@ -39,7 +46,7 @@ def sent(source: int, content: bytes) -> list[Any]:
 
 def found(*messages: Any) -> list[tuple[str, bytes, int]]:
     """Name, content and missing bytes of each file."""
-    return [(one.name, *one.content()) for one in transfers(messages)]
+    return [(one.name, *one.content()) for one in transfers(messages, Counter())]
 
 
 def test_an_answer_to_something_else_opens_no_file() -> None:
@@ -60,3 +67,20 @@ def test_a_file_asked_of_all_is_not_one_that_was_opened_before() -> None:
 def test_a_file_of_who_has_no_number() -> None:
     messages = [request(OP_OpenFileRO, 0, b"b.txt"), *sent(0, b"BB")]
     assert found(*messages) == [("b.txt", b"BB", 0)]
+
+
+def test_parts_of_files_that_the_log_does_not_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Such as in a log that has one direction alone, of which nothing would be said."""
+    log = Log(tmp_path / "answers.tlog")
+    listed = answer(OP_ListDirectory, 3, b"Fx.txt\t4")
+    for number, message in enumerate([*sent(1, b"AAAA"), *sent(2, b"B"), listed]):
+        log.add_bytes(number, message.get_msgbuf())
+    assert cli.main(["ftpdecode", str(log.done())]) == 0
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert [line.split(": ")[2][:39] for line in said.err.splitlines()] == [
+        "1 parts of files that system 1 sent are",
+        "1 parts of files that system 2 sent are",
+    ]

@@ -14,7 +14,7 @@ import dataflash_writer
 import pytest
 from mavwire import cli
 from mavwire.dialects.v20 import ardupilotmega as mavlink
-from tool_runs import Log, heartbeat, random_log
+from tool_runs import Log, flight_log, heartbeat, random_log
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> Any:
@@ -204,7 +204,10 @@ def test_a_csv_log_is_dumped(csv_log: str, capsys: pytest.CaptureFixture[str]) -
 
 
 def test_what_a_csv_log_does_not_have(csv_log: str, capsys: pytest.CaptureFixture[str]) -> None:
-    for options in (["dump", "--show-loss"], ["dump", "--output", "x"], ["loss"], ["msgstats"]):
+    for options in (
+        ["dump", "--show-loss"], ["dump", "--output", "x"], ["loss"], ["msgstats"],
+        ["magfit", "--mag2"], ["magfit_WMM"],
+    ):  # fmt: skip
         assert f"{csv_log} is a CSV log" in fails(capsys, options[0], csv_log, *options[1:])
     assert "no message type 'X'" in fails(capsys, "dump", csv_log, "--format=csv", "--types=X")
 
@@ -222,3 +225,34 @@ def test_tools_over_a_csv_log(
     assert "Sig lost for 1000.0s" in run(capsys, "sigloss", csv_log).out
     for verb in ("parms", "flighttime", "summarize", "gpslock"):
         run(capsys, verb, csv_log)
+
+
+def test_types_that_there_are_not(
+    tmp_path: Path,
+    csv_log: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A misspelt one would go unnoticed."""
+    monkeypatch.chdir(tmp_path)
+    log = str(flight_log(tmp_path / "flight.tlog"))
+    for verb, option in (
+        ("search", "--types"), ("sigloss", "--types"), ("tomfile", "--types"),
+        ("split_sysid", "--types"), ("togpx", "--type"),
+    ):  # fmt: skip
+        assert cli.main([verb, log, option, "HEARTBEET"]) == 0
+        said = capsys.readouterr().err
+        assert said.startswith(f"mavwire {verb}: no message type 'HEARTBEET' in dialect ")
+        assert said.endswith("; did you mean 'HEARTBEAT'?\n")
+        assert cli.main([verb, log, option, "HEARTBEAT"]) == 0
+        assert capsys.readouterr().err == ""
+    assert cli.main(["search", csv_log, "--types", "CSV,NOPE"]) == 0
+    assert capsys.readouterr().err == "mavwire search: no message type 'NOPE' in this log\n"
+
+
+@pytest.mark.parametrize("types", ["", ","])
+def test_a_replay_of_no_types(
+    types: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = flight_log(tmp_path / "flight.tlog")
+    assert "--types names nothing" in fails(capsys, "replay", str(log), "--types", types)

@@ -241,6 +241,20 @@ def test_a_parameter_file_with_a_mistake(
     assert f"{path}:2" in fails(capsys, "parmdiff", path, path)
 
 
+@pytest.mark.parametrize("verb", ["parmdiff", "extract_parms"])
+def test_a_parameter_file_that_cannot_be_read(
+    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Compared with nothing, each parameter would look like one that is new."""
+    path = tmp_path / "some.parm"
+    path.write_text("A 1\n")
+    for wrong, reason in ((tmp_path / "none.parm", "No such file"), (tmp_path, "directory")):
+        for names in ((path, wrong), (wrong, path)):
+            said = fails(capsys, verb, *names)
+            assert str(wrong) in said
+            assert reason in said
+
+
 def test_control_characters_of_a_parameter_file_do_not_reach_the_terminal(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
