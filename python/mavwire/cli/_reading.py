@@ -261,32 +261,35 @@ def reading(
     path: str,
     show_progress: bool = True,
     first_try: Callable[[], Any] = lambda: None,
+    name: str | None = None,
     **options: Any,
 ) -> Iterator[Reading]:
     """Open a log for `mavwire COMMAND`, show progress, close it, and say so where it was no log.
 
-    `options` are those of `mavlink_connection`, which opens what `first_try` gives None for.
+    `name` is what the user calls it, where that is not its path. `options` are those of
+    `mavlink_connection`, which opens what `first_try` gives None for.
     """
     from mavwire.cli._foreign import warn_if_foreign
 
-    progress = Progress(os.path.basename(path), show_progress)
+    name = name or path
+    progress = Progress(os.path.basename(name), show_progress)
     try:
         with opening(path):
             link = first_try() or open_link(path, progress_callback=progress.update, **options)
         try:
-            yield Reading(command, path, link, progress)
+            yield Reading(command, name, link, progress)
         except AttributeError as error:
             msg: Any = error.obj
             if not hasattr(msg, "fmt"):  # no message of a dataflash log: it is ours
                 raise
-            raise CommandError(f"{path}: {msg.get_type()} has no column {error.name}") from error
+            raise CommandError(f"{name}: {msg.get_type()} has no column {error.name}") from error
         except (LookupError, ValueError, OverflowError) as error:
             if kind_of(link) != "CSV":
                 raise
-            raise CommandError(f"{path}: a row without a time or a cell: {error}") from error
+            raise CommandError(f"{name}: a row without a time or a cell: {error}") from error
         finally:
             link.close()
     finally:
         progress.finish()
     if not options.get("notimestamps"):
-        warn_if_foreign(command, path)
+        warn_if_foreign(command, path, name=name)

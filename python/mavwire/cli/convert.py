@@ -81,7 +81,8 @@ def main(args: argparse.Namespace) -> int:
             print(f"mavwire convert: {row.path}: {row.error}", file=sys.stderr)
         if not args.quiet and (row.error is None or row.files):
             done = "converted before" if row.skipped else "converted"
-            print(f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files")
+            left = f", without {row.bad_bytes:,} bytes of no record" if row.bad_bytes else ""
+            print(f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files{left}")
     return 1 if failed else 0
 
 

@@ -45,7 +45,8 @@ impl Steps {
     }
 }
 
-/// Undoes gzip and zstd, which are told by their first bytes.
+/// Undoes gzip and zstd, which are told by their first bytes. A zstd file may begin with a frame that is skipped (`0x184D2A5?`),
+/// as those of pzstd do.
 ///
 /// # Errors
 /// What reading says.
@@ -59,7 +60,9 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     let whole = io::Cursor::new(magic[..len].to_vec()).chain(source);
     Ok(match magic {
         [0x1F, 0x8B, 8, _] => Box::new(Members::new(whole)),
-        [0x28, 0xB5, 0x2F, 0xFD] => Box::new(zstd::stream::read::Decoder::new(whole)?),
+        [0x28, 0xB5, 0x2F, 0xFD] | [0x50..=0x5F, 0x2A, 0x4D, 0x18] => {
+            Box::new(zstd::stream::read::Decoder::new(whole)?)
+        }
         _ => Box::new(whole),
     })
 }
