@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from mavwire.cli._errors import CommandError
 from mavwire.cli._progress import Progress
 from mavwire.cli._rewriting import split, systems_of, time_of
+from mavwire.cli._signals import ended_in_order
 
 if TYPE_CHECKING:
     import argparse
@@ -90,7 +91,8 @@ def _convert(args: argparse.Namespace, options: dict[str, Any], bars: _Bars) -> 
     if args.workers is None and args.scheduler is None:
         from mavwire.logs.conversion import convert
 
-        return convert(args.logs, args.out, progress=bars.update, **options)
+        with ended_in_order():
+            return convert(args.logs, args.out, progress=bars.update, **options)
     from mavwire import fleet
 
     try:
