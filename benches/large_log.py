@@ -38,6 +38,7 @@ CONVERTED = (
     "log", "messages", "CPU time, us/message", "wall time, us/message", "bytes/message", "peak MiB",
 )  # fmt: skip
 """Headings of the second table."""
+DOCUMENT = Path(__file__).parents[1] / "docs" / "benchmarks.md"
 
 
 def read_link(path: str) -> dict[str, Any]:
@@ -160,18 +161,21 @@ def of_every_type(size: float) -> dict[str, Writer]:
     return {".tlog": lambda log, times: every_type_log.write(log, int(size * times))}
 
 
-def print_table(
+def measured(
     headings: tuple[str, ...], make_row: Callable[[Path, int, int], list[str]],
     writers: dict[str, Writer], folder: Path, runs: int,
-) -> None:  # fmt: skip
-    """A row in Markdown for each log of each kind."""
-    print(f"| {' | '.join(headings)} |\n|{' --- |' * len(headings)}")
+) -> str:  # fmt: skip
+    """A table in Markdown, a row for each log of each kind, which is printed as it comes."""
+    lines = [f"| {' | '.join(headings)} |", f"|{' --- |' * len(headings)}"]
+    print(*lines, sep="\n")
     for suffix, write in writers.items():
         log = folder / f"log{suffix}"
         for times in FLIGHTS:
-            print(f"| {' | '.join(make_row(log, write(log, times), runs))} |", flush=True)
+            lines.append(f"| {' | '.join(make_row(log, write(log, times), runs))} |")
+            print(lines[-1], flush=True)
         log.unlink()
     print()
+    return "\n".join([f"Medians of {runs} processes.", "", *lines])
 
 
 def main() -> None:
@@ -182,6 +186,7 @@ def main() -> None:
     parser.add_argument("--only-convert", action="store_true", help="only the conversions")
     parser.add_argument("--format", default="parquet", help="convert to this (parquet)")
     parser.add_argument("--every-type", action="store_true", help="logs of all types there are")
+    parser.add_argument("--document", action="store_true", help=f"write it into {DOCUMENT.name}")
     parser.add_argument("--read", nargs=2, metavar=("READER", "LOG"), help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.read:
@@ -193,13 +198,22 @@ def main() -> None:
 
     if args.format not in FORMATS:
         parser.error(f"--format is one of {', '.join(FORMATS)}, not {args.format!r}")
+    if args.document and (args.every_type or args.format != "parquet"):
+        parser.error("the document has the usual logs as Parquet: no --every-type, no --format")
     sys.path.append(str(Path(__file__).parent / "python"))
+    import document
+
+    tables = {}
     with TemporaryDirectory() as name:
         folder, size = Path(name), args.bytes / FLIGHTS[-1]
         writers = of_every_type(size) if args.every_type else flights_of(folder, size)
         if not args.only_convert:
-            print_table(HEADINGS, row, {".tlog": writers[".tlog"]}, folder, args.runs)
-        print_table(CONVERTED, partial(converted_row, args.format), writers, folder, args.runs)
+            read_writers = {".tlog": writers[".tlog"]}
+            tables["long-logs"] = measured(HEADINGS, row, read_writers, folder, args.runs)
+        make_row = partial(converted_row, args.format)
+        tables["conversions"] = measured(CONVERTED, make_row, writers, folder, args.runs)
+    for name, table in tables.items() if args.document else ():
+        document.write(DOCUMENT, name, table)
 
 
 if __name__ == "__main__":

@@ -46,7 +46,8 @@ def in_words(error: BaseException, path: str | None = None) -> str:
         return "there is no such instance"
     if isinstance(error, MemoryError) and not error.args:
         return "there is not enough memory"
-    return str(error) or type(error).__name__
+    text = str(error) or type(error).__name__
+    return text if path is None else text.removesuffix(f": {path!r}")
 
 
 def no_such_dialect(dialect: str) -> str:

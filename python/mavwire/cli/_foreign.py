@@ -10,39 +10,53 @@ import os
 import sys
 
 TELEMETRY = "tlog"
+EMPTY = "the log is empty"
+NO_RECORD = "no record of the log is whole; copy it again if there should be more"
 # What the FMT record of FMT itself takes: a dataflash log has at least that.
 FMT_LEN = 89
 
 
-def warn_if_foreign(command: str, path: str, nothing_read: bool = False) -> bool:
+def warn_if_foreign(
+    command: str, path: str, nothing_read: bool = False, name: str | None = None
+) -> bool:
     """Whether `path` is a file and no log of any kind, after saying what it is. That a log is empty
-    is said too. `nothing_read` tells that no message came out of it.
+    or cut off in its first record is said too. `nothing_read` tells that no message came out of it,
+    `name` what the user calls it, where that is not its path.
     """
     from mavwire.links.recognise import log_kind
 
     if not os.path.isfile(path):
         return False
-    if not os.path.getsize(path):
-        _tell(command, f"the log is empty: {path!r}", path)
-        return False
     try:
-        if log_kind(path, readonly=True) == TELEMETRY:
+        lacking, problem = _lacking(command, path), ""
+        if not lacking and log_kind(path, readonly=True) == TELEMETRY:
             problem = _telemetry_problem(command, path, nothing_read)
-        else:
+        elif not lacking:
             problem = _dataflash_problem(path)
     except OSError:  # gone since it was read
         return False
-    if problem:
-        _tell(command, problem, path)
+    if said := lacking or problem:
+        said = said.removesuffix(f": {path!r}")
+        print(f"mavwire {command}: {said}: {name or path!r}", file=sys.stderr)
     return bool(problem)
 
 
-def _tell(command: str, problem: str, path: str) -> None:
-    from mavwire.cli._reading import is_standard_input
+def _lacking(command: str, path: str) -> str:
+    """What a log lacks that is so short that no record of it is whole; nothing of another file."""
+    from mavwire.logs.telemetry import LONGEST_RECORD, LogFormatError, open_log
 
-    if is_standard_input(path):  # a file whose name nobody has given
-        problem = problem.replace(repr(path), "standard input")
-    print(f"mavwire {command}: {problem}", file=sys.stderr)
+    if os.path.getsize(path) > LONGEST_RECORD:
+        return ""
+    try:
+        with open_log(path) as log:
+            if getattr(log, "compressed", False) and command != "info":
+                return ""
+            found = log.info()
+    except LogFormatError:
+        return ""
+    if found.messages:
+        return ""
+    return NO_RECORD if found.bytes else EMPTY
 
 
 def _telemetry_problem(command: str, path: str, nothing_read: bool) -> str:
@@ -52,13 +66,11 @@ def _telemetry_problem(command: str, path: str, nothing_read: bool) -> str:
     if looks_like_tlog(read_head(path, TLOG_PROBE)) and not nothing_read:
         return ""
     from mavwire.logs import LogFormatError, TelemetryLog
-    from mavwire.logs.telemetry import HEAD_SIZE, not_telemetry
 
     try:
         with TelemetryLog(path) as log:
             if not log.compressed:
-                found = next(iter(log), None) is not None
-                return "" if found else str(not_telemetry(path, read_head(path, HEAD_SIZE)))
+                return ""
     except LogFormatError as error:
         return str(error)
     if command == "info":

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from typing import Any
 
 PROGRESS_EVERY = 20_000
-# The name of standard input's file. Logs of each kind are recognised under it.
-STANDARD_INPUT = "stdin.log"
-STANDARD_INPUT_FOLDER = "mavwire-"
+# What standard input is called, and the name of its file. Logs of each kind are recognised under it.
+STANDARD_INPUT = "standard input"
+STANDARD_INPUT_FILE = "stdin.log"
 # Seconds between looks at the end of a log that is followed.
 FOLLOW_EVERY = 0.05
 
@@ -68,20 +68,14 @@ def standard_input() -> Iterator[str]:
 
     if sys.stdin is None or sys.stdin.isatty():
         raise CommandError("- is a log on standard input: zcat flight.tlog.gz | mavwire ... -")
-    with TemporaryDirectory(prefix=STANDARD_INPUT_FOLDER) as folder:
-        path = os.path.join(folder, STANDARD_INPUT)
+    with TemporaryDirectory(prefix="mavwire-") as folder:
+        path = os.path.join(folder, STANDARD_INPUT_FILE)
         try:
             with open(path, "wb") as file:
                 copyfileobj(sys.stdin.buffer, file)
         except OSError as error:
             raise CommandError(f"cannot keep standard input in {folder}: {error}") from error
         yield path
-
-
-def is_standard_input(path: str) -> bool:
-    """Whether a path is that of the file in which `standard_input` keeps it."""
-    folder, name = os.path.split(path)
-    return name == STANDARD_INPUT and os.path.basename(folder).startswith(STANDARD_INPUT_FOLDER)
 
 
 @contextmanager
@@ -268,32 +262,35 @@ def reading(
     path: str,
     show_progress: bool = True,
     first_try: Callable[[], Any] = lambda: None,
+    name: str | None = None,
     **options: Any,
 ) -> Iterator[Reading]:
     """Open a log for `mavwire COMMAND`, show progress, close it, and say so where it was no log.
 
-    `options` are those of `mavlink_connection`, which opens what `first_try` gives None for.
+    `name` is what the user calls it, where that is not its path. `options` are those of
+    `mavlink_connection`, which opens what `first_try` gives None for.
     """
     from mavwire.cli._foreign import warn_if_foreign
 
-    progress = Progress(os.path.basename(path), show_progress)
+    name = name or path
+    progress = Progress(os.path.basename(name), show_progress)
     try:
         with opening(path):
             link = first_try() or open_link(path, progress_callback=progress.update, **options)
         try:
-            yield Reading(command, path, link, progress)
+            yield Reading(command, name, link, progress)
         except AttributeError as error:
             msg: Any = error.obj
             if not hasattr(msg, "fmt"):  # no message of a dataflash log: it is ours
                 raise
-            raise CommandError(f"{path}: {msg.get_type()} has no column {error.name}") from error
+            raise CommandError(f"{name}: {msg.get_type()} has no column {error.name}") from error
         except (LookupError, ValueError, OverflowError) as error:
             if kind_of(link) != "CSV":
                 raise
-            raise CommandError(f"{path}: a row without a time or a cell: {error}") from error
+            raise CommandError(f"{name}: a row without a time or a cell: {error}") from error
         finally:
             link.close()
     finally:
         progress.finish()
     if not options.get("notimestamps"):
-        warn_if_foreign(command, path)
+        warn_if_foreign(command, path, name=name)

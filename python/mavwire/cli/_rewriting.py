@@ -6,6 +6,7 @@ import os
 from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
+from mavwire.cli._foreign import NO_RECORD
 from mavwire.cli._progress import Progress
 from mavwire.cli._signals import ended_in_order
 
@@ -49,6 +50,8 @@ def report(out: str, done: Rewritten) -> str:
         lines.append(
             f"  left out {done.bad_bytes:,} bytes in {done.bad_places:,} places: no record"
         )
+    if done.bytes and not done.records:
+        lines.append(f"  {NO_RECORD}")
     if done.restamped:
         lines.append(f"  replaced {done.restamped:,} times that damage made implausible")
     if done.damage:

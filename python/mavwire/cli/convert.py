@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from mavwire.cli._errors import CommandError
 from mavwire.cli._progress import Progress
 from mavwire.cli._rewriting import split, systems_of, time_of
+from mavwire.cli._signals import ended_in_order
 
 if TYPE_CHECKING:
     import argparse
@@ -81,7 +82,8 @@ def main(args: argparse.Namespace) -> int:
             print(f"mavwire convert: {row.path}: {row.error}", file=sys.stderr)
         if not args.quiet and (row.error is None or row.files):
             done = "converted before" if row.skipped else "converted"
-            print(f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files")
+            left = f", without {row.bad_bytes:,} bytes of no record" if row.bad_bytes else ""
+            print(f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files{left}")
     return 1 if failed else 0
 
 
@@ -89,7 +91,8 @@ def _convert(args: argparse.Namespace, options: dict[str, Any], bars: _Bars) -> 
     if args.workers is None and args.scheduler is None:
         from mavwire.logs.conversion import convert
 
-        return convert(args.logs, args.out, progress=bars.update, **options)
+        with ended_in_order():
+            return convert(args.logs, args.out, progress=bars.update, **options)
     from mavwire import fleet
 
     try:

@@ -16,7 +16,14 @@ from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection, unknown_types
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import open_output
-from mavwire.cli._reading import Reading, definitions, kind_of, reading, standard_input
+from mavwire.cli._reading import (
+    STANDARD_INPUT,
+    Reading,
+    definitions,
+    kind_of,
+    reading,
+    standard_input,
+)
 from mavwire.tools._arguments import add_user_functions
 from mavwire.tools._telemetry import record_of
 
@@ -92,6 +99,7 @@ def _add_output(group: Any) -> None:
 def main(args: Namespace) -> int:
     """Run the subcommand."""
     writer = Writer()
+    name = STANDARD_INPUT if args.log == "-" else args.log
     with ExitStack() as stack:
         stack.enter_context(definitions(args.dialect, "1.0" if args.mav10 else "2.0"))
         if args.log == "-":
@@ -103,18 +111,19 @@ def main(args: Namespace) -> int:
         tables = _tables(args, stack)
         if not os.path.isfile(args.log):  # what a link has to say must not be among the messages
             stack.enter_context(redirect_stdout(sys.stderr))
-        log = stack.enter_context(_open(args, writer))
+        log = stack.enter_context(_open(args, name, writer))
         _check_possible(args, log.link)
         _dump(args, log, writer, _recorder(args, stack), tables)
     return 0
 
 
-def _open(args: Namespace, writer: Writer) -> AbstractContextManager[Reading]:
+def _open(args: Namespace, name: str, writer: Writer) -> AbstractContextManager[Reading]:
     return reading(
         "dump",
         args.log,
         show_progress=args.quiet or not writer.to_terminal,
         first_try=lambda: _dump_native.open_without_index(args),
+        name=name,
         planner_format=args.planner,
         notimestamps=args.no_timestamps,
         robust_parsing=args.robust,

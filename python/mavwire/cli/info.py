@@ -18,11 +18,11 @@ from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from mavwire._wording import no_such_dialect, printable
+from mavwire._wording import in_words, no_such_dialect, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._foreign import warn_if_foreign
 from mavwire.cli._progress import Progress
-from mavwire.cli._reading import open_link, standard_input
+from mavwire.cli._reading import STANDARD_INPUT, open_link, standard_input
 
 if TYPE_CHECKING:
     import argparse
@@ -277,9 +277,10 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
     try:
         summary = read(path, args.dialect)
     except (OSError, ValueError, ImportError) as error:
-        print(f"mavwire info: {name}: {_reason(error, path)}", file=sys.stderr)
+        print(f"mavwire info: {name}: {in_words(error, path)}", file=sys.stderr)
         return False
-    if not summary.messages and warn_if_foreign("info", path, nothing_read=True):
+    called = STANDARD_INPUT if name == "-" else name
+    if not summary.messages and warn_if_foreign("info", path, nothing_read=True, name=called):
         return False
     summary.path = name
     if args.json:
@@ -342,10 +343,3 @@ def _count(path: str, dialect: str | None) -> Summary | None:
         progress.finish()
     seconds = time.perf_counter() - began
     return summary_of(info, size, seconds, isinstance(log, TelemetryLog))
-
-
-def _reason(error: Exception, path: str) -> str:
-    """The text of an error without the file name, which the line has already."""
-    if isinstance(error, OSError) and error.strerror:
-        return error.strerror
-    return str(error).removesuffix(f": {path!r}")

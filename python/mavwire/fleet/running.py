@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any
 
 from mavwire._wording import in_words
@@ -95,9 +96,10 @@ def convert(
         recipe = Recipe(out, folder, query, dialect, format, compression, options)
         run = _Run(store, manifest, recipe, task_bytes, progress)
         try:
-            todo = run.begin(names, known)
-            if todo:
-                with connected(client, workers) as cluster:
+            todo = run.look(names, known)
+            with connected(client, workers) if todo else nullcontext() as cluster:
+                run.begin(todo)
+                if todo:
                     run.work(cluster, todo)
         finally:
             run.journal.close()
@@ -141,6 +143,8 @@ class _Run:
         self.progress = progress
         self.rows: dict[str, Converted] = {}
         self._logs = self._done = 0
+        self._failed: list[Converted] = []
+        """Logs that cannot be read."""
         self._taken: set[str] = set()
         self._parts: dict[str, list[Converted]] = {}
         """What is known of logs of which parts are missing."""
@@ -148,28 +152,30 @@ class _Run:
         self._jobs: dict[str, list[Piece]] = {}
         """The pieces that a future is about, by its key; one that looks for cuts has one."""
 
-    def begin(
+    def look(
         self, names: dict[str, str], known: dict[str, tuple[int, int] | Exception]
     ) -> list[Piece]:
         """Take over what was done before; the logs that are to do, in order."""
         self._logs = len(names)
         self._taken = self.manifest.taken() | set(names.values())
         todo = []
-        failed = []
         for path, name in names.items():
             found = known[path]
             if isinstance(found, Exception):
-                failed.append(Converted(path, name, error=in_words(found, path)))
+                self._failed.append(Converted(path, name, error=in_words(found, path)))
             elif (row := self.manifest.done(path)) is not None:
                 self.rows[path] = row
                 self._done += 1
             else:
                 self.rows[path] = Converted(path, name, *found)
                 todo.append(Piece(path, name))
-        self.journal.begin_all({piece.path: piece.name for piece in todo})
-        for row in failed:
-            self._finish(row)
         return todo
+
+    def begin(self, todo: list[Piece]) -> None:
+        """Note what is to do, and what cannot be done."""
+        self.journal.begin_all({piece.path: piece.name for piece in todo})
+        for row in self._failed:
+            self._finish(row)
 
     def work(self, client: Any, todo: list[Piece]) -> None:
         """Have all of it done. What was done is in the journal, whatever happens."""

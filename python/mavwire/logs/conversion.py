@@ -22,9 +22,9 @@ from .journal import Journal
 from .manifest import Converted, Manifest, file_status
 from .query import Query, check_tables
 from .reading import allow_described, check_readable, native_dialect, paths_of
-from .sources import head_of, is_dataflash, open_converter
+from .sources import is_dataflash, open_converter
 from .store import Store
-from .telemetry import HEAD_SIZE, not_telemetry
+from .telemetry import check_run
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -200,8 +200,7 @@ class Job:
                 if self.progress is not None and row.size:
                     self.progress(row.path, min(100.0, 100.0 * position / row.size))
             position, row.bad_bytes, row.error = converter.progress()
-            if position and row.bad_bytes == position:
-                raise not_telemetry(row.path, head_of(source, HEAD_SIZE))
+            check_run(source, row.path, position, row.bad_bytes, row.error)
             for written, rows in converter.commit():
                 row.files[os.path.relpath(written, self.out)] = rows
                 row.rows += rows

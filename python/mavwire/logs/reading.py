@@ -147,10 +147,9 @@ def check_records(run: LogColumns, path: str, source: Source | None = None) -> N
     """Raise LogFormatError where a run over a file found no record, and it is no log cut off in its
     first one.
     """
-    from .telemetry import check_barren
+    from .telemetry import check_run
 
-    if run.bad_bytes == run.position and (run.position or run.damage):
-        check_barren(path if source is None else source, path, run.damage)
+    check_run(path if source is None else source, path, run.position, run.bad_bytes, run.damage)
 
 
 def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:

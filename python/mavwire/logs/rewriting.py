@@ -16,9 +16,9 @@ from mavwire._native import LogRewrite
 
 from .query import Query
 from .reading import check_readable, native_dialect, paths_of
-from .sources import head_of, is_dataflash
+from .sources import is_dataflash
 from .targets import file_to_write
-from .telemetry import HEAD_SIZE, LogFormatError, check_barren, not_telemetry
+from .telemetry import LogFormatError, check_barren
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -176,8 +176,6 @@ def _run(
         for place, damage in rewrite.barren():
             path = paths[place]
             check_barren(path, path, damage)
-            if not done.records:  # beside others one may be cut off in its first
-                raise not_telemetry(path, head_of(path, HEAD_SIZE), damage)
         rewrite.commit()
     finally:
         rewrite.abandon()

@@ -19,7 +19,9 @@ Source = str | tuple[str, int, int] | tuple[str, int, int, bool] | bytes
 not meant any more; the same of a telemetry log, and whether its records have time stamps; the bytes
 of a log.
 """
-COMPRESSED = (b"\x1f\x8b\x08", b"\x28\xb5\x2f\xfd")
+ZSTD = (b"\x28\xb5\x2f\xfd", *(bytes((first,)) + b"\x2a\x4d\x18" for first in range(0x50, 0x60)))
+"""How zstd files begin: with a frame, or one that is skipped."""
+COMPRESSED = (b"\x1f\x8b\x08", *ZSTD)
 """How gzip and zstd begin."""
 
 

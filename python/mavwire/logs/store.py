@@ -46,6 +46,7 @@ class Store:
 
     def __init__(self, root: str) -> None:
         self.root = root
+        self._made = list(_missing(root))
         os.makedirs(root, exist_ok=True)
 
     def place(self, name: str) -> str:
@@ -93,7 +94,19 @@ class Store:
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Keep other runs from writing to the folder. ValueError where one does so already."""
+        """Keep other runs from writing to the folder. ValueError where one does so already. A folder
+        that was made for a run and that is empty afterwards is removed.
+        """
+        try:
+            with self._lock():
+                yield
+        finally:
+            with suppress(OSError):
+                for folder in self._made:
+                    os.rmdir(folder)
+
+    @contextmanager
+    def _lock(self) -> Iterator[None]:
         if fcntl is None:
             yield
             return
@@ -119,6 +132,13 @@ class Store:
             for entry in list(os.scandir(folder)):
                 if is_draft(entry.name):
                     os.remove(entry.path)
+
+
+def _missing(folder: str) -> Iterator[str]:
+    """The folders that are to be made for one, the innermost first."""
+    while folder and not os.path.lexists(folder):
+        yield folder
+        folder = os.path.dirname(folder)
 
 
 def drafts_of(*names: str) -> Callable[[str], bool]:

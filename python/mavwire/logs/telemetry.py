@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 HEAD_SIZE = 8192
 # A file without a single record is called foreign if it is no longer than this.
 FOREIGN_PROBE = 16 * 1024 * 1024
+# A time stamp, and the longest frame.
+LONGEST_RECORD = 8 + 280
 
 
 class LogFormatError(ValueError):
@@ -232,10 +234,14 @@ class TelemetryLog(Log):
             if not found:
                 check_barren(self.path, self.path, damage)
         elif is_foreign(head) and (
-            _other_format(head) is not None
-            or (size <= FOREIGN_PROBE and next(iter(self), None) is None)
+            _other_format(head) is not None or (size <= FOREIGN_PROBE and not self._has_record())
         ):
             raise not_telemetry(self.path, head)
+
+    def _has_record(self) -> bool:
+        """Whether there is a good record anywhere."""
+        native = self.dialect.MAVLink(None)._dialect
+        return next(LogScan(self.path, native, True, Selection()), None) is not None
 
     def _first_records(self) -> tuple[bool, str | None]:
         """Whether the log begins with records, once it is decompressed; else what is wrong with it."""
@@ -249,10 +255,23 @@ class TelemetryLog(Log):
 
 
 def is_foreign(head: bytes) -> bool:
-    """Whether a file that holds no record is something else than a log that is cut off."""
+    """Whether a file that holds no record is something else than a log that ends within its first
+    one, or right behind that, which is damaged.
+    """
     # Of a record the first byte of its time, which is 0 until the year 4253; of a raw stream a marker.
-    begins = head[8] in b"\xfd\xfe" if len(head) > 8 else head[:1] in b"\0\xfd\xfe"
-    return not begins or _other_format(head) is not None
+    stamped = head[8] in b"\xfd\xfe" if len(head) > 8 else head[:1] == b"\0"
+    begins = stamped or head[:1] in (b"", b"\xfd", b"\xfe")
+    return len(head) > LONGEST_RECORD or not begins or _other_format(head) is not None
+
+
+def check_run(source: Source, path: str, position: int, bad_bytes: int, damage: str | None) -> None:
+    """Raise LogFormatError where a run over a file found no record, and it is neither a dataflash log
+    nor a telemetry log that is empty or cut off in its first.
+    """
+    from .sources import is_dataflash
+
+    if bad_bytes == position and (position or damage) and not is_dataflash(source):
+        check_barren(source, path, damage)
 
 
 def check_barren(source: Source, path: str, damage: str | None) -> None:
@@ -283,12 +302,14 @@ def not_telemetry(path: str, head: bytes, damage: str | None = None) -> LogForma
 
 def _other_format(head: bytes) -> str | None:
     """What kind of file begins like this, if it is a known one."""
+    from .sources import ZSTD
+
     if head.startswith(b"\xa3\x95\x80"):
         return "dataflash log"
     if b"FMT," in head[:1000] and head[:100].isascii():
         return "dataflash text log"
     for magic, name in ((b"PK\x03\x04", "ZIP archive"), (b"\x1f\x8b", "gzip file"),
-                        (b"\x28\xb5\x2f\xfd", "zstd file"), (b"\x7fELF", "program"),
+                        (ZSTD, "zstd file"), (b"\x7fELF", "program"),
                         (b"ULog\x01\x12\x35", "ULog")):  # fmt: skip
         if head.startswith(magic):
             return name

@@ -37,7 +37,8 @@ def main(args: Namespace) -> int:
         return _merge_exactly(args)
     with definitions("all", "2.0"), ExitStack() as stack:
         plain = [_plain(path, stack) for path in args.logs]
-        logs = [stack.enter_context(reading("merge", path)) for path in plain]
+        each = zip(plain, args.logs, strict=True)
+        logs = [stack.enter_context(reading("merge", path, name=name)) for path, name in each]
         for log in logs:
             require_telemetry(log)
         file = open_output(args.output, args.logs, stack) if args.output else None

@@ -5,8 +5,8 @@ use std::io::{self, Read};
 use mavwire_core::registry::Registry;
 
 use crate::gzip::Members;
-use crate::pool;
 use crate::scan::{Framing, STRETCH};
+use crate::{memory, pool};
 
 /// Bytes of a block: large enough for all processors to have a share in it, small enough for the caches.
 const BLOCK: usize = 4 << 20;
@@ -45,11 +45,13 @@ impl Steps {
     }
 }
 
-/// Undoes gzip and zstd, which are told by their first bytes.
+/// Undoes gzip and zstd, which are told by their first bytes. A zstd file may begin with a frame that is skipped (`0x184D2A5?`),
+/// as those of pzstd do.
 ///
 /// # Errors
-/// What reading says.
+/// What reading says; `OutOfMemory` where there is little left.
 pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
+    memory::check_beside_spare(0)?;
     let mut magic = [0; 4];
     let mut failed = None;
     let len = fill(&mut source, &mut magic, &mut failed)?;
@@ -59,7 +61,9 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     let whole = io::Cursor::new(magic[..len].to_vec()).chain(source);
     Ok(match magic {
         [0x1F, 0x8B, 8, _] => Box::new(Members::new(whole)),
-        [0x28, 0xB5, 0x2F, 0xFD] => Box::new(zstd::stream::read::Decoder::new(whole)?),
+        [0x28, 0xB5, 0x2F, 0xFD] | [0x50..=0x5F, 0x2A, 0x4D, 0x18] => {
+            Box::new(zstd::stream::read::Decoder::new(whole)?)
+        }
         _ => Box::new(whole),
     })
 }
@@ -222,11 +226,12 @@ impl Blocks {
     /// says that nothing follows. `None` at the end.
     ///
     /// # Errors
-    /// What reading says.
+    /// What reading says; `OutOfMemory` where there is little left.
     pub fn next<T: Send>(
         &mut self,
         work: impl FnOnce(&[u8], bool) -> (usize, T) + Send,
     ) -> io::Result<Option<T>> {
+        memory::check_beside_spare(0)?;
         let filled = match self.ahead.take() {
             Some(filled) => filled,
             None => self.next.read(&mut self.source, self.block),

@@ -29,7 +29,10 @@ pub(crate) fn source(bytes: &[u8]) -> Box<dyn Read + Send> {
 
 /// Whether it begins as a compressed log does, and is read as one.
 pub(crate) fn looks_compressed(bytes: &[u8]) -> bool {
-    bytes.starts_with(&[0x1F, 0x8B, 8]) || bytes.starts_with(&[0x28, 0xB5, 0x2F, 0xFD])
+    matches!(
+        bytes,
+        [0x1F, 0x8B, 8, ..] | [0x28, 0xB5, 0x2F, 0xFD, ..] | [0x50..=0x5F, 0x2A, 0x4D, 0x18, ..]
+    )
 }
 
 /// Small steps, in which a log of some hundred bytes is long; the first block has `least` bytes.

@@ -283,14 +283,17 @@ impl Dialect {
         &self,
         py: Python<'py>,
         types: Option<HashSet<u32>>,
-    ) -> Bound<'py, PyBytes> {
+    ) -> PyResult<Bound<'py, PyBytes>> {
         let mut bytes = Vec::new();
         for message in &self.registry.dialect().messages {
             if types.as_ref().is_none_or(|some| some.contains(&message.id)) {
                 put_message(&mut bytes, message);
             }
         }
-        PyBytes::new(py, &bytes)
+        PyBytes::new_with(py, bytes.len(), |room| {
+            room.copy_from_slice(&bytes);
+            Ok(())
+        })
     }
 
     /// Descriptions that the definitions themselves carry: `(message text, {field: text})`; empty for built-in ones.

@@ -89,7 +89,7 @@ impl LogLink {
         let this = slf.get();
         if this.wanted.lock(py).is_none() {
             let names = log_wanted::names(types)?;
-            let wanted = Wanted::new(&names, this.index.lock(py).as_ref());
+            let wanted = Wanted::new(&names, this.index.lock(py).as_ref())?;
             *this.wanted.lock(py) = Some(wanted);
         }
         let mut wanted = this.wanted.lock(py);

@@ -1,10 +1,11 @@
 //! Where the messages of each type stand in a log: pymavlink's index, which hops from record to record by their lengths
 //! and checks no checksums. Under `Rescan` it holds the good records, and all of them.
 
-use std::collections::HashSet;
+use std::collections::{HashSet, TryReserveError};
 use std::io;
 use std::sync::Arc;
 
+use mavwire_columns::memory;
 use mavwire_core::codec::read;
 use mavwire_core::frame::{
     CHECKSUM_LEN, HEADER_LEN_V1, HEADER_LEN_V2, Header, IFLAG_SIGNED, SIGNATURE_LEN, STX_V1, STX_V2,
@@ -191,8 +192,9 @@ impl LogIndex {
         }
     }
 
-    /// Message ids of the names that are in the index, each once, and the offsets of all their records, ascending.
-    pub(crate) fn select(&self, names: &[String]) -> (Vec<u32>, Vec<u64>) {
+    /// Message ids of the names that are in the index, each once, and the offsets of all their records, ascending;
+    /// an error where there is no memory for them.
+    pub(crate) fn select(&self, names: &[String]) -> Result<(Vec<u32>, Vec<u64>), TryReserveError> {
         let mut chosen: Vec<u16> = Vec::new();
         for name in names {
             let matches = |&&index: &&u16| self.registry.message(index).name == *name;
@@ -203,12 +205,15 @@ impl LogIndex {
             }
         }
         let ids = chosen.iter().map(|&index| self.registry.message(index).id).collect();
-        let mut offsets: Vec<u64> =
-            chosen.iter().flat_map(|&i| self.offsets[usize::from(i)].iter().copied()).collect();
+        let each = || chosen.iter().map(|&index| &self.offsets[usize::from(index)]);
+        let (mut offsets, count) = (Vec::new(), each().map(Vec::len).sum());
+        offsets.try_reserve_exact(count)?;
+        memory::check(count / 2 * size_of::<u64>())?; // what sorting takes
+        each().for_each(|some| offsets.extend_from_slice(some));
         #[allow(clippy::stable_sort_primitive)]
         // this one makes use of the runs that are sorted already
         offsets.sort();
-        (ids, offsets)
+        Ok((ids, offsets))
     }
 
     pub(crate) fn knows(&self, index: u16) -> bool {

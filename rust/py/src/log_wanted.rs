@@ -1,5 +1,6 @@
 //! Reading an indexed log only where messages of some types stand.
 
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
@@ -18,10 +19,12 @@ pub(crate) struct Wanted {
 }
 
 impl Wanted {
-    /// The records of the types called `names`; none without an index.
-    pub(crate) fn new(names: &[String], index: Option<&LogIndex>) -> Self {
-        let (ids, offsets) = index.map(|index| index.select(names)).unwrap_or_default();
-        Self { ids, offsets, visited: 0 }
+    /// The records of the types called `names`; none without an index. `MemoryError` where there is no memory for them.
+    pub(crate) fn new(names: &[String], index: Option<&LogIndex>) -> PyResult<Self> {
+        let found = index.map(|index| index.select(names)).transpose();
+        let found = found.map_err(|error| PyMemoryError::new_err(error.to_string()))?;
+        let (ids, offsets) = found.unwrap_or_default();
+        Ok(Self { ids, offsets, visited: 0 })
     }
 
     /// Where the records stand from the next one on, which counts as visited then; `None` behind the last.

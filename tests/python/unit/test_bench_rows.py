@@ -72,3 +72,24 @@ def test_live_rows_say_how_many_times_theirs_is_ours() -> None:
         ["pymavlink", "1,000", "0", "18.00", "1.0", "x"],
         ["mavwire", "1,000", "0", "4.00"],
     ]
+
+
+WRITE_TABLES = """
+import pathlib, sys
+sys.path.insert(0, sys.argv.pop(1))
+import large_log
+large_log.DOCUMENT = pathlib.Path(sys.argv.pop(1))
+large_log.main()
+"""
+
+
+def test_the_tables_of_long_logs_are_written_into_the_document(tmp_path: Path) -> None:
+    page = tmp_path / "benchmarks.md"
+    page.write_text((BENCHES.parent / "docs" / "benchmarks.md").read_text())
+    options = ["--bytes", "1e5", "--runs", "1", "--only-convert", "--document"]
+    command = [sys.executable, "-c", WRITE_TABLES, str(BENCHES), str(page), *options]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    table = page.read_text().partition("<!-- conversions")[2].partition("<!-- /conversions -->")[0]
+    assert "\nMedians of 1 processes.\n\n" in table
+    assert table.count("MB .tlog |") == table.count("MB .BIN |") == 3
+    assert printed.strip() in table

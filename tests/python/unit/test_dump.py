@@ -224,7 +224,7 @@ def test_standard_input_is_not_called_by_the_file_that_keeps_it(
 ) -> None:
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(content)))
     assert cli.main(["dump", "-"]) == 0
-    assert capsys.readouterr().err.endswith(": standard input\n")
+    assert capsys.readouterr().err.endswith(": 'standard input'\n")
 
 
 def test_a_compressed_log_is_said_to_be_one(

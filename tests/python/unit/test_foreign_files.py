@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import os
 from pathlib import Path
 
+import mavwire
 import pytest
 from dataflash_writer import sample
 from encoder import heartbeat, record
 from mavwire import cli, mavutil
 
+NO_RECORD = "no record of the log is whole; copy it again if there should be more"
 NO_TELEMETRY = "no telemetry log, there is no record in it"
 NO_DATAFLASH = "no dataflash log, there is no record in it"
 NOISE = bytes(number * number * 7 % 251 for number in range(3000))
@@ -35,11 +38,10 @@ def test_an_empty_log(name: str, command: str, capsys: pytest.CaptureFixture[str
     ("name", "content", "said", "is_refused"),
     [
         ("noise.BIN", NOISE, NO_DATAFLASH, False),
-        ("head.BIN", b"\xa3\x95\x80", NO_DATAFLASH, False),
         ("text.tlog", b"hello\n", NO_TELEMETRY, True),
         ("one.tlog", b"x", NO_TELEMETRY, True),
         ("seven.tlog", b"1234567", NO_TELEMETRY, True),
-        ("markers.tlog", b"\xfd" * 20_000, NO_TELEMETRY, False),
+        ("markers.tlog", b"\xfd" * 20_000, NO_TELEMETRY, True),
     ],
 )
 def test_no_record(
@@ -57,6 +59,50 @@ def test_no_record(
     if command == "info" and is_refused:
         line = f"{name}: {said}"
     assert capsys.readouterr().err == f"mavwire {command}: {line}\n"
+
+
+STARTS = {
+    "tlog": record(heartbeat(), 10**15),
+    "raw": heartbeat(),
+    "BIN": b"\xa3\x95\x80\x80\x59FMT" + bytes(20),
+    "log": b"FMT, 128, 89, FMT, BBnNZ, Type,Length",
+}
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 5, 8, 9, 20])
+@pytest.mark.parametrize("kind", STARTS)
+def test_a_log_that_ends_in_its_first_record(
+    kind: str, size: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is a log: nobody refuses it, and all say that it has nothing."""
+    name, out = f"start.{kind}", Path("out.tlog")
+    Path(name).write_bytes(STARTS[kind][:size])
+    with mavwire.open_log(name) as log:
+        assert (log.read(), log.info().messages, log.info().bad_bytes) == ({}, 0, size)
+    assert mavwire.read(name) == {} and list(mavwire.scan(name)) == []
+    for command in COMMANDS:
+        assert cli.main([command, name]) == 0
+        assert capsys.readouterr().err == f"mavwire {command}: {NO_RECORD}: {name!r}\n"
+    assert cli.main(["convert", name, "-o", "tables"]) == 0
+    assert f"0 rows in 0 files, without {size} bytes of no record" in capsys.readouterr().out
+    if kind not in ("tlog", "raw"):
+        return
+    for words in (["repair"], ["cut", "--types", "ATTITUDE"], ["merge", "--exact"]):
+        if (kind, words[0]) == ("raw", "merge"):
+            continue
+        assert cli.main([*words, name, "-o", str(out)]) == 0
+        assert NO_RECORD in capsys.readouterr().out and out.read_bytes() == b""
+
+
+@pytest.mark.parametrize("name", ["empty.tlog.gz", "empty.BIN.zst"])
+def test_an_empty_compressed_log_is_called_as_the_user_does(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pack = gzip.compress if name.endswith(".gz") else pytest.importorskip("zstandard").compress
+    Path(name).write_bytes(pack(b""))
+    for command in ("merge", "info"):
+        assert cli.main([command, name]) == 0
+        assert capsys.readouterr().err == f"mavwire {command}: the log is empty: {name!r}\n"
 
 
 def test_info_of_what_looks_like_frames_alone(capsys: pytest.CaptureFixture[str]) -> None:

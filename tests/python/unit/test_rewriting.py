@@ -238,8 +238,27 @@ def test_a_log_that_is_cut_off_in_its_first_record_is_one_compressed_too(
     assert merge([flight, start], out).written == 5000
     with mavwire.open_log(start) as log:
         assert mavwire.read(start) == {} and log.info().bad_bytes == 20
-    with pytest.raises(mavwire.logs.LogFormatError, match="not a telemetry log.*start.tlog"):
-        merge([start], out)
+    assert merge([start], out).bad_bytes == 20 and out.read_bytes() == b""
+
+
+def skipped(nibble: int, content: bytes = b"anything") -> bytes:
+    """A frame that readers of zstd pass over."""
+    return bytes((0x50 + nibble,)) + b"\x2a\x4d\x18" + len(content).to_bytes(4, "little") + content
+
+
+def test_zstd_frames_are_read_as_its_own_tool_does(flight, tmp_path):
+    path, out, content = tmp_path / "flight.tlog.zst", tmp_path / "out.tlog", flight.read_bytes()
+    front, rest = content[:60_000], content[60_000:]
+    for parts in ([zstd(front), zstd(rest)], [skipped(0), zstd(content)],
+                  [skipped(15, b""), skipped(3), zstd(front), skipped(0), zstd(rest), skipped(7)],
+                  [zstd(b""), zstd(content)]):  # fmt: skip
+        path.write_bytes(b"".join(parts))
+        with mavwire.open_log(path) as log:
+            assert log.compressed and log.info().damage is None
+        repair(path, out)
+        assert out.read_bytes() == content
+    path.write_bytes(skipped(0))
+    assert mavwire.read(path) == {}
 
 
 @pytest.mark.parametrize(("suffix", "pack"), PACKED)

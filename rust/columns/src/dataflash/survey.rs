@@ -27,6 +27,10 @@ pub type Open<'a> = &'a (dyn Fn() -> io::Result<Box<dyn Read + Send>> + 'a);
 const HEAD: u64 = 64 << 10;
 /// Bytes of a text log that show what it is and how values are separated.
 const PROBE: usize = 8000;
+/// How binary logs begin.
+const BINARY: &[u8] = b"\xA3\x95\x80";
+/// What describes a record in a text log.
+const TEXT: &[u8] = b"FMT,";
 /// Descriptions in the head of a binary log that lacks its first bytes.
 const ENOUGH_LAYOUTS: usize = 3;
 /// Bytes of a type's name at most; binary logs have 4.
@@ -52,12 +56,20 @@ pub enum Form {
     Text(TextDefinitions),
 }
 
+/// Whether a log that begins like this ends before that is over.
+fn is_cut_off_in(log: &[u8], start: &[u8]) -> bool {
+    !log.is_empty() && log.len() < start.len() && start.starts_with(log)
+}
+
 impl Form {
     /// The form of a log that begins with these bytes; `None` for something else, such as a telemetry log of a flight on
     /// which a dataflash log was downloaded: its messages carry descriptions whole.
     pub fn of(head: &[u8]) -> Option<Self> {
-        if head.starts_with(b"\xA3\x95\x80") {
+        if head.starts_with(BINARY) || is_cut_off_in(head, BINARY) {
             return Some(Self::Binary(Box::default()));
+        }
+        if is_cut_off_in(head, TEXT) {
+            return Some(Self::Text(TextDefinitions::new(Delimiter::of(head))));
         }
         let form = Self::without_start(head)?;
         (!Framing::is_in(head, &TELEMETRY)).then_some(form)
@@ -71,7 +83,7 @@ impl Form {
             return Some(Self::Binary(Box::default()));
         }
         let head = &head[..head.len().min(PROBE)];
-        let text = memchr::memmem::find(head, b"FMT,").is_some_and(|at| at < 1000)
+        let text = memchr::memmem::find(head, TEXT).is_some_and(|at| at < 1000)
             && head[..head.len().min(100)].is_ascii();
         text.then(|| Self::Text(TextDefinitions::new(Delimiter::of(head))))
     }
