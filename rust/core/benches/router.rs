@@ -7,7 +7,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use mavwire_core::builtin;
 use mavwire_core::frame::{self, Header};
 use mavwire_core::registry::{Entry, Registry};
-use mavwire_core::router::{Fate, Filter, Limits, LinkId, LinkOptions, Router, Settings};
+use mavwire_core::router::{ByteRate, Fate, Filter, Limits, LinkId, LinkOptions, Router, Settings};
 use mavwire_core::schema::WireVersion;
 use std::hint::black_box;
 
@@ -54,6 +54,12 @@ fn routing(c: &mut Criterion) {
         limits: Limits { message_rate: Some(1e9), ..Limits::default() },
         ..LinkOptions::default()
     };
+    // One that passes a tenth of what comes, and one that passes everything.
+    let bytes = |rate| LinkOptions {
+        limits: Limits { bytes_per_second: Some(ByteRate::new(rate)), ..Limits::default() },
+        ..LinkOptions::default()
+    };
+    let (thin, wide) = (bytes(400_000.0), bytes(1e9));
     let mut group = c.benchmark_group(format!("route {FRAMES} frames"));
     group.throughput(Throughput::Elements(FRAMES as u64));
     for (name, links, senders, options) in [
@@ -61,6 +67,9 @@ fn routing(c: &mut Criterion) {
         ("10 components, 10 links", 10, 10, LinkOptions::default()),
         ("1,000 components, 10 links", 10, 1_000, LinkOptions::default()),
         ("10 components, 10 links with filters and limits", 10, 10, filtered),
+        ("200 components, 2 links", 2, 200, LinkOptions::default()),
+        ("200 components, 2 links with few bytes", 2, 200, thin),
+        ("200 components, 2 links with bytes enough", 2, 200, wide),
     ] {
         let mut frames = frames(&registry, senders);
         let mut router = Router::new(&registry, Settings::new(1));

@@ -232,7 +232,7 @@ impl Router {
     }
 
     /// Decides about a frame that arrived over `source`. `frame` is whole and good, `header` its header and `entry`
-    /// what the registry has for its id.
+    /// what the registry has for its id; `now` is of a clock that never goes back.
     ///
     /// # Panics
     /// Where there is no link `source`.

@@ -38,11 +38,9 @@ const REST_DECAY: f64 = 2e9;
 const FIRST_GAP: u64 = 5_000_000_000;
 const MAX_GAP: u64 = 60_000_000_000;
 /// By so much of the time between two messages, and by this long at most, they may be early, or late by twice as much;
-/// what comes within so much of it is one burst,
+/// what comes within so much of it is one burst.
 const JITTER: u64 = 8;
 const MAX_JITTER: u64 = 1_500_000_000;
-/// and this much.
-const GRACE: u64 = 250_000_000;
 /// From so many messages on a stream is familiar: one that others wait for.
 const FAMILIAR: u8 = 4;
 
@@ -58,12 +56,12 @@ struct Stream {
     cost: f64,
     /// It was refused although it was its turn, and is familiar.
     is_waiting: bool,
-    /// Others leave room for it.
-    holds_room: bool,
+    /// It waits, and its next message is to come now: others leave room for it.
+    is_expected: bool,
+    /// It is among the checks, once.
+    is_checked: bool,
     /// Messages that came of it, up to `FAMILIAR`.
     came: u8,
-    /// When this is looked at again.
-    check_at: u64,
 }
 
 impl Stream {
@@ -74,9 +72,9 @@ impl Stream {
             gap: FIRST_GAP,
             cost,
             is_waiting: false,
-            holds_room: false,
+            is_expected: false,
+            is_checked: false,
             came: 1,
-            check_at: 0,
         }
     }
 
@@ -88,22 +86,21 @@ impl Stream {
         }
         let gap = now.saturating_sub(self.seen);
         if gap > self.gap / JITTER {
-            // A pause tells little about what follows it.
-            self.gap = gap.min(4 * self.gap.max(1)).min(MAX_GAP);
+            self.gap = gap.min(MAX_GAP);
             self.seen = now;
         }
     }
 
-    /// Whether it may be behind others, and have room left for it.
+    /// Whether it may pass in a round that goes on, be behind others, and have room left for it.
     fn is_familiar(&self) -> bool {
         self.came == FAMILIAR
     }
 
-    /// From when on and until when its next burst is to be expected.
-    fn expected(&self) -> (u64, u64) {
-        let (jitter, next) =
-            ((self.gap / JITTER).min(MAX_JITTER), self.seen.saturating_add(self.gap));
-        (next - jitter, next.saturating_add(2 * jitter + GRACE))
+    /// From when on and until when its next burst is to be expected: later than its last one in any case.
+    fn next(&self) -> (u64, u64) {
+        let jitter = (self.gap / JITTER).min(MAX_JITTER);
+        let next = self.seen.saturating_add(self.gap);
+        (next - jitter, next.saturating_add(2 * jitter))
     }
 }
 
@@ -166,7 +163,7 @@ impl Rounds {
         if self.streams.len() == MAX_STREAMS && now >= self.sweep_at {
             self.sweep_at = now.saturating_add(SWEEP_INTERVAL);
             let is_kept =
-                |stream: &Stream| stream.holds_room || stream.seen.saturating_add(FORGOTTEN) > now;
+                |stream: &Stream| stream.is_expected || stream.seen.saturating_add(FORGOTTEN) > now;
             self.streams.retain(|_, stream| is_kept(stream));
         }
         if self.streams.len() < MAX_STREAMS {
@@ -178,6 +175,11 @@ impl Rounds {
     pub(super) fn known(&self) -> usize {
         self.streams.len()
     }
+
+    #[cfg(test)]
+    pub(super) fn checks(&self) -> usize {
+        self.turns.checks.len()
+    }
 }
 
 /// Whose turn it is.
@@ -185,10 +187,10 @@ impl Rounds {
 struct Turns {
     /// The number of this round.
     round: u64,
-    /// Time that is left to streams that wait, by the rounds that they are behind, and to how many.
+    /// Time that is left to streams that are expected, by the rounds that they are behind, and to how many.
     room: [f64; LEVELS],
-    holders: usize,
-    /// When to look at streams that wait.
+    expected: usize,
+    /// When to look at streams that wait, each at one time.
     checks: BinaryHeap<Reverse<(u64, u64)>>,
     /// When all bytes that left are through.
     busy_until: u64,
@@ -205,7 +207,7 @@ impl Turns {
         Self {
             round: 0,
             room: [0.0; LEVELS],
-            holders: 0,
+            expected: 0,
             checks: BinaryHeap::new(),
             busy_until: 0,
             rested: long - SHORT,
@@ -233,7 +235,7 @@ impl Turns {
     fn decide(&mut self, key: u64, stream: &mut Stream, now: u64) -> bool {
         if stream.turn > self.round {
             let reach = if stream.is_familiar() { SHORT } else { MIDDLE };
-            return self.has_room(now, reach.max(SHORT + self.rested), 0);
+            return self.fits(now, reach.max(SHORT + self.rested), 0);
         }
         let behind = self.behind(stream);
         let reach = match behind {
@@ -242,21 +244,20 @@ impl Turns {
             _ => self.long,
         };
         // Those that are as far behind and wait come before one that does not.
-        let passes = self.has_room(now, reach, behind + usize::from(stream.is_waiting));
+        let passes = self.fits(now, reach, behind + usize::from(stream.is_waiting));
         if !passes {
-            self.wait(key, stream, now);
+            self.wait(key, stream);
         }
         passes
     }
 
-    /// A stream was refused in its turn.
-    fn wait(&mut self, key: u64, stream: &mut Stream, now: u64) {
-        let from = stream.expected().0;
-        let is_early = stream.holds_room && now < from;
-        if is_early || (!stream.is_waiting && stream.is_familiar()) {
-            stream.is_waiting = true;
-            self.leave_room(stream, false);
-            self.check(from, key, stream);
+    /// A stream was refused in its turn: the next message is what room is left for.
+    fn wait(&mut self, key: u64, stream: &mut Stream) {
+        stream.is_waiting = true;
+        self.leave_room(stream, false);
+        if !stream.is_checked {
+            stream.is_checked = true;
+            self.checks.push(Reverse((stream.next().0, key)));
         }
     }
 
@@ -270,23 +271,20 @@ impl Turns {
     }
 
     /// Whether bytes that may run ahead by `reach` leave room for streams that are so many rounds behind.
-    fn has_room(&self, now: u64, reach: f64, behind: usize) -> bool {
+    fn fits(&self, now: u64, reach: f64, behind: usize) -> bool {
         let lead = self.lead(now);
         let room = || self.room[behind..].iter().sum::<f64>();
-        lead <= reach && (self.holders == 0 || lead + room() <= self.long)
+        lead <= reach && (self.expected == 0 || lead + room() <= self.long)
     }
 
     /// How many rounds a stream is behind.
     fn behind(&self, stream: &Stream) -> usize {
-        if !stream.is_familiar() {
-            return 0;
-        }
         (self.round.saturating_sub(stream.turn) as usize).min(LEVELS - 1)
     }
 
     fn begin_round(&mut self) {
         self.round += 1;
-        if self.holders == 0 {
+        if self.expected == 0 {
             return;
         }
         let last = self.room[LEVELS - 2] + self.room[LEVELS - 1];
@@ -295,33 +293,29 @@ impl Turns {
         self.room[LEVELS - 1] = last;
     }
 
-    fn check(&mut self, time: u64, key: u64, stream: &mut Stream) {
-        stream.check_at = time;
-        self.checks.push(Reverse((time, key)));
-    }
-
     /// Leaves room for streams that wait when their next message is to be expected, and not for any longer.
     fn look_at_waiting(&mut self, streams: &mut HashMap<u64, Stream, KindHash>, now: u64) {
         while let Some(&Reverse((time, key))) = self.checks.peek()
             && time <= now
         {
             self.checks.pop();
-            if let Some(stream) = streams.get_mut(&key)
-                && stream.is_waiting
-                && stream.check_at == time
-            {
-                self.look_at(key, stream, now);
+            if let Some(stream) = streams.get_mut(&key) {
+                let next_check = self.look_at(stream, now);
+                stream.is_checked = next_check.is_some();
+                self.checks.extend(next_check.map(|time| Reverse((time, key))));
             }
         }
     }
 
-    fn look_at(&mut self, key: u64, stream: &mut Stream, now: u64) {
-        let (from, until) = stream.expected();
-        if now >= until {
-            return self.stop_waiting(stream);
+    /// When to look at it again.
+    fn look_at(&mut self, stream: &mut Stream, now: u64) -> Option<u64> {
+        let (from, until) = stream.next();
+        if !stream.is_waiting || now >= until {
+            self.stop_waiting(stream);
+            return None;
         }
         self.leave_room(stream, now >= from);
-        self.check(if now < from { from } else { until }, key, stream);
+        Some(if now < from { from } else { until })
     }
 
     fn stop_waiting(&mut self, stream: &mut Stream) {
@@ -330,19 +324,19 @@ impl Turns {
     }
 
     fn leave_room(&mut self, stream: &mut Stream, is_wanted: bool) {
-        if stream.holds_room == is_wanted {
+        if stream.is_expected == is_wanted {
             return;
         }
-        stream.holds_room = is_wanted;
+        stream.is_expected = is_wanted;
         let behind = self.behind(stream);
         if is_wanted {
-            self.holders += 1;
+            self.expected += 1;
             self.room[behind] += stream.cost;
         } else {
-            self.holders -= 1;
+            self.expected -= 1;
             self.room[behind] -= stream.cost;
         }
-        if self.holders == 0 {
+        if self.expected == 0 {
             self.room = [0.0; LEVELS]; // sums drift
         }
     }
