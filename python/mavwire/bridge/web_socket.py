@@ -31,6 +31,7 @@ class WebSocket:
     @classmethod
     def accept(cls, handler: Handler) -> Self | None:
         """What a request becomes that asks for it; None for another one, which is told so."""
+        from h11 import ProtocolError as HttpError  # wsproto leaves headers to it
         from wsproto import ConnectionType, WSConnection
         from wsproto.events import AcceptConnection
         from wsproto.utilities import ProtocolError
@@ -43,7 +44,7 @@ class WebSocket:
             web.initiate_upgrade_connection(headers, handler.path.encode())
             next(web.events())
             accepted = web.send(AcceptConnection())
-        except (ProtocolError, StopIteration):
+        except (ProtocolError, HttpError, StopIteration):
             handler.send_error(HTTPStatus.BAD_REQUEST, "this address speaks WebSocket")
             return None
         handler.close_connection = True

@@ -187,6 +187,11 @@ UPGRADE = "\r\n".join(
     ["GET /ws HTTP/1.1", "Host: localhost", "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
      "Sec-WebSocket-Key: a2tra2tra2tra2tra2traw==", "", ""]
 )  # fmt: skip
+BAD_UPGRADES = [
+    UPGRADE.replace("Host: localhost\r\n", ""),
+    UPGRADE.replace("Upgrade:", "Transfer-Encoding: chunked\r\n" * 2 + "Upgrade:", 1),
+    UPGRADE.replace("Upgrade:", "Content-Length: x\r\nUpgrade:", 1),
+]
 PIECES = st.binary(max_size=60) | st.builds(
     lambda head, length, rest: bytes([head, length]) + rest,
     st.sampled_from([0x81, 0x82, 0x01, 0x00, 0x80, 0x88, 0x89, 0x8A, 0xF1, 0x83]),
@@ -250,4 +255,13 @@ def test_any_request_over_http(data: bytes, server: tuple[int, list[BaseExceptio
         answer(port, data.replace(LONG.encode(), b"A" * 70_000))
         served = answer(port, b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
     assert served.startswith(b"HTTP/1.1 200 "), served[:80]
+    assert raised == []
+
+
+@pytest.mark.parametrize("request_text", BAD_UPGRADES)
+def test_an_upgrade_that_http_forbids_is_refused(
+    request_text: str, server: tuple[int, list[BaseException]]
+) -> None:
+    port, raised = server
+    assert b" 400 " in answer(port, request_text.encode()).partition(b"\r\n")[0]
     assert raised == []
