@@ -45,6 +45,9 @@ class MAVParmDict(dict[str, Any]):
     largest difference that does not count as one.
     """
 
+    # For the tools: a file that cannot be read is an OSError.
+    _must_exist = False
+
     def __init__(self, *args: tuple[str, Any] | Mapping[str, Any]) -> None:
         super().__init__()
         for one in args:
@@ -109,6 +112,8 @@ class MAVParmDict(dict[str, Any]):
             with open(filename, encoding="utf-8-sig", errors="replace") as file:
                 entries = list(_entries(file, filename, wildcard, excluded))
         except (OSError, TypeError) as error:
+            if self._must_exist and isinstance(error, OSError):  # one of reading names no file
+                raise OSError(error.errno, error.strerror, filename) from error
             print(f"Failed to open file '{filename}': {error}")
             return False
         if mav is None:
@@ -174,6 +179,7 @@ class MAVParmDict(dict[str, Any]):
         `value_info(name, value)` explains a value in a comment; None is no explanation.
         """
         other = MAVParmDict()
+        other._must_exist = self._must_exist
         if not other.load(filename, use_excludes=use_excludes):
             return
         if header:

@@ -16,7 +16,6 @@ from .settings import DEFAULTS, MAVFTPSettings
 # Silence after which a transfer is given up.
 TRANSFER_SECONDS = 30.0
 HEARTBEAT_SECONDS = 30.0
-LOG_LEVELS = ("DEBUG", "INFO", "WARNING", "ERROR", "CRITICAL")
 EXIT_INTERRUPTED = 130
 
 _HELP = {
@@ -111,8 +110,9 @@ def main() -> None:
     parser = create_argument_parser()
     args = parser.parse_args()
     level = args.loglevel.upper()
-    if level not in LOG_LEVELS:
-        parser.error(f"--loglevel {args.loglevel}: one of {', '.join(LOG_LEVELS)}")
+    levels = logging.getLevelNamesMapping()
+    if level not in levels:
+        parser.error(f"--loglevel {args.loglevel}: one of {', '.join(levels)}")
     logging.basicConfig(level=level, format="%(levelname)s - %(message)s")
     try:
         result = _connect_and_run(args)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+import stat
 import sys
 from typing import IO
 
@@ -26,11 +27,13 @@ def local_name(remote: str) -> str:
 
 def open_source(path: str) -> IO[bytes]:
     """A file to send; OSError for one that cannot be read, from any place in it."""
-    source = open(path, "rb")
-    if not source.seekable():
+    is_pipe = stat.S_ISFIFO(os.stat(path).st_mode)  # which opening may wait for
+    source = None if is_pipe else open(path, "rb")
+    if source is not None and source.seekable():
+        return source
+    if source is not None:
         source.close()
-        raise OSError(errno.ESPIPE, "a pipe, of which nothing can be read again", path)
-    return source
+    raise OSError(errno.ESPIPE, "a pipe, of which nothing can be read again", path)
 
 
 class LocalFile:

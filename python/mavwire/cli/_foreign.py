@@ -43,12 +43,13 @@ def warn_if_foreign(
 
 def _lacking(command: str, path: str) -> str:
     """What a log lacks that is so short that no record of it is whole; nothing of another file."""
+    from mavwire.links import state
     from mavwire.logs.telemetry import LONGEST_RECORD, LogFormatError, open_log
 
     if os.path.getsize(path) > LONGEST_RECORD:
         return ""
     try:
-        with open_log(path) as log:
+        with open_log(path, dialect=state.mavlink) as log:
             if getattr(log, "compressed", False) and command != "info":
                 return ""
             found = log.info()

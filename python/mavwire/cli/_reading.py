@@ -79,18 +79,20 @@ def standard_input() -> Iterator[str]:
 
 
 @contextmanager
-def opening(path: str) -> Iterator[None]:
-    """What goes wrong while a log or a link is opened becomes a CommandError that says so."""
+def opening(path: str, name: str | None = None) -> Iterator[None]:
+    """What goes wrong while a log or a link is opened becomes a CommandError that says so; `name` is what
+    the user calls it, where that is not its path.
+    """
     hint = "; LOG is a .tlog, .BIN or .log file, or a link such as udpin:0.0.0.0:14550"
     if os.path.isfile(path):  # it is the content that is wrong
         hint = ""
     try:
         yield
     except FileNotFoundError as error:
-        raise CommandError(f"no such log: {path}") from error
+        raise CommandError(f"no such log: {name or path}") from error
     except (OSError, ValueError, ImportError) as error:
         reason = "not a log file" if _is_other_device(path) else str(error)
-        raise CommandError(f"cannot open {path}: {reason}{hint}") from error
+        raise CommandError(f"cannot open {name or path}: {reason}{hint}") from error
 
 
 def _is_other_device(path: str) -> bool:
@@ -275,7 +277,7 @@ def reading(
     name = name or path
     progress = Progress(os.path.basename(name), show_progress)
     try:
-        with opening(path):
+        with opening(path, name):
             link = first_try() or open_link(path, progress_callback=progress.update, **options)
         try:
             yield Reading(command, name, link, progress)

@@ -12,11 +12,11 @@ import os
 import stat
 import time
 from _thread import get_ident
-from contextlib import suppress
 from functools import partial
 from io import FileIO
 
 from .forks import follow_forks
+from .readiness import from_handler
 from .signing import MAX_TIMESTAMP
 
 TYPE_CHECKING = False
@@ -54,7 +54,9 @@ class TimestampStore:
         try:
             with _opened(self._path, "r") as file:
                 return max(self._slots(file.fileno()))
-        except FileNotFoundError:
+        except FileNotFoundError as error:
+            if from_handler(error):
+                raise
             return 0
 
     def save(self, timestamp: int) -> None:
@@ -135,10 +137,15 @@ def _made(path: str) -> FileIO:
     """The file at `path`, to read and to write, made if there is none."""
     try:
         return _opened(path, "r+")
-    except FileNotFoundError:
-        with suppress(FileExistsError):  # another process has made it meanwhile
-            # Where `path` is a link to a file that is not there yet, that one is made.
-            FileIO(os.path.realpath(path), "x", opener=partial(os.open, mode=0o600)).close()
+    except FileNotFoundError as error:
+        if from_handler(error):
+            raise
+    try:
+        # Where `path` is a link to a file that is not there yet, that one is made.
+        return FileIO(os.path.realpath(path), "x+", opener=partial(os.open, mode=0o600))
+    except FileExistsError as error:  # another process has made it meanwhile
+        if from_handler(error):
+            raise
     return _opened(path, "r+")
 
 
@@ -194,7 +201,7 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
     likes. One that fails later does not stop the link; it is reported once.
     """
     mark = wanted = ahead(timestamp, RESERVE)
-    is_ours = type(store) is TimestampStore  # a derived class has a `save` of its own
+    is_ours = isinstance(store, TimestampStore) and type(store).save is TimestampStore.save
     if is_ours:
         store._save(mark, FIRST_PATIENCE)
     else:
@@ -210,8 +217,8 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
         wanted = max(wanted, later)
         try:
             store.save(later)
-            while later < wanted:
-                later = wanted
+            while later < (newest := max(wanted, mark)):
+                later = newest
                 store.save(later)
         except Exception as error:  # a store of the user's own fails in ways of its own
             if is_ours and getattr(error, "errno", None) is None:

@@ -4,10 +4,6 @@ checked of their values.
 
 from __future__ import annotations
 
-import errno
-import os
-import stat
-
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser
@@ -71,12 +67,3 @@ def add_dialect(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--dialect", default="ardupilotmega", help="message definitions (default: %(default)s)"
     )
-
-
-def check_parameter_file(path: str) -> None:
-    """OSError that names a parameter file which cannot be read: MAVParmDict only prints that. It is not
-    opened for this, so that a pipe can be one.
-    """
-    found = errno.EISDIR if stat.S_ISDIR(os.stat(path).st_mode) else errno.EACCES
-    if found == errno.EISDIR or not os.access(path, os.R_OK):
-        raise OSError(found, os.strerror(found), path)

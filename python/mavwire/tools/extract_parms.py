@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from mavwire.cli._errors import CommandError
-from mavwire.tools._arguments import check_parameter_file
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -31,8 +30,8 @@ def _load(path: str) -> MAVParmDict:
     """A parameter file; CommandError for a mistake in it."""
     from mavwire.mavparm import MAVParmDict
 
-    check_parameter_file(path)
     found = MAVParmDict()
+    found._must_exist = True
     try:
         found.load(path)
     except ValueError as error:

@@ -61,7 +61,7 @@ def main(args: Namespace) -> int:
 def sensor_of(msg: Any) -> str:
     """Which sensor measured: ACC1, GYR2, ..."""
     kind = str(msg.get_type())
-    return kind if kind in SENSORS else f"{kind}{msg.I + 1}"
+    return kind if kind in SENSORS else f"{kind}{getattr(msg, 'I', -1) + 1}"
 
 
 class Samples:

@@ -54,8 +54,10 @@ def main(args: Namespace) -> int:
 class Transfer:
     """One file on its way from a vehicle."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, number: int) -> None:
         self.name = name
+        # Of the request to open it.
+        self.number = number
         self.size: int | None = None
         self._parts: dict[int, bytes] = {}
 
@@ -83,51 +85,79 @@ def transfers(messages: Iterable[Any], strays: Counter[int]) -> Iterator[Transfe
     of others, by system.
     """
     from mavwire._ftp.channel import parse
-    from mavwire.mavftp_op import OP_Ack, OP_OpenFileRO, OP_ResetSessions, OP_TerminateSession
 
-    # By the system that has the file and the session; of system 0 what all were asked for.
-    opened: dict[tuple[int, int], Transfer] = {}
+    sessions = Sessions(strays)
     for msg in messages:
         packet = parse(msg)
-        if packet is None:
-            continue
-        if packet.opcode == OP_Ack:
-            yield from _answered(opened, msg.get_srcSystem(), packet, strays)
+        if packet is not None:
+            yield from sessions.take(msg, packet)
+    yield from sessions.opened.values()
+
+
+class Sessions:
+    """Which file each session is about."""
+
+    def __init__(self, strays: Counter[int]) -> None:
+        # By the system that has the file and the session; of system 0 what all were asked for.
+        self.opened: dict[tuple[int, int], Transfer] = {}
+        self._strays = strays
+        # What was opened at any time.
+        self._known: set[tuple[int, int]] = set()
+        # Of files that nobody has said to have opened: system and number of the request, and where they are.
+        self._asked: dict[tuple[int, int], tuple[int, int]] = {}
+
+    def take(self, msg: Any, packet: Any) -> Iterator[Transfer]:
+        """Take in a message; the files that are at their end then."""
+        from mavwire.mavftp_op import OP_Ack, OP_OpenFileRO, OP_ResetSessions, OP_TerminateSession
+
+        if packet.opcode == OP_Ack and packet.req_opcode == OP_OpenFileRO:
+            yield from self._open(msg.get_srcSystem(), packet)
+        elif packet.opcode == OP_Ack:
+            self._add(msg.get_srcSystem(), packet)
         elif packet.opcode == OP_OpenFileRO:
-            request = (msg.target_system, packet.session)
-            if request in opened:
-                yield opened.pop(request)
             name = bytes(packet.payload or b"").split(b"\0")[0]
-            opened[request] = Transfer(name.decode(errors="replace"))
+            key = (msg.target_system, packet.session)
+            yield from self._begin(key, Transfer(name.decode(errors="replace"), packet.seq))
+            self._asked[msg.target_system, packet.seq] = key
         elif packet.opcode in (OP_TerminateSession, OP_ResetSessions):
-            for key in [one for one in opened if msg.target_system in (0, one[0])]:
+            for key in [one for one in self.opened if msg.target_system in (0, one[0])]:
                 if packet.opcode == OP_ResetSessions or key[1] == packet.session:
-                    yield opened.pop(key)
-    yield from opened.values()
+                    yield self._end(key)
 
+    def _begin(self, key: tuple[int, int], transfer: Transfer) -> Iterator[Transfer]:
+        if key in self.opened:
+            yield self._end(key)
+        self.opened[key] = transfer
+        self._known.add(key)
 
-def _answered(
-    opened: dict[tuple[int, int], Transfer], system: int, packet: Any, strays: Counter[int]
-) -> Iterator[Transfer]:
-    """Take in an answer. Whoever says that it has opened what all were asked for is the one that
-    sends it; what it had in that session is at its end.
-    """
-    from mavwire.mavftp_op import OP_BurstReadFile, OP_OpenFileRO, OP_ReadFile
+    def _end(self, key: tuple[int, int]) -> Transfer:
+        transfer = self.opened.pop(key)
+        self._asked.pop((key[0], transfer.number), None)
+        return transfer
 
-    one, everyone = (system, packet.session), (0, packet.session)
-    if packet.req_opcode == OP_OpenFileRO and everyone in opened:
-        transfer = opened.pop(everyone)
-        if one in opened:
-            yield opened.pop(one)
-        opened[one] = transfer
-    data = bytes(packet.payload or b"")
-    is_part = packet.req_opcode in (OP_ReadFile, OP_BurstReadFile)
-    if one not in opened:
-        strays.update([system] if is_part else ())
-    elif packet.req_opcode == OP_OpenFileRO and len(data) >= 4:
-        opened[one].size = int.from_bytes(data[:4], "little")
-    elif is_part:
-        opened[one].add(packet.offset, data)
+    def _open(self, system: int, packet: Any) -> Iterator[Transfer]:
+        """Who says that it has opened a file sends it, in the session that it says: a PX4 chooses that
+        itself. What it had in that session is at its end.
+        """
+        key, number = (system, packet.session), (packet.seq - 1) % (1 << 16)
+        asked = self._asked.get((system, number)) or self._asked.get((0, number))
+        if asked in self.opened:
+            transfer = self._end(asked)
+            yield from self._begin(key, transfer)
+        data = bytes(packet.payload or b"")
+        if key in self.opened and len(data) >= 4:
+            self.opened[key].size = int.from_bytes(data[:4], "little")
+
+    def _add(self, system: int, packet: Any) -> None:
+        from mavwire.mavftp_op import OP_BurstReadFile, OP_ReadFile
+
+        key = (system, packet.session)
+        if packet.req_opcode not in (OP_ReadFile, OP_BurstReadFile):
+            return
+        if key in self.opened:
+            self.opened[key].add(packet.offset, bytes(packet.payload or b""))
+        elif key not in self._known:
+            self._strays[system] += 1
 
 
 def _tell(transfer: Transfer, folder: str | None) -> None:

@@ -195,7 +195,10 @@ class Series:
         """Say on standard error why there are no values, by the newest messages of the log."""
         if self._x or self._texts:
             return
-        if why := why_nothing(self._expression.text, messages):
+        why = why_nothing(self._expression.text, messages)
+        if why is None and self._over is not None:
+            why = why_nothing(self._over, messages)
+        if why:
             print(printable(f"mavwire graph: {self._expression.text}: {why}"), file=sys.stderr)
 
     def draw(self, graph: Graph, label: str, field: str, colour: int) -> None:

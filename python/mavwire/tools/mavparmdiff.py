@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from mavwire.cli._errors import CommandError
-from mavwire.tools._arguments import check_parameter_file
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -44,10 +43,9 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     from mavwire.mavparm import MAVParmDict
 
-    for path in (args.file1, args.file2):
-        check_parameter_file(path)
     value_info = _documents(args).meaning if args.param_docs else None
     parameters = MAVParmDict()
+    parameters._must_exist = True
     try:
         parameters.load(args.file2, use_excludes=not args.full_diff)
         print(f"FILE1: {args.file1}")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from contextlib import ExitStack
-from operator import attrgetter
 
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, open_output
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.links.recording import shown
 from mavwire.tools._arguments import add_condition, add_dialect, add_logs
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 # How numbers are written: as double precision floats, of which those here are equal to the integer.
 FULL, SHORT = "%.20g", "%d"
-NUMBERS = (int, float, list, tuple)
 INTEGERS = frozenset(("uint8_t", "int8_t", "uint16_t", "int16_t", "uint32_t", "int32_t"))
 
 
@@ -56,15 +55,21 @@ def main(args: Namespace) -> int:
 
 def _write(log: Reading, args: Namespace, file: OutputFile) -> None:
     types = wanted(args.types, log)
-    matrices: dict[str, Matrix | None] = {}
+    is_telemetry = kind_of(log.link) == "telemetry"
+    rows = Counter[str]()
+    layouts: dict[type, Layout] = {}
     for msg in log.messages(condition=args.condition):
         kind = msg.get_type()
-        if kind not in matrices:
-            matrices[kind] = Matrix(msg) if _is_wanted(kind, types) else None
-            if matrix := matrices[kind]:
-                file.write(matrix.columns.encode())
-        if matrix := matrices[kind]:
-            file.write(matrix.row(msg).encode())
+        if not _is_wanted(kind, types):
+            continue
+        layout = layouts.get(type(msg)) or Layout(msg)
+        if is_telemetry:  # messages of other logs have the numbers that their records say
+            layouts[type(msg)] = layout
+        rows[kind] += 1
+        if rows[kind] == 1:
+            names = "','".join(layout.columns)
+            file.write(f"{kind}.columns = {{'timestamp','{names}'}};\n".encode())
+        file.write(layout.row(msg, rows[kind]).encode())
 
 
 def _is_wanted(kind: str, types: list[str] | None) -> bool:
@@ -73,41 +78,39 @@ def _is_wanted(kind: str, types: list[str] | None) -> bool:
     return types is None or kind in types
 
 
-class Matrix:
-    """The numbers of the messages of a type, a row for each message; arrays are counted from 1."""
+class Layout:
+    """Which numbers a message has, and how they are written. Arrays are counted from 1."""
 
-    def __init__(self, first: Any) -> None:
-        numbers = {name: shown(name, getattr(first, name)) for name in first.get_fieldnames()}
-        numbers = {name: one for name, one in numbers.items() if isinstance(one, NUMBERS)}
-        types = dict(zip(first.get_fieldnames(), getattr(first, "fieldtypes", ()), strict=False))
-        names, formats = ["timestamp"], ["%f"]
-        for name, value in numbers.items():
-            is_array = isinstance(value, (list, tuple))
-            columns = [f"{name}{n}" for n in range(1, len(value) + 1)] if is_array else [name]
-            names += columns
+    def __init__(self, msg: Any) -> None:
+        types = dict(zip(msg.get_fieldnames(), getattr(type(msg), "fieldtypes", ()), strict=False))
+        self.columns: list[str] = []
+        self._names: list[str] = []
+        self._has_arrays = False
+        formats = []
+        for name in msg.get_fieldnames():
+            value = getattr(msg, name)
+            if isinstance(value, (list, tuple)):
+                columns = [f"{name}{n}" for n in range(1, len(value) + 1)]
+                self._has_arrays = True
+            elif isinstance(value, (int, float)):
+                columns = [name]
+            else:
+                continue
+            self._names.append(name)
+            self.columns += columns
             formats += [SHORT if types.get(name) in INTEGERS else FULL] * len(columns)
-        kind = first.get_type()
-        self.columns = f"{kind}.columns = {{{','.join(map(repr, names))}}};\n"
-        self._names = list(numbers)
-        self._values = attrgetter("_timestamp", *numbers)
-        self._is_flat = 0 < len(numbers) == len(names) - 1
-        self._format = f"{kind}.data(%d,:) = [{','.join(formats)}];\n"
-        self._rows = 0
+        self._format = f"{msg.get_type()}.data(%d,:) = [{','.join(['%f', *formats])}];\n"
 
-    def row(self, msg: Any) -> str:
+    def row(self, msg: Any, number: int) -> str:
         """The line of a message."""
-        self._rows += 1
-        return self._format % (
-            self._rows,
-            *(self._values(msg) if self._is_flat else self._cells(msg)),
-        )
-
-    def _cells(self, msg: Any) -> list[float]:
-        cells = [msg._timestamp]
+        cells = [number, msg._timestamp]
         for name in self._names:
-            value = shown(name, getattr(msg, name))
-            cells += value if isinstance(value, (list, tuple)) else [value]
-        return cells
+            value = getattr(msg, name)
+            if self._has_arrays and isinstance(value, (list, tuple)):
+                cells += shown(name, value)
+            else:
+                cells.append(value)
+        return self._format % tuple(cells)
 
 
 if __name__ == "__main__":

@@ -259,7 +259,9 @@ class Guarded(Living):
         self.most = max(self.most, self.users + 1)
         super().add(item)
 
-    discard = add
+    def discard(self, item) -> None:
+        self.most = max(self.most, self.users + 1)
+        super().discard(item)
 
 
 def test_threads_wait_for_each_other_to_share_streams(monkeypatch):

@@ -18,6 +18,7 @@ from mavwire.dialects.v20 import all as mavlink
 from mavwire.mavftp import FtpError
 from mavwire.sim import Vehicle
 from unit.sim_tools import Station
+from watchdog import watched
 
 CONTENT = random.Random(3).randbytes(20_000)
 STEP = 0.01
@@ -325,6 +326,16 @@ def test_a_pipe_is_no_file_to_send() -> None:
         os.close(reading)
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+def test_a_pipe_that_nobody_writes_to_is_not_waited_for(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    _, ftp = client()
+    with watched():
+        result = ftp.cmd_put([str(pipe), "/text"])
+    assert result.error_code == FtpError.FailToOpenLocalFile
+
+
 @pytest.mark.parametrize(
     ("error", "code"),
     [
@@ -351,3 +362,8 @@ def test_an_unknown_log_level(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(SystemExit) as ended:
         mavftp.main()
     assert ended.value.code == 2
+    monkeypatch.setattr(
+        "sys.argv", ["mavftp", "--loglevel", "warn", "--device", "none.tlog", "list"]
+    )
+    with pytest.raises(SystemExit, match="none.tlog"):
+        mavftp.main()

@@ -180,6 +180,8 @@ def test_what_graphs_refuse(
     assert said.err == "mavwire graph: NOPE.x: there is no 'NOPE'\n"
     assert cli.main(["graph", log.name, "twice(ATTITUDE.roll)", *out]) == 1
     assert capsys.readouterr().err.endswith(": there is no 'twice'\n")
+    assert cli.main(["graph", log.name, "ATTITUDE.roll", "--xaxis", "NOPE.x", *out]) == 1
+    assert capsys.readouterr().err == "mavwire graph: ATTITUDE.roll: there is no 'NOPE'\n"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["flight.tlog"]
 
 

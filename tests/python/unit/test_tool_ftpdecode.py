@@ -69,6 +69,23 @@ def test_a_file_of_who_has_no_number() -> None:
     assert found(*messages) == [("b.txt", b"BB", 0)]
 
 
+def test_a_vehicle_that_chooses_the_session() -> None:
+    messages = []
+    for name in (b"a.txt", b"b.txt"):
+        size = answer(OP_OpenFileRO, 1, b"\4\0\0\0")
+        messages += [request(OP_OpenFileRO, 1, name, session=9), size]
+        messages += [answer(OP_BurstReadFile, 1, name[:4]), request(OP_TerminateSession, 1)]
+    assert found(*messages) == [("a.txt", b"a.tx", 0), ("b.txt", b"b.tx", 0)]
+
+
+def test_a_part_that_comes_once_more_is_of_a_file() -> None:
+    strays = Counter[int]()
+    last = request(OP_TerminateSession, 1)
+    messages = [request(OP_OpenFileRO, 1, b"a.txt"), *sent(1, b"AAAA"), last, *sent(1, b"AAAA")]
+    assert len(list(transfers(messages, strays))) == 1
+    assert not strays
+
+
 def test_parts_of_files_that_the_log_does_not_name(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

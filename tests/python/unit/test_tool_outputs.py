@@ -227,6 +227,29 @@ def test_tools_over_a_csv_log(
         run(capsys, verb, csv_log)
 
 
+def test_tomfile_writes_the_numbers_that_each_record_has(
+    csv_log: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "out.m"
+    run(capsys, "tomfile", csv_log, "--output", output)
+    assert output.read_text().splitlines() == [
+        "CSV.columns = {'timestamp','T','A'};",
+        "CSV.data(1,:) = [1000.000000,1000,1.5];",
+        "CSV.data(2,:) = [2000.000000,2000,2.5];",
+    ]
+    log = dataflash_writer.Log()
+    log.define("ABC", "QBf", "TimeUS,A.x,F", 1).add("ABC", 1_000_000, 2, 0.5)
+    log.define("ABC", "QBBf", "TimeUS,A,B,F", 1).add("ABC", 2_000_000, 3, 4, 1.5)
+    log.define("ABC", "QZ", "TimeUS,A", 1).add("ABC", 3_000_000, b"text")
+    run(capsys, "tomfile", log.write(tmp_path / "twice.bin"), "--output", output)
+    assert output.read_text().splitlines() == [
+        "ABC.columns = {'timestamp','TimeUS','A.x','F'};",
+        "ABC.data(1,:) = [1.000000,1000000,2,0.5];",
+        "ABC.data(2,:) = [2.000000,2000000,3,4,1.5];",
+        "ABC.data(3,:) = [3.000000,3000000];",
+    ]
+
+
 def test_types_that_there_are_not(
     tmp_path: Path,
     csv_log: str,

@@ -248,7 +248,10 @@ def test_a_parameter_file_that_cannot_be_read(
     """Compared with nothing, each parameter would look like one that is new."""
     path = tmp_path / "some.parm"
     path.write_text("A 1\n")
-    for wrong, reason in ((tmp_path / "none.parm", "No such file"), (tmp_path, "directory")):
+    wrongs = [(tmp_path / "none.parm", "No such file"), (tmp_path, "directory")]
+    if Path("/proc/self/mem").exists():
+        wrongs.append((Path("/proc/self/mem"), "Input/output error"))
+    for wrong, reason in wrongs:
         for names in ((path, wrong), (wrong, path)):
             said = fails(capsys, verb, *names)
             assert str(wrong) in said
