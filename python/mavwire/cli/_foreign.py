@@ -12,8 +12,6 @@ import sys
 TELEMETRY = "tlog"
 EMPTY = "the log is empty"
 NO_RECORD = "no record of the log is whole; copy it again if there should be more"
-# What the FMT record of FMT itself takes: a dataflash log has at least that.
-FMT_LEN = 89
 
 
 def warn_if_foreign(
@@ -49,13 +47,13 @@ def _lacking(command: str, path: str) -> str:
     if os.path.getsize(path) > LONGEST_RECORD:
         return ""
     try:
-        with open_log(path, dialect=state.mavlink) as log:
+        with open_log(path, dialect=state.mavlink, resync="skip") as log:
             if getattr(log, "compressed", False) and command != "info":
+                return ""
+            if next(iter(log), None) is not None:
                 return ""
             found = log.info()
     except LogFormatError:
-        return ""
-    if found.messages:
         return ""
     return NO_RECORD if found.bytes else EMPTY
 
@@ -85,7 +83,7 @@ def _telemetry_problem(command: str, path: str, nothing_read: bool) -> str:
 def _dataflash_problem(path: str) -> str:
     """What makes a file no dataflash log, if anything does."""
     from mavwire.DFReader import DFReader_binary, DFReader_text
-    from mavwire.links.recognise import DATAFLASH_HEAD, log_kind, read_head
+    from mavwire.links.recognise import DATAFLASH_HEAD, FMT_LEN, log_kind, read_head
 
     head = read_head(path, FMT_LEN)
     if len(head) == FMT_LEN and head.startswith(DATAFLASH_HEAD):

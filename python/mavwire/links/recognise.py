@@ -14,6 +14,8 @@ from .readiness import from_handler
 
 LOG_SUFFIXES = ("mavlink", "log", "raw", "tlog")
 DATAFLASH_SUFFIXES = (".bin", ".px4log")
+# What the record takes that describes a type in a dataflash log.
+FMT_LEN = 89
 # The head of the FMT record that describes FMT itself, which dataflash logs begin with.
 DATAFLASH_HEAD = b"\xa3\x95\x80"
 TEXT_LOG_PROBE = 8000

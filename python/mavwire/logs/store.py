@@ -97,13 +97,13 @@ class Store:
         """Keep other runs from writing to the folder. ValueError where one does so already. A folder
         that was made for a run and that is empty afterwards is removed.
         """
-        try:
-            with self._lock():
+        with self._lock():
+            try:
                 yield
-        finally:
-            with suppress(OSError):
-                for folder in self._made:
-                    os.rmdir(folder)
+            finally:
+                with suppress(OSError):
+                    for folder in self._made:
+                        os.rmdir(folder)
 
     @contextmanager
     def _lock(self) -> Iterator[None]:
@@ -114,12 +114,15 @@ class Store:
         try:
             try:
                 fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                is_free = _is_at(folder, self.root)
             except BlockingIOError:
+                is_free = False
+            except OSError:
+                is_free = True  # a file system without locks
+            if not is_free:
                 raise ValueError(
                     f"another conversion is writing to {self.root}: wait for it, or choose another folder"
-                ) from None
-            except OSError:
-                pass  # a file system without locks
+                )
             yield
         finally:
             os.close(folder)
@@ -134,8 +137,17 @@ class Store:
                     os.remove(entry.path)
 
 
+def _is_at(descriptor: int, path: str) -> bool:
+    """Whether a folder that is open still is the one at `path`, and was not removed meanwhile."""
+    try:
+        return os.path.samestat(os.fstat(descriptor), os.stat(path))
+    except FileNotFoundError:
+        return False
+
+
 def _missing(folder: str) -> Iterator[str]:
     """The folders that are to be made for one, the innermost first."""
+    folder = os.path.abspath(folder)
     while folder and not os.path.lexists(folder):
         yield folder
         folder = os.path.dirname(folder)

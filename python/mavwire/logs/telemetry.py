@@ -239,9 +239,10 @@ class TelemetryLog(Log):
             raise not_telemetry(self.path, head)
 
     def _has_record(self) -> bool:
-        """Whether there is a good record anywhere."""
+        """Whether a record is found anywhere."""
         native = self.dialect.MAVLink(None)._dialect
-        return next(LogScan(self.path, native, True, Selection()), None) is not None
+        scan = LogScan(self.path, native, self.resync == "rescan", Selection())
+        return next(scan, None) is not None
 
     def _first_records(self) -> tuple[bool, str | None]:
         """Whether the log begins with records, once it is decompressed; else what is wrong with it."""
@@ -265,13 +266,19 @@ def is_foreign(head: bytes) -> bool:
 
 
 def check_run(source: Source, path: str, position: int, bad_bytes: int, damage: str | None) -> None:
-    """Raise LogFormatError where a run over a file found no record, and it is neither a dataflash log
-    nor a telemetry log that is empty or cut off in its first.
+    """Raise LogFormatError where a run over a file found no record, and it is no log that is empty or
+    cut off in its first.
     """
+    from mavwire.links.recognise import FMT_LEN
+
     from .sources import is_dataflash
 
-    if bad_bytes == position and (position or damage) and not is_dataflash(source):
+    if bad_bytes != position or not (position or damage):
+        return
+    if not is_dataflash(source):
         check_barren(source, path, damage)
+    elif position >= FMT_LEN:
+        raise LogFormatError(f"no dataflash log, there is no record in it: {path!r}")
 
 
 def check_barren(source: Source, path: str, damage: str | None) -> None:

@@ -1,6 +1,5 @@
 //! A column that grows: one gather appends the values of many records, and the end makes an arrow array of it.
 
-use std::collections::TryReserveError;
 use std::sync::Arc;
 
 use arrow::array::{
@@ -83,24 +82,25 @@ impl Growing {
         }
     }
 
-    /// Makes room for so many more rows; texts, whose length nobody knows yet, get it as they come.
-    ///
-    /// # Errors
-    /// There is no memory for them.
-    pub(crate) fn reserve(&mut self, rows: usize) -> Result<(), TryReserveError> {
+    /// Makes room for so many more rows, where there is memory for that.
+    pub(crate) fn reserve(&mut self, rows: usize) {
+        fn more<T>(values: &mut Vec<T>, count: usize) {
+            // What fails here fails when the rows come, if they do.
+            let _ = values.try_reserve_exact(count);
+        }
         let count = rows.saturating_mul(self.elements);
         match &mut self.values {
-            Values::Time(v) | Values::I64(v) => v.try_reserve_exact(count),
-            Values::U8(v) => v.try_reserve_exact(count),
-            Values::I8(v) => v.try_reserve_exact(count),
-            Values::U16(v) => v.try_reserve_exact(count),
-            Values::I16(v) => v.try_reserve_exact(count),
-            Values::U32(v) => v.try_reserve_exact(count),
-            Values::I32(v) => v.try_reserve_exact(count),
-            Values::U64(v) => v.try_reserve_exact(count),
-            Values::F32(v) => v.try_reserve_exact(count),
-            Values::F64(v) | Values::Scaled(v, _) => v.try_reserve_exact(count),
-            Values::NoTime(_) | Values::Text(_) | Values::RawText(_) => Ok(()),
+            Values::Time(v) | Values::I64(v) => more(v, count),
+            Values::U8(v) => more(v, count),
+            Values::I8(v) => more(v, count),
+            Values::U16(v) => more(v, count),
+            Values::I16(v) => more(v, count),
+            Values::U32(v) => more(v, count),
+            Values::I32(v) => more(v, count),
+            Values::U64(v) => more(v, count),
+            Values::F32(v) => more(v, count),
+            Values::F64(v) | Values::Scaled(v, _) => more(v, count),
+            Values::NoTime(_) | Values::Text(_) | Values::RawText(_) => {}
         }
     }
 

@@ -15,11 +15,6 @@ pub enum Error {
     /// What mcap says.
     #[error("MCAP: {0}")]
     Mcap(mcap::McapError),
-    /// Rows that there is no memory for.
-    #[error(
-        "there is not enough memory for the tables: read some types, fields or times, or in batches (scan)"
-    )]
-    Memory(#[from] std::collections::TryReserveError),
     /// An MCAP file of a log without times.
     #[error("MCAP needs a time for each message, and this log has none: convert to another format")]
     NoTimes,

@@ -5,8 +5,8 @@ use std::io::{self, Read};
 use mavwire_core::registry::Registry;
 
 use crate::gzip::Members;
+use crate::pool;
 use crate::scan::{Framing, STRETCH};
-use crate::{memory, pool};
 
 /// Bytes of a block: large enough for all processors to have a share in it, small enough for the caches.
 const BLOCK: usize = 4 << 20;
@@ -49,9 +49,8 @@ impl Steps {
 /// as those of pzstd do.
 ///
 /// # Errors
-/// What reading says; `OutOfMemory` where there is little left.
+/// What reading says.
 pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
-    memory::check_beside_spare(0)?;
     let mut magic = [0; 4];
     let mut failed = None;
     let len = fill(&mut source, &mut magic, &mut failed)?;
@@ -226,12 +225,11 @@ impl Blocks {
     /// says that nothing follows. `None` at the end.
     ///
     /// # Errors
-    /// What reading says; `OutOfMemory` where there is little left.
+    /// What reading says.
     pub fn next<T: Send>(
         &mut self,
         work: impl FnOnce(&[u8], bool) -> (usize, T) + Send,
     ) -> io::Result<Option<T>> {
-        memory::check_beside_spare(0)?;
         let filled = match self.ahead.take() {
             Some(filled) => filled,
             None => self.next.read(&mut self.source, self.block),

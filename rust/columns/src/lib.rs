@@ -21,7 +21,6 @@ pub mod input;
 pub mod instances;
 pub mod layout;
 pub mod mcap;
-pub mod memory;
 mod piece;
 mod pool;
 pub mod reader;

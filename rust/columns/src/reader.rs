@@ -202,11 +202,11 @@ impl Decode for Reader {
                 TableBuilder::new(Arc::new(layout))
             };
             let done = (position + scanned.consumed as u64) as f64 / size as f64;
-            let appended = tables.append(pieces, done, new, append);
+            tables.append(pieces, done, new, append);
             let bad: usize = scanned.bad.iter().map(std::iter::ExactSizeIterator::len).sum();
-            (scanned.consumed, appended.map(|()| (scanned.consumed, bad)))
+            (scanned.consumed, (scanned.consumed, bad))
         })?;
-        let Some((consumed, bad)) = read.transpose()? else { return self.tables.rest() };
+        let Some((consumed, bad)) = read else { return self.tables.rest() };
         self.position += consumed as u64;
         self.bad_bytes += bad as u64;
         self.tables.complete().map(Some)

@@ -1,6 +1,5 @@
 //! The table of one message type while it grows.
 
-use std::collections::TryReserveError;
 use std::sync::Arc;
 
 use arrow::array::RecordBatch;
@@ -9,7 +8,6 @@ use arrow::error::ArrowError;
 use crate::column::Growing;
 use crate::gather::Rows;
 use crate::layout::{Layout, Source};
-use crate::memory;
 
 /// Records that the gathers of all columns go over before the next ones: what stays in the first cache.
 pub(crate) const GROUP: usize = 256;
@@ -70,32 +68,21 @@ impl TableBuilder {
         self.columns.iter().map(Growing::bytes).sum()
     }
 
-    /// Makes room for more rows, and for those that are to be expected where there is memory for them. Growing step by step
-    /// costs time.
-    ///
-    /// # Errors
-    /// There is no memory for the former.
-    pub(crate) fn reserve(
-        &mut self,
-        more: usize,
-        expected: &Expected,
-    ) -> Result<(), TryReserveError> {
+    /// Makes room for more rows, and for those that are to be expected. Growing step by step costs time.
+    pub(crate) fn reserve(&mut self, more: usize, expected: &Expected) {
         self.recent = more;
         let needed = self.rows + more;
         if needed <= self.room {
-            return Ok(());
+            return;
         }
         let width: usize = self.columns.iter().map(Growing::width).sum();
         let rows_in = |bytes: usize| bytes / width.max(1);
         let most = expected.rows.saturating_add(more).min(rows_in(expected.bytes));
         let ahead = ((needed as f64 * expected.growth) as usize).min(rows_in(expected.ahead));
-        let room = ahead.max(self.room + self.room / 2).min(most).max(needed);
-        // A span that grows may be there twice meanwhile.
-        let fits = |rows: usize| memory::check_beside_spare(width.saturating_mul(rows));
-        self.room = if fits(room).is_ok() { room } else { needed };
-        fits(self.room)?;
-        let more = self.room - self.rows;
-        self.columns.iter_mut().try_for_each(|column| column.reserve(more))
+        self.room = ahead.max(self.room + self.room / 2).min(most).max(needed);
+        for column in &mut self.columns {
+            column.reserve(self.room - self.rows);
+        }
     }
 
     /// Appends records that are laid side by side.
@@ -155,8 +142,8 @@ mod tests {
     use crate::scan::Framing;
     use arrow::datatypes::Schema;
 
-    /// A table of nothing but times.
-    fn times() -> TableBuilder {
+    #[test]
+    fn no_more_room_is_made_ahead_than_is_allowed() {
         let (name, source) = ("timestamp".to_owned(), Source::Timestamp);
         let column = Column { name, source, scale: None, names: None };
         let layout = Layout {
@@ -166,28 +153,12 @@ mod tests {
             columns: vec![column],
             schema: Arc::new(Schema::empty()),
         };
-        TableBuilder::new(Arc::new(layout))
-    }
-
-    #[test]
-    fn rows_that_there_is_no_memory_for_are_an_error() {
-        let mut table = times();
-        let endless = 1 << 58;
-        let expected =
-            Expected { growth: 1e18, ahead: usize::MAX, rows: endless, bytes: usize::MAX };
-        table.reserve(20, &expected).expect("memory for what comes");
-        assert_eq!(table.room, 20);
-        table.reserve(endless, &expected).expect_err("more than any memory");
-    }
-
-    #[test]
-    fn no_more_room_is_made_ahead_than_is_allowed() {
-        let mut table = times();
+        let mut table = TableBuilder::new(Arc::new(layout));
         let expected = Expected { growth: 1e6, ahead: 800, rows: 65_536, bytes: 1 << 30 };
-        table.reserve(20, &expected).expect("memory");
+        table.reserve(20, &expected);
         assert_eq!(table.room, 100);
         table.append(&Rows { times: &[0; 20], bytes: &[], stride: 1 });
-        table.reserve(100, &expected).expect("memory");
+        table.reserve(100, &expected);
         assert_eq!(table.room, 150);
     }
 
@@ -200,7 +171,7 @@ mod tests {
         let mut full = Vec::new();
         let expected = Expected { growth: 1.0, ahead: usize::MAX, rows: 70, bytes: usize::MAX };
         for _ in 0..6 {
-            table.reserve(20, &expected).expect("memory");
+            table.reserve(20, &expected);
             table.append(&Rows { times: &[0; 20], bytes: &[], stride: 1 });
             full.push(table.is_full(70));
             if table.is_full(70) {

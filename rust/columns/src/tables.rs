@@ -1,7 +1,6 @@
 //! All growing tables of a log, and when their rows become batches.
 
 use std::cmp::Reverse;
-use std::collections::TryReserveError;
 use std::sync::Arc;
 
 use arrow::array::RecordBatch;
@@ -30,16 +29,13 @@ impl Tables {
 
     /// Appends the records of all pieces to their tables, on all processors; `done` says which share of the log that
     /// makes, `new` begins a table.
-    ///
-    /// # Errors
-    /// There is no memory for them.
     pub(crate) fn append(
         &mut self,
         pieces: &[Piece],
         done: f64,
-        new: impl Fn(usize) -> TableBuilder,
+        new: impl Fn(usize) -> TableBuilder + Sync,
         append: impl Fn(&mut TableBuilder, usize, &Piece) + Sync,
-    ) -> Result<(), TryReserveError> {
+    ) {
         let limits = self.limits;
         let growth = if done > 0.0 && done < 1.0 { MARGIN / done } else { 1.0 };
         let rows = |index| pieces.iter().map(|piece| piece.rows(index)).sum::<usize>();
@@ -48,17 +44,13 @@ impl Tables {
         let expected = limits.expected(growth, due.len());
         // The largest first, and one by one: then no processor is left alone with the rest.
         due.sort_unstable_by_key(|&(rows, ..)| Reverse(rows));
-        // One after the other: each asks what memory is left.
-        for (rows, index, table) in &mut due {
-            table.get_or_insert_with(|| new(*index)).reserve(*rows, &expected)?;
-        }
-        due.into_par_iter().with_max_len(1).for_each(|(_, index, table)| {
-            let Some(table) = table else { return };
+        due.into_par_iter().with_max_len(1).for_each(|(rows, index, table)| {
+            let table = table.get_or_insert_with(|| new(index));
+            table.reserve(rows, &expected);
             for piece in pieces.iter().filter(|piece| piece.rows(index) > 0) {
                 append(table, index, piece);
             }
         });
-        Ok(())
     }
 
     /// What is left at the end; `None` the second time.

@@ -111,15 +111,6 @@ impl Draft {
         Ok(Self { file: Some(file), path: path.to_owned(), part, made })
     }
 
-    /// The same, without what processes that were killed left of this file.
-    ///
-    /// # Errors
-    /// Those of [`Draft::create`].
-    pub fn create_alone(path: &Path) -> io::Result<Self> {
-        remove_left(path);
-        Self::create(path)
-    }
-
     /// Gives the file its name, in place of any that has it.
     ///
     /// # Errors
@@ -208,8 +199,7 @@ fn begin(path: &Path) -> io::Result<(File, PathBuf)> {
     create_beside(path)
 }
 
-/// Makes a file that nobody else has, in the folder of `path`: `STEM.PROCESS-NUMBER.part`. It is locked as long as it is
-/// written, where the file system has locks.
+/// Makes a file that nobody else has, in the folder of `path`: `STEM.PROCESS-NUMBER.part`.
 fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     let stem = draft_stem(path.file_name().unwrap_or_default());
@@ -221,42 +211,9 @@ fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
         match File::create_new(&part) {
             // Left by a process that had this number before, or made by one of another machine.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            made => {
-                let file = made?;
-                let _ = file.try_lock();
-                return Ok((file, part));
-            }
+            made => return Ok((made?, part)),
         }
     }
-}
-
-/// Removes the drafts of `path` that nobody writes any more. What cannot be looked at stays.
-fn remove_left(path: &Path) {
-    let stem = draft_stem(path.file_name().unwrap_or_default());
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let Ok(entries) = std::fs::read_dir(folder.unwrap_or(Path::new("."))) else { return };
-    for entry in entries.flatten() {
-        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-        if !is_file || !is_draft_name(&entry.file_name(), &stem) {
-            continue;
-        }
-        let file = File::options().write(true).open(entry.path());
-        if file.is_ok_and(|file| file.try_lock().is_ok()) {
-            let _ = std::fs::remove_file(entry.path());
-        }
-    }
-}
-
-/// Whether a name is one that `create_beside` gives.
-fn is_draft_name(name: &OsStr, stem: &OsStr) -> bool {
-    let rest = name.as_encoded_bytes().strip_prefix(stem.as_encoded_bytes());
-    let rest = rest.and_then(|rest| rest.strip_prefix(b".")?.strip_suffix(b".part"));
-    let is_number = |part: &[u8]| !part.is_empty() && part.iter().all(u8::is_ascii_digit);
-    rest.is_some_and(|rest| {
-        let mut parts = rest.split(|&byte| byte == b'-');
-        let all = parts.by_ref().take(2).filter(|part| is_number(part)).count() == 2;
-        all && parts.next().is_none()
-    })
 }
 
 impl Write for Draft {
@@ -321,28 +278,6 @@ mod tests {
         Draft::create(&deep.join("two")).expect("creating").commit().expect("committing");
         drop(given_up);
         assert!(empty.is_dir() && deep.join("two").is_file());
-        std::fs::remove_dir_all(folder).expect("removing");
-    }
-
-    #[test]
-    fn what_a_killed_process_left_is_removed_and_nothing_else() {
-        let folder = std::env::temp_dir().join(format!("mavwire-left-{}", std::process::id()));
-        let path = folder.join("log");
-        let others =
-            ["log.part", "log.1-x.part", "log.1-2-3.part", "log2.1-1.part", "a.log.1-1.part"];
-        std::fs::create_dir_all(folder.join("log.3-3.part")).expect("creating");
-        for name in ["log.1-1.part", "log.99-0.part"].iter().chain(&others) {
-            std::fs::write(folder.join(name), b"left").expect("writing");
-        }
-        let mut written = Draft::create(&path).expect("creating");
-        written.write_all(b"one").expect("writing");
-        Draft::create_alone(&path).expect("creating").commit().expect("committing");
-        let names = std::fs::read_dir(&folder).expect("listing").flatten();
-        // The file, the draft of it that is being written, and the folder.
-        assert_eq!(names.count(), others.len() + 3);
-        assert!(others.iter().all(|name| folder.join(name).exists()));
-        written.commit().expect("committing");
-        assert_eq!(std::fs::read(&path).expect("reading"), b"one");
         std::fs::remove_dir_all(folder).expect("removing");
     }
 

@@ -5,7 +5,6 @@ use std::collections::{HashSet, TryReserveError};
 use std::io;
 use std::sync::Arc;
 
-use mavwire_columns::memory;
 use mavwire_core::codec::read;
 use mavwire_core::frame::{
     CHECKSUM_LEN, HEADER_LEN_V1, HEADER_LEN_V2, Header, IFLAG_SIGNED, SIGNATURE_LEN, STX_V1, STX_V2,
@@ -208,7 +207,6 @@ impl LogIndex {
         let each = || chosen.iter().map(|&index| &self.offsets[usize::from(index)]);
         let (mut offsets, count) = (Vec::new(), each().map(Vec::len).sum());
         offsets.try_reserve_exact(count)?;
-        memory::check(count / 2 * size_of::<u64>())?; // what sorting takes
         each().for_each(|some| offsets.extend_from_slice(some));
         #[allow(clippy::stable_sort_primitive)]
         // this one makes use of the runs that are sorted already

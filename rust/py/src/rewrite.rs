@@ -70,7 +70,7 @@ pub(crate) struct LogRewrite {
 
 impl LogRewrite {
     fn new(run: Run, out: &Path) -> PyResult<Self> {
-        let draft = Some(Draft::create_alone(out).map_err(io_error)?);
+        let draft = Some(Draft::create(out).map_err(io_error)?);
         Ok(Self { work: Mutex::new(Work { run, draft }) })
     }
 

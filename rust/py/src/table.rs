@@ -16,15 +16,14 @@ use mavwire_columns::arrow::ipc::reader::StreamReader;
 use mavwire_columns::arrow::ipc::writer::StreamWriter;
 use mavwire_columns::fit::{fit, schema_of_all};
 use mavwire_columns::instances::split;
-use mavwire_columns::memory;
-use pyo3::exceptions::{PyKeyError, PyKeyboardInterrupt, PyMemoryError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyKeyError, PyKeyboardInterrupt, PyTypeError, PyValueError};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyIterator, PyList, PyTuple};
 
 use crate::calling::Calling;
 use crate::column_view::ColumnView;
-use crate::file_error::{file_error, of_reading};
+use crate::file_error::file_error;
 use crate::lists::list;
 
 /// What went wrong as Python raises it.
@@ -36,8 +35,7 @@ pub(crate) fn columns_error(error: Error) -> PyErr {
         _ => None,
     };
     told.unwrap_or_else(|| match error {
-        Error::Io(error) => of_reading(error),
-        Error::Memory(_) => PyMemoryError::new_err(error.to_string()),
+        Error::Io(error) => error.into(),
         error => PyValueError::new_err(error.to_string()),
     })
 }
@@ -73,7 +71,6 @@ impl RecordBatches {
             [one] => one.clone(),
             all => {
                 check_joinable(&self.schema, all, i32::MAX as usize)?;
-                memory::check(self.nbytes()).map_err(|error| columns_error(error.into()))?;
                 py.detach(|| concat_batches(&self.schema, all))
                     .map_err(|error| columns_error(error.into()))?
             }

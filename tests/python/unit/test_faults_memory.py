@@ -158,19 +158,6 @@ print(json.dumps(told))
     assert told == {name: end for name, (_, end) in ASKED.items()}, done.stderr
 
 
-def test_tables_that_there_is_no_memory_for_are_an_error(tmp_path: Path) -> None:
-    """Neither those that grow beyond it, nor a first block."""
-    log = tmp_path / "flight.tlog"
-    traffic.generate(log, 100_000)
-    log.write_bytes(log.read_bytes() * 16)
-    program = f"""{SQUEEZED}
-print([squeezed(lambda: mavwire.read(log), kilobytes) for kilobytes in (1_000_000, 90_000, 70_000, 300)])
-"""
-    done = python(program, str(log), "")
-    ends = ["done", *["MemoryError"] * 3]
-    assert (done.returncode, done.stdout.strip()) == (0, str(ends)), done.stderr
-
-
 def test_input_takes_the_room_of_what_was_parsed(tmp_path: Path) -> None:
     """There need not be memory for both."""
     program = f"""{SQUEEZED}

@@ -126,11 +126,11 @@ impl Decode for Reader {
                 }
             };
             let done = (position + walked.consumed as u64) as f64 / survey.bytes as f64;
-            let appended = tables.append(pieces, done, new, append);
+            tables.append(pieces, done, new, append);
             let bad: usize = walked.bad.iter().map(ExactSizeIterator::len).sum();
-            (walked.consumed, appended.map(|()| (walked.consumed, bad)))
+            (walked.consumed, (walked.consumed, bad))
         })?;
-        let Some((consumed, bad)) = read.transpose()? else { return self.tables.rest() };
+        let Some((consumed, bad)) = read else { return self.tables.rest() };
         self.position += consumed as u64;
         self.bad_bytes += bad as u64;
         self.tables.complete().map(Some)

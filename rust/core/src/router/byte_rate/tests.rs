@@ -306,9 +306,13 @@ fn after_an_absence_rare_bursts_are_waited_for_again() {
 #[test]
 fn rare_types_that_come_in_one_moment_pass_as_far_as_they_fit() {
     // Bytes a second, types, and how many of 100 pass of each. The first lines are in docs/bridge.md.
-    for (rate, rare, near) in
-        [(100.0, 3, 45..=99), (100.0, 10, 30..=50), (200.0, 3, 95..=100), (1_000.0, 10, 95..=100)]
-    {
+    for (rate, rare, near) in [
+        (100.0, 3, 45..=99),
+        (100.0, 10, 30..=50),
+        (200.0, 3, 95..=100),
+        (1_000.0, 10, 95..=100),
+        (2_000.0, 24, 95..=100),
+    ] {
         let (mut link, mut passed) = (Link::new(rate), vec![0; rare]);
         for tenth in 0..20_000 {
             let now = (1_000 + 100 * tenth) * MS;
