@@ -48,12 +48,15 @@ def _lacking(command: str, path: str) -> str:
         return ""
     try:
         with open_log(path, dialect=state.mavlink, resync="skip") as log:
-            if getattr(log, "compressed", False) and command != "info":
+            compressed = getattr(log, "compressed", False)
+            if compressed and command != "info":
                 return ""
-            if next(iter(log), None) is not None:
+            if not compressed and next(iter(log), None) is not None:
                 return ""
             found = log.info()
     except LogFormatError:
+        return ""
+    if found.messages:
         return ""
     return NO_RECORD if found.bytes else EMPTY
 
