@@ -20,9 +20,13 @@ def number(name: str, value: object) -> float:
     """A finite number."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ConfigError(f"{name} must be a number, not {value!r}", name)
-    if not math.isfinite(value):
+    try:
+        found = float(value)
+    except OverflowError:  # of an integer
+        found = math.inf
+    if not math.isfinite(found):
         raise ConfigError(f"{name} must be a finite number, not {value!r}", name)
-    return float(value)
+    return found
 
 
 def seconds(name: str, value: object, least: float = 0.0) -> float:

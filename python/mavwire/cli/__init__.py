@@ -122,6 +122,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader (head, less) has gone
         _discard_output()
         return 0
+    except MemoryError:
+        hint = "ask for fewer types or a shorter time, or allow the process more"
+        print(f"{prefix}: error: there is not enough memory: {hint}", file=sys.stderr)
+        return 1
     except OSError as error:
         print(f"{prefix}: error: {describe_os_error(error)}", file=sys.stderr)
         _discard_output()

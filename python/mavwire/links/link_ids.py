@@ -13,6 +13,8 @@ import os
 
 from mavwire._native import Section
 
+from .readiness import from_handler
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
@@ -35,6 +37,8 @@ def claim(store: str | os.PathLike[str], link_id: int) -> bool:
     try:
         return bool(_section.run(_hold, path, fcntl))
     except OSError as error:
+        if from_handler(error):
+            raise
         _warn(error)
         return True
 
@@ -47,7 +51,9 @@ def _hold(path: str, fcntl: Any) -> bool:
     try:
         fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         _held[path] = fd
-    except BlockingIOError:
+    except BlockingIOError as error:
+        if from_handler(error):
+            raise
         return path in _held  # by a signal handler in between
     finally:
         if _held.get(path) != fd:

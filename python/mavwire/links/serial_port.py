@@ -128,9 +128,10 @@ class mavserial(RetryingLink):
                 raise error.__context__ or error from None
             raise
         except Exception as error:
-            if type(error).__module__ != "termios":
+            # It was unplugged while it was set up, or the rate is no number of the system's, which pyserial does not tell
+            # in its own words.
+            if type(error).__module__ != "termios" and not isinstance(error, OverflowError):
                 raise
-            # It was unplugged while it was set up, which pyserial does not tell in its own words.
             raise serial.SerialException(*error.args) from None
 
     @staticmethod

@@ -183,7 +183,7 @@ class Job:
                 check_readable(path)
                 row.size, row.mtime_ns = file_status(path)
             self._convert(path if source is None else source, row)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, MemoryError) as error:
             row.error = in_words(error, path)
         return row
 

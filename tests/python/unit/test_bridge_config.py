@@ -89,6 +89,7 @@ def test_any_text_is_an_endpoint_or_a_clear_error(text: str) -> None:
         ({"allow_systems_in": [256]}, "allow_systems_in must be a number from 0 to 255"),
         ({"rate": 0}, "rate must be more than 0"),
         ({"rate": float("nan")}, "rate must be a finite number, not nan"),
+        ({"bytes_per_second": 10**400}, "bytes_per_second must be a finite number"),
         ({"rates": {"ATTITUDE": "fast"}}, "rates: ATTITUDE must be a number"),
         ({"rates": 5}, "rates must map"),
         ({"rates": {"ATTITUDE": 1, "30": 2}}, "rates: '30' is a message that was named before"),

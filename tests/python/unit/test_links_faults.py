@@ -597,6 +597,15 @@ def test_a_serial_port_whose_rate_is_refused_is_not_left_open(serial_port, monke
     assert [port.is_open for port in opened] == [False]
 
 
+def test_a_rate_that_is_no_number_of_the_systems_is_why_a_port_stays_dead(serial_port):
+    link = mavutil.mavlink_connection(serial_port, autoreconnect=True, reconnect_delay=0)
+    link.baud = 10**12
+    link._lost(link.port)
+    assert link.recv() == b""
+    assert link.portdead and link.connect_error
+    link.close()
+
+
 def test_a_serial_port_is_reopened_with_its_flow_control(serial_port):
     link = mavutil.mavlink_connection(serial_port, autoreconnect=True)
     link.set_rtscts(True)
