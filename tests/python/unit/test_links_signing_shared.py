@@ -199,7 +199,7 @@ def test_a_link_id_is_this_process_s_once_it_is_locked(tmp_path, monkeypatch):
         monkeypatch.setattr(fcntl, "flock", lock)
         inside.set()
         assert go.wait(WAIT)
-        raise BlockingIOError  # another process has it
+        raise BlockingIOError(errno.EAGAIN, "another process has it")
 
     monkeypatch.setattr(fcntl, "flock", refuse)
     first = threading.Thread(target=lambda: answers.append(claim(path, 7)))
