@@ -9,6 +9,7 @@ import signal
 import threading
 from concurrent.futures import Future
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any
 
 from mavwire._wording import in_words
@@ -117,27 +118,36 @@ def _local_cluster(workers: int | None) -> Any:
     count = workers or processors
     # Each process decodes on as many threads as are its share of the processors.
     share = {"RAYON_NUM_THREADS": str(max(1, processors // count))}
-    with _deaf_to_interrupts():
-        return LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            dashboard_address="127.0.0.1:0",
-            silence_logs=logging.ERROR,
-            env=share,
-        )
+    cluster = None
+    try:
+        with _interrupts_put_off():
+            cluster = LocalCluster(
+                n_workers=count,
+                threads_per_worker=1,
+                dashboard_address="127.0.0.1:0",
+                silence_logs=logging.ERROR,
+                env=share,
+            )
+        return cluster
+    except BaseException:
+        if cluster is not None:
+            cluster.close()
+        raise
 
 
 @contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Ctrl-C goes to all processes of a terminal. Those that are made here inherit that they do not
-    hear it: this one ends them in good order, without a traceback from each. It does not hear it
-    meanwhile either, which takes some seconds.
+def _interrupts_put_off() -> Iterator[None]:
+    """Ctrl-C goes to all processes of a terminal. Those that are made here, and by threads that are
+    made here, inherit that it is blocked: this one ends them in good order, without a traceback from
+    each. What comes meanwhile is heard by another thread, or afterwards.
     """
-    if threading.current_thread() is not threading.main_thread():
+    if not hasattr(signal, "pthread_sigmask"):  # as on Windows
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # It unblocks interrupts where it starts itself.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

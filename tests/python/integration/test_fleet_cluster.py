@@ -14,7 +14,7 @@ import pytest
 from mavwire import cli, traffic
 from mavwire.fleet import to_parquet
 from unit.bridge_tools import wait_until
-from unit.faults import ENVIRONMENT
+from unit.faults import ENVIRONMENT, python
 
 # Dask's own threads end when they like.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
@@ -149,3 +149,32 @@ def test_a_fleet_job_that_is_killed_goes_on_when_it_is_started_again(tmp_path, l
     assert [row.error for row in rows] == [None] * len(logs)
     assert written(out) == expected(logs)
     assert not list(out.glob(".staging-*")), "nothing is left of the run that was killed"
+
+
+INTERRUPTED = """
+import os, signal, sys
+import distributed
+from mavwire import cli
+from mavwire.fleet import clients
+
+class Cluster(distributed.LocalCluster):
+    def __init__(self, *args, **kwargs):
+        os.kill(os.getpid(), signal.SIGINT)
+        super().__init__(*args, **kwargs)
+
+distributed.LocalCluster = Cluster
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.exit(cli.main(["convert", sys.argv[1], "-o", sys.argv[2], "--workers", "1", "--quiet"]))
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot be blocked")
+def test_an_interrupt_while_the_cluster_begins_ends_the_run(
+    logs: list[Path], tmp_path: Path
+) -> None:
+    """It was lost, and all logs were converted."""
+    pytest.importorskip("distributed")
+    out = tmp_path / "out"
+    done = python(INTERRUPTED, str(logs[0]), str(out))
+    assert done.returncode == 130, done.stderr
+    assert not out.exists()
