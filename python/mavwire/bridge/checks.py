@@ -12,6 +12,8 @@ from .errors import ConfigError
 
 # More than any list of messages, systems or components has.
 MAX_LISTED = 65_536
+# Of an integer that is shown.
+MAX_BITS = 1024
 # Some centuries: who says more has mistaken the unit.
 MAX_SECONDS = 1e10
 
@@ -22,8 +24,10 @@ def number(name: str, value: object) -> float:
         raise ConfigError(f"{name} must be a number, not {value!r}", name)
     try:
         found = float(value)
-    except OverflowError:  # of an integer
-        found = math.inf
+    except OverflowError:  # of an integer, perhaps one of more digits than Python writes
+        raise ConfigError(
+            f"{name} must be a finite number, and is too large for one", name
+        ) from None
     if not math.isfinite(found):
         raise ConfigError(f"{name} must be a finite number, not {value!r}", name)
     return found
@@ -42,7 +46,10 @@ def seconds(name: str, value: object, least: float = 0.0) -> float:
 def whole(name: str, value: object, most: int, least: int = 0) -> int:
     """A whole number in a range."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise ConfigError(f"{name} must be a number from {least} to {most}, not {value!r}", name)
+        # Python writes no integers of thousands of digits.
+        is_long = isinstance(value, int) and value.bit_length() > MAX_BITS
+        shown = "one of so many digits" if is_long else repr(value)
+        raise ConfigError(f"{name} must be a number from {least} to {most}, not {shown}", name)
     return value
 
 

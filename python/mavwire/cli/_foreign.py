@@ -42,13 +42,14 @@ def warn_if_foreign(
 def _lacking(command: str, path: str) -> str:
     """What a log lacks that is so short that no record of it is whole; nothing of another file."""
     from mavwire.links import state
+    from mavwire.logs.sources import is_compressed
     from mavwire.logs.telemetry import LONGEST_RECORD, LogFormatError, open_log
 
     if os.path.getsize(path) > LONGEST_RECORD:
         return ""
     try:
+        compressed = is_compressed(path)
         with open_log(path, dialect=state.mavlink, resync="skip") as log:
-            compressed = getattr(log, "compressed", False)
             if compressed and command != "info":
                 return ""
             if not compressed and next(iter(log), None) is not None:
@@ -67,10 +68,11 @@ def _telemetry_problem(command: str, path: str, nothing_read: bool) -> str:
 
     if looks_like_tlog(read_head(path, TLOG_PROBE)) and not nothing_read:
         return ""
+    from mavwire.links import state
     from mavwire.logs import LogFormatError, TelemetryLog
 
     try:
-        with TelemetryLog(path) as log:
+        with TelemetryLog(path, dialect=state.mavlink, resync="skip") as log:
             if not log.compressed:
                 return ""
     except LogFormatError as error:

@@ -148,9 +148,12 @@ def _is_at(descriptor: int, path: str) -> bool:
 def _missing(folder: str) -> Iterator[str]:
     """The folders that are to be made for one, the innermost first."""
     folder = os.path.abspath(folder)
-    while folder and not os.path.lexists(folder):
+    while not os.path.lexists(folder):
         yield folder
-        folder = os.path.dirname(folder)
+        parent = os.path.dirname(folder)
+        if parent == folder:  # a drive that is not there
+            return
+        folder = parent
 
 
 def drafts_of(*names: str) -> Callable[[str], bool]:

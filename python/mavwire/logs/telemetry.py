@@ -259,10 +259,14 @@ def is_foreign(head: bytes) -> bool:
     """Whether a file that holds no record is something else than a log that ends within its first
     one, or right behind that, which is damaged.
     """
+    from mavwire.links.recognise import LENGTH_HEAD, frame_length
+
     # Of a record the first byte of its time, which is 0 until the year 4253; of a raw stream a marker.
     stamped = head[8] in b"\xfd\xfe" if len(head) > 8 else head[:1] == b"\0"
     begins = stamped or head[:1] in (b"", b"\xfd", b"\xfe")
-    return len(head) > LONGEST_RECORD or not begins or _other_format(head) is not None
+    frame = head[8:] if stamped else head
+    goes_on = len(frame) >= LENGTH_HEAD and len(frame) > frame_length(frame[:LENGTH_HEAD])
+    return goes_on or not begins or _other_format(head) is not None
 
 
 def check_run(source: Source, path: str, position: int, bad_bytes: int, damage: str | None) -> None:

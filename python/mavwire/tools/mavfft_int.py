@@ -45,9 +45,11 @@ def main(args: Namespace) -> int:
     # matplotlib itself does not keep what selects alive.
     selections = [Selection(figures, name, samples[name]) for name in sorted(samples)]
     drawn = [one.begin(args.start, args.end) for one in selections]
-    is_told = args.image or args.start is not None or args.end is not None
-    if is_told and not any(drawn):
-        raise CommandError("too few samples for a spectrum between --from and --to")
+    if not any(drawn):
+        if args.start is not None or args.end is not None:
+            raise CommandError("too few samples for a spectrum between --from and --to")
+        if args.image:
+            raise CommandError("there is nothing to draw: too few samples for a spectrum")
     figures.finish()
     return 0
 

@@ -101,8 +101,8 @@ class Sessions:
         # By the system that has the file and the session; of system 0 what all were asked for.
         self.opened: dict[tuple[int, int], Transfer] = {}
         self._strays = strays
-        # What was opened at any time.
-        self._known: set[tuple[int, int]] = set()
+        # What was opened at any time, and the number of the last request for it.
+        self._known: dict[tuple[int, int], int] = {}
         # Of files that nobody has said to have opened: system and number of the request, and where they are.
         self._asked: dict[tuple[int, int], tuple[int, int]] = {}
 
@@ -128,7 +128,7 @@ class Sessions:
         if key in self.opened:
             yield self._end(key)
         self.opened[key] = transfer
-        self._known.add(key)
+        self._known[key] = transfer.number
 
     def _end(self, key: tuple[int, int]) -> Transfer:
         transfer = self.opened.pop(key)
@@ -140,13 +140,25 @@ class Sessions:
         itself. What it had in that session is at its end.
         """
         key, number = (system, packet.session), (packet.seq - 1) % (1 << 16)
-        asked = self._asked.get((system, number)) or self._asked.get((0, number))
+        asked = self._asked_for(key, number)
         if asked in self.opened:
             transfer = self._end(asked)
             yield from self._begin(key, transfer)
+        elif key not in self.opened and self._known.get(key) != number:
+            self._known.pop(key, None)  # a file that nobody asks for in the log
         data = bytes(packet.payload or b"")
         if key in self.opened and len(data) >= 4:
             self.opened[key].size = int.from_bytes(data[:4], "little")
+
+    def _asked_for(self, key: tuple[int, int], number: int) -> tuple[int, int]:
+        """Where the file is that is opened in a session now, by the number of the request; in that
+        session itself if one with this number waits there.
+        """
+        own = self.opened.get(key)
+        if own is not None and own.size is None and own.number == number:
+            return key
+        system, session = key
+        return self._asked.get((system, number)) or self._asked.get((0, number), (0, session))
 
     def _add(self, system: int, packet: Any) -> None:
         from mavwire.mavftp_op import OP_BurstReadFile, OP_ReadFile

@@ -90,6 +90,8 @@ def test_any_text_is_an_endpoint_or_a_clear_error(text: str) -> None:
         ({"rate": 0}, "rate must be more than 0"),
         ({"rate": float("nan")}, "rate must be a finite number, not nan"),
         ({"bytes_per_second": 10**400}, "bytes_per_second must be a finite number"),
+        ({"bytes_per_second": 10**5000}, "bytes_per_second must be a finite number"),
+        ({"queue_bytes": 10**5000}, "not one of so many digits"),
         ({"rates": {"ATTITUDE": "fast"}}, "rates: ATTITUDE must be a number"),
         ({"rates": 5}, "rates must map"),
         ({"rates": {"ATTITUDE": 1, "30": 2}}, "rates: '30' is a message that was named before"),

@@ -94,6 +94,18 @@ def test_a_log_that_ends_in_its_first_record(
         assert NO_RECORD in capsys.readouterr().out and out.read_bytes() == b""
 
 
+@pytest.mark.parametrize("kind", ["BIN", "log"])
+def test_a_compressed_log_that_is_short(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of a dataflash log no messages can be read; of one that is whole all is well."""
+    name = f"start.{kind}.gz"
+    Path(name).write_bytes(gzip.compress(STARTS[kind][:3]))
+    assert cli.main(["info", name]) == 0
+    assert NO_RECORD in capsys.readouterr().err
+    for command in ("dump", "msgstats"):
+        assert cli.main([command, name]) == 0
+        assert "a gzip file, not a telemetry log" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", ["empty.tlog.gz", "empty.BIN.zst"])
 def test_an_empty_compressed_log_is_called_as_the_user_does(
     name: str, capsys: pytest.CaptureFixture[str]

@@ -86,6 +86,26 @@ def test_a_part_that_comes_once_more_is_of_a_file() -> None:
     assert not strays
 
 
+def test_a_file_whose_request_is_lost_has_strays_in_a_session_that_was_used() -> None:
+    strays = Counter[int]()
+    last = request(OP_TerminateSession, 1)
+    again = packed(1, 255, FTP_OP(12, 0, OP_Ack, 4, OP_OpenFileRO, 0, 0, b"\1\0\0\0"))
+    part = packed(1, 255, FTP_OP(13, 0, OP_Ack, 1, OP_BurstReadFile, 0, 0, b"B"))
+    messages = [request(OP_OpenFileRO, 1, b"a.txt"), *sent(1, b"AAAA"), last, again, part]
+    assert [one.name for one in transfers(messages, strays)] == ["a.txt"]
+    assert strays == {1: 1}
+
+
+def test_two_clients_that_count_alike() -> None:
+    """Each in a session of its own."""
+    messages = [request(OP_OpenFileRO, 1, b"a", 0), request(OP_OpenFileRO, 1, b"b", 1)]
+    for opcode, data in ((OP_OpenFileRO, b"\1\0\0\0"), (OP_BurstReadFile, b"?")):
+        for session in (0, 1):
+            text = b"AB"[session : session + 1] if data == b"?" else data
+            messages.append(answer(opcode, 1, text, session))
+    assert found(*messages) == [("a", b"A", 0), ("b", b"B", 0)]
+
+
 def test_parts_of_files_that_the_log_does_not_name(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
