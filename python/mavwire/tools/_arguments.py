@@ -1,6 +1,4 @@
-"""Options that several tools share, with the names that pymavlink's scripts give them, and what is
-checked of their values.
-"""
+"""Options that several tools share, with the names that pymavlink's scripts give them."""
 
 from __future__ import annotations
 
