@@ -20,11 +20,11 @@ use crate::lists::list;
 use crate::log::LogLink;
 use crate::message::payload_of;
 use crate::parse::{self, Step};
-use crate::turn;
+use crate::turn::Turns;
 
 /// Bytes collected before they are written.
 const CHUNK: usize = 256 * 1024;
-/// Messages between two turns of other threads; then the run tells how far it is, too.
+/// Messages between two looks whether others should have a turn; then the run tells how far it is, too.
 const PULSE: u64 = 16 * 1024;
 /// Answers about unknown message ids that are remembered: ids are chosen by whoever sends.
 const MAX_UNKNOWN: usize = 4096;
@@ -87,6 +87,7 @@ struct Dump<'a, 'py> {
     records: Vec<u8>,
     /// Whole seconds and their text, of the message before.
     clock: (u64, String),
+    turns: Turns,
 }
 
 /// Dumps a log from where it stands to its end. `options` has the attributes of `mavwire.cli._dump_native.Options`.
@@ -133,6 +134,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             lines: String::with_capacity(CHUNK + CHUNK / 4),
             records: Vec::new(),
             clock: (u64::MAX, String::new()),
+            turns: Turns::new(),
         })
     }
 
@@ -146,7 +148,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             self.take(&found)?;
             seen += 1;
             if seen.is_multiple_of(PULSE) {
-                turn::give_way(self.log.py())?;
+                self.turns.give_way(self.log.py())?;
                 let percent = self.log.as_super().get().state().percent;
                 self.options.progress.invoke1((percent,))?;
             }
@@ -254,7 +256,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             self.records.clear();
             record.invoke1((bytes,))?;
         }
-        turn::give_way(py)
+        self.turns.give_way(py)
     }
 }
 

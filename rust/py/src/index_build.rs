@@ -10,9 +10,9 @@ use crate::calling::Calling;
 use crate::file_error::of_reading;
 use crate::log::LogLink;
 use crate::log_index::{Indexed, LogIndex, Stop, find_record};
-use crate::turn;
+use crate::turn::Turns;
 
-/// Bytes between two turns of other threads.
+/// Bytes between two looks whether others should have a turn.
 const STRETCH: u64 = 4 * 1024 * 1024;
 
 /// Indexes a log; `progress` gets each new whole percent. The first record of each type is read for real.
@@ -26,7 +26,7 @@ pub(crate) fn build(
     let registry = mav.get().dialect.get().registry.clone();
     let mut index = LogIndex::new(registry.clone());
     let mut reports = Progress { callback: progress, percent: 0, size };
-    let mut finder = None;
+    let (mut finder, mut turns) = (None, Turns::new());
     if mav.get().parser().resync() == Resync::Rescan {
         finder = Some(RecordFinder::default());
     }
@@ -55,7 +55,7 @@ pub(crate) fn build(
             }
         };
         reports.report(offset)?;
-        turn::give_way(log.py())?;
+        turns.give_way(log.py())?;
     }
     Ok(index)
 }

@@ -23,7 +23,7 @@ use crate::message::{Message, Origin};
 use crate::peers::{from_python, to_python};
 use crate::receive::{self, Received};
 use crate::slot::Slot;
-use crate::turn;
+use crate::turn::Turns;
 
 /// Methods whose replacement turns the quick paths off.
 const QUICK_METHODS: [&str; 11] = [
@@ -43,7 +43,7 @@ const QUICK_METHODS: [&str; 11] = [
 /// Where the classes of ports are defined that are read natively.
 const PLAIN_PORTS: [&str; 3] = ["socket", "_io", "serial.serialposix"];
 
-/// Messages that do not match until other threads and signal handlers have a turn.
+/// Messages that do not match between two looks whether others should have a turn.
 const TURN_INTERVAL: u64 = 256;
 /// How long one wait may last before the user's signals are looked at: those that another thread received end no wait.
 const WAIT_SLICE: Duration = Duration::from_millis(200);
@@ -334,7 +334,7 @@ impl LiveLink {
         }
         let filter = Filter::new(r#type, false)?;
         let deadline = deadline_after(timeout);
-        let mut seen: u64 = 0;
+        let (mut seen, mut turns): (u64, _) = (0, Turns::new());
         if blocking && Self::is_drained(slf) {
             Self::wait(slf, timeout, deadline)?;
         }
@@ -352,7 +352,7 @@ impl LiveLink {
                 }
                 seen += 1;
                 if seen.is_multiple_of(TURN_INTERVAL) {
-                    turn::give_way(py)?;
+                    turns.give_way(py)?;
                 }
             } else if !blocking {
                 return Ok(None);

@@ -24,7 +24,8 @@ use crate::log_wanted::{self, Wanted};
 use crate::mavlink::MAVLink;
 use crate::message::Message;
 use crate::slot::Slot;
-use crate::{tracking, turn};
+use crate::tracking;
+use crate::turn::Turns;
 
 /// Methods whose replacement turns the quick paths off.
 const QUICK_METHODS: [&str; 9] = [
@@ -39,8 +40,8 @@ const QUICK_METHODS: [&str; 9] = [
     "_delivered",
 ];
 
-/// Messages of a long run between two turns of other threads: two milliseconds or so.
-pub(crate) const SIGNAL_INTERVAL: u64 = 16 * 1024;
+/// Messages between two looks whether others should have a turn: two milliseconds or so.
+const TURN_INTERVAL: u64 = 16 * 1024;
 
 /// A telemetry log as a link.
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
@@ -299,7 +300,7 @@ impl LogLink {
         let is_indexed = Self::is_indexed(slf);
         let filter = Filter::new(r#type, is_indexed)?;
         let skip = r#type.filter(|_| is_indexed);
-        let mut seen: u64 = 0;
+        let (mut seen, mut turns): (u64, _) = (0, Turns::new());
         loop {
             if let Some(types) = skip {
                 Self::advance(slf, types)?;
@@ -314,8 +315,8 @@ impl LogLink {
                 return Ok(Some(message.into_any()));
             }
             seen += 1;
-            if seen.is_multiple_of(SIGNAL_INTERVAL) {
-                turn::give_way(py)?;
+            if seen.is_multiple_of(TURN_INTERVAL) {
+                turns.give_way(py)?;
             }
         }
         if blocking {

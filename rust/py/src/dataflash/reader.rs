@@ -20,7 +20,7 @@ use super::state::{Kind, Search, State, Taken};
 use crate::calling::{Calling, truth};
 use crate::lists::list;
 use crate::lock::Lock;
-use crate::turn;
+use crate::turn::Turns;
 
 /// Keys of `messages` beyond which no further instances are added.
 const MAX_MESSAGES: usize = 1 << 16;
@@ -74,6 +74,7 @@ impl DataflashReader {
         latched: bool,
     ) -> PyResult<Option<(Bound<'py, DFMessage>, usize)>> {
         let py = slf.py();
+        let mut turns = Turns::new();
         loop {
             let found = slf.get().state.lock(py).next(slf.as_any(), latched, BUDGET)?;
             match found {
@@ -81,7 +82,7 @@ impl DataflashReader {
                     let kind = taken.kind;
                     return Ok(Some((Self::post(slf, taken)?, kind)));
                 }
-                Search::Paused => turn::give_way(py)?,
+                Search::Paused => turns.give_way(py)?,
                 Search::End => return Ok(None),
             }
         }
@@ -399,8 +400,9 @@ impl DataflashReader {
         #[pyo3(from_py_with = truth)] strict: bool,
     ) -> PyResult<()> {
         self.latch(py, &Types::new(Some(&r#type))?, strict)?;
+        let mut turns = Turns::new();
         loop {
-            turn::give_way(py)?;
+            turns.give_way(py)?;
             let mut guard = self.state.lock(py);
             let state = &mut *guard;
             let (Some(source), Some(wanted)) = (state.source.as_mut(), &state.latched) else {
