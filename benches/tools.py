@@ -45,9 +45,9 @@ LEAST = 0.01
 
 def command(package: str, verb: str, script: str, options: str) -> list[str]:
     """What is run in a folder that has the log."""
-    tool = [str(Path(sys.executable).parent / script)]
-    program = tool if package == "pymavlink" else ["-m", "mavwire", verb]
-    return [sys.executable, *program, *options.split(), LOG]
+    scripts = Path(sys.executable).parent
+    program = [scripts / script] if package == "pymavlink" else [scripts / "mavwire", verb]
+    return [sys.executable, *map(str, program), *options.split(), LOG]
 
 
 def cost(program: list[str], log: str, processor: int) -> tuple[float, str]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import secrets
-import shutil
 import stat
-import tempfile
-from typing import IO
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import IO
 
 # Names there stand for files that are open, and for devices.
 _SYSTEM = ("/dev/", "/proc/")
@@ -41,14 +41,14 @@ class Replacement:
         if self._mode is not None and not os.access(self.path, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), self.path)
         if self._mode is not None and not self._is_ordinary(self._mode):
-            return tempfile.TemporaryFile()
-        beside = os.path.join(os.path.dirname(self._place), f".mavwire_{secrets.token_hex(8)}")
+            return _temporary()
+        beside = os.path.join(os.path.dirname(self._place), f".mavwire_{os.urandom(8).hex()}")
         try:
             file = open(beside, "x+b")
         except PermissionError:
             if self._mode is None:
                 raise
-            return tempfile.TemporaryFile()
+            return _temporary()
         self._beside = beside
         return file
 
@@ -68,8 +68,10 @@ class Replacement:
     def _finish(self, permissions: int | None) -> None:
         if self._beside is None:
             self.file.seek(0)
+            from shutil import copyfileobj
+
             with open(self.path, "wb") as file:
-                shutil.copyfileobj(self.file, file)
+                copyfileobj(self.file, file)
             self.file.close()
             return
         self.file.close()
@@ -88,6 +90,12 @@ class Replacement:
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(self._beside)
             self._beside = None
+
+
+def _temporary() -> IO[bytes]:
+    from tempfile import TemporaryFile  # rarely needed, and a fifth of the start of a tool
+
+    return TemporaryFile()
 
 
 def replace_text(path: str, text: str, permissions: int | None = None) -> None:

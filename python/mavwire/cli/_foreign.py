@@ -41,12 +41,14 @@ def warn_if_foreign(
 
 def _lacking(command: str, path: str) -> str:
     """What a log lacks that is so short that no record of it is whole; nothing of another file."""
-    from mavwire.links import state
-    from mavwire.logs.sources import is_compressed
-    from mavwire.logs.telemetry import LONGEST_RECORD, LogFormatError, open_log
+    from mavwire.links.recognise import LONGEST_RECORD
 
     if os.path.getsize(path) > LONGEST_RECORD:
         return ""
+    from mavwire.links import state
+    from mavwire.logs.sources import is_compressed
+    from mavwire.logs.telemetry import LogFormatError, open_log
+
     try:
         compressed = is_compressed(path)
         with open_log(path, dialect=state.mavlink, resync="skip") as log:

@@ -19,10 +19,10 @@ from mavwire._wording import in_words
 
 from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
-from .manifest import Converted, Manifest, file_status
+from .manifest import Converted, Manifest
 from .query import Query, check_tables
 from .reading import allow_described, check_readable, native_dialect, paths_of
-from .sources import is_dataflash, open_converter
+from .sources import file_status, is_dataflash, open_converter
 from .store import Store
 from .telemetry import check_run
 

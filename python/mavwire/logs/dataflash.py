@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import DataflashTables
 
 from .base import Log
-from .manifest import file_status
 from .query import Query, check_described
-from .sources import is_compressed
+from .sources import file_status, is_compressed
 from .table import Table
 from .telemetry import LogFormatError
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from .formats import FORMATS, ONE_FILE
+from .sources import file_status
 from .store import Files
 
 if TYPE_CHECKING:
@@ -198,12 +199,6 @@ class Manifest:
     def _stem(self, name: str) -> str:
         stem, _, rest = os.path.basename(name).rpartition(FORMATS[self.how["format"]])
         return "" if rest.endswith(".part") else stem  # a draft is nobody's yet
-
-
-def file_status(path: str) -> tuple[int, int]:
-    """Bytes of a file, and when it was changed in nanoseconds since 1970."""
-    status = os.stat(path)
-    return status.st_size, status.st_mtime_ns
 
 
 _ROW = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -65,6 +64,12 @@ def open_converter(
     return tables.convert(query, out, file, format, compression)
 
 
+def file_status(path: str) -> tuple[int, int]:
+    """Bytes of a file, and when it was changed in nanoseconds since 1970."""
+    status = os.stat(path)
+    return status.st_size, status.st_mtime_ns
+
+
 def head_of(source: Source, size: int) -> bytes:
     """The first bytes of a log."""
     if isinstance(source, bytes):
@@ -89,6 +94,8 @@ def decompressed(path: str, warn: Callable[[str], object] = lambda damage: None)
     if not is_compressed(path):
         yield path
         return
+    import tempfile  # which costs as much as all else here
+
     name = os.path.basename(path)
     for suffix in (".gz", ".zst"):
         name = name.removesuffix(suffix)

@@ -15,8 +15,8 @@ from types import ModuleType
 from mavwire._native import LogScan
 
 from .base import Log
-from .manifest import file_status
 from .selection import Selection, no_message
+from .sources import file_status
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 HEAD_SIZE = 8192
 # A file without a single record is called foreign if it is no longer than this.
 FOREIGN_PROBE = 16 * 1024 * 1024
-# A time stamp, and the longest frame.
-LONGEST_RECORD = 8 + 280
 
 
 class LogFormatError(ValueError):

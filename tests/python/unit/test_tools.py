@@ -48,6 +48,22 @@ def test_a_log_that_is_not_there(verb: str, capsys: pytest.CaptureFixture[str]) 
 
 
 @pytest.mark.parametrize("verb", READERS)
+def test_a_log_is_read_without_what_tables_need(verb: str, tmp_path: Path) -> None:
+    """Which would take as long as the start of all else."""
+    path = tmp_path / "a.tlog"
+    flight_log(path)
+    listing = (
+        "import sys; from mavwire import cli; status = cli.main(sys.argv[1:]);"
+        " print(*sorted(sys.modules), file=sys.stderr); sys.exit(status)"
+    )
+    command = [sys.executable, "-c", listing, verb, path]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=tmp_path)
+    loaded = set(done.stderr.split())
+    assert "mavwire.mavutil" in loaded
+    assert not {"mavwire.logs", "dataclasses", "inspect", "tempfile"} & loaded
+
+
+@pytest.mark.parametrize("verb", READERS)
 def test_a_file_that_is_no_log(
     verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
