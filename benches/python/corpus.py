@@ -41,9 +41,9 @@ class Corpus:
         return str(self.folder / "flight.tlog")
 
     @property
-    def single(self) -> str:
-        """Path of a log of one message, to take the start of a program off its running time."""
-        return str(self.folder / "single.tlog")
+    def short(self) -> str:
+        """Path of a log of 20 messages, to take the start of a program off its running time."""
+        return str(self.folder / "short.tlog")
 
     @property
     def dataflash(self) -> str:
@@ -81,7 +81,7 @@ def make(folder: Path, package: str, messages: int) -> None:
 
     dialect = importlib.import_module(f"{package}.dialects.v20.ardupilotmega")
     traffic.generate(folder / "flight.tlog", messages, dialect=dialect)
-    traffic.generate(folder / "single.tlog", 1, dialect=dialect)
+    traffic.generate(folder / "short.tlog", 20, dialect=dialect)
     for name, more in FILES.items():
         options = traffic.Options(messages, **more)
         with (folder / f"{name}.raw").open("wb") as file:

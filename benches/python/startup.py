@@ -98,7 +98,7 @@ def dump_cost(package: str, corpus: Corpus, form: str, processor: int) -> dict[s
     """Microseconds a message for printing a log, the start of the program taken off, and the digest
     of the output.
     """
-    start, start_wall, _ = child(dump_command(package, corpus.single, form), processor)
+    start, start_wall, _ = child(dump_command(package, corpus.short, form), processor)
     cpu, wall, out = child(dump_command(package, corpus.tlog, form), processor)
     per = 1e6 / corpus.messages
     return {
