@@ -91,14 +91,17 @@ impl RecordFinder {
         let mut scanner = self.scanner.clone();
         let mut junk = 0;
         loop {
+            // Reading goes on with what the scanner knows there: what was in front tells whether unknown ids are believed.
+            let there = scanner.clone();
             match scanner.next(&bytes[junk..], registry, true) {
                 FoundRecord::Junk { len } => junk += len,
-                FoundRecord::Record { .. } if junk > 0 => break,
+                FoundRecord::Record { .. } if junk > 0 => {
+                    *self = Self { scanner: there, offset: self.offset + junk as u64 };
+                    return AtOffset::Junk { len: junk };
+                }
                 _ => return AtOffset::End,
             }
         }
-        self.restart(self.offset + junk as u64);
-        AtOffset::Junk { len: junk }
     }
 }
 
@@ -189,6 +192,22 @@ mod tests {
             let log = [&record(0)[..], &[0; 8], &junk, &record(1), &record(2), extra].concat();
             assert_eq!(Log::new("end", &log).drain(), [0, 1, 2], "{extra:?}");
         }
+    }
+
+    /// A frame of system 0 with an unknown id, which is believed when the id was met before.
+    fn doubtful(seq: u8) -> Vec<u8> {
+        let body = [1, seq, 0, 1, 200, seq];
+        let checksum = mavwire_core::x25::push(mavwire_core::x25::checksum(&body), 7);
+        let stamp = (1_600_000_000_000_000 + u64::from(seq)).to_be_bytes();
+        [&stamp[..], &[0xFE], &body, &checksum.to_le_bytes()].concat()
+    }
+
+    #[test]
+    fn what_was_met_is_remembered_behind_a_false_frame_at_the_end() {
+        let junk = [0xFD, 0xFF, 0, 0, 0, 1, 1, 0, 0, 0, 7];
+        let before = [record(0), doubtful(1), doubtful(2)].concat();
+        let log = [&before[..], &[0; 8], &junk, &doubtful(3), &record(4)].concat();
+        assert_eq!(Log::new("met", &log).drain(), [0, 2, 3, 4]);
     }
 
     #[test]
