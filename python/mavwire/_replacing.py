@@ -9,7 +9,10 @@ import secrets
 import shutil
 import stat
 import tempfile
-from typing import IO
+from typing import IO, TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 # Names there stand for files that are open, and for devices.
 _SYSTEM = ("/dev/", "/proc/")
@@ -90,17 +93,26 @@ class Replacement:
             self._beside = None
 
 
+@contextlib.contextmanager
+def replacing(path: str, permissions: int | None = None) -> Iterator[IO[bytes]]:
+    """A file for bytes that takes the place of `path` at the end; an error leaves what was there. Raises
+    OSError that names `path`.
+    """
+    replacement = Replacement(path)
+    try:
+        yield replacement.file
+    except BaseException as error:
+        replacement.discard()
+        if isinstance(error, OSError) and error.filename is None:  # a full disk
+            error.filename = path
+        raise
+    replacement.finish(permissions)
+
+
 def replace_text(path: str, text: str, permissions: int | None = None) -> None:
     """Put `text` into the file `path` as UTF-8; an error leaves what was there. Raises OSError that
     names `path`, and UnicodeEncodeError.
     """
     data = text.replace("\n", os.linesep).encode()
-    file = Replacement(path)
-    try:
-        file.file.write(data)
-    except BaseException as error:
-        file.discard()
-        if isinstance(error, OSError):
-            error.filename = path
-        raise
-    file.finish(permissions)
+    with replacing(path, permissions) as file:
+        file.write(data)
