@@ -25,6 +25,8 @@ EXCLUDED = tuple(
 """What belongs to one vehicle and not into another."""
 
 SMALLEST_DIFFERENCE = 0.000001
+# Characters of a word that an error shows: a file that is none of parameters may be one line.
+MOST_SHOWN = 80
 
 
 class MAVParmFileError(ValueError):
@@ -80,12 +82,12 @@ def _read_line(
         return
     try:
         value = number_of(number_text)
-    except ValueError as error:
+        float(value)
+    except (ValueError, OverflowError) as error:  # the latter for hexadecimal beyond any float
         found.show_invalid()
-        where = f"{found.path}:{number}"
-        raise MAVParmFileError(
-            printable(f"{where}: the value of {name} is no number: {number_text}")
-        ) from error
+        name, number_text = name[:MOST_SHOWN], number_text[:MOST_SHOWN]
+        text = f"{found.path}:{number}: the value of {name} is no number: {number_text}"
+        raise MAVParmFileError(printable(text)) from error
     found.values.append((name, value))
 
 

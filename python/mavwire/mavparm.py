@@ -103,7 +103,9 @@ class MAVParmDict(dict[str, Any]):
             file = read_parameter_file(
                 filename, wildcard, self.exclude_load if use_excludes else ()
             )
-        except (OSError, TypeError) as error:
+        except MAVParmFileError:
+            raise
+        except (OSError, TypeError, ValueError) as error:  # the last two for what is no name
             print(f"Failed to open file '{filename}': {error}")
             return False
         if mav is None:
