@@ -9,6 +9,7 @@ import stat
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from typing import IO
 
 # Names there stand for files that are open, and for devices.
@@ -22,18 +23,20 @@ class Replacement:
     folder that takes no new files, gets a copy of the whole. Raises OSError that names `path`.
     """
 
-    def __init__(self, path: str) -> None:
-        self.path = path
-        self._place = os.path.realpath(path)
+    def __init__(self, path: str | bytes | os.PathLike[str]) -> None:
+        self.path = os.fsdecode(path)
+        self._place = os.path.realpath(self.path)
         self._beside: str | None = None
         self._mode: int | None = None
         try:
             self.file = self._open()
         except OSError as error:
-            error.filename = path
+            error.filename = self.path
             raise
 
     def _open(self) -> IO[bytes]:
+        if not self.path:
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), self.path)
         with contextlib.suppress(FileNotFoundError):
             self._mode = os.stat(self.path).st_mode
         if self._mode is not None and stat.S_ISDIR(self._mode):
@@ -59,10 +62,11 @@ class Replacement:
         """Move it to its place."""
         try:
             self._finish(permissions)
-        except BaseException as error:
+        except OSError as error:  # a full disk comes without a name, and a move with two
             self.discard()
-            if isinstance(error, OSError):  # a full disk comes without a name
-                error.filename, error.filename2 = self.path, None
+            raise OSError(error.errno, error.strerror, self.path) from error
+        except BaseException:
+            self.discard()
             raise
 
     def _finish(self, permissions: int | None) -> None:
@@ -98,17 +102,30 @@ def _temporary() -> IO[bytes]:
     return TemporaryFile()
 
 
-def replace_text(path: str, text: str, permissions: int | None = None) -> None:
+@contextlib.contextmanager
+def replacing(
+    path: str | bytes | os.PathLike[str], permissions: int | None = None
+) -> Iterator[IO[bytes]]:
+    """A file for bytes that takes the place of `path` at the end; an error leaves what was there. Raises
+    OSError that names `path`.
+    """
+    replacement = Replacement(path)
+    try:
+        yield replacement.file
+    except BaseException as error:
+        replacement.discard()
+        if isinstance(error, OSError) and error.filename is None:  # a full disk
+            error.filename = replacement.path
+        raise
+    replacement.finish(permissions)
+
+
+def replace_text(
+    path: str | bytes | os.PathLike[str], text: str, permissions: int | None = None
+) -> None:
     """Put `text` into the file `path` as UTF-8; an error leaves what was there. Raises OSError that
     names `path`, and UnicodeEncodeError.
     """
     data = text.replace("\n", os.linesep).encode()
-    file = Replacement(path)
-    try:
-        file.file.write(data)
-    except BaseException as error:
-        file.discard()
-        if isinstance(error, OSError):
-            error.filename = path
-        raise
-    file.finish(permissions)
+    with replacing(path, permissions) as file:
+        file.write(data)

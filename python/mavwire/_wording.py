@@ -42,8 +42,6 @@ def in_words(error: BaseException, path: str | None = None) -> str:
         return f"{error.obj.get_type()} has no field {error.name!r}"
     if isinstance(error, SyntaxError) and error.msg:  # without the place, which is that of a file
         return error.msg
-    if isinstance(error, IndexError) and not error.args:  # of a message, as in pymavlink
-        return "there is no such instance"
     if isinstance(error, MemoryError) and not error.args:
         return "there is not enough memory"
     text = str(error) or type(error).__name__

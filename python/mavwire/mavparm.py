@@ -1,22 +1,25 @@
-"""Parameters of a vehicle as a dictionary, and the files they are kept in: pymavlink's `mavparm`.
-
-A parameter file has a name and a value a line, separated by spaces, tabs or commas; `#` starts a
-comment. A file is read as a whole before the first value is used, so that a mistake at its end does
-not leave a vehicle with half of it.
-"""
+"""Parameters of a vehicle as a dictionary, and the files they are kept in: pymavlink's `mavparm`."""
 
 from __future__ import annotations
 
-import fnmatch
 import struct
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from mavwire import mavutil
+from mavwire import _parameter_file, mavutil
+from mavwire._parameter_file import (
+    EXCLUDED,
+    SMALLEST_DIFFERENCE,
+    differences,
+    heading,
+    matches,
+    number_of,
+    read_parameter_file,
+)
 from mavwire._replacing import replace_text
-from mavwire._wording import printable
 
+MAVParmFileError = _parameter_file.MAVParmFileError
 TRY_SECONDS = 1.0
 
 # How integers travel in a parameter's float: right-aligned in four bytes, the highest byte first.
@@ -28,14 +31,6 @@ _PACKING = {
     mavutil.mavlink.MAV_PARAM_TYPE_UINT32: ">I",
     mavutil.mavlink.MAV_PARAM_TYPE_INT32: ">i",
 }
-_EXCLUDED = """ARSPD_OFFSET CMD_INDEX CMD_TOTAL FENCE_TOTAL FORMAT_VERSION GND_ABS_PRESS GND_TEMP
-LOG_LASTFILE MIS_TOTAL SYSID_SW_MREV SYS_NUM_RESETS"""
-
-ValueInfo = Callable[[str, Any], Any]
-
-
-class MAVParmFileError(ValueError):
-    """A value in a parameter file that is no number; the text names the file and the line."""
 
 
 class MAVParmDict(dict[str, Any]):
@@ -45,15 +40,12 @@ class MAVParmDict(dict[str, Any]):
     largest difference that does not count as one.
     """
 
-    # For the tools: a file that cannot be read is an OSError.
-    _must_exist = False
-
     def __init__(self, *args: tuple[str, Any] | Mapping[str, Any]) -> None:
         super().__init__()
         for one in args:
             self.update(one if isinstance(one, Mapping) else (one,))
-        self.exclude_load = _EXCLUDED.split()
-        self.mindelta = 0.000001
+        self.exclude_load = list(EXCLUDED)
+        self.mindelta = SMALLEST_DIFFERENCE
 
     # -- the vehicle
 
@@ -86,7 +78,7 @@ class MAVParmDict(dict[str, Any]):
         """Write the parameters whose names match `wildcard`, sorted; `verbose` says how many."""
         lines = []
         for name in sorted(self):
-            if name and _matches(name, wildcard):
+            if name and matches(name, wildcard):
                 value = self[name]
                 text = f"{value:f}" if isinstance(value, float) else str(value)
                 lines.append(f"{name:<16.16} {text}\n")
@@ -107,20 +99,21 @@ class MAVParmDict(dict[str, Any]):
         With a link `mav` the values that differ are set on the vehicle, and `check` leaves out
         those that it does not have. Raises MAVParmFileError for a value that is no number.
         """
-        excluded = self.exclude_load if use_excludes else ()
         try:
-            with open(filename, encoding="utf-8-sig", errors="replace") as file:
-                entries = list(_entries(file, filename, wildcard, excluded))
-        except (OSError, TypeError) as error:
-            if self._must_exist and isinstance(error, OSError):  # one of reading names no file
-                raise OSError(error.errno, error.strerror, filename) from error
+            file = read_parameter_file(
+                filename, wildcard, self.exclude_load if use_excludes else ()
+            )
+        except MAVParmFileError:
+            raise
+        except (OSError, TypeError, ValueError) as error:  # the last two for what is no name
             print(f"Failed to open file '{filename}': {error}")
             return False
         if mav is None:
-            self.update(entries)
-            print(f"Loaded {len(entries)} parameters from {filename}")
+            self.update(file.values)
+            file.show_loaded()
             return True
-        known = [self._upload(mav, name, value, check) for name, value in entries]
+        file.show_invalid()
+        known = [self._upload(mav, name, value, check) for name, value in file.values]
         changed = sum(state == "changed" for state in known)
         count = len(known) - known.count("unknown")
         print(f"Loaded {count} parameters from {filename} (changed {changed})")
@@ -158,7 +151,7 @@ class MAVParmDict(dict[str, Any]):
     def show(self, wildcard: str = "*") -> None:
         """Print the parameters whose names match `wildcard`, sorted."""
         for name in sorted(self):
-            if _matches(name, wildcard):
+            if matches(name, wildcard):
                 value = self[name]
                 self.show_param_value(name, value if isinstance(value, str) else f"{value:f}")
 
@@ -171,7 +164,7 @@ class MAVParmDict(dict[str, Any]):
         show_only1: bool = True,
         show_only2: bool = True,
         header: bool = False,
-        value_info: ValueInfo | None = None,
+        value_info: Callable[[str, Any], Any] | None = None,
     ) -> None:
         """Print where the file, in the first column, differs from these parameters, in the second.
 
@@ -179,58 +172,31 @@ class MAVParmDict(dict[str, Any]):
         `value_info(name, value)` explains a value in a comment; None is no explanation.
         """
         other = MAVParmDict()
-        other._must_exist = self._must_exist
         if not other.load(filename, use_excludes=use_excludes):
             return
         if header:
-            print(_row("PARAMETER", "FILE1", "FILE2", use_tabs))
-        for name in sorted(self.keys() | other.keys()):
-            if not _matches(name, wildcard):
-                continue
-            first, second = other.get(name), self.get(name)
-            if first is None:
-                line = _row(name, "", f"{second:.4f}") if show_only2 else None
-            elif second is None:
-                line = _row(name, f"{first:.4f}").rstrip() if show_only1 else None
-            elif abs(first - second) > self.mindelta:
-                line = _row(name, f"{first:.4f}", f"{second:.4f}", use_tabs)
-            else:
-                line = None
-            if line is not None:
-                print(line + _comment(name, first, second, value_info))
-
-
-def _matches(name: str, wildcard: str) -> bool:
-    return fnmatch.fnmatch(name.upper(), wildcard.upper())
-
-
-def _row(name: str, first: str, second: str = "", tabs: bool = False) -> str:
-    return f"{name}\t{first}\t{second}" if tabs else f"{name:<16.16} {first:>12} {second:>12}"
-
-
-def _comment(name: str, first: Any, second: Any, value_info: ValueInfo | None) -> str:
-    """What a value means on either side."""
-    if value_info is None:
-        return ""
-    sides = (("FILE1", first), ("FILE2", second))
-    infos = ((side, value_info(name, value)) for side, value in sides if value is not None)
-    told = [f"{side}={info}" for side, info in infos if info is not None]
-    return f" # {' '.join(told)}" if told else ""
-
-
-def _number(text: str) -> float:
-    """A number as parameter files and users write it; hexadecimal gives an int."""
-    return int(text[2:], 16) if text[:2].lower() == "0x" else float(text)
+            print(heading(use_tabs))
+        for line in differences(
+            other,
+            self,
+            wildcard=wildcard,
+            smallest=self.mindelta,
+            tabs=use_tabs,
+            only_first=show_only1,
+            only_second=show_only2,
+            value_info=value_info,
+        ):
+            print(line)
 
 
 def _as_float(value: Any, parm_type: int | None) -> float | None:
     """What PARAM_SET carries; None for a type that it cannot carry."""
     if parm_type is None or parm_type == mavutil.mavlink.MAV_PARAM_TYPE_REAL32:
-        return _number(value) if isinstance(value, str) else float(value)
+        return number_of(value) if isinstance(value, str) else float(value)
     packing = _PACKING.get(parm_type)
     if packing is None:
         return None
-    whole = int(_number(value) if isinstance(value, str) else value)
+    whole = int(number_of(value) if isinstance(value, str) else value)
     result: float = struct.unpack(">f", struct.pack(packing, whole))[0]
     return result
 
@@ -243,28 +209,3 @@ def _answered(mav: Any, name: str) -> bool:
         if answer is not None and str(answer.param_id).upper() == name:
             return True
     return False
-
-
-def _entries(
-    lines: Any, filename: str, wildcard: str, excluded: Any
-) -> Iterator[tuple[str, float]]:
-    """Names and values of a parameter file; a line that has not two words is printed."""
-    for number, line in enumerate(lines, start=1):
-        text = line.partition("#")[0].strip().replace(",", " ")
-        words = text.split()
-        if not words:
-            continue
-        if len(words) != 2:
-            print(f"Invalid line: {printable(text)}")
-            continue
-        name, number_text = words
-        if name in excluded or not _matches(name, wildcard):
-            continue
-        try:
-            value = _number(number_text)
-        except ValueError as error:
-            where = f"{filename}:{number}"
-            raise MAVParmFileError(
-                printable(f"{where}: the value of {name} is no number: {number_text}")
-            ) from error
-        yield name, value

@@ -22,6 +22,9 @@ _FENCE_START = re.compile(r"[-+.0-9]+\s+[-+.0-9]+")
 _GLOBAL_FRAMES = frozenset((0, 3, 5, 6, 10, 11))
 _LOCAL_FRAMES = frozenset((1, 4, 7, 8, 9, 12, 20, 21))
 
+# Degrees that fit into a message times 1e7.
+_MOST_DEGREES = 214.7483647
+
 T = TypeVar("T")
 
 
@@ -67,6 +70,11 @@ def _numbers(line: Line, error: type[PlanError], read: Callable[[list[str]], T])
         raise
     except (ValueError, OverflowError) as wrong:
         raise error(str(wrong), line.where) from wrong
+
+
+def _check_place(lat: float, lng: float) -> None:
+    if not (abs(lat) <= _MOST_DEGREES and abs(lng) <= _MOST_DEGREES):  # nor does NaN
+        raise ValueError(f"no place: {lat} {lng}")
 
 
 # -- QGC WPL
@@ -167,8 +175,7 @@ def fence_points(lines: Sequence[Line]) -> Iterator[tuple[float, float]]:
 
     def read(words: list[str]) -> tuple[float, float]:
         lat, lng = float(words[0]), float(words[1])
-        if not (isfinite(lat) and isfinite(lng)):
-            raise ValueError(f"no place: {words[0]} {words[1]}")
+        _check_place(lat, lng)
         return lat, lng
 
     for line in _meant(lines):
@@ -193,6 +200,9 @@ def rally_points(lines: Sequence[Line], whole_metres: bool = False) -> Iterator[
 
     def read(words: list[str]) -> RallyLine:
         lat, lng, alt, break_alt, land_dir, flags = map(float, words[1:7])
+        _check_place(lat, lng)
+        if not isfinite(alt):
+            raise ValueError(f"no altitude: {alt}")
         if whole_metres:
             alt, break_alt = int(alt), int(break_alt)
         place = int(lat * 1e7), int(lng * 1e7)

@@ -14,7 +14,7 @@ from array import array
 from contextlib import contextmanager
 from itertools import chain
 
-from mavwire._replacing import Replacement
+from mavwire._replacing import replacing
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import refuse_log
 from mavwire.links.recording import shown
@@ -79,15 +79,10 @@ def mat_file(args: Namespace) -> Iterator[Tables]:
     refuse_log(args.mat_file, [args.log], "--mat_file")
     tables = Tables()
     try:
-        file = Replacement(args.mat_file)
-        try:
+        with replacing(args.mat_file) as file:
             yield tables
             for part in tables.encoded(args.compress):
-                file.file.write(part)
-        except BaseException:
-            file.discard()
-            raise
-        file.finish()
+                file.write(part)
     except struct.error as error:
         raise CommandError("--format mat: one type fills more than 4 GB; use --types") from error
     except OSError as error:

@@ -135,7 +135,18 @@ def _message_field(node: ast.Name, attribute: str) -> Closure:
 
 def _subscript(node: ast.Subscript) -> Closure:
     value, index = build(node.value), build(node.slice)
-    return lambda variables: value(variables)[index(variables)]
+
+    def load(variables: Any) -> Any:
+        owner, key = value(variables), index(variables)
+        try:
+            return owner[key]
+        except IndexError as error:
+            if error.args or not hasattr(owner, "get_type"):
+                raise
+            # A message's, which is without words for the sake of those who know pymavlink's.
+            raise IndexError(f"{owner.get_type()} has no instance {key!r}") from None
+
+    return load
 
 
 def _slice(node: ast.Slice) -> Closure:

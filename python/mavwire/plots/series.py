@@ -283,10 +283,11 @@ class _Collector:
         """What was gathered, or why nothing was: by the newest messages."""
         import numpy as np
 
-        if not self._times and not self._failed:
-            self._error = why_nothing(self.expression.text, messages, self._condition)
-            if self._error is None and self._xaxis is not None:
-                self._error = why_nothing(self._xaxis.text, messages)
+        if not self._times and self._error in (None, NO_NUMBER):
+            why = why_nothing(self.expression.text, messages, self._condition)
+            if why is None and self._xaxis is not None:
+                why = why_nothing(self._xaxis.text, messages)
+            self._error = why or self._error
         times, values = np.array(self._times, float), np.array(self._values, float)
         return Series(self.expression, times, values, self._failed, self._error)
 

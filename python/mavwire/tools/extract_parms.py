@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+from mavwire._parameter_file import read_parameter_file
 from mavwire.cli._errors import CommandError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-
-    from mavwire.mavparm import MAVParmDict
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -19,24 +18,17 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    defaults, params = _load(args.defaults), _load(args.params)
+    try:
+        files = [read_parameter_file(path) for path in (args.defaults, args.params)]
+    except ValueError as error:
+        raise CommandError(str(error)) from error
+    for file in files:
+        file.show_loaded()
+    defaults, params = (dict(file.values) for file in files)
     for name, value in params.items():
         if name in defaults and value != defaults[name]:
             print(f"{name:<16} {repr(float(value)).removesuffix('.0')}")
     return 0
-
-
-def _load(path: str) -> MAVParmDict:
-    """A parameter file; CommandError for a mistake in it."""
-    from mavwire.mavparm import MAVParmDict
-
-    found = MAVParmDict()
-    found._must_exist = True
-    try:
-        found.load(path)
-    except ValueError as error:
-        raise CommandError(str(error)) from error
-    return found
 
 
 if __name__ == "__main__":

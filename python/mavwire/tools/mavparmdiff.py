@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mavwire._parameter_file import EXCLUDED, differences, heading, read_parameter_file
 from mavwire.cli._errors import CommandError
 
 TYPE_CHECKING = False
@@ -41,26 +42,28 @@ def _documents(args: Namespace) -> ParameterDocs:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    from mavwire.mavparm import MAVParmDict
-
     value_info = _documents(args).meaning if args.param_docs else None
-    parameters = MAVParmDict()
-    parameters._must_exist = True
+    excluded = () if args.full_diff else EXCLUDED
     try:
-        parameters.load(args.file2, use_excludes=not args.full_diff)
-        print(f"FILE1: {args.file1}")
-        print(f"FILE2: {args.file2}")
-        parameters.diff(
-            args.file1,
-            use_excludes=not args.full_diff,
-            use_tabs=args.tabs,
-            show_only1=not args.hide_only1,
-            show_only2=not args.hide_only2,
-            header=True,
-            value_info=value_info,
+        first, second = (
+            read_parameter_file(path, excluded=excluded) for path in (args.file1, args.file2)
         )
     except ValueError as error:
         raise CommandError(str(error)) from error
+    second.show_loaded()
+    print(f"FILE1: {args.file1}")
+    print(f"FILE2: {args.file2}")
+    first.show_loaded()
+    print(heading(args.tabs))
+    for line in differences(
+        dict(first.values),
+        dict(second.values),
+        tabs=args.tabs,
+        only_first=not args.hide_only1,
+        only_second=not args.hide_only2,
+        value_info=value_info,
+    ):
+        print(line)
     return 0
 
 

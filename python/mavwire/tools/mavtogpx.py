@@ -6,9 +6,11 @@ import math
 import time
 from functools import lru_cache
 
+from mavwire._replacing import replacing
 from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
+from mavwire.cli._signals import ended_in_order
 from mavwire.tools._arguments import add_condition, add_logs
 
 TYPE_CHECKING = False
@@ -50,15 +52,22 @@ def main(args: Namespace) -> int:
     with definitions():
         for path in args.logs:
             output = f"{path}.gpx"
-            with reading("togpx", path) as log, open(output, "w", encoding="utf-8") as file:
-                file.write(HEADER)
-                count = 0
-                for point in _points(log, args):
-                    file.write(point)
-                    count += 1
-                file.write(FOOTER)
+            with reading("togpx", path) as log:
+                count = _write(log, args, output)
             print(f"Created {output} with {count} points")
     return 0
+
+
+def _write(log: Reading, args: Namespace, path: str) -> int:
+    """Write the track; how many points it has. After an error the file is as it was."""
+    count = 0
+    with ended_in_order(), replacing(path) as file:
+        file.write(HEADER.encode())
+        for point in _points(log, args):
+            file.write(point.encode())
+            count += 1
+        file.write(FOOTER.encode())
+    return count
 
 
 class Point:

@@ -55,16 +55,17 @@ def main(args: Namespace) -> int:
 
 def _write(log: Reading, args: Namespace, file: OutputFile) -> None:
     types = wanted(args.types, log)
-    is_telemetry = kind_of(log.link) == "telemetry"
+    source = kind_of(log.link)
     rows = Counter[str]()
-    layouts: dict[type, Layout] = {}
+    layouts: dict[Any, Layout] = {}
     for msg in log.messages(condition=args.condition):
         kind = msg.get_type()
         if not _is_wanted(kind, types):
             continue
-        layout = layouts.get(type(msg)) or Layout(msg)
-        if is_telemetry:  # messages of other logs have the numbers that their records say
-            layouts[type(msg)] = layout
+        described_by = msg.fmt if source == "dataflash" else type(msg)
+        layout = layouts.get(described_by) or Layout(msg)
+        if source != "CSV":  # where each row may have other cells that are numbers
+            layouts[described_by] = layout
         rows[kind] += 1
         if rows[kind] == 1:
             names = "','".join(layout.columns)

@@ -32,13 +32,13 @@ def file(folder: Path, text: bytes | str) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize("value", ["abc", "0x", "0xzz", "-0x10", "1.5;"])
+@pytest.mark.parametrize("value", ["abc", "0x", "0xzz", "-0x10", "1.5;", "0x" + "f" * 400])
 def test_a_value_that_is_no_number_names_its_place(value: str, tmp_path: Path) -> None:
     name = file(tmp_path, f"A 1\n# comment\nB {value}\n")
     parameters = mavparm.MAVParmDict(("A", 0.0), ("B", 0.0))
     with pytest.raises(mavparm.MAVParmFileError) as caught:
         parameters.load(name)
-    assert str(caught.value) == f"{name}:3: the value of B is no number: {value}"
+    assert str(caught.value) == f"{name}:3: the value of B is no number: {value[:80]}"
     assert isinstance(caught.value, ValueError)
 
 
@@ -61,6 +61,14 @@ def test_comments_may_hold_any_bytes(tmp_path: Path) -> None:
     parameters = mavparm.MAVParmDict()
     assert parameters.load(file(tmp_path, b"\xef\xbb\xbfA 1 # 20\xb0C\r\nB 2\r\n"))
     assert dict(parameters) == {"A": 1.0, "B": 2.0}
+
+
+@pytest.mark.parametrize("name", ["a\0b", None, 5.5, "", b"none"])
+def test_what_is_no_file(name: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    parameters = mavparm.MAVParmDict(("A", 1.0))
+    assert parameters.load(name) is False
+    assert parameters.diff(name) is None  # type: ignore[func-returns-value]
+    assert capsys.readouterr().out.count(f"Failed to open file '{name}': ") == 2
 
 
 def test_mappings_make_a_dictionary() -> None:

@@ -230,12 +230,22 @@ def test_a_rally_point_at_no_height_names_its_line(word: str, tmp_path: Path) ->
     assert loader.rally_count() == 1
 
 
-@pytest.mark.parametrize("word", ["nan", "1e999", "inf"])
-def test_a_fence_point_at_no_place_names_its_line(word: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("loader", [mavwp.MissionItemProtocol_Fence, mavwp.MAVFenceLoader])
+@pytest.mark.parametrize("word", ["nan", "1e999", "inf", "-214.8", "1e300"])
+def test_a_fence_point_at_no_place_names_its_line(word: str, loader: Any, tmp_path: Path) -> None:
     path = tmp_path / "fence.txt"
-    path.write_text(f"{word} 2\n" + "1 2\n" * 5)
-    with pytest.raises(mavwp.MAVFenceError, match=r"fence\.txt:1"):
-        mavwp.MissionItemProtocol_Fence().load(str(path))
+    path.write_text(f"1 {word}\n" + "1 2\n" * 5)
+    with pytest.raises(mavwp.MAVFenceError, match=r"no place: .*fence\.txt:1"):
+        loader().load(str(path))
+
+
+@pytest.mark.parametrize("loader", [mavwp.MissionItemProtocol_Rally, mavwp.MAVRallyLoader])
+@pytest.mark.parametrize("start", ["214.8 2 3", "1 -1e300 3", "nan 2 3", "1 2 nan", "1 2 1e999"])
+def test_a_rally_point_at_no_place_names_its_line(start: str, loader: Any, tmp_path: Path) -> None:
+    path = tmp_path / "rally.txt"
+    path.write_text(f"RALLY 1 2 3 4 5 6\nRALLY {start} 4 5 6\n")
+    with pytest.raises(mavwp.MAVRallyError, match=r"no (place|altitude): .*rally\.txt:2"):
+        loader().load(str(path))
 
 
 def test_a_file_in_the_format_without_a_definition_is_named(tmp_path: Path) -> None:

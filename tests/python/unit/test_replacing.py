@@ -6,6 +6,7 @@ import os
 import stat
 import threading
 from pathlib import Path
+from typing import Any
 
 import pytest
 from mavwire._replacing import Replacement, replace_text
@@ -47,6 +48,27 @@ def test_errors_name_the_file(tmp_path: Path) -> None:
     with pytest.raises(IsADirectoryError) as refused:
         replace_text(str(tmp_path), "")
     assert refused.value.filename == str(tmp_path)
+    with pytest.raises(FileNotFoundError):
+        replace_text("", "")
+
+
+def test_errors_of_the_move_name_the_file_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(source: str, place: str) -> None:
+        raise OSError(5, "Input/output error", source, None, place)
+
+    monkeypatch.setattr("os.replace", refuse)
+    with pytest.raises(OSError) as caught:
+        replace_text(str(tmp_path / "file"), "")
+    assert str(caught.value) == f"[Errno 5] Input/output error: '{tmp_path / 'file'}'"
+    assert not os.listdir(tmp_path)
+
+
+@pytest.mark.parametrize("kind", [str, os.fsencode, Path])
+def test_names_of_every_kind(kind: Any, tmp_path: Path) -> None:
+    replace_text(kind(tmp_path / "file"), "new")
+    assert (tmp_path / "file").read_text() == "new"
 
 
 def test_links_are_followed(tmp_path: Path) -> None:

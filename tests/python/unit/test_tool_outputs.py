@@ -14,6 +14,7 @@ import dataflash_writer
 import pytest
 from mavwire import cli
 from mavwire.dialects.v20 import ardupilotmega as mavlink
+from mavwire.tools import mavtomfile
 from tool_runs import Log, flight_log, heartbeat, random_log
 
 
@@ -279,3 +280,46 @@ def test_a_replay_of_no_types(
 ) -> None:
     log = flight_log(tmp_path / "flight.tlog")
     assert "--types names nothing" in fails(capsys, "replay", str(log), "--types", types)
+
+
+@pytest.mark.parametrize("condition", ["GPS_RAW_INT.nope>1", "GPS_RAW_INT.lat.nope"])
+def test_a_track_that_cannot_be_completed_leaves_the_file(
+    condition: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = flight_log(tmp_path / "flight.tlog")
+    track = tmp_path / "flight.tlog.gpx"
+    track.write_text("precious")
+    fails(capsys, "togpx", log, "--condition", condition)
+    assert track.read_text() == "precious"
+    assert sorted(one.name for one in tmp_path.iterdir()) == [log.name, track.name]
+
+
+def test_a_layout_of_columns_is_made_once_for_each_format(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A format may be given anew within a log; a row of a CSV file has its own cells that are numbers."""
+    made: list[Any] = []
+
+    class Layout(mavtomfile.Layout):
+        def __init__(self, msg: Any) -> None:
+            made.append(msg.get_type())
+            super().__init__(msg)
+
+    monkeypatch.setattr(mavtomfile, "Layout", Layout)
+    log, rows = tmp_path / "a.log", tmp_path / "b.csv"
+    log.write_text(
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+        "FMT, 130, 20, ABC, QBZ, TimeUS,A,Text\n" + "ABC, 1000, 3, four\n" * 9 +
+        "FMT, 130, 20, ABC, QBZf, TimeUS,A,Text,B\n" + "ABC, 2000, 3, four, 5.5\n" * 9
+    )  # fmt: skip
+    rows.write_text("time;a;b\n1;2;x\n2;y;3\n")
+    run(capsys, "tomfile", log)
+    assert made == ["ABC", "ABC"]
+    lines = (tmp_path / "a.m").read_text().splitlines()
+    assert (lines[1], lines[-1]) == (
+        "ABC.data(1,:) = [0.001000,1000,3];", "ABC.data(18,:) = [0.002000,2000,3,5.5];",
+    )  # fmt: skip
+    run(capsys, "tomfile", f"csv:{rows}", "-o", tmp_path / "b.m")
+    assert [line.partition("= ")[2] for line in (tmp_path / "b.m").read_text().splitlines()] == [
+        "{'timestamp','time','a'};", "[1.000000,1,2];", "[2.000000,2,3];",
+    ]  # fmt: skip

@@ -25,7 +25,7 @@ def test_control_characters_are_written_out():
         (KeyError("ATT"), "there is no 'ATT'"),
         (MemoryError(), "there is not enough memory"),
         (AssertionError(), "AssertionError"),
-        (IndexError(), "there is no such instance"),
+        (IndexError(), "IndexError"),
         (IndexError("list index out of range"), "list index out of range"),
     ],
 )
