@@ -70,7 +70,8 @@ def main(args: argparse.Namespace) -> int:
     }
     bars = _Bars(enabled=not args.quiet)
     try:
-        rows = _convert(args, options, bars)
+        with ended_in_order():
+            rows = _convert(args, options, bars)
     except ValueError as error:
         raise CommandError(str(error)) from error
     finally:
@@ -91,8 +92,7 @@ def _convert(args: argparse.Namespace, options: dict[str, Any], bars: _Bars) -> 
     if args.workers is None and args.scheduler is None:
         from mavwire.logs.conversion import convert
 
-        with ended_in_order():
-            return convert(args.logs, args.out, progress=bars.update, **options)
+        return convert(args.logs, args.out, progress=bars.update, **options)
     from mavwire import fleet
 
     try:
