@@ -13,6 +13,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
+from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
 from mavwire.cli._rewriting import split, systems_of, time_of
 from mavwire.cli._signals import ended_in_order
@@ -78,6 +79,8 @@ def main(args: argparse.Namespace) -> int:
         bars.finish()
     failed = 0
     for row in rows:
+        if row.error is None and not row.files and not row.skipped:
+            warn_if_barren("convert", row.path, args.dialect)
         if row.error is not None:
             failed += not row.skipped  # what is damaged is damaged for ever
             print(f"mavwire convert: {row.path}: {row.error}", file=sys.stderr)

@@ -165,13 +165,13 @@ def _handlers_put_off() -> Iterator[None]:
         return
     handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
     handlers = {number: one for number, one in handlers.items() if callable(one)}
-    came: dict[int, None] = {}
+    came: set[int] = set()
     for number in handlers:
-        signal.signal(number, lambda number, frame: came.setdefault(number))
+        signal.signal(number, lambda number, frame: came.add(number))
     try:
         yield
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
-    for number in came:
-        signal.raise_signal(number)
+    for one in came:
+        signal.raise_signal(one)
