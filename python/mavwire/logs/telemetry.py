@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 HEAD_SIZE = 8192
 # A file without a single record is called foreign if it is no longer than this.
 FOREIGN_PROBE = 16 * 1024 * 1024
-# A time stamp, and the longest frame.
-LONGEST_RECORD = 8 + 280
 
 
 class LogFormatError(ValueError):
