@@ -9,93 +9,107 @@ from __future__ import annotations
 import os
 import sys
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from types import ModuleType
+
 TELEMETRY = "tlog"
-EMPTY = "the log is empty"
-NO_RECORD = "no record of the log is whole; copy it again if there should be more"
+COMPRESSED = "a compressed log, which info, convert and mavwire.read take as it is; unpack it first"
 
 
-def warn_if_foreign(
-    command: str, path: str, nothing_read: bool = False, name: str | None = None
-) -> bool:
-    """Whether `path` is a file and no log of any kind, after saying what it is. That a log is empty
-    or cut off in its first record is said too. `nothing_read` tells that no message came out of it,
-    `name` what the user calls it, where that is not its path.
+def warn_if_foreign(command: str, path: str, name: str | None = None) -> bool:
+    """Whether `path` is a file and no log that the command reads by messages, as mavutil does, after
+    saying what it is. That a log is empty or cut off in its first record is said too. `name` is what
+    the user calls it, where that is not its path.
     """
-    from mavwire.links.recognise import log_kind
+    if not os.path.isfile(path):
+        return False
+    from mavwire.links import state
 
+    try:
+        if _has_messages(path):
+            return False
+        said, is_foreign = _lacking(path, state.mavlink)
+        if not said:
+            said, is_foreign = _other_reader(path), True
+    except OSError:  # gone since it was read
+        return False
+    _say(command, said, path, name)
+    return is_foreign
+
+
+def warn_if_barren(command: str, path: str, dialect: str, name: str | None = None) -> bool:
+    """The same, for a command that reads logs of any kind as tables, whatever they are called, and
+    has read no record of this one.
+    """
     if not os.path.isfile(path):
         return False
     try:
-        lacking, problem = _lacking(command, path), ""
-        if not lacking and log_kind(path, readonly=True) == TELEMETRY:
-            problem = _telemetry_problem(command, path, nothing_read)
-        elif not lacking:
-            problem = _dataflash_problem(path)
+        said, is_foreign = _lacking(path, dialect)
     except OSError:  # gone since it was read
         return False
-    if said := lacking or problem:
-        said = said.removesuffix(f": {path!r}")
-        print(f"mavwire {command}: {said}: {name or path!r}", file=sys.stderr)
-    return bool(problem)
+    if said:
+        _say(command, said, path, name)
+    return is_foreign
 
 
-def _lacking(command: str, path: str) -> str:
-    """What a log lacks that is so short that no record of it is whole; nothing of another file."""
-    from mavwire.links.recognise import LONGEST_RECORD
+def _say(command: str, said: str, path: str, name: str | None) -> None:
+    said = said.removesuffix(f": {path!r}")
+    print(f"mavwire {command}: {said}: {name or path!r}", file=sys.stderr)
 
-    if os.path.getsize(path) > LONGEST_RECORD:
-        return ""
-    from mavwire.links import state
-    from mavwire.logs.sources import is_compressed
-    from mavwire.logs.telemetry import LogFormatError, open_log
+
+def _lacking(path: str, dialect: str | ModuleType) -> tuple[str, bool]:
+    """Why there is no record in a file, and whether that is since it is no log; nothing where there
+    is one.
+    """
+    from mavwire.logs.barren import lacking
+    from mavwire.logs.telemetry import LogFormatError
 
     try:
-        compressed = is_compressed(path)
-        with open_log(path, dialect=state.mavlink, resync="skip") as log:
-            if compressed and command != "info":
-                return ""
-            if not compressed and next(iter(log), None) is not None:
-                return ""
-            found = log.info()
-    except LogFormatError:
-        return ""
-    if found.messages:
-        return ""
-    return NO_RECORD if found.bytes else EMPTY
+        return lacking(path, dialect), False
+    except LogFormatError as error:
+        return str(error), True
 
 
-def _telemetry_problem(command: str, path: str, nothing_read: bool) -> str:
-    """What makes a file no telemetry log that the command could read, if anything does."""
+def _has_messages(path: str) -> bool:
+    """Whether mavutil finds a message in a file, of which it knows by its name what it is."""
+    from mavwire.links.recognise import DATAFLASH_HEAD, FMT_LEN, log_kind, read_head
+
+    kind = log_kind(path, readonly=True)
+    if kind == TELEMETRY:
+        return _has_telemetry(path)
+    head = read_head(path, FMT_LEN)
+    if len(head) == FMT_LEN and head.startswith(DATAFLASH_HEAD):
+        return True
+    if not head:  # which the readers refuse
+        return False
+    from mavwire.DFReader import DFReader_binary, DFReader_text
+
+    with (DFReader_text if kind == "text" else DFReader_binary)(path) as log:
+        return log.recv_msg() is not None
+
+
+def _has_telemetry(path: str) -> bool:
     from mavwire.links.recognise import TLOG_PROBE, looks_like_tlog, read_head
 
-    if looks_like_tlog(read_head(path, TLOG_PROBE)) and not nothing_read:
-        return ""
+    if looks_like_tlog(read_head(path, TLOG_PROBE)):
+        return True
     from mavwire.links import state
-    from mavwire.logs import LogFormatError, TelemetryLog
+    from mavwire.logs.telemetry import LogFormatError, TelemetryLog
 
     try:
         with TelemetryLog(path, dialect=state.mavlink, resync="skip") as log:
-            if not log.compressed:
-                return ""
-    except LogFormatError as error:
-        return str(error)
-    if command == "info":
-        return ""
-    return (
-        "a compressed log, which info, convert and mavwire.read take as it is;"
-        f" unpack it first: {path!r}"
-    )
+            return not log.compressed and next(iter(log), None) is not None
+    except LogFormatError:
+        return False
 
 
-def _dataflash_problem(path: str) -> str:
-    """What makes a file no dataflash log, if anything does."""
-    from mavwire.DFReader import DFReader_binary, DFReader_text
-    from mavwire.links.recognise import DATAFLASH_HEAD, FMT_LEN, log_kind, read_head
+def _other_reader(path: str) -> str:
+    """What to do with a log that has records, none of which mavutil finds."""
+    from mavwire.logs.sources import is_compressed, is_dataflash
 
-    head = read_head(path, FMT_LEN)
-    if len(head) == FMT_LEN and head.startswith(DATAFLASH_HEAD):
-        return ""
-    text = log_kind(path, readonly=True) == "text"
-    with (DFReader_text if text else DFReader_binary)(path) as log:
-        empty = log.recv_msg() is None
-    return f"no dataflash log, there is no record in it: {path!r}" if empty else ""
+    if is_compressed(path):
+        return COMPRESSED
+    if is_dataflash(path):
+        return "a dataflash log; call it .BIN, or .log if it is a text, to have it read as one"
+    return "a telemetry log; call it .tlog to have it read as one"

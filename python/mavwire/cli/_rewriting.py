@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._foreign import NO_RECORD
+from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
 from mavwire.cli._signals import ended_in_order
 
@@ -25,7 +25,7 @@ def add_common(parser: ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="no report and no progress")
 
 
-def run(args: Namespace, logs: list[str], work: Callable[..., Rewritten]) -> int:
+def run(command: str, args: Namespace, logs: list[str], work: Callable[..., Rewritten]) -> int:
     """Let `work(progress=)` write `args.out`, and tell what became of the logs."""
     if args.out == "-":
         raise CommandError("--out is a file, not standard output: ./- is a file of that name")
@@ -38,6 +38,9 @@ def run(args: Namespace, logs: list[str], work: Callable[..., Rewritten]) -> int
         raise CommandError(str(error)) from error
     finally:
         bar.finish()
+    if not done.records:
+        for log in logs:
+            warn_if_barren(command, log, args.dialect)
     if not args.quiet:
         print(report(args.out, done))
     return 0
@@ -50,8 +53,6 @@ def report(out: str, done: Rewritten) -> str:
         lines.append(
             f"  left out {done.bad_bytes:,} bytes in {done.bad_places:,} places: no record"
         )
-    if done.bytes and not done.records:
-        lines.append(f"  {NO_RECORD}")
     if done.restamped:
         lines.append(f"  replaced {done.restamped:,} times that damage made implausible")
     if done.damage:

@@ -32,7 +32,7 @@ def main(args: argparse.Namespace) -> int:
     from mavwire.logs.rewriting import anonymize
 
     work = partial(anonymize, args.log, args.out, shift=_shift(args.shift), dialect=args.dialect)
-    return run(args, [args.log], work)
+    return run("anonymize", args, [args.log], work)
 
 
 def _shift(text: str | None) -> tuple[float, float] | None:

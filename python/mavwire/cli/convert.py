@@ -13,6 +13,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
+from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
 from mavwire.cli._rewriting import split, systems_of, time_of
 from mavwire.cli._signals import ended_in_order
@@ -70,13 +71,16 @@ def main(args: argparse.Namespace) -> int:
     }
     bars = _Bars(enabled=not args.quiet)
     try:
-        rows = _convert(args, options, bars)
+        with ended_in_order():
+            rows = _convert(args, options, bars)
     except ValueError as error:
         raise CommandError(str(error)) from error
     finally:
         bars.finish()
     failed = 0
     for row in rows:
+        if row.error is None and not row.files and not row.skipped:
+            warn_if_barren("convert", row.path, args.dialect)
         if row.error is not None:
             failed += not row.skipped  # what is damaged is damaged for ever
             print(f"mavwire convert: {row.path}: {row.error}", file=sys.stderr)
@@ -91,8 +95,7 @@ def _convert(args: argparse.Namespace, options: dict[str, Any], bars: _Bars) -> 
     if args.workers is None and args.scheduler is None:
         from mavwire.logs.conversion import convert
 
-        with ended_in_order():
-            return convert(args.logs, args.out, progress=bars.update, **options)
+        return convert(args.logs, args.out, progress=bars.update, **options)
     from mavwire import fleet
 
     try:

@@ -31,4 +31,4 @@ def main(args: argparse.Namespace) -> int:
         cut, args.log, args.out, split(args.types, "--types"), systems_of(args.systems),
         time_of(args.start), time_of(args.end), dialect=args.dialect,
     )  # fmt: skip
-    return run(args, [args.log], work)
+    return run("cut", args, [args.log], work)

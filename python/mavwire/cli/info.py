@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._wording import in_words, no_such_dialect, printable
 from mavwire.cli._errors import CommandError
-from mavwire.cli._foreign import warn_if_foreign
+from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
 from mavwire.cli._reading import STANDARD_INPUT, open_link, standard_input
 
@@ -280,7 +280,7 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
         print(f"mavwire info: {name}: {in_words(error, path)}", file=sys.stderr)
         return False
     called = STANDARD_INPUT if name == "-" else name
-    if not summary.messages and warn_if_foreign("info", path, nothing_read=True, name=called):
+    if not summary.messages and warn_if_barren("info", path, args.dialect or "all", called):
         return False
     summary.path = name
     if args.json:

@@ -24,4 +24,6 @@ def main(args: argparse.Namespace) -> int:
     """Run the subcommand."""
     from mavwire.logs.rewriting import repair
 
-    return run(args, [args.log], partial(repair, args.log, args.out, dialect=args.dialect))
+    return run(
+        "repair", args, [args.log], partial(repair, args.log, args.out, dialect=args.dialect)
+    )

@@ -148,6 +148,30 @@ def _interrupts_put_off() -> Iterator[None]:
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        yield
+        with _handlers_put_off():
+            yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _handlers_put_off() -> Iterator[None]:
+    """Handlers of Python that end a run raise wherever it is, which Dask, while it starts, answers with
+    tracebacks. They are called afterwards. Who is ended by the system still is at once, and so are
+    processes that are made here: one that does not hear SIGTERM is waited for without an end.
+    """
+    if threading.current_thread() is not threading.main_thread():  # which runs all handlers
+        yield
+        return
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    handlers = {number: one for number, one in handlers.items() if callable(one)}
+    came: set[int] = set()
+    for number in handlers:
+        signal.signal(number, lambda number, frame: came.add(number))
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+    for one in came:
+        signal.raise_signal(one)

@@ -24,9 +24,25 @@ class Folder(Store):
 
     def publish(self, draft: str, name: str) -> None:
         """Give a file of the same disk its name, in place of any that has it."""
+        try:
+            self._rename(draft, name)
+        except OSError as error:
+            self.remove_empty(name)
+            if (
+                error.filename2 is not None
+            ):  # beside that of the draft, which means nothing to anybody
+                error.filename, error.filename2 = self.place(name), None
+            raise
+
+    def _rename(self, draft: str, name: str) -> None:
         place = self.place(name)
-        os.makedirs(os.path.dirname(place), exist_ok=True)
-        os.replace(draft, place)
+        for is_last in (False, True):
+            os.makedirs(os.path.dirname(place), exist_ok=True)
+            try:
+                return os.replace(draft, place)
+            except FileNotFoundError:  # a folder that another process found empty, and removed
+                if is_last:
+                    raise
 
 
 class Remote:

@@ -22,9 +22,7 @@ TEXT_LOG_PROBE = 8000
 # Records of a telemetry log that have to follow each other for the file to be one.
 TLOG_RECORDS = 3
 STAMP_LEN = 8
-# A time stamp, and the longest frame.
-LONGEST_RECORD = STAMP_LEN + 280
-TLOG_PROBE = TLOG_RECORDS * LONGEST_RECORD + 9
+TLOG_PROBE = TLOG_RECORDS * (STAMP_LEN + 280) + 9
 # Bytes of a frame that say how long it is.
 LENGTH_HEAD = 3
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import LogRewrite
 
+from .barren import check_records
 from .query import Query
 from .reading import check_readable, native_dialect, paths_of
 from .sources import is_dataflash
@@ -70,7 +71,7 @@ def cut(
     ValueError for an argument that makes no sense, LogFormatError for what is no telemetry log.
     """
     module, native = native_dialect(dialect)
-    inputs, target = _checked([path], out)
+    inputs, target = _checked([path], out, dialect)
     query = Query.of(module, types, systems, None, start, end)
     query.check_telemetry()
     return _run(LogRewrite.select(inputs[0], native, query, target), inputs, progress)
@@ -115,7 +116,7 @@ def anonymize(
     if not valid:
         raise ValueError(f"a shift is degrees to the north and east, not {shift!r}")
     _, native = native_dialect(dialect)
-    inputs, target = _checked([path], out)
+    inputs, target = _checked([path], out, dialect)
     rewrite = LogRewrite.select(inputs[0], native, Query(), target, shift)
     return _run(rewrite, inputs, progress)
 
@@ -133,13 +134,15 @@ def merge(
     ValueError for a raw stream, which has no times, LogFormatError for what is no telemetry log.
     """
     _, native = native_dialect(dialect)
-    inputs, target = _checked(paths, out)
+    inputs, target = _checked(paths, out, dialect)
     rewrite = LogRewrite.merge(inputs, native, target)
     return _run(rewrite, inputs, progress, is_damage_named=True)
 
 
 def _checked(
-    paths: Iterable[str | os.PathLike[str]], out: str | os.PathLike[str]
+    paths: Iterable[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    dialect: str | os.PathLike[str] | ModuleType,
 ) -> tuple[list[str], str]:
     """The names as texts; raises what tells why they cannot be read or written."""
     inputs, out = paths_of(paths), file_to_write(out)
@@ -150,7 +153,10 @@ def _checked(
         if os.path.exists(out) and os.path.samefile(path, out):
             raise ValueError(f"{out!r} is the log itself: choose another file to write")
         if is_dataflash(path):
-            raise LogFormatError(f"a dataflash log, not a telemetry log: {path!r}")
+            check_records(path, dialect)
+            raise LogFormatError(
+                f"a dataflash log, not a telemetry log; mavwire convert reads those: {path!r}"
+            )
     if out.lower().endswith((".gz", ".zst")):
         raise ValueError(
             f"logs are written uncompressed: another name than {out!r}, or compress it"

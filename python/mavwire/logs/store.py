@@ -86,11 +86,18 @@ class Store:
             file.write(content)
 
     def remove(self, name: str) -> None:
-        """Remove a file, if it is there."""
+        """Remove a file, if it is there, and the folder of a type in which nothing is left then."""
         try:
             os.remove(self.place(name))
         except FileNotFoundError:
-            pass
+            return
+        self.remove_empty(name)
+
+    def remove_empty(self, name: str) -> None:
+        """Remove the folder of a file that is not there, if nothing else is in it."""
+        if "/" in name:
+            with suppress(OSError):
+                os.rmdir(os.path.dirname(self.place(name)))
 
     @contextmanager
     def locked(self) -> Iterator[None]:

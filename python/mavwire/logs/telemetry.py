@@ -280,7 +280,7 @@ def check_run(source: Source, path: str, position: int, bad_bytes: int, damage: 
     if not is_dataflash(source):
         check_barren(source, path, damage)
     elif position >= FMT_LEN:
-        raise LogFormatError(f"no dataflash log, there is no record in it: {path!r}")
+        raise _no_record("dataflash", path)
 
 
 def check_barren(source: Source, path: str, damage: str | None) -> None:
@@ -300,28 +300,40 @@ def not_telemetry(path: str, head: bytes, damage: str | None = None) -> LogForma
     with a compressed one.
     """
     other = _other_format(head)
-    if other is not None and damage:
-        return LogFormatError(
-            f"a {other}, not a telemetry log, as far as it can be read ({damage}): {path!r}"
-        )
-    if other is not None:
-        return LogFormatError(f"a {other}, not a telemetry log: {path!r}")
-    return LogFormatError(f"no telemetry log, there is no record in it: {path!r}")
+    if other is None:
+        from mavwire.links.recognise import DATAFLASH_SUFFIXES
+
+        name = path.lower().removesuffix(".gz").removesuffix(".zst")
+        return _no_record("dataflash" if name.endswith(DATAFLASH_SUFFIXES) else "telemetry", path)
+    kind, remedy = other
+    said = f", as far as it can be read ({damage})" if damage else ""
+    return LogFormatError(f"a {kind}, not a telemetry log{said}; {remedy}: {path!r}")
 
 
-def _other_format(head: bytes) -> str | None:
-    """What kind of file begins like this, if it is a known one."""
+def _no_record(kind: str, path: str) -> LogFormatError:
+    remedy = "copy it again if it should be one"
+    return LogFormatError(f"no {kind} log, there is no record in it; {remedy}: {path!r}")
+
+
+def _other_format(head: bytes) -> tuple[str, str] | None:
+    """What kind of file begins like this, if it is a known one, and what to do with it."""
     from .sources import ZSTD
 
+    tables = "open_log and mavwire convert read those"
     if head.startswith(b"\xa3\x95\x80"):
-        return "dataflash log"
+        return "dataflash log", tables
     if b"FMT," in head[:1000] and head[:100].isascii():
-        return "dataflash text log"
-    for magic, name in ((b"PK\x03\x04", "ZIP archive"), (b"\x1f\x8b", "gzip file"),
-                        (ZSTD, "zstd file"), (b"\x7fELF", "program"),
-                        (b"ULog\x01\x12\x35", "ULog")):  # fmt: skip
+        return "dataflash text log", tables
+    again = "copy it again if it should hold one"
+    for magic, name, remedy in (
+        (b"PK\x03\x04", "ZIP archive", "unpack it first"),
+        (b"\x1f\x8b", "gzip file", again),
+        (ZSTD, "zstd file", again),
+        (b"\x7fELF", "program", "name a log"),
+        (b"ULog\x01\x12\x35", "ULog", "pyulog reads those"),
+    ):
         if head.startswith(magic):
-            return name
+            return name, remedy
     return None
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.barren import check_records
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
@@ -87,6 +88,7 @@ def read_track(
     else:
         track = _from_messages(path, path)
     if not len(track.times):
+        check_records(path, dialect)
         raise ValueError(f"there is no position in {path!r}")
     return track
 

@@ -20,7 +20,20 @@ def require_telemetry(log: Reading) -> None:
     """CommandError for a dataflash or CSV log."""
     kind = kind_of(log.link)
     if kind != "telemetry":
+        if kind == "dataflash":
+            _check_records(log.path)
         raise CommandError(f"{log.path} is a {kind} log; this is for telemetry only")
+
+
+def _check_records(path: str) -> None:
+    """CommandError for a file that is called as dataflash logs are, and has no record."""
+    from mavwire.links import state
+    from mavwire.logs.barren import check_records
+
+    try:
+        check_records(path, state.mavlink)
+    except ValueError as error:
+        raise CommandError(str(error)) from error
 
 
 def is_damaged(msg: Any) -> bool:

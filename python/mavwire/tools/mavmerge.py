@@ -74,8 +74,8 @@ def _merge_exactly(args: Namespace) -> int:
 
     if args.output is None:
         raise CommandError("--exact writes a log: name it by --output")
-    args.out = args.output
-    return run(args, args.logs, partial(merge_logs, args.logs, args.output))
+    args.out, args.dialect = args.output, "all"
+    return run("merge", args, args.logs, partial(merge_logs, args.logs, args.output))
 
 
 if __name__ == "__main__":

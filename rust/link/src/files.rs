@@ -99,14 +99,12 @@ impl Draft {
     /// # Errors
     /// What the operating system says.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let folders = path.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
-        let made = folders.take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
         let begun = match begin(path) {
             // Another draft, which was given up, has taken its folder with it.
             Err(error) if error.kind() == io::ErrorKind::NotFound => begin(path),
             begun => begun,
         };
-        let (file, part) = naming(path, begun)?;
+        let (file, part, made) = naming(path, begun)?;
         let file = BufWriter::with_capacity(64 << 10, file);
         Ok(Self { file: Some(file), path: path.to_owned(), part, made })
     }
@@ -126,20 +124,25 @@ impl Draft {
         naming(&self.path, file.flush().and_then(|()| file.get_ref().sync_data()))
     }
 
-    fn publish(mut self) -> io::Result<()> {
+    fn publish(&mut self) -> io::Result<()> {
         drop(self.file.take());
         let renamed = std::fs::rename(&self.part, &self.path);
         if renamed.is_err() {
-            self.remove();
+            self.remove(&self.part);
         }
         naming(&self.path, renamed)
     }
 
-    fn remove(&self) {
-        let _ = std::fs::remove_file(&self.part);
-        for folder in &self.made {
-            let _ = std::fs::remove_dir(folder); // which is refused where others write to it
-        }
+    /// Removes what the file is called now, and the folders that were made for it.
+    fn remove(&self, name: &Path) {
+        let _ = std::fs::remove_file(name);
+        remove_empty(&self.made);
+    }
+}
+
+fn remove_empty(folders: &[PathBuf]) {
+    for folder in folders {
+        let _ = std::fs::remove_dir(folder); // which is refused where others write to it
     }
 }
 
@@ -149,7 +152,7 @@ const WAITING: usize = 16;
 /// Gives all files their names, once all of them are on the disk.
 ///
 /// # Errors
-/// What the operating system says of one of them; none of them is there then.
+/// What the operating system says of one of them; none of them is there then, and no folder that was made for them.
 pub fn commit_all(mut drafts: Vec<Draft>) -> io::Result<()> {
     let threads = WAITING.min(drafts.len());
     let left = Mutex::new(drafts.iter_mut());
@@ -165,16 +168,12 @@ pub fn commit_all(mut drafts: Vec<Draft>) -> io::Result<()> {
         }
         done
     })?;
-    let paths: Vec<PathBuf> = drafts.iter().map(|draft| draft.path.clone()).collect();
-    for (number, draft) in drafts.into_iter().enumerate() {
-        if let Err(error) = draft.publish() {
-            for path in &paths[..number] {
-                let _ = std::fs::remove_file(path);
-            }
-            return Err(error);
-        }
-    }
-    Ok(())
+    let failed = (0..drafts.len()).find_map(|n| Some((n, drafts[n].publish().err()?)));
+    let Some((number, error)) = failed else { return Ok(()) };
+    // Backwards: the first of them made the folders that all are in.
+    drafts.drain(number..).rev().for_each(drop);
+    drafts.iter().rev().for_each(|draft| draft.remove(&draft.path));
+    Err(error)
 }
 
 /// Bytes of a name that leave room for what a draft's name has more; file systems take 255.
@@ -193,10 +192,19 @@ pub fn draft_stem(name: &OsStr) -> Cow<'_, OsStr> {
     Cow::Owned(format!("mavwire-{hash:016x}").into())
 }
 
-/// Makes the folder of `path`, and a file in it.
-fn begin(path: &Path) -> io::Result<(File, PathBuf)> {
-    path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
-    create_beside(path)
+/// Makes the folder of `path`, and a file in it. The last of what it gives are the folders that were not there before, the
+/// innermost first.
+fn begin(path: &Path) -> io::Result<(File, PathBuf, Vec<PathBuf>)> {
+    let folders = path.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
+    let made: Vec<_> = folders.take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
+    let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+    match folder.and_then(|()| create_beside(path)) {
+        Ok((file, part)) => Ok((file, part, made)),
+        Err(error) => {
+            remove_empty(&made);
+            Err(error)
+        }
+    }
 }
 
 /// Makes a file that nobody else has, in the folder of `path`: `STEM.PROCESS-NUMBER.part`.
@@ -229,7 +237,7 @@ impl Write for Draft {
 impl Drop for Draft {
     fn drop(&mut self) {
         if self.file.take().is_some() {
-            self.remove();
+            self.remove(&self.part);
         }
     }
 }
@@ -278,6 +286,24 @@ mod tests {
         Draft::create(&deep.join("two")).expect("creating").commit().expect("committing");
         drop(given_up);
         assert!(empty.is_dir() && deep.join("two").is_file());
+        std::fs::remove_dir_all(folder).expect("removing");
+    }
+
+    #[test]
+    fn files_that_cannot_have_their_names_leave_no_folders() {
+        let folder = std::env::temp_dir().join(format!("mavwire-unnamed-{}", std::process::id()));
+        let draft = |name: &str| Draft::create(&folder.join(name).join("log")).expect("creating");
+        let drafts = ["new/a", "new/b", "new/c", "new/d"].map(draft);
+        std::fs::create_dir(folder.join("new/b/log")).expect("creating");
+        commit_all(drafts.into()).expect_err("a folder has the name");
+        // What another one made stays.
+        std::fs::remove_dir(folder.join("new/b/log")).expect("it is there");
+        std::fs::remove_dir(folder.join("new/b")).expect("it is there");
+        std::fs::remove_dir(folder.join("new")).expect("nothing else is");
+        // No file system takes such a name.
+        let path = folder.join("new/a").join("x".repeat(300)).join("log");
+        Draft::create(&path).expect_err("a folder of 300 bytes");
+        assert!(!folder.join("new").exists());
         std::fs::remove_dir_all(folder).expect("removing");
     }
 

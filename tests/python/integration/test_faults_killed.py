@@ -159,6 +159,7 @@ def test_what_is_being_written_appears_whole_or_not_at_all(
     assert len(finished(tmp_path)) <= 1 and (finished(tmp_path) or process.returncode != 0)
     if in_order:
         assert not any(tmp_path.rglob("*.part")), "Ctrl-C cleans up"
+        assert finished(tmp_path) or not any(one.is_dir() for one in tmp_path.iterdir())
     if number is signal.SIGKILL:
         with begin(name, flight, tmp_path) as process:
             assert process.wait(2 * LIMIT) == 0

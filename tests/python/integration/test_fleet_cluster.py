@@ -178,3 +178,43 @@ def test_an_interrupt_while_the_cluster_begins_ends_the_run(
     done = python(INTERRUPTED, str(logs[0]), str(out))
     assert done.returncode == 130, done.stderr
     assert not out.exists()
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot be blocked")
+def test_what_ends_a_run_waits_until_the_cluster_has_begun() -> None:
+    """Dask is not interrupted in the middle of its start, which it tells of at length."""
+    from mavwire.fleet.clients import _interrupts_put_off
+
+    heard = []
+    before = signal.signal(signal.SIGTERM, lambda number, frame: heard.append(number))
+    try:
+        with _interrupts_put_off():
+            signal.raise_signal(signal.SIGTERM)
+            assert not heard
+        assert heard == [signal.SIGTERM]
+        signal.raise_signal(signal.SIGTERM)
+        assert len(heard) == 2, "the handler is back"
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_run_of_many_workers_ends_in_order(
+    number: signal.Signals, logs: list[Path], tmp_path: Path
+) -> None:
+    """It left folders and drafts, and a later run completes what it had begun."""
+    pytest.importorskip("distributed")
+    out = tmp_path / "out"
+    words = [sys.executable, "-m", "mavwire", "convert", *map(str, logs), "-o", str(out),
+             "--workers", "2", "--quiet"]  # fmt: skip
+    with subprocess.Popen(words, env=ENVIRONMENT) as process:
+        wait_until(
+            "the work", lambda: any(out.glob(".staging-*/task-*")) or process.poll() is not None
+        )
+        process.send_signal(number)
+        assert process.wait(60) in (130, 0)
+    left = [folder for folder, names, files in os.walk(out) if not names and not files]
+    assert not left and not list(out.rglob("*.part")) and not list(out.glob(".staging-*"))
+    rows = to_parquet(logs, out, workers=1)
+    assert [row.error for row in rows] == [None] * len(logs)
+    assert written(out) == expected(logs)

@@ -34,7 +34,7 @@ def test_what_is_no_log_is_said(tmp_path):
     text = tmp_path / "notes.txt"
     text.write_text("no telemetry in here, only words\n" * 100)
     for look in (mavwire.read, lambda path: list(mavwire.scan(path))):
-        with pytest.raises(LogFormatError, match=r"no record in it: .*notes\.txt"):
+        with pytest.raises(LogFormatError, match=r"no record in it; .*: .*notes\.txt"):
             look(text)
 
 

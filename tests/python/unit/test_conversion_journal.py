@@ -18,7 +18,7 @@ from mavwire._native import draft_stem
 from mavwire.logs import journal
 from mavwire.logs.conversion import convert
 from mavwire.logs.manifest import JOURNAL, MANIFEST
-from mavwire.logs.store import Store
+from mavwire.logs.store import Store, _missing
 from unit.link_tools import heartbeat, record
 
 HEARTBEATS = 3
@@ -196,7 +196,7 @@ def test_a_log_that_changed_leaves_no_file_of_before(tmp_path):
     log.write_bytes(record(heartbeat()))
     (row,) = convert([log], out)
     assert row.files == {"HEARTBEAT/one.parquet": 1}
-    assert [path.name for path in out.glob("*/*")] == ["one.parquet"]
+    assert sorted(path.name for path in out.iterdir()) == ["HEARTBEAT", MANIFEST]
 
 
 @pytest.mark.parametrize("fails", [1, 2])
@@ -218,7 +218,7 @@ def test_a_log_that_failed_in_between_leaves_no_file_of_before(tmp_path, fails):
     log.write_bytes(record(heartbeat()))
     (row,) = convert([log], out)
     assert (row.files, row.stale) == ({"HEARTBEAT/one.parquet": 1}, [])
-    assert [path.name for path in out.glob("*/*")] == ["one.parquet"]
+    assert sorted(path.name for path in out.iterdir()) == ["HEARTBEAT", MANIFEST]
     assert "stale" not in json.loads((out / MANIFEST).read_text())["logs"][0]
 
 
@@ -239,6 +239,21 @@ def test_one_run_at_a_time(tiny, tmp_path):
         convert(tiny, tmp_path)
     assert list(tmp_path.iterdir()) == []
     assert all(row.error is None for row in convert(tiny, tmp_path))
+
+
+def test_a_folder_that_another_run_took_with_it_is_not_written_to(tiny, tmp_path, monkeypatch):
+    """It was made for both, and the other one had nothing to leave in it."""
+    fcntl = pytest.importorskip("fcntl")
+    out = tmp_path / "out"
+    monkeypatch.setattr(fcntl, "flock", lambda *_: out.rmdir())
+    with pytest.raises(ValueError, match="another conversion is writing to"):
+        convert(tiny, out)
+    assert not out.exists()
+
+
+def test_a_drive_that_is_not_there_is_no_endless_search(monkeypatch):
+    monkeypatch.setattr(os.path, "lexists", lambda path: False)
+    assert len(list(_missing("/a/b"))) == 3
 
 
 def test_a_draft_of_the_manifest_is_removed(tiny, tmp_path):

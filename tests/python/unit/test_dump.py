@@ -201,10 +201,14 @@ def test_what_a_link_says_is_not_among_the_messages(capsys: pytest.CaptureFixtur
     [
         (
             b"\x1f\x8b\x08" + bytes(100),
-            "a gzip file, not a telemetry log, as far as it can be read (corrupt deflate stream)",
+            "a gzip file, not a telemetry log, as far as it can be read (corrupt deflate stream)"
+            "; copy it again if it should hold one",
         ),
-        (bytes(1000), "no telemetry log, there is no record in it"),
-        (b"", "the log is empty"),
+        (
+            bytes(1000),
+            "no telemetry log, there is no record in it; copy it again if it should be one",
+        ),
+        (b"", "the log is empty; copy it again if there should be more"),
     ],
 )
 def test_what_is_no_log_is_said_on_standard_error(

@@ -12,7 +12,7 @@ import pytest
 from mavwire import traffic
 from mavwire.fleet import convert as convert_fleet
 from mavwire.fleet import running, stores
-from mavwire.fleet.stores import store_of
+from mavwire.fleet.stores import Folder, store_of
 from mavwire.fleet.tasks import Recipe
 from mavwire.logs import journal, manifest
 from mavwire.logs.conversion import convert, prepare
@@ -198,6 +198,31 @@ def test_half_of_a_log_is_not_published(tmp_path, mixed, inside):
     (row,) = convert_fleet(mixed, out, inside, types=TYPES)
     assert row.error is None and files_of(out) == set(row.files)
     assert {name.split("/")[0] for name in row.files} == set(TYPES)
+
+
+def test_a_file_that_cannot_have_its_name_leaves_no_folders(tmp_path, mixed, inside):
+    out = tmp_path / "out"
+    in_the_way = out / "HEARTBEAT" / "mixed.parquet"
+    in_the_way.mkdir(parents=True)
+    (row,) = convert_fleet(mixed, out, inside, types=TYPES)
+    assert str(row.error).startswith(f"{in_the_way}: "), "not the name that it had before"
+    assert sorted(path.name for path in out.iterdir()) == ["HEARTBEAT", MANIFEST]
+
+
+def test_a_folder_that_another_process_removes_is_made_again(tmp_path, monkeypatch):
+    store = Folder(str(tmp_path / "out"))
+    draft = tmp_path / "draft"
+    draft.write_text("table")
+    makedirs, made = os.makedirs, []
+
+    def once_in_vain(folder, exist_ok):
+        made.append(folder)
+        if len(made) > 1:
+            makedirs(folder, exist_ok=exist_ok)
+
+    monkeypatch.setattr(os, "makedirs", once_in_vain)
+    store.publish(str(draft), "ATTITUDE/mixed.parquet")
+    assert (tmp_path / "out/ATTITUDE/mixed.parquet").read_text() == "table"
 
 
 @pytest.mark.parametrize("remote", [False, True])

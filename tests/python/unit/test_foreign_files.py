@@ -13,9 +13,10 @@ from dataflash_writer import sample
 from encoder import heartbeat, record
 from mavwire import cli, mavutil
 
+EMPTY = "the log is empty; copy it again if there should be more"
 NO_RECORD = "no record of the log is whole; copy it again if there should be more"
-NO_TELEMETRY = "no telemetry log, there is no record in it"
-NO_DATAFLASH = "no dataflash log, there is no record in it"
+NO_TELEMETRY = "no telemetry log, there is no record in it; copy it again if it should be one"
+NO_DATAFLASH = "no dataflash log, there is no record in it; copy it again if it should be one"
 NOISE = bytes(number * number * 7 % 251 for number in range(3000))
 COMMANDS = ("dump", "info", "parms", "flightmodes", "summarize")
 
@@ -30,7 +31,7 @@ def in_its_own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_an_empty_log(name: str, command: str, capsys: pytest.CaptureFixture[str]) -> None:
     Path(name).write_bytes(b"")
     assert cli.main([command, name]) == 0
-    assert capsys.readouterr().err == f"mavwire {command}: the log is empty: {name!r}\n"
+    assert capsys.readouterr().err == f"mavwire {command}: {EMPTY}: {name!r}\n"
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -84,26 +85,98 @@ def test_a_log_that_ends_in_its_first_record(
         assert cli.main([command, name]) == 0
         assert capsys.readouterr().err == f"mavwire {command}: {NO_RECORD}: {name!r}\n"
     assert cli.main(["convert", name, "-o", "tables"]) == 0
-    assert f"0 rows in 0 files, without {size} bytes of no record" in capsys.readouterr().out
+    printed = capsys.readouterr()
+    assert f"0 rows in 0 files, without {size} bytes of no record" in printed.out
+    assert printed.err == f"mavwire convert: {NO_RECORD}: {os.path.abspath(name)!r}\n"
     if kind not in ("tlog", "raw"):
         return
     for words in (["repair"], ["cut", "--types", "ATTITUDE"], ["merge", "--exact"]):
         if (kind, words[0]) == ("raw", "merge"):
             continue
         assert cli.main([*words, name, "-o", str(out)]) == 0
-        assert NO_RECORD in capsys.readouterr().out and out.read_bytes() == b""
+        assert NO_RECORD in capsys.readouterr().err and out.read_bytes() == b""
 
 
 @pytest.mark.parametrize("kind", ["BIN", "log"])
 def test_a_compressed_log_that_is_short(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """Of a dataflash log no messages can be read; of one that is whole all is well."""
+    """And one that is whole, of which messages cannot be read either."""
     name = f"start.{kind}.gz"
     Path(name).write_bytes(gzip.compress(STARTS[kind][:3]))
-    assert cli.main(["info", name]) == 0
-    assert NO_RECORD in capsys.readouterr().err
-    for command in ("dump", "msgstats"):
+    for command in ("info", "dump", "msgstats"):
         assert cli.main([command, name]) == 0
-        assert "a gzip file, not a telemetry log" in capsys.readouterr().err
+        assert NO_RECORD in capsys.readouterr().err
+    sample().write(Path("flight.BIN"))
+    Path("flight.BIN.gz").write_bytes(gzip.compress(Path("flight.BIN").read_bytes()))
+    assert cli.main(["dump", "flight.BIN.gz"]) == 0
+    assert "a compressed log, which info, convert and" in capsys.readouterr().err
+
+
+TABLES = {
+    "info": ["info", "FILE"],
+    "convert": ["convert", "FILE", "-o", "tables"],
+    "cut": ["cut", "FILE", "-o", "cut.tlog"],
+    "repair": ["repair", "FILE", "-o", "repaired.tlog"],
+    "plot": ["plot", "FILE", "ATTITUDE.roll", "--out", "plot.html"],
+    "map": ["map", "FILE", "--out", "map.html"],
+}
+TEXT = b"FMT, x\n" * 100
+ODD = [
+    ("empty.tlog", b"", EMPTY, False),
+    ("empty.BIN", b"", EMPTY, False),
+    ("empty.log.gz", gzip.compress(b""), EMPTY, False),
+    ("start.tlog.gz", gzip.compress(STARTS["tlog"][:5]), NO_RECORD, False),
+    ("noise.BIN", NOISE, NO_DATAFLASH, True),
+    ("noise.tlog", NOISE, NO_TELEMETRY, True),
+    ("text.log", TEXT, NO_DATAFLASH, True),
+    ("text.txt", TEXT, NO_DATAFLASH, True),
+    ("text.BIN", TEXT, NO_DATAFLASH, True),
+    ("text.log.gz", gzip.compress(TEXT), NO_DATAFLASH, True),
+    (
+        "maps.tlog",
+        b"PK\3\4" + bytes(300),
+        "a ZIP archive, not a telemetry log; unpack it first",
+        True,
+    ),
+]
+
+
+@pytest.mark.parametrize("command", [*TABLES, "dump", "msgstats", "loss"])
+@pytest.mark.parametrize(("name", "content", "said", "is_foreign"), ODD)
+def test_all_commands_say_the_same(
+    name: str,
+    content: bytes,
+    said: str,
+    is_foreign: bool,
+    command: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """By the name that the user gave, whatever is decompressed on the way. A picture of nothing is an
+    error, and so is a table or log of what is none.
+    """
+    if command in ("plot", "map"):
+        pytest.importorskip("numpy")
+    Path(name).write_bytes(content)
+    words = [one.replace("FILE", name) for one in TABLES.get(command, [command, "FILE"])]
+    code = cli.main(words)
+    printed = capsys.readouterr().err
+    assert said in printed and name in printed and printed.count("\n") == 1
+    assert "/mavwire-" not in printed
+    if command in TABLES:
+        assert code == (1 if is_foreign or command in ("plot", "map") else 0)
+
+
+def test_a_log_that_is_called_as_one_of_another_kind(capsys: pytest.CaptureFixture[str]) -> None:
+    """Messages are read by the name of a log, as pymavlink does."""
+    Path("raw.BIN").write_bytes(heartbeat() * 3)
+    assert cli.main(["dump", "raw.BIN"]) == 0
+    assert (
+        "a telemetry log; call it .tlog to have it read as one: 'raw.BIN'"
+        in capsys.readouterr().err
+    )
+    text = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+    Path("flight.txt").write_text(text)
+    assert cli.main(["dump", "flight.txt"]) == 0
+    assert "a dataflash log; call it .BIN, or .log if it is a text" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["empty.tlog.gz", "empty.BIN.zst"])
@@ -114,7 +187,7 @@ def test_an_empty_compressed_log_is_called_as_the_user_does(
     Path(name).write_bytes(pack(b""))
     for command in ("merge", "info"):
         assert cli.main([command, name]) == 0
-        assert capsys.readouterr().err == f"mavwire {command}: the log is empty: {name!r}\n"
+        assert capsys.readouterr().err == f"mavwire {command}: {EMPTY}: {name!r}\n"
 
 
 def test_info_of_what_looks_like_frames_alone(capsys: pytest.CaptureFixture[str]) -> None:

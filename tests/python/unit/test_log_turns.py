@@ -16,10 +16,11 @@ WAIT = 60.0
 RECORDS = 250_000
 
 
-@pytest.fixture(autouse=True)
-def frequent_switches() -> Iterator[None]:
+@pytest.fixture(autouse=True, params=[1e-5, 5e-3])
+def switch_interval(request: pytest.FixtureRequest) -> Iterator[None]:
+    """A short one, and Python's own."""
     before = sys.getswitchinterval()
-    sys.setswitchinterval(1e-5)
+    sys.setswitchinterval(request.param)
     yield
     sys.setswitchinterval(before)
 

@@ -85,7 +85,7 @@ def test_what_only_telemetry_has(
             """Nothing is open."""
 
     path = tmp_path / "flight.bin"
-    path.write_bytes(b"\xa3")
+    path.write_bytes(b"\xa3\x95\x80" + bytes(86))
     monkeypatch.setattr(mavutil, "mavlink_connection", lambda *_, **__: Dataflash())
     more = ["HEARTBEAT.type"] if verb == "bitmask_change" else []
     assert "is a dataflash log; this is for telemetry only" in fails(capsys, verb, path, *more)

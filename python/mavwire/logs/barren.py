@@ -1,0 +1,31 @@
+"""What is to be said of a log of which nothing was read: the same by all commands, and what to do."""
+
+from __future__ import annotations
+
+from .telemetry import check_run, open_log
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import os
+    from types import ModuleType
+
+EMPTY = "the log is empty; copy it again if there should be more"
+NO_RECORD = "no record of the log is whole; copy it again if there should be more"
+
+
+def lacking(path: str, dialect: str | os.PathLike[str] | ModuleType) -> str:
+    """What a log lacks that has no record; nothing of one that has any. LogFormatError for what is no
+    log.
+    """
+    with open_log(path, dialect=dialect) as log:
+        found = log.info()
+    check_run(path, path, found.bytes, found.bad_bytes, found.damage)
+    if found.messages:
+        return ""
+    return NO_RECORD if found.bytes else EMPTY
+
+
+def check_records(path: str, dialect: str | os.PathLike[str] | ModuleType) -> None:
+    """Raise ValueError for a file without a record, which tells why there is none."""
+    if said := lacking(path, dialect):
+        raise ValueError(f"{said}: {path!r}")
