@@ -123,6 +123,19 @@ def open_link(path: str, **options: Any) -> Any:
     return mavutil.mavlink_connection(path, **options)
 
 
+def dataflash_reader(path: str) -> Callable[[str], Any] | None:
+    """What reads a dataflash log that mavutil would not take for one by its name."""
+    from mavwire.links.recognise import DATAFLASH_HEAD, log_kind, read_head
+    from mavwire.logs.sources import is_dataflash
+
+    if log_kind(path, readonly=True) != "tlog" or not is_dataflash(path):
+        return None
+    from mavwire.DFReader import DFReader_binary, DFReader_text
+
+    is_binary = read_head(path, len(DATAFLASH_HEAD)) == DATAFLASH_HEAD
+    return DFReader_binary if is_binary else DFReader_text
+
+
 def kind_of(link: Any) -> str:
     """What a link or log is: "telemetry", "dataflash" or "CSV"."""
     if hasattr(link, "mav"):

@@ -67,6 +67,9 @@ def _convert(piece: Piece, recipe: Recipe) -> Converted:
             native = native_dialect(recipe.dialect)[1]
             job = Job(folder, native, recipe.query, recipe.format, recipe.compression, None)
             row = job.run(piece.path, piece.name, source)
+            if row.error is not None and recipe.staging is not None:
+                # The place on the same disk that it was for: the folder is gone when this is read.
+                row.error = row.error.replace(folder, recipe.out)
             publish(folder, row, recipe)
             return row
     except (

@@ -75,7 +75,7 @@ def read_series(
     from mavwire.logs import DataflashLog, open_log
 
     log = open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
-    if isinstance(log, DataflashLog):  # a compressed one
+    if isinstance(log, DataflashLog):  # compressed, or under a name of another kind
         with decompressed(path) as copy:
             return replace(_of_messages(copy, expressions, how), path=path)
     quick = condition is None and xaxis is None
@@ -233,11 +233,12 @@ def vehicle_messages(
     path: str, types: list[str], system: int | None, dialect: str | os.PathLike[str]
 ) -> Iterator[tuple[Any, Any]]:
     """The vehicle's messages of some types as mavutil gives them, with the link."""
-    from mavwire.cli._reading import definitions, open_link
+    from mavwire.cli._reading import dataflash_reader, definitions, open_link
     from mavwire.logs.telemetry import dialect_module
 
     dialect_module(dialect)  # a ValueError names one that there is not
-    with definitions(os.fspath(dialect)), closing(open_link(os.fspath(path))) as link:
+    reader = dataflash_reader(path) or open_link
+    with definitions(os.fspath(dialect)), closing(reader(os.fspath(path))) as link:
         telemetry = hasattr(link, "mav")
         if telemetry and system is not None:
             link.sysid = system

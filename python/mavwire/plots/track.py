@@ -114,7 +114,7 @@ def _from_tables(path: str, system: int | None, dialect: str | os.PathLike[str])
     from mavwire.logs import DataflashLog, open_log, read
 
     log = open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
-    if isinstance(log, DataflashLog):  # a compressed one
+    if isinstance(log, DataflashLog):  # compressed, or under a name of another kind
         with decompressed(path) as copy:
             return _from_messages(copy, path)
     names = "GLOBAL_POSITION_INT GPS_RAW_INT HEARTBEAT HOME_POSITION".split()

@@ -209,6 +209,19 @@ def test_a_file_that_cannot_have_its_name_leaves_no_folders(tmp_path, mixed, ins
     assert sorted(path.name for path in out.iterdir()) == ["HEARTBEAT", MANIFEST]
 
 
+def test_a_file_that_cannot_be_written_is_called_as_it_would_be(
+    tmp_path, mixed, inside, monkeypatch
+):
+    def run(self, path, name, source):
+        draft = os.path.join(self.out, "ATTITUDE", f"{name}.parquet")
+        return Converted(path, name, error=f"{draft}: No space left on device")
+
+    monkeypatch.setattr("mavwire.fleet.tasks.Job.run", run)
+    (row,) = convert_fleet(mixed, tmp_path / "out", inside, types=TYPES)
+    table = tmp_path / "out" / "ATTITUDE" / "mixed.parquet"
+    assert row.error == f"{table}: No space left on device"
+
+
 def test_a_folder_that_another_process_removes_is_made_again(tmp_path, monkeypatch):
     store = Folder(str(tmp_path / "out"))
     draft = tmp_path / "draft"

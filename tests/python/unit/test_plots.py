@@ -255,6 +255,22 @@ def test_compressed_dataflash_logs(tmp_path):
 # -- the options of mavgraph
 
 
+@pytest.mark.parametrize("name", ["flight.txt", "flight.txt.gz"])
+def test_a_dataflash_log_under_another_name(tmp_path, name):
+    """By what is in it, as tables of it are read."""
+    text = (
+        b"FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+        b"FMT, 129, 23, ATT, Qf, TimeUS,Roll\nATT, 1000000, 1.5\nATT, 2000000, 2.5\n"
+    )
+    path = tmp_path / name
+    path.write_bytes(gzip.compress(text) if name.endswith(".gz") else text)
+    (series,) = read_series(str(path), [parse("ATT.Roll")]).series
+    assert series.values.tolist() == [1.5, 2.5]
+    binary = tmp_path / "binary.tlog"
+    sample().write(binary)
+    assert len(read_series(str(binary), [parse("IMU.AccX")]).series[0].values)
+
+
 def test_values_over_another_expression(tmp_path):
     path = tmp_path / "a.tlog"
     attitudes(path)
