@@ -203,14 +203,12 @@ class Download:
         if offset < self.offset:
             self._fill(offset, data)
             return True
-        if self.stop is not None and offset >= self.stop:
-            self.at_end = True
-            return True
-        missing = range(self.offset, offset, self.block)
+        end = offset if self.stop is None else min(offset, self.stop)
+        missing = range(self.offset, end, self.block)
         if len(self.gaps) + len(missing) > MAX_READ_GAPS:
             return False
         for at in missing:
-            self.gaps[at] = min(self.block, offset - at)
+            self.gaps[at] = min(self.block, end - at)
         self._write(offset, data)
         self.offset = offset + len(data)
         return True

@@ -39,7 +39,7 @@ def definitions(dialect: str | None = None, wire_protocol: str | None = None) ->
     try:
         if wire_protocol is not None:
             state.wire_protocol = wire_protocol
-        with _naming_dialect(dialect, dialect or state.current_dialect):
+        with _naming_dialect(dialect, state.current_dialect if dialect is None else dialect):
             if dialect is None:
                 state.renew_dialect()
             else:

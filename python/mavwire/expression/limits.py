@@ -7,6 +7,7 @@ here; everything else is the operator of Python itself.
 
 from __future__ import annotations
 
+import functools
 import math
 import operator
 import re
@@ -21,6 +22,7 @@ MAX_ITEMS = 1024  # of a sequence that an operation makes
 MAX_TEXT = 4096  # characters or bytes that an operation makes
 MAX_STEPS = 20_000  # node visits of all comprehensions in one evaluation
 MAX_WIDTH = 256  # of a number in a %-format
+MAX_ZIPPED = 8  # sequences side by side
 
 
 class ExpressionError(ValueError):
@@ -179,10 +181,22 @@ def _total_bits(values: Iterable[Any]) -> int:
 
 
 def bounded_prod(values: Iterable[Any], /, *, start: Any = 1) -> Any:
-    """``math.prod``, bounded for integers."""
-    values = list(values)
-    _check_bits(_total_bits([start, *values]))
-    return math.prod(values, start=start)
+    """``math.prod``, each step of it bounded."""
+    return functools.reduce(multiply, values, start)
+
+
+def bounded_sum(values: Iterable[Any], /, start: Any = 0) -> Any:
+    """The builtin ``sum``, each step of it bounded where it joins sequences."""
+    if isinstance(start, _SEQUENCES):
+        return functools.reduce(add, values, start)
+    return sum(values, start)
+
+
+def bounded_zip(*iterables: Any, strict: bool = False) -> Any:
+    """``zip`` of a few: each of its items is as long as they are many."""
+    if len(iterables) > MAX_ZIPPED:
+        raise ExpressionError(f"zip() of more than {MAX_ZIPPED} sequences")
+    return zip(*iterables, strict=strict)
 
 
 def bounded_lcm(*values: Any) -> int:

@@ -17,7 +17,7 @@ from mavwire.expression import attributes, limits
 
 _BUILTINS = (
     "abs all any ascii bin bool chr complex dict divmod enumerate float frozenset hex int "
-    "isinstance len list max min oct ord repr reversed set slice sorted str tuple zip"
+    "isinstance len list max min oct ord repr reversed set slice sorted str tuple"
 )
 
 _ALL_BUILTINS = frozenset(vars(builtins))
@@ -27,6 +27,8 @@ _GUARDED: dict[str, Any] = {
     "range": limits.bounded_range,
     "getattr": attributes.safe_getattr,
     "hasattr": attributes.safe_hasattr,
+    "builtin_sum": limits.bounded_sum,
+    "zip": limits.bounded_zip,
     "prod": limits.bounded_prod,
     "lcm": limits.bounded_lcm,
     "factorial": limits.small_integers(math.factorial),
@@ -41,7 +43,6 @@ def known_names() -> dict[str, Any]:
     from mavwire import mavextra
 
     names: dict[str, Any] = {name: getattr(builtins, name) for name in _BUILTINS.split()}
-    names["builtin_sum"] = builtins.sum
     names.update(_public(vars(math)))
     names.update({name: getattr(mavextra, name) for name in mavextra.EXPRESSION_NAMES})
     names.update(_GUARDED)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, cos, degrees, radians, sin
+from math import atan2, copysign, cos, degrees, radians, sin
 from typing import Any
 
 from mavwire.mavextra import inertial, state
@@ -32,9 +32,10 @@ def _calibrated_df(MAG: Any, ofs: Offsets | None) -> Vector3:
 
 def heading(field: Vector3, roll: float, pitch: float, declination: float) -> float:
     """The tilt compensated heading of a body field; roll and pitch in radians."""
-    level_y = field.y * cos(roll) - field.z * sin(roll)
+    upright = copysign(1.0, cos(pitch))  # beyond 90 degrees the nose points the other way
+    level_y = upright * (field.y * cos(roll) - field.z * sin(roll))
     down = field.y * sin(roll) + field.z * cos(roll)
-    level_x = field.x * cos(pitch) + down * sin(pitch)
+    level_x = upright * (field.x * cos(pitch) + down * sin(pitch))
     result = degrees(atan2(-level_y, level_x)) + declination
     return result + 360.0 if result < 0 else result
 

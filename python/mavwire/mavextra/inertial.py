@@ -40,8 +40,12 @@ def gravity(
     mul: Triple = None,
     smooth: float = 0.7,
 ) -> float:
-    """The length of the acceleration, m/s^2."""
-    return _recalibrated(_acceleration(RAW_IMU), SENSOR_OFFSETS, ofs, mul).length()
+    """The length of the acceleration, m/s^2, of RAW_IMU or of the dataflash message IMU."""
+    if hasattr(RAW_IMU, "xacc"):
+        accel = _acceleration(RAW_IMU)
+    else:
+        accel = Vector3(RAW_IMU.AccX, RAW_IMU.AccY, RAW_IMU.AccZ)
+    return _recalibrated(accel, SENSOR_OFFSETS, ofs, mul).length()
 
 
 def _without_turn(accel: Vector3, GPS_RAW_INT: Any, ATTITUDE: Any) -> Vector3:

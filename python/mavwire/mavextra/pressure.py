@@ -62,7 +62,10 @@ def airspeed(
     used_ratio: float | None = None,
     offset: float | None = None,
 ) -> float:
-    """The airspeed with another ``ratio`` and ``offset`` than the vehicle used."""
+    """The airspeed of VFR_HUD, or of the dataflash message ARSP, with another ``ratio`` and ``offset``
+    than the vehicle used.
+    """
+    measured = VFR_HUD.airspeed if hasattr(VFR_HUD, "airspeed") else VFR_HUD.Airspeed
     if ratio is None:
         ratio = _DEFAULT_RATIO
     if used_ratio is None:
@@ -72,7 +75,7 @@ def airspeed(
         else:
             print("no ARSPD_RATIO in mav.params")
             used_ratio = ratio
-    pressure = VFR_HUD.airspeed**2 / used_ratio
+    pressure = measured**2 / used_ratio
     if offset is not None:
         pressure = max(pressure + offset, 0.0)
     return sqrt(pressure * ratio)

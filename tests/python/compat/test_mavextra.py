@@ -122,6 +122,15 @@ def attitude() -> Message:
     return Message(pitch=u(-1.5, 1.5), **{name: u(-3, 3) for name in fields})
 
 
+def upside_down() -> Message:
+    """With a pitch that is beyond the vertical."""
+    return Message(roll=u(-3, 3), pitch=R.choice((-1, 1)) * u(1.6, 3), yaw=u(-3, 3))
+
+
+def arsp() -> Message:
+    return Message(Airspeed=u(5, 50))
+
+
 def att() -> Message:
     return Message(Roll=u(-180, 180), Pitch=u(-89, 89), Yaw=u(0, 360))
 
@@ -236,7 +245,12 @@ CASES: dict[str, Callable[[], tuple[Any, ...]]] = {
     **dict.fromkeys(
         ("altitude", "altitude2"), lambda: (pressure(), maybe(u(9e4, 1e5)), maybe(u()))
     ),
-    "airspeed": lambda: (vfr_hud(), maybe(u(1, 3)), maybe(u(1, 3)), maybe(u(-900, 900))),
+    "airspeed": lambda: (
+        R.choice((vfr_hud, arsp))(),
+        maybe(u(1, 3)),
+        maybe(u(1, 3)),
+        maybe(u(-900, 900)),
+    ),
     "airspeed_voltage": lambda: (vfr_hud(), maybe(u(1, 3))),
     "SimpleAtmosphere": lambda: (u(-1, 60),),
     "eas2tas": lambda: (u(-500, 20_000), u(-20, 50)),
@@ -251,7 +265,8 @@ CASES: dict[str, Callable[[], tuple[Any, ...]]] = {
         lambda: (Message(aspd_error=u(-900, 900), alt_error=u()), vfr_hud()),
     ),
     "mag_heading": lambda: (
-        *(raw_imu(), any_attitude(), maybe(u(-400, 400)), maybe(sensor_offsets()), maybe(triple())),
+        *(raw_imu(), R.choice((any_attitude, upside_down))(), maybe(u(-400, 400))),
+        *(maybe(sensor_offsets()), maybe(triple())),
     ),
     "mag_heading_df": lambda: (
         *(mag(), att(), maybe(u(-400, 400)), maybe(triple()), triple(0.5, 1.5), triple(-0.2, 0.2)),
@@ -265,7 +280,9 @@ CASES: dict[str, Callable[[], tuple[Any, ...]]] = {
         ("mag_rotation", "mag_pitch", "mag_roll"), lambda: (raw_imu(), u(-90, 90), u(-180, 180))
     ),
     "RotateMag": lambda: (mag(), R.randint(0, 45)),
-    "gravity": lambda: (*(raw_imu(), maybe(sensor_offsets()), maybe(triple()), maybe(triple())),),
+    "gravity": lambda: (
+        *(R.choice((raw_imu, imu))(), maybe(sensor_offsets()), maybe(triple()), maybe(triple())),
+    ),
     **dict.fromkeys(
         ("roll_estimate", "pitch_estimate"),
         lambda: (

@@ -164,6 +164,12 @@ TOO_MUCH = [
     "factorial(10**8)",
     "comb(10**8, 10**7)",
     "prod([2**4000, 2**4000])",
+    "prod([[1] * 1000, 1000])",
+    "prod(['a' * 4000, 1000])",
+    "prod([1000], start=[1] * 1000)",
+    "builtin_sum([[1] * 1000], [1] * 1000)",
+    "builtin_sum(([1] * 1000 for i in range(1000)), [])",
+    "list(zip(*[range(1000)] * 1000))",
     "lcm(2**4000 - 1, 2**4000 - 3)",
     "round(5, -10**9)",
     "range(10**12)",
@@ -194,6 +200,18 @@ TOO_MUCH = [
     "1" * 5000,
     "x" * 100_000,
 ]
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("prod([2, 3.5])", 7.0), ("prod([])", 1), ("prod((2, 3), start=2)", 12),
+        ("builtin_sum([1, 2.5])", 3.5), ("builtin_sum([[1], [2]], [])", [1, 2]),
+        ("builtin_sum((1, 2), 3)", 6), ("list(zip('ab', [1, 2]))", [("a", 1), ("b", 2)]),
+    ],
+)  # fmt: skip
+def test_what_is_bounded_gives_what_python_does(text: str, value: object) -> None:
+    assert evaluate_expression(text, {}) == value
 
 
 @pytest.mark.parametrize("text", TOO_MUCH, ids=lambda text: text[:30])

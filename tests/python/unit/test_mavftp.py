@@ -367,3 +367,11 @@ def test_an_unknown_log_level(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     with pytest.raises(SystemExit, match="none.tlog"):
         mavftp.main()
+
+
+def test_the_end_of_a_part_may_be_lost() -> None:
+    """Blocks behind what is wanted arrive all the same, and say nothing of those before them."""
+    _, ftp = client(loss=15)
+    for number in range(40):
+        offset = number * 450
+        assert ftp.read("/data.bin", 500, offset) == CONTENT[offset : offset + 500]

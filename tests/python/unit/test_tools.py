@@ -119,6 +119,7 @@ def test_a_dialect_that_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixtu
     path = random_log(tmp_path / "random.tlog", 3)
     for verb in ("loss", "summarize", "tomfile"):
         assert "no dialect 'nope'" in fails(capsys, verb, path, "--dialect", "nope")
+        assert "no dialect ''; name a built-in one" in fails(capsys, verb, path, "--dialect", "")
 
 
 def test_the_dialect_of_the_process_is_back_afterwards(
