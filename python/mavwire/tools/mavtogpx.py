@@ -6,6 +6,7 @@ import math
 import time
 from functools import lru_cache
 
+from mavwire._replacing import replacing
 from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
@@ -59,8 +60,6 @@ def main(args: Namespace) -> int:
 
 def _write(log: Reading, args: Namespace, path: str) -> int:
     """Write the track; how many points it has. After an error the file is as it was."""
-    from mavwire._replacing import replacing  # which loads every compression that Python knows
-
     count = 0
     with ended_in_order(), replacing(path) as file:
         file.write(HEADER.encode())
