@@ -32,6 +32,8 @@ MOST_SHOWN = 80
 class MAVParmFileError(ValueError):
     """A value in a parameter file that is no number; the text names the file and the line."""
 
+    __module__ = "mavwire.mavparm"
+
 
 class ParameterFile(NamedTuple):
     """What a file says: `values` as it has them, and lines that are none."""

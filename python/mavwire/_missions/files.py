@@ -22,8 +22,8 @@ _FENCE_START = re.compile(r"[-+.0-9]+\s+[-+.0-9]+")
 _GLOBAL_FRAMES = frozenset((0, 3, 5, 6, 10, 11))
 _LOCAL_FRAMES = frozenset((1, 4, 7, 8, 9, 12, 20, 21))
 
-# Degrees that fit into a message times 1e7.
-_MOST_DEGREES = 214.7483647
+# What fits into a message of degrees times 1e7.
+_PLACES = range(-(2**31), 2**31)
 
 T = TypeVar("T")
 
@@ -73,7 +73,7 @@ def _numbers(line: Line, error: type[PlanError], read: Callable[[list[str]], T])
 
 
 def _check_place(lat: float, lng: float) -> None:
-    if not (abs(lat) <= _MOST_DEGREES and abs(lng) <= _MOST_DEGREES):  # nor does NaN
+    if not all(isfinite(one) and int(one * 1e7) in _PLACES for one in (lat, lng)):
         raise ValueError(f"no place: {lat} {lng}")
 
 

@@ -91,7 +91,7 @@ def opening(path: str, name: str | None = None) -> Iterator[None]:
     except FileNotFoundError as error:
         raise CommandError(f"no such log: {name or path}") from error
     except (OSError, ValueError, ImportError) as error:
-        reason = "not a log file" if _is_other_device(path) else str(error)
+        reason = "not a log file" if _is_other_device(path) else in_words(error, path)
         raise CommandError(f"cannot open {name or path}: {reason}{hint}") from error
 
 
@@ -128,11 +128,13 @@ def dataflash_reader(path: str) -> Callable[[str], Any] | None:
     from mavwire.links.recognise import DATAFLASH_HEAD, log_kind, read_head
     from mavwire.logs.sources import is_dataflash
 
-    if log_kind(path, readonly=True) != "tlog" or not is_dataflash(path):
+    if not is_dataflash(path):
+        return None
+    is_binary = read_head(path, len(DATAFLASH_HEAD)) == DATAFLASH_HEAD
+    if log_kind(path, readonly=True) == ("dataflash" if is_binary else "text"):
         return None
     from mavwire.DFReader import DFReader_binary, DFReader_text
 
-    is_binary = read_head(path, len(DATAFLASH_HEAD)) == DATAFLASH_HEAD
     return DFReader_binary if is_binary else DFReader_text
 
 
@@ -192,8 +194,12 @@ class Reading:
                 yield first
                 yield from islice(receive, PROGRESS_EVERY)
                 self.show_progress()
+        except OSError as error:
+            if error.filename is None and error.errno is not None:
+                error.filename = self.path
+            raise
         except Exception as error:
-            if condition is None or isinstance(error, OSError | CommandError):
+            if condition is None or isinstance(error, CommandError):
                 raise
             raise _condition_error(condition, error) from error
 

@@ -13,6 +13,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_link_error
+from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._rewriting import split
 
 if TYPE_CHECKING:
@@ -48,11 +49,14 @@ def main(args: Namespace) -> int:
     """Replay until the end of the log, or until interrupted."""
     from mavwire.bridge import Bridge, ConfigError
     from mavwire.logs import TelemetryLog
+    from mavwire.logs.barren import check_records
 
     types = split(args.types, "--types")
     bridge = Bridge(dedup=0)
     try:
         log = TelemetryLog(args.log)
+        if log.compressed:
+            check_records(args.log, "all")
         frames = ((msg._timestamp, bytes(msg.get_msgbuf())) for msg in log.messages(types=types))
         for out in args.out or [DEFAULT_OUT]:
             # A sniffer gets everything, whoever it was meant for, and what its own system sent where nobody heard it.
@@ -68,6 +72,8 @@ def main(args: Namespace) -> int:
         wait_for_peers(bridge)
         count = replay(frames, bridge.send, args.speed)
         lost = drain(bridge)
+    if not count:
+        warn_if_barren("replay", args.log, "all")
     print(f"{count} frames" + (f", {lost} of them dropped" if lost else ""), file=sys.stderr)
     return 0
 

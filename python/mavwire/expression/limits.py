@@ -182,14 +182,14 @@ def _total_bits(values: Iterable[Any]) -> int:
 
 def bounded_prod(values: Iterable[Any], /, *, start: Any = 1) -> Any:
     """``math.prod``, each step of it bounded."""
-    return functools.reduce(multiply, values, start)
+    return functools.reduce(multiply, iter(values), start)
 
 
 def bounded_sum(values: Iterable[Any], /, start: Any = 0) -> Any:
     """The builtin ``sum``, each step of it bounded where it joins sequences."""
-    if isinstance(start, _SEQUENCES):
-        return functools.reduce(add, values, start)
-    return sum(values, start)
+    if isinstance(start, list | tuple):
+        return functools.reduce(add, iter(values), start)
+    return sum(values, start)  # which refuses to join texts
 
 
 def bounded_zip(*iterables: Any, strict: bool = False) -> Any:

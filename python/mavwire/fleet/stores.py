@@ -28,9 +28,7 @@ class Folder(Store):
             self._rename(draft, name)
         except OSError as error:
             self.remove_empty(name)
-            if (
-                error.filename2 is not None
-            ):  # beside that of the draft, which means nothing to anybody
+            if error.filename2 is not None:  # beside a draft, whose name means nothing to anybody
                 error.filename, error.filename2 = self.place(name), None
             raise
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .reading import scan
 from .telemetry import check_run, open_log
 
 TYPE_CHECKING = False
@@ -17,6 +18,8 @@ def lacking(path: str, dialect: str | os.PathLike[str] | ModuleType) -> str:
     """What a log lacks that has no record; nothing of one that has any. LogFormatError for what is no
     log.
     """
+    if next(iter(scan(path, dialect=dialect, batch_rows=1)), None) is not None:
+        return ""
     with open_log(path, dialect=dialect) as log:
         found = log.info()
     check_run(path, path, found.bytes, found.bad_bytes, found.damage)

@@ -14,7 +14,7 @@ from .base import Log
 from .query import Query, check_described
 from .sources import file_status, is_compressed
 from .table import Table
-from .telemetry import LogFormatError
+from .telemetry import no_record
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -35,7 +35,7 @@ class DataflashLog(Log):
         self.path = os.fsdecode(path)
         self._surveyed: tuple[tuple[int, int], DataflashTables] | None = None
         if not DataflashTables.recognises(self.path):
-            raise LogFormatError(f"no dataflash log: {self.path!r}")
+            raise no_record("dataflash", self.path)
 
     def __repr__(self) -> str:
         return f"<DataflashLog {self.path!r}{' (closed)' if self.closed else ''}>"
@@ -51,7 +51,7 @@ class DataflashLog(Log):
         if self._surveyed is None or self._surveyed[0] != status:
             tables = DataflashTables.open(self.path)
             if tables is None:
-                raise LogFormatError(f"no dataflash log: {self.path!r}")
+                raise no_record("dataflash", self.path)
             self._surveyed = (status, tables)
         return self._surveyed[1]
 

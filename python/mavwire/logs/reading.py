@@ -16,7 +16,7 @@ from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_ta
 from .batches import Batches
 from .query import Query, check_described, check_tables, names_of
 from .selection import several
-from .sources import columns_from, is_dataflash
+from .sources import columns_from, is_dataflash, naming
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
 
@@ -44,7 +44,8 @@ def native_dialect(dialect: str | os.PathLike[str] | ModuleType) -> tuple[Any, A
 
 def check_readable(path: str) -> None:
     """Raise FileNotFoundError, IsADirectoryError or PermissionError, with the name; OSError for a
-    pipe or a socket, which opening would wait on, and for a device, which may have no end.
+    pipe or a socket, which opening would wait on, for a device, which may have no end, and for a
+    file that not even a byte can be read of.
     """
     mode = os.stat(path).st_mode
     if stat.S_ISDIR(mode):
@@ -53,8 +54,8 @@ def check_readable(path: str) -> None:
         raise OSError(errno.ESPIPE, A_PIPE, path)
     if not stat.S_ISREG(mode) and not os.path.samefile(path, os.devnull):
         raise OSError(errno.EINVAL, A_DEVICE, path)
-    with open(path, "rb"):
-        pass
+    with naming(path), open(path, "rb") as file:
+        file.read(1)
 
 
 def read(
@@ -93,8 +94,9 @@ def read(
         return read_tables(dataflash, path, query, fields, wide)
     query.check_telemetry()
     check_tables(module, native, query, fields)
-    run = LogColumns(path, native, query)
-    found = with_empty(joined(run, query), module, native, query)
+    with naming(path):
+        run = LogColumns(path, native, query)
+        found = with_empty(joined(run, query), module, native, query)
     check_records(run, path)
     return tables_of(found, path, wide)
 

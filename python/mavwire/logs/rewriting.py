@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import secrets
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ from mavwire._native import LogRewrite
 from .barren import check_records
 from .query import Query
 from .reading import check_readable, native_dialect, paths_of
-from .sources import is_dataflash
+from .sources import is_dataflash, naming
 from .targets import file_to_write
 from .telemetry import LogFormatError, check_barren
 
@@ -171,9 +172,10 @@ def _run(
     is_damage_named: bool = False,
 ) -> Rewritten:
     try:
-        while rewrite.step():
-            if progress is not None:
-                progress(rewrite.outcome()["bytes"])
+        with naming(paths[0]) if len(paths) == 1 else nullcontext():
+            while rewrite.step():
+                if progress is not None:
+                    progress(rewrite.outcome()["bytes"])
         damages = [
             f"{paths[place]!r}: {damage}" if is_damage_named else damage
             for place, damage in rewrite.damage()

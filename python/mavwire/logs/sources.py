@@ -70,12 +70,23 @@ def file_status(path: str) -> tuple[int, int]:
     return status.st_size, status.st_mtime_ns
 
 
+@contextmanager
+def naming(path: str) -> Iterator[None]:
+    """Gives errors of reading, which name no file, this name."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None and error.errno is not None:
+            error.filename = path
+        raise
+
+
 def head_of(source: Source, size: int) -> bytes:
     """The first bytes of a log."""
     if isinstance(source, bytes):
         return source[:size]
     path, start, end = (source, 0, size) if isinstance(source, str) else source[:3]
-    with open(path, "rb") as file:
+    with naming(path), open(path, "rb") as file:
         file.seek(start)
         return file.read(min(size, end - start))
 

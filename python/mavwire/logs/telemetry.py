@@ -16,7 +16,7 @@ from mavwire._native import LogScan
 
 from .base import Log
 from .selection import Selection, no_message
-from .sources import file_status
+from .sources import file_status, head_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -221,9 +221,7 @@ class TelemetryLog(Log):
         from .sources import COMPRESSED
 
         check_readable(self.path)
-        with open(self.path, "rb") as file:
-            head = file.read(HEAD_SIZE)
-            size = os.fstat(file.fileno()).st_size
+        head, (size, _) = head_of(self.path, HEAD_SIZE), file_status(self.path)
         if not head:
             return
         self.compressed = head.startswith(COMPRESSED)
@@ -280,7 +278,7 @@ def check_run(source: Source, path: str, position: int, bad_bytes: int, damage: 
     if not is_dataflash(source):
         check_barren(source, path, damage)
     elif position >= FMT_LEN:
-        raise _no_record("dataflash", path)
+        raise no_record("dataflash", path)
 
 
 def check_barren(source: Source, path: str, damage: str | None) -> None:
@@ -288,8 +286,6 @@ def check_barren(source: Source, path: str, damage: str | None) -> None:
     off in its first one, compressed or not; `damage` is what is wrong with a compressed file.
     """
     from mavwire._native import log_head
-
-    from .sources import head_of
 
     if damage or is_foreign(log_head(source, HEAD_SIZE)):
         raise not_telemetry(path, head_of(source, HEAD_SIZE), damage)
@@ -304,13 +300,13 @@ def not_telemetry(path: str, head: bytes, damage: str | None = None) -> LogForma
         from mavwire.links.recognise import DATAFLASH_SUFFIXES
 
         name = path.lower().removesuffix(".gz").removesuffix(".zst")
-        return _no_record("dataflash" if name.endswith(DATAFLASH_SUFFIXES) else "telemetry", path)
+        return no_record("dataflash" if name.endswith(DATAFLASH_SUFFIXES) else "telemetry", path)
     kind, remedy = other
     said = f", as far as it can be read ({damage})" if damage else ""
     return LogFormatError(f"a {kind}, not a telemetry log{said}; {remedy}: {path!r}")
 
 
-def _no_record(kind: str, path: str) -> LogFormatError:
+def no_record(kind: str, path: str) -> LogFormatError:
     remedy = "copy it again if it should be one"
     return LogFormatError(f"no {kind} log, there is no record in it; {remedy}: {path!r}")
 

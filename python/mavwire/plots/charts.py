@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mavwire.logs.barren import check_records
+from mavwire.logs.barren import lacking
 from mavwire.logs.extras import extra
 from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
@@ -127,9 +127,8 @@ def plot(
     notes = _notes(read)
     points = sum(len(line.times) for line in chart.lines)
     if not points:
-        for path in paths:
-            check_records(path, dialect)
-        raise ValueError("; ".join(notes))
+        lacks = [f"{said}: {path!r}" for path in paths if (said := lacking(path, dialect))]
+        raise ValueError("; ".join(lacks if len(lacks) == len(paths) else lacks + notes))
     if suffix in PAGES:
         from .pages import chart_page
 

@@ -88,9 +88,12 @@ fn naming<T>(path: &Path, done: io::Result<T>) -> io::Result<T> {
 pub struct Draft {
     file: Option<BufWriter<File>>,
     path: PathBuf,
-    part: PathBuf,
+    /// What it is called now: a name of its own, then `path`.
+    name: PathBuf,
     /// Folders that were not there before, the innermost first.
     made: Vec<PathBuf>,
+    /// It stays.
+    kept: bool,
 }
 
 impl Draft {
@@ -104,9 +107,9 @@ impl Draft {
             Err(error) if error.kind() == io::ErrorKind::NotFound => begin(path),
             begun => begun,
         };
-        let (file, part, made) = naming(path, begun)?;
+        let (file, name, made) = naming(path, begun)?;
         let file = BufWriter::with_capacity(64 << 10, file);
-        Ok(Self { file: Some(file), path: path.to_owned(), part, made })
+        Ok(Self { file: Some(file), path: path.to_owned(), name, made, kept: false })
     }
 
     /// Gives the file its name, in place of any that has it.
@@ -115,7 +118,9 @@ impl Draft {
     /// What the operating system says; the file is removed then.
     pub fn commit(mut self) -> io::Result<()> {
         self.sync()?;
-        self.publish()
+        self.publish()?;
+        self.kept = true;
+        Ok(())
     }
 
     /// Waits until everything is on the disk.
@@ -126,17 +131,9 @@ impl Draft {
 
     fn publish(&mut self) -> io::Result<()> {
         drop(self.file.take());
-        let renamed = std::fs::rename(&self.part, &self.path);
-        if renamed.is_err() {
-            self.remove(&self.part);
-        }
-        naming(&self.path, renamed)
-    }
-
-    /// Removes what the file is called now, and the folders that were made for it.
-    fn remove(&self, name: &Path) {
-        let _ = std::fs::remove_file(name);
-        remove_empty(&self.made);
+        naming(&self.path, std::fs::rename(&self.name, &self.path))?;
+        self.name.clone_from(&self.path);
+        Ok(())
     }
 }
 
@@ -154,6 +151,16 @@ const WAITING: usize = 16;
 /// # Errors
 /// What the operating system says of one of them; none of them is there then, and no folder that was made for them.
 pub fn commit_all(mut drafts: Vec<Draft>) -> io::Result<()> {
+    let done = sync_all(&mut drafts).and_then(|()| drafts.iter_mut().try_for_each(Draft::publish));
+    // Backwards: the first of them made the folders that all are in, which go with it.
+    while let Some(mut draft) = drafts.pop() {
+        draft.kept = done.is_ok();
+    }
+    done
+}
+
+/// Waits until all of them are on the disk.
+fn sync_all(drafts: &mut [Draft]) -> io::Result<()> {
     let threads = WAITING.min(drafts.len());
     let left = Mutex::new(drafts.iter_mut());
     let next = || left.lock().unwrap_or_else(PoisonError::into_inner).next();
@@ -167,13 +174,7 @@ pub fn commit_all(mut drafts: Vec<Draft>) -> io::Result<()> {
             done = done.and(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
         }
         done
-    })?;
-    let failed = (0..drafts.len()).find_map(|n| Some((n, drafts[n].publish().err()?)));
-    let Some((number, error)) = failed else { return Ok(()) };
-    // Backwards: the first of them made the folders that all are in.
-    drafts.drain(number..).rev().for_each(drop);
-    drafts.iter().rev().for_each(|draft| draft.remove(&draft.path));
-    Err(error)
+    })
 }
 
 /// Bytes of a name that leave room for what a draft's name has more; file systems take 255.
@@ -236,9 +237,12 @@ impl Write for Draft {
 
 impl Drop for Draft {
     fn drop(&mut self) {
-        if self.file.take().is_some() {
-            self.remove(&self.part);
+        if self.kept {
+            return;
         }
+        drop(self.file.take());
+        let _ = std::fs::remove_file(&self.name);
+        remove_empty(&self.made);
     }
 }
 
@@ -293,13 +297,21 @@ mod tests {
     fn files_that_cannot_have_their_names_leave_no_folders() {
         let folder = std::env::temp_dir().join(format!("mavwire-unnamed-{}", std::process::id()));
         let draft = |name: &str| Draft::create(&folder.join(name).join("log")).expect("creating");
-        let drafts = ["new/a", "new/b", "new/c", "new/d"].map(draft);
-        std::fs::create_dir(folder.join("new/b/log")).expect("creating");
-        commit_all(drafts.into()).expect_err("a folder has the name");
-        // What another one made stays.
-        std::fs::remove_dir(folder.join("new/b/log")).expect("it is there");
-        std::fs::remove_dir(folder.join("new/b")).expect("it is there");
-        std::fs::remove_dir(folder.join("new")).expect("nothing else is");
+        for wrong in ["new/a", "new/b", "new/d"] {
+            let drafts = ["new/a", "new/b", "new/c", "new/d"].map(draft);
+            std::fs::create_dir(folder.join(wrong).join("log")).expect("creating");
+            commit_all(drafts.into()).expect_err("a folder has the name");
+            // What another one made stays.
+            std::fs::remove_dir(folder.join(wrong).join("log")).expect("it is there");
+            std::fs::remove_dir(folder.join(wrong)).expect("it is there");
+            std::fs::remove_dir(folder.join("new")).expect("nothing else is");
+        }
+        // The first made the folder that all are in, and is not the first to go.
+        let outer = folder.join("outer");
+        let drafts = ["a", "b"].map(|name| Draft::create(&outer.join(name)).expect("creating"));
+        std::fs::remove_file(&drafts[0].name).expect("it is there");
+        commit_all(drafts.into()).expect_err("there is nothing to be renamed");
+        assert!(!outer.exists());
         // No file system takes such a name.
         let path = folder.join("new/a").join("x".repeat(300)).join("log");
         Draft::create(&path).expect_err("a folder of 300 bytes");

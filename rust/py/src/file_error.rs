@@ -33,5 +33,8 @@ pub(crate) fn of_file(error: &io::Error, path: Option<&Path>, advice: &str) -> O
 /// An error of reading, where `MemoryError` is for bytes that there is no memory for.
 pub(crate) fn of_reading(error: io::Error) -> PyErr {
     let is_ours = error.raw_os_error().is_none() && error.kind() == io::ErrorKind::OutOfMemory;
-    if is_ours { PyMemoryError::new_err(error.to_string()) } else { error.into() }
+    if is_ours {
+        return PyMemoryError::new_err(error.to_string());
+    }
+    of_file(&error, None, "").unwrap_or_else(|| error.into())
 }

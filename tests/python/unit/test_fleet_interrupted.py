@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -207,6 +208,18 @@ def test_a_file_that_cannot_have_its_name_leaves_no_folders(tmp_path, mixed, ins
     (row,) = convert_fleet(mixed, out, inside, types=TYPES)
     assert str(row.error).startswith(f"{in_the_way}: "), "not the name that it had before"
     assert sorted(path.name for path in out.iterdir()) == ["HEARTBEAT", MANIFEST]
+
+
+def test_a_file_that_cannot_be_moved_leaves_no_folder(tmp_path, monkeypatch):
+    def refuse(draft: str, place: str) -> None:
+        raise OSError(errno.EIO, "Input/output error", draft, None, place)
+
+    monkeypatch.setattr("os.replace", refuse)
+    out = tmp_path / "out"
+    with pytest.raises(OSError) as caught:
+        Folder(str(out)).publish(str(tmp_path / "draft"), "ATTITUDE/a.parquet")
+    assert caught.value.filename == str(out / "ATTITUDE" / "a.parquet")
+    assert not list(out.rglob("*"))
 
 
 def test_a_file_that_cannot_be_written_is_called_as_it_would_be(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import gzip
 import os
 from pathlib import Path
@@ -244,3 +245,24 @@ def test_the_name_of_a_log_opens_no_connection(capsys: pytest.CaptureFixture[str
     Path(name).write_bytes(record(heartbeat(), 10**15))
     assert cli.main(["dump", name]) == 0
     assert "HEARTBEAT" in capsys.readouterr().out
+
+
+def test_a_replay_of_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    for name, content in (("empty.tlog", b""), ("empty.tlog.gz", gzip.compress(b""))):
+        Path(name).write_bytes(content)
+        code = cli.main(["replay", name, "--out", "udpout:127.0.0.1:9"])
+        assert code == (1 if name.endswith(".gz") else 0)
+        assert f"{EMPTY}: {name!r}" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(
+    not os.path.exists("/proc/self/mem"), reason="needs a file that reading fails of"
+)
+def test_a_log_that_cannot_be_read_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    os.symlink("/proc/self/mem", "bad.tlog")
+    for words in (*TABLES.values(), ["dump", "FILE"], ["togpx", "FILE"]):
+        assert cli.main([one.replace("FILE", "bad.tlog") for one in words]) == 1
+        assert capsys.readouterr().err.endswith("bad.tlog: Input/output error\n")
+    with pytest.raises(OSError) as caught:
+        mavutil.mavlink_connection("bad.tlog")
+    assert caught.value.errno == errno.EIO

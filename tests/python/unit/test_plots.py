@@ -255,7 +255,7 @@ def test_compressed_dataflash_logs(tmp_path):
 # -- the options of mavgraph
 
 
-@pytest.mark.parametrize("name", ["flight.txt", "flight.txt.gz"])
+@pytest.mark.parametrize("name", ["flight.txt", "flight.txt.gz", "flight.BIN"])
 def test_a_dataflash_log_under_another_name(tmp_path, name):
     """By what is in it, as tables of it are read."""
     text = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import threading
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mavwire._replacing import Replacement, replace_text
+from mavwire._replacing import Replacement, replace_text, replacing
 
 
 def test_a_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
@@ -63,6 +64,16 @@ def test_errors_of_the_move_name_the_file_alone(
         replace_text(str(tmp_path / "file"), "")
     assert str(caught.value) == f"[Errno 5] Input/output error: '{tmp_path / 'file'}'"
     assert not os.listdir(tmp_path)
+
+
+def test_an_error_of_writing_names_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_text("old")
+    with pytest.raises(OSError) as caught, replacing(str(path)):
+        raise OSError(errno.ENOSPC, "No space left on device")
+    assert caught.value.filename == str(path)
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["file"]
 
 
 @pytest.mark.parametrize("kind", [str, os.fsencode, Path])

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import json
 import math
+import signal
+from collections.abc import Iterator
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -14,7 +16,7 @@ import dataflash_writer
 import pytest
 from mavwire import cli
 from mavwire.dialects.v20 import ardupilotmega as mavlink
-from mavwire.tools import mavtomfile
+from mavwire.tools import mavtogpx, mavtomfile
 from tool_runs import Log, flight_log, heartbeat, random_log
 
 
@@ -290,6 +292,27 @@ def test_a_track_that_cannot_be_completed_leaves_the_file(
     track = tmp_path / "flight.tlog.gpx"
     track.write_text("precious")
     fails(capsys, "togpx", log, "--condition", condition)
+    assert track.read_text() == "precious"
+    assert sorted(one.name for one in tmp_path.iterdir()) == [log.name, track.name]
+
+
+def test_a_track_that_is_interrupted_leaves_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def told(*_: Any) -> Iterator[str]:
+        yield "half"
+        signal.raise_signal(signal.SIGTERM)
+        raise AssertionError("it would have ended at once")
+
+    monkeypatch.setattr(mavtogpx, "_points", told)
+    log = flight_log(tmp_path / "flight.tlog")
+    track = tmp_path / "flight.tlog.gpx"
+    track.write_text("precious")
+    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    try:
+        assert cli.main(["togpx", str(log)]) == cli.EXIT_INTERRUPTED
+    finally:
+        signal.signal(signal.SIGTERM, before)
     assert track.read_text() == "precious"
     assert sorted(one.name for one in tmp_path.iterdir()) == [log.name, track.name]
 
