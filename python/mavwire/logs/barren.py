@@ -18,7 +18,8 @@ def lacking(path: str, dialect: str | os.PathLike[str] | ModuleType) -> str:
     """What a log lacks that has no record; nothing of one that has any. LogFormatError for what is no
     log.
     """
-    if next(iter(scan(path, dialect=dialect, batch_rows=1)), None) is not None:
+    # Small batches come early, and those of a row take their time.
+    if next(iter(scan(path, dialect=dialect, batch_rows=256)), None) is not None:
         return ""
     with open_log(path, dialect=dialect) as log:
         found = log.info()
