@@ -239,6 +239,7 @@ def test_a_bridge_that_cannot_wait_for_its_descriptors_goes_on() -> None:
     program = """
 import resource, socket
 from mavwire import Bridge
+from unit.bridge_tools import wait_until
 from unit.link_tools import heartbeat
 
 with Bridge(["udpin:127.0.0.1:0", "tcpin:127.0.0.1:0"]) as bridge:
@@ -246,6 +247,7 @@ with Bridge(["udpin:127.0.0.1:0", "tcpin:127.0.0.1:0"]) as bridge:
     out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     out.connect(("127.0.0.1", int(ends[0][2])))
     peer = socket.create_connection(("127.0.0.1", int(ends[1][2])), timeout=60)
+    wait_until("the client", lambda: any(link["peer"] for link in bridge.stats()["links"]))
     limits = resource.getrlimit(resource.RLIMIT_NOFILE)
     for seq, few in enumerate((limits[0], 2, 2, 2, limits[0])):
         resource.setrlimit(resource.RLIMIT_NOFILE, (few, limits[1]))
