@@ -52,6 +52,8 @@ LEAST_SAMPLES = 10
 """With fewer no growth can be seen."""
 TRIAL = 5.0
 """Seconds of each flight that looks for the capacity, the first at FIRST_RATE frames a second."""
+CONFIRMATION = 30.0
+"""Seconds for which a capacity must hold: a short flight can pass between two pauses of the system."""
 FIRST_RATE = 2500
 FULL_PACE = 0.95
 """A sender below this share of its rate makes no more."""
@@ -184,19 +186,34 @@ def fly(
         return Flight(report["sent"], report["seconds"], asked(link, "end"), asked(bridge))
 
 
+def tried(args: argparse.Namespace, rate: int, seconds: float) -> tuple[int, int]:
+    """Frames a second that a flight made, and how many frames it lost."""
+    flight = fly(args, rate, seconds)
+    lost = flight.sent - flight.end["received"]
+    made = int(flight.sent / max(flight.seconds, seconds))
+    print(
+        f"{made:,} frames a second for {seconds:g} s: {lost:,} of {flight.sent:,} lost", flush=True
+    )
+    return made, lost
+
+
 def capacity(args: argparse.Namespace) -> int:
-    """Frames a second that come through: doubled until one is lost, or until the sender makes no more."""
+    """Frames a second that come through: doubled until one is lost, or until the sender makes no more,
+    then confirmed by a longer flight, or by that of the first lower rate that loses none."""
     good, rate = 0, FIRST_RATE
     while True:
-        flight = fly(args, rate, TRIAL)
-        lost = flight.sent - flight.end["received"]
-        made = int(flight.sent / max(flight.seconds, TRIAL))
-        print(f"{made:,} frames a second: {lost:,} of {flight.sent:,} lost", flush=True)
-        if lost and not good:
-            raise SystemExit(f"not even {rate:,} frames a second come through")
+        made, lost = tried(args, rate, TRIAL)
+        if not lost:
+            good = made
         if lost or made < FULL_PACE * rate:
-            return good if lost else made
-        good, rate = made, 2 * rate
+            break
+        rate *= 2
+    while good >= SHARE * FIRST_RATE:
+        made, lost = tried(args, good, CONFIRMATION)
+        if not lost:
+            return made
+        good = int(SHARE * good)
+    raise SystemExit(f"not even {FIRST_RATE:,} frames a second come through")
 
 
 def run(args: argparse.Namespace) -> int:

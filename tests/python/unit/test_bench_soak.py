@@ -92,6 +92,17 @@ def test_the_rate_is_doubled_until_frames_are_lost_or_no_more_are_made(
     assert soak.capacity(None) == expected
 
 
+def test_a_capacity_must_hold_for_longer(monkeypatch: pytest.MonkeyPatch) -> None:
+    soak = module()
+
+    def fly(_args: Any, rate: int, seconds: float) -> Any:
+        sent, carried = int(rate * seconds), 70_000 if seconds <= soak.TRIAL else 30_000
+        return soak.Flight(sent, seconds, {"received": min(sent, int(carried * seconds))}, {})
+
+    monkeypatch.setattr(soak, "fly", fly)
+    assert soak.capacity(None) == 25_600
+
+
 def test_a_capacity_of_nothing_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     soak = module()
     monkeypatch.setattr(soak, "fly", lambda *_: soak.Flight(10, 1.0, {"received": 9}, {}))
