@@ -78,11 +78,13 @@ def run(programs: Path, name: str, seconds: int, keep: bool, seed: int) -> bool:
     executions = EXECUTIONS.search(done.stderr)
     coverage = [int(number) for number in COVERAGE.findall(done.stderr)]
     count = int(executions[1]) if executions else 0
-    said = "held" if done.returncode == 0 else "FAILED"
+    # A program that tried nothing has found nothing, either.
+    held = done.returncode == 0 and count > 0
+    said = "held" if held else "FAILED"
     print(f"{name:<20}{count:>14,}{max(coverage, default=0):>10,}  {said}", flush=True)
-    if done.returncode:
+    if not held:
         print("\n".join(done.stderr.splitlines()[-40:]))
-    return done.returncode == 0
+    return held
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -100,6 +102,8 @@ def main(arguments: list[str] | None = None) -> int:
         help="what to do where there is no nightly Rust [default: fail]",
     )
     options = parser.parse_args(arguments)
+    if unknown := set(options.targets) - set(targets()):
+        parser.error(f"no target {', '.join(sorted(unknown))}; there are: {', '.join(targets())}")
     if not has_nightly():
         needed = "fuzzing needs nightly Rust: rustup toolchain install nightly"
         if options.without_nightly == "fail":

@@ -36,6 +36,23 @@ def test_a_target_that_fails_fails_all(monkeypatch: pytest.MonkeyPatch) -> None:
     assert tool.main(["scanner"]) == 0
 
 
+def test_a_target_that_does_not_exist_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        tool.main(["scanner", "scaner"])
+    assert "no target scaner; there are: anonymize, " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("executions", "held"), [(0, False), (7, True)])
+def test_a_program_that_tries_nothing_does_not_hold(
+    executions: int, held: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tool, "FUZZ", tmp_path)
+    program = tmp_path / "scanner"
+    program.write_text(f"#!/bin/sh\necho stat::number_of_executed_units: {executions} >&2\n")
+    program.chmod(0o755)
+    assert tool.run(tmp_path, "scanner", 1, keep=False, seed=1) is held
+
+
 @pytest.mark.parametrize("name", ["ci", "release"])
 def test_workflows_fuzz_with_nightly(name: str) -> None:
     text = (WORKFLOWS / f"{name}.yml").read_text(encoding="utf-8")

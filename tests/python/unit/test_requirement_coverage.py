@@ -62,6 +62,15 @@ def test_a_gap_and_an_unknown_number_are_told() -> None:
     ]
 
 
+def test_results_without_a_test_are_a_failure(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    nothing = tmp_path / "cargo.txt"
+    nothing.touch()
+    assert tool.main(["--cargo", str(nothing)]) == 1
+    assert "R1: none of its tests passed" in capsys.readouterr().err
+
+
 def test_outcomes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     lines = [
         "test scan::tests::r1_x ... ok\n",
