@@ -34,6 +34,8 @@ def measure(number: int, package: str, short: bool) -> dict[str, Any]:
     try:
         answers: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
     except (IndexError, ValueError):
+        answers = {}
+    if done.returncode or (package == "mavwire" and not answers):
         error = done.stderr.strip().splitlines()[-1:]
         return {"": (error or [f"exit code {done.returncode}"])[0]}
     return answers
@@ -90,6 +92,9 @@ def main() -> int:
         for number, figure in enumerate(FIGURES)
         if options.only.lower() in figure.title.lower() and (figure.in_short or not options.short)
     ]
+    if not chosen:
+        titles = ", ".join(figure.title for figure in FIGURES)
+        parser.error(f"no figure to measure has {options.only!r} in its title; there are: {titles}")
     return 1 if table(chosen, packages, options.short) else 0
 
 
