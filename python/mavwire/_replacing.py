@@ -71,9 +71,9 @@ class Replacement:
 
     def _finish(self, permissions: int | None) -> None:
         if self._beside is None:
-            self.file.seek(0)
-            from shutil import copyfileobj
+            from shutil import copyfileobj  # rarely needed, too
 
+            self.file.seek(0)
             with open(self.path, "wb") as file:
                 copyfileobj(self.file, file)
             self.file.close()

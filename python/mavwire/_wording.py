@@ -48,6 +48,17 @@ def in_words(error: BaseException, path: str | None = None) -> str:
     return text if path is None else text.removesuffix(f": {path!r}")
 
 
+@contextmanager
+def naming(path: str) -> Iterator[None]:
+    """Gives errors of reading, which name no file, this name."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None and error.errno is not None:
+            error.filename = path
+        raise
+
+
 def no_such_dialect(dialect: str) -> str:
     """What to say of a dialect that nothing defines: which would do, or which there are."""
     from mavwire.dialects import names

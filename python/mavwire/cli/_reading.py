@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from functools import partial
 from itertools import chain, islice
 
-from mavwire._wording import in_words, no_such_dialect, printable
+from mavwire._wording import in_words, naming, no_such_dialect, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._progress import Progress
 
@@ -190,16 +190,13 @@ class Reading:
         if self.is_text:
             receive = (msg for msg in receive if self._has_numbers(msg) and self.holds(condition))
         try:
-            for first in receive:
-                yield first
-                yield from islice(receive, PROGRESS_EVERY)
-                self.show_progress()
-        except OSError as error:
-            if error.filename is None and error.errno is not None:
-                error.filename = self.path
-            raise
+            with naming(self.path):
+                for first in receive:
+                    yield first
+                    yield from islice(receive, PROGRESS_EVERY)
+                    self.show_progress()
         except Exception as error:
-            if condition is None or isinstance(error, CommandError):
+            if condition is None or isinstance(error, (CommandError, OSError)):
                 raise
             raise _condition_error(condition, error) from error
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from mavwire.bridge import Bridge
+    from mavwire.logs import TelemetryLog
 
 DEFAULT_OUT = "udpout:127.0.0.1:14550"
 # What may wait for a slow peer: some minutes of a radio's traffic.
@@ -48,15 +49,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 def main(args: Namespace) -> int:
     """Replay until the end of the log, or until interrupted."""
     from mavwire.bridge import Bridge, ConfigError
-    from mavwire.logs import TelemetryLog
-    from mavwire.logs.barren import check_records
 
     types = split(args.types, "--types")
     bridge = Bridge(dedup=0)
     try:
-        log = TelemetryLog(args.log)
-        if log.compressed:
-            check_records(args.log, "all")
+        log = opened(args.log)
         frames = ((msg._timestamp, bytes(msg.get_msgbuf())) for msg in log.messages(types=types))
         for out in args.out or [DEFAULT_OUT]:
             # A sniffer gets everything, whoever it was meant for, and what its own system sent where nobody heard it.
@@ -76,6 +73,21 @@ def main(args: Namespace) -> int:
         warn_if_barren("replay", args.log, "all")
     print(f"{count} frames" + (f", {lost} of them dropped" if lost else ""), file=sys.stderr)
     return 0
+
+
+def opened(path: str) -> TelemetryLog:
+    """The log; ValueError for what is none, and for one that has no record as far as can be told."""
+    from mavwire.logs import LogFormatError, TelemetryLog
+    from mavwire.logs.barren import check_records
+
+    try:
+        log = TelemetryLog(path)
+    except LogFormatError:
+        check_records(path, "all")  # in the words of other commands, where it was cut off
+        raise
+    if log.compressed:
+        check_records(path, "all")
+    return log
 
 
 def replay(

@@ -12,11 +12,12 @@ from operator import index
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_table
+from mavwire._wording import naming
 
 from .batches import Batches
 from .query import Query, check_described, check_tables, names_of
 from .selection import several
-from .sources import columns_from, is_dataflash, naming
+from .sources import columns_from, is_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
 

@@ -14,11 +14,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import LogRewrite
+from mavwire._wording import naming
 
 from .barren import check_records
 from .query import Query
 from .reading import check_readable, native_dialect, paths_of
-from .sources import is_dataflash, naming
+from .sources import is_dataflash
 from .targets import file_to_write
 from .telemetry import LogFormatError, check_barren
 

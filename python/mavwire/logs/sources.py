@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import Converter, DataflashTables, LogColumns, decompress
+from mavwire._wording import naming
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -68,17 +69,6 @@ def file_status(path: str) -> tuple[int, int]:
     """Bytes of a file, and when it was changed in nanoseconds since 1970."""
     status = os.stat(path)
     return status.st_size, status.st_mtime_ns
-
-
-@contextmanager
-def naming(path: str) -> Iterator[None]:
-    """Gives errors of reading, which name no file, this name."""
-    try:
-        yield
-    except OSError as error:
-        if error.filename is None and error.errno is not None:
-            error.filename = path
-        raise
 
 
 def head_of(source: Source, size: int) -> bytes:

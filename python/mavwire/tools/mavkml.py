@@ -6,13 +6,14 @@
 from __future__ import annotations
 
 import sys
-from contextlib import ExitStack
 from html import escape
 from itertools import count
 
+from mavwire._replacing import replacing
 from mavwire.cli._errors import CommandError
-from mavwire.cli._output import open_output, refuse_log
+from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
+from mavwire.cli._signals import ended_in_order
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
 
 TYPE_CHECKING = False
@@ -64,7 +65,7 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     lines: list[Line] = []
     refuse_log(args.output, args.logs)
-    with definitions(), ExitStack() as stack:
+    with definitions():
         for path in args.logs:
             print(f"Processing {path}")
             with reading("kml", path, notimestamps=args.no_timestamps) as log:
@@ -72,8 +73,8 @@ def main(args: Namespace) -> int:
         if not lines:
             hint = f"no {args.source} in the logs; `mavwire map LOG --out FILE.kml` draws any log"
             print(f"mavwire kml: {hint}", file=sys.stderr)
-        text = document(lines, args.extrude)
-        open_output(args.output, args.logs, stack).write(text.encode())
+    with ended_in_order(), replacing(args.output) as file:
+        file.write(document(lines, args.extrude).encode())
     print(f"KML written to {args.output}")
     return 0
 

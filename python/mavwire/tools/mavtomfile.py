@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from contextlib import ExitStack
 
+from mavwire._replacing import replacing
 from mavwire.cli._message_types import wanted
-from mavwire.cli._output import OutputFile, open_output
+from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, kind_of, reading
+from mavwire.cli._signals import ended_in_order
 from mavwire.links.recording import shown
 from mavwire.tools._arguments import add_condition, add_dialect, add_logs
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from typing import Any
+    from typing import IO, Any
 
     from mavwire.cli._reading import Reading
 
@@ -42,18 +43,19 @@ def main(args: Namespace) -> int:
     for path in args.logs:
         print(f"Processing {path}")
         output = args.output or f"{os.path.splitext(path)[0]}.m"
+        refuse_log(output, [path])
         with (
             definitions(args.dialect),
             reading("tomfile", path, zero_time_base=True) as log,
-            ExitStack() as stack,
+            ended_in_order(),
+            replacing(output) as file,
         ):
-            file = open_output(output, [path], stack)
             print(f"Creating {output}")
             _write(log, args, file)
     return 0
 
 
-def _write(log: Reading, args: Namespace, file: OutputFile) -> None:
+def _write(log: Reading, args: Namespace, file: IO[bytes]) -> None:
     types = wanted(args.types, log)
     source = kind_of(log.link)
     rows = Counter[str]()

@@ -255,6 +255,13 @@ def test_a_replay_of_nothing(capsys: pytest.CaptureFixture[str]) -> None:
         assert f"{EMPTY}: {name!r}" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["cut.tlog", "cut.BIN"])
+def test_a_replay_of_less_than_a_record(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Path(name).write_bytes(b"\xa3")
+    assert cli.main(["replay", name, "--out", "udpout:127.0.0.1:9"]) == 1
+    assert capsys.readouterr().err == f"mavwire replay: error: {NO_RECORD}: {name!r}\n"
+
+
 @pytest.mark.skipif(
     not os.path.exists("/proc/self/mem"), reason="needs a file that reading fails of"
 )

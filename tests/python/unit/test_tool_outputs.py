@@ -16,7 +16,7 @@ import dataflash_writer
 import pytest
 from mavwire import cli
 from mavwire.dialects.v20 import ardupilotmega as mavlink
-from mavwire.tools import mavtogpx, mavtomfile
+from mavwire.tools import mavkml, mavtogpx, mavtomfile
 from tool_runs import Log, flight_log, heartbeat, random_log
 
 
@@ -315,6 +315,35 @@ def test_a_track_that_is_interrupted_leaves_the_file(
         signal.signal(signal.SIGTERM, before)
     assert track.read_text() == "precious"
     assert sorted(one.name for one in tmp_path.iterdir()) == [log.name, track.name]
+
+
+def test_a_script_that_cannot_be_completed_leaves_the_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, script = flight_log(tmp_path / "flight.tlog"), tmp_path / "flight.m"
+    script.write_text("precious")
+    fails(capsys, "tomfile", log, "--condition", "GPS_RAW_INT.nope>1")
+    assert script.read_text() == "precious"
+    assert sorted(one.name for one in tmp_path.iterdir()) == [script.name, log.name]
+
+
+def test_lines_that_do_not_fit_on_the_disk_leave_the_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    resource = pytest.importorskip("resource")
+    log, output = flight_log(tmp_path / "flight.tlog"), tmp_path / "mav.kml"
+    output.write_text("precious")
+    monkeypatch.setattr(mavkml, "_lines", lambda *_: [mavkml.Line("GPOS", 0)])
+    monkeypatch.setattr(mavkml, "document", lambda *_: "x" * 10_000)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (5_000, limits[1]))
+    try:
+        said = fails(capsys, "kml", log, "--output", output)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert f"{output}: File too large" in said
+    assert output.read_text() == "precious"
+    assert sorted(one.name for one in tmp_path.iterdir()) == [log.name, output.name]
 
 
 def test_a_layout_of_columns_is_made_once_for_each_format(
