@@ -171,9 +171,11 @@ def fly(
         link = start(stack, "link", folder, args.log_bytes)
         bridge = start(stack, "bridge", told(link)["port"])
         ports = told(bridge)
+        enemies = []
         if args.hostile:
-            start(stack, "attack", ports["hostile UDP"], ports["hostile TCP"])
-            told(start(stack, "intrude", ports["honest"], ports["viewers"]))
+            enemies.append(start(stack, "attack", ports["hostile UDP"], ports["hostile TCP"]))
+            enemies.append(start(stack, "intrude", ports["honest"], ports["viewers"]))
+            told(enemies[-1])
         sender = start(stack, "send", ports["honest"], rate, seconds)
         began = time.monotonic()
         while samples is not None and sender.poll() is None:
@@ -183,6 +185,8 @@ def fly(
                 samples.append(sample(began, asked(bridge), asked(link)))
                 print(LINE.format(*(f"{samples[-1][name]:,}" for name in _columns())), flush=True)
         report = told(sender)
+        if any(one.poll() is not None for one in enemies):
+            raise SystemExit("a hostile peer has ended before the flight: it proves nothing")
         return Flight(report["sent"], report["seconds"], asked(link, "end"), asked(bridge))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 import json
 import os
@@ -41,6 +42,22 @@ def test_a_short_flight_comes_through(tmp_path: Path) -> None:
     # The strangers have reached the flight's own port, and the flight went on beside them.
     assert found["samples"][-1]["components"] > 1
     assert found["samples"][-1]["garbage"] > 0
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="needs /proc")
+def test_a_flight_beside_nobody_is_no_hostile_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    soak = module()
+    started = soak.start
+
+    def start(stack: Any, what: str, *words: object) -> Any:
+        if what != "attack":
+            return started(stack, what, *words)
+        return subprocess.Popen([sys.executable, "-c", ""])
+
+    monkeypatch.setattr(soak, "start", start)
+    args = argparse.Namespace(log_bytes=10_000, hostile=True, interval=1.0)
+    with pytest.raises(SystemExit, match="a hostile peer has ended"):
+        soak.fly(args, 100, 1.0)
 
 
 def samples(**last: float) -> list[dict[str, Any]]:
