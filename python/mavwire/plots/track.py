@@ -169,17 +169,21 @@ def _mission(tables: dict[str, Table], system: int | None) -> dict[int, Place]:
         stamps = table["timestamp"].astype("int64")
         events += [(int(stamps[row]), name, int(row)) for row in ours.nonzero()[0]]
     items: dict[int, Place] = {}
-    for _, name, row in sorted(events):
+    known: set[int] = set()
+    least = MOST_WAYPOINTS
+    # From the last one on: the newest item of a number counts, if no count behind it leaves it out.
+    for _, name, row in sorted(events, reverse=True):
         table = tables[name]
         if name == "MISSION_COUNT":
-            count = int(table["count"][row])
-            items = {seq: place for seq, place in items.items() if seq < count}
+            least = min(least, int(table["count"][row]))
             continue
-        scale = 1e7 if name == "MISSION_ITEM_INT" else 1.0
         seq = int(table["seq_"][row])
+        if seq in known or seq >= least:
+            continue
+        known.add(seq)
+        scale = 1e7 if name == "MISSION_ITEM_INT" else 1.0
         lat, lon, alt = (float(table[axis][row]) for axis in "xyz")
         place = Place(f"{seq}", lat / scale, lon / scale, alt)
-        items.pop(seq, None)
         if int(table["frame"][row]) in GLOBAL_FRAMES and _is_place(place):
             items[seq] = place
     return items

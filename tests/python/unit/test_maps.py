@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
@@ -107,6 +108,16 @@ def test_a_shorter_mission_replaces_a_longer_one(tmp_path):
     track = read_track(str(write(tmp_path / "a.tlog", messages)))
     assert [(place.name, place.lat) for place in track.waypoints] == [("1", 30.0)]
     assert track.home == Place("home", 10.0, 20.0, 20.0)
+
+
+def test_many_counts_of_a_long_mission_take_no_longer_than_they_are(tmp_path):
+    count = (mavlink.MAVLink_mission_count_message(1, 1, 65_535), 255)
+    items = [(item(n, 10, 20), 255) for n in range(20_000)]
+    path = write(tmp_path / "a.tlog", [*items, *[count] * 20_000, (beat(), 1), (position(1, 1), 1)])
+    before = time.process_time()
+    assert len(read_track(str(path)).waypoints) == len(items) - 1
+    # Each count went through all items: half a minute.
+    assert time.process_time() - before < 5
 
 
 def test_positions_of_a_receiver_where_there_are_no_others(tmp_path):
