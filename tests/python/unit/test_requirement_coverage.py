@@ -62,12 +62,13 @@ def test_a_gap_and_an_unknown_number_are_told() -> None:
     ]
 
 
+@pytest.mark.parametrize("option", ["--cargo", "--junit"])
 def test_results_without_a_test_are_a_failure(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    nothing = tmp_path / "cargo.txt"
+    nothing = tmp_path / "results"
     nothing.touch()
-    assert tool.main(["--cargo", str(nothing)]) == 1
+    assert tool.main([option, str(nothing)]) == 1
     assert "R1: none of its tests passed" in capsys.readouterr().err
 
 
