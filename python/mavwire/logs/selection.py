@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from typing import Any, Self
 
 MAX_SYSTEM = 255
+MAX_ID = 0xFFFFFF
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 UNKNOWN = "UNKNOWN"
 A_TIME = (
@@ -56,8 +57,9 @@ class Selection:
             elif one == UNKNOWN:
                 unknown = None
             elif one.startswith(f"{UNKNOWN}_") and one.removeprefix(f"{UNKNOWN}_").isdecimal():
+                number = _unknown_id(one)
                 if unknown is not None:
-                    unknown.add(int(one.removeprefix(f"{UNKNOWN}_")))
+                    unknown.add(number)
             else:
                 known.add(_named_id(dialect, one))
         self.types = sorted(known)
@@ -89,6 +91,13 @@ def _named_id(dialect: Any, name: str) -> int:
     if isinstance(msgid, int) and msgid >= 0:
         return msgid
     raise ValueError(no_message(dialect, name))
+
+
+def _unknown_id(name: str) -> int:
+    digits = name.removeprefix(f"{UNKNOWN}_").lstrip("0") or "0"
+    if len(digits) > len(str(MAX_ID)) or int(digits) > MAX_ID:
+        raise ValueError(f"there is no message {name!r}: ids are 0 to {MAX_ID}")
+    return int(digits)
 
 
 def no_message(dialect: Any, name: object) -> str:
@@ -142,7 +151,7 @@ def seconds_of(time: Any) -> float | None:
         return record_seconds(int(time.astype("datetime64[us]").astype("int64")))
     try:
         seconds = float(time + 0.0)  # float() alone takes texts too
-    except TypeError:
+    except (TypeError, OverflowError):
         seconds = float("nan")
     if isnan(seconds):
         raise ValueError(f"{A_TIME}, not {time!r}")

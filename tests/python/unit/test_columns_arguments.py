@@ -214,6 +214,8 @@ def test_a_time_that_is_none_is_said(flight):
     for time in times:
         with pytest.raises(ValueError, match="a time is .*, not NaT"):
             mavwire.read(flight, start=time)
+    with pytest.raises(ValueError, match="a time is .*, not 1000"):
+        mavwire.read(flight, start=10**400)
 
 
 def test_one_type_is_aligned_by_its_name(flight):

@@ -115,6 +115,12 @@ def test_unknown_ids(tmp_path):
         "HEARTBEAT", "HEARTBEAT", "UNKNOWN_9000002", "HEARTBEAT",
     ]  # fmt: skip
     assert all(m.get_type() == "HEARTBEAT" for m in log.messages("HEARTBEAT"))
+    assert list(log.messages("UNKNOWN_16777215")) == []
+    for beyond in ("UNKNOWN_16777216", "UNKNOWN_" + "9" * 5000):
+        with pytest.raises(ValueError, match="ids are 0 to 16777215"):
+            log.messages(beyond)
+        with pytest.raises(ValueError, match="ids are 0 to 16777215"):
+            log.messages(["UNKNOWN", beyond])
 
 
 def test_dialects(path):
