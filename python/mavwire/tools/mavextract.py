@@ -1,4 +1,4 @@
-"""Each stretch of a log that was flown in one mode, as a log beside it (mavextract.py).
+"""Each stretch of a log that was flown in one mode, or in some, as a log beside it (mavextract.py).
 
 A stretch begins with all parameters and mission items that the log told before, one of a dataflash
 log with the formats too.
@@ -36,7 +36,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_condition(parser)
     add_no_timestamps(parser)
     add_robust(parser)
-    parser.add_argument("--mode", default="auto", help="flight mode (default: %(default)s)")
+    parser.add_argument("--mode", default="auto", help="flight mode, or several with commas (default: %(default)s)")
     parser.add_argument("--link", type=int, help="only from this link of the ground station")
 
 
@@ -78,7 +78,7 @@ class Extraction:
         self._log = log
         self._args = args
         self._stack = stack
-        self._mode: str = args.mode.upper()
+        self._modes: list[str] = args.mode.upper().split(",")
         self._kept: list[bytes] = []
         self._in_mode = False
         self._count = 0
@@ -111,7 +111,7 @@ class Extraction:
         if self._explains(msg, kind):
             self._kept.append(self._record(msg))
         elif self._tells_mode(msg, kind):
-            self._in_mode = self._log.link.flightmode.upper() == self._mode
+            self._in_mode = self._log.link.flightmode.upper() in self._modes
 
     def _explains(self, msg: Any, kind: str) -> bool:
         """Whether later stretches need this message to be understood."""
@@ -144,7 +144,7 @@ class Extraction:
         folder = os.path.dirname(self._log.path)
         while True:
             self._count += 1
-            name = f"{self._mode}{self._count}.{self.suffix}"
+            name = f"{self._modes[0]}{self._count}.{self.suffix}"
             path = os.path.join(folder, name)
             if not os.path.lexists(path):
                 return path

@@ -51,6 +51,7 @@ CASES = {
                              "--types NO_SUCH_TYPE"]),
     "extract": ("mavextract", ["", "--mode guided", "--mode STABILIZE", "--mode loiter --link 1",
                                "--mode stabilize --link 2", "--mode no_such_mode",
+                               "--mode loiter,stabilize", "--mode ,guided",
                                "--mode loiter --condition HEARTBEAT.base_mode!=89"]),
     "tomfile": ("mavtomfile", ["", "--types ATTITUDE,STATUSTEXT",
                                "--condition HEARTBEAT.custom_mode==0"]),
