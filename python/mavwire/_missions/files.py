@@ -195,18 +195,22 @@ class RallyLine(NamedTuple):
     flags: int
 
 
-def rally_points(lines: Sequence[Line], whole_metres: bool = False) -> Iterator[RallyLine]:
-    """Rally points of a file; other lines of seven words are passed over, as pymavlink does."""
+def rally_points(lines: Sequence[Line], for_messages: bool = False) -> Iterator[RallyLine]:
+    """Rally points of a file; other lines of seven words are passed over, as pymavlink does.
+
+    RALLY_POINT messages have whole metres, and flags, in which a fraction is a mistake.
+    """
 
     def read(words: list[str]) -> RallyLine:
-        lat, lng, alt, break_alt, land_dir, flags = map(float, words[1:7])
+        lat, lng, alt, break_alt, land_dir = map(float, words[1:6])
+        flags = int(words[6]) if for_messages else int(float(words[6]))
         _check_place(lat, lng)
         if not isfinite(alt):
             raise ValueError(f"no altitude: {alt}")
-        if whole_metres:
+        if for_messages:
             alt, break_alt = int(alt), int(break_alt)
         place = int(lat * 1e7), int(lng * 1e7)
-        return RallyLine(*place, alt, break_alt, int(land_dir * 100), int(flags))
+        return RallyLine(*place, alt, break_alt, int(land_dir * 100), flags)
 
     for line in _meant(lines):
         words = line.text.split()

@@ -99,7 +99,7 @@ class MAVRallyLoader:
 
     def load(self, filename: str) -> int:
         """Read a file of RALLY lines in the place of the points; how many there are."""
-        points: list[Any] = list(files.rally_points(files.read_lines(filename), whole_metres=True))
+        points: list[Any] = list(files.rally_points(files.read_lines(filename), for_messages=True))
         self.clear()
         for p in points:
             self.create_and_append_rally_point(*p)

@@ -67,8 +67,10 @@ def _message(element: Element, xml: _Target) -> MAVType:
     for child in element.children:
         if child.tag == "extensions":
             message.extensions_start = len(message.fields)
-        elif child.tag == "field" and (message.extensions_start is None or xml.allow_extensions):
-            message.fields.append(_field(child, name, xml))
+        elif child.tag == "field":
+            field = _field(child, name, xml)
+            if message.extensions_start is None or xml.allow_extensions:
+                message.fields.append(field)
     if len(message.fields) > MAX_FIELDS:
         raise _error(
             element,

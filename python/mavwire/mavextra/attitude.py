@@ -49,8 +49,11 @@ def qyaw(MSG: Any) -> float:
 
 def euler_rotated(MSG: Any, roll: float, pitch: float, yaw: float) -> Euler:
     """Roll, pitch, yaw of a message's quaternion in a body frame turned back by these angles."""
-    r, p, y = (Quaternion(_quaternion(MSG)) / Quaternion([roll, pitch, yaw])).euler
-    return float(r), float(p), float(y)
+    # By matrices: the product of quaternions leaves nothing but noise in the yaw where the result
+    # points straight up or down, as that of a level vehicle pitched by 90 degrees does.
+    turned_back = Quaternion([roll, pitch, yaw]).dcm.transposed()
+    euler: Euler = (Quaternion(_quaternion(MSG)).dcm * turned_back).to_euler()
+    return euler
 
 
 def euler_p90(MSG: Any) -> Euler:

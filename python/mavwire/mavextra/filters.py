@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Callable
 from math import isfinite, isnan, pi
+from operator import index
 from typing import Any
 
 from mavwire.mavextra import state
@@ -59,7 +60,7 @@ def average(var: float, key: Any, N: int) -> float:
     """The mean of the last N values, which start as N times the first."""
     history = state.average_data.get(key)
     if history is None:
-        state.reserve_values(max(N, 0))
+        state.reserve_values(max(index(N), 0))
         history = _Window(var, N) if N > _SUMMED_ANEW else [var] * N
         state.remember(state.average_data, key, history)
         return var

@@ -36,7 +36,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_condition(parser)
     add_no_timestamps(parser)
     add_robust(parser)
-    parser.add_argument("--mode", default="auto", help="flight mode, or several with commas (default: %(default)s)")
+    parser.add_argument(
+        "--mode", default="auto", help="flight mode, or several with commas (default: %(default)s)"
+    )
     parser.add_argument("--link", type=int, help="only from this link of the ground station")
 
 

@@ -204,6 +204,14 @@ def quaternion() -> Message:
     return Message(**{f"Q{i + 1}": value / norm for i, value in enumerate(values)})
 
 
+def level_or_not() -> Message:
+    """A level vehicle points straight up where it is pitched by 90 degrees."""
+    if R.random() < 0.5:
+        return quaternion()
+    half = math.radians(u(-180, 180)) / 2
+    return Message(Q1=math.cos(half), Q2=0.0, Q3=0.0, Q4=math.sin(half))
+
+
 def quaternion_list() -> list[float]:
     return list(vars(quaternion()).values())
 
@@ -337,7 +345,7 @@ CASES: dict[str, Callable[[], tuple[Any, ...]]] = {
     "rotate_quat": lambda: (quaternion_list(), *triple(-3, 3)),
     **dict.fromkeys(
         ("qroll", "qpitch", "qyaw", "euler_p90", "qroll_p90", "qpitch_p90", "qyaw_p90"),
-        lambda: (quaternion(),),
+        lambda: (level_or_not(),),
     ),
     "euler_rotated": lambda: (quaternion(), *triple(-3, 3)),
     "get_mag_field_ef": lambda: (u(-95, 95), u(-185, 185)),

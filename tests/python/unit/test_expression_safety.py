@@ -283,6 +283,15 @@ def test_averages_keep_a_bounded_number_of_values() -> None:
 
 
 @pytest.mark.usefixtures("forgetful")
+def test_what_is_no_number_of_values_is_not_counted() -> None:
+    for size in ("nan", "1.5"):
+        with pytest.raises(TypeError):
+            evaluate_expression(f"average(1, 'other', {size})", {})
+    with pytest.raises(ExpressionError, match="average"):
+        evaluate_expression("average(1, 'more', 10**7)", {})
+
+
+@pytest.mark.usefixtures("forgetful")
 @pytest.mark.parametrize(
     "call", ["average(1, n, 2)", "lowpass(1, n, 0.5)", "diff(1, n)", "delta(1, n, 5)", "sum(1, n)"]
 )

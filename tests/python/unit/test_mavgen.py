@@ -239,6 +239,15 @@ def refused(folder: Path, text: str, match: str) -> None:
         parse(folder, text)
 
 
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
+def test_types_of_extension_fields_are_checked(version: str, tmp_path: Path) -> None:
+    """Of MAVLink 1 too, which leaves the fields out."""
+    fields = FIELD + '<extensions/><field type="bool" name="b"/>'
+    path = write(tmp_path, "probe.xml", document(message(fields=fields)))
+    with pytest.raises(MAVParseError, match="unknown type 'bool'"):
+        MAVXML(path, version)
+
+
 def test_entities_and_document_types_are_refused(tmp_path: Path) -> None:
     laughs = "".join(f'<!ENTITY l{i + 1} "{f"&l{i};" * 10}">' for i in range(9))
     text = f'<!DOCTYPE m [<!ENTITY l0 "ha">{laughs}]><mavlink>&l9;</mavlink>'

@@ -64,6 +64,7 @@ def test_errors_name_file_and_line_and_leave_no_half_mission(
     [
         (mavwp.MAVRallyLoader, "RALLY 1 2\n", mavwp.MAVRallyError),
         (mavwp.MAVRallyLoader, "RALLY a 2 3 4 5 6\n", mavwp.MAVRallyError),
+        (mavwp.MAVRallyLoader, "RALLY 1 2 3 4 5 1.9\n", mavwp.MAVRallyError),
         (mavwp.MAVFenceLoader, "1 2 3\n", mavwp.MAVFenceError),
         (mavwp.MAVFenceLoader, "1 b\n", mavwp.MAVFenceError),
         (mavwp.MissionItemProtocol_Fence, "1 2\n1 b\n", mavwp.MAVFenceError),
