@@ -36,7 +36,11 @@ def connected(client: Any, workers: int | None) -> Iterator[Any]:
         with Client(client, set_as_default=False) as made:
             yield made
     else:
-        with _local_cluster(workers) as cluster, Client(cluster, set_as_default=False) as made:
+        with (
+            _dask_silenced(),
+            _local_cluster(workers) as cluster,
+            Client(cluster, set_as_default=False) as made,
+        ):
             yield made
 
 
@@ -44,6 +48,8 @@ HOST_AND_PORT = ("tcp", "tls", "ucx")
 """What is addressed by host and port. `wss` goes by URLs, and `gateway` and others by their own."""
 
 PORTS = 65536
+SILENCE = logging.CRITICAL
+"""What of the logs of a local cluster is shown."""
 GRACE = 1.0
 """Seconds that an answer may take beyond the time that connecting may."""
 
@@ -110,6 +116,21 @@ async def _ask(address: str, seconds: float) -> None:
             comm.abort()
 
 
+@contextmanager
+def _dask_silenced() -> Iterator[None]:
+    """Dask logs, with tracebacks, that connections end while a cluster does. Those of this process come
+    also after what a cluster silences itself. What matters is raised or in a row.
+    """
+    levels = {one: one.level for one in logging.getLogger("distributed").handlers}
+    for handler in levels:
+        handler.setLevel(SILENCE)
+    try:
+        yield
+    finally:
+        for handler, level in levels.items():
+            handler.setLevel(level)
+
+
 def _local_cluster(workers: int | None) -> Any:
     """A cluster of processes, which is closed as a context manager."""
     from distributed import LocalCluster
@@ -125,7 +146,7 @@ def _local_cluster(workers: int | None) -> Any:
                 n_workers=count,
                 threads_per_worker=1,
                 dashboard_address="127.0.0.1:0",
-                silence_logs=logging.ERROR,
+                silence_logs=SILENCE,
                 env=share,
             )
         return cluster
@@ -137,17 +158,19 @@ def _local_cluster(workers: int | None) -> Any:
 
 @contextmanager
 def _interrupts_put_off() -> Iterator[None]:
-    """Ctrl-C goes to all processes of a terminal. Those that are made here, and by threads that are
-    made here, inherit that it is blocked: this one ends them in good order, without a traceback from
-    each. What comes meanwhile is heard by another thread, or afterwards.
+    """Ctrl-C goes to all processes of a terminal, and so does a hangup. Those that are made here, and by
+    threads that are made here, inherit that it is blocked: this one ends them in good order, without a
+    traceback from each. What comes meanwhile is heard by another thread, or afterwards.
     """
     if not hasattr(signal, "pthread_sigmask"):  # as on Windows
         yield
         return
-    # It unblocks interrupts where it starts itself.
-    resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    put_off = {signal.SIGINT, signal.SIGHUP}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, put_off)
     try:
+        resource_tracker.ensure_running()
+        # It has unblocked interrupts where it started itself.
+        signal.pthread_sigmask(signal.SIG_BLOCK, put_off)
         with _handlers_put_off():
             yield
     finally:
@@ -157,8 +180,10 @@ def _interrupts_put_off() -> Iterator[None]:
 @contextmanager
 def _handlers_put_off() -> Iterator[None]:
     """Handlers of Python that end a run raise wherever it is, which Dask, while it starts, answers with
-    tracebacks. They are called afterwards. Who is ended by the system still is at once, and so are
-    processes that are made here: one that does not hear SIGTERM is waited for without an end.
+    tracebacks. They are called afterwards, also where the start failed: what comes to all processes of
+    a group ends those that are made here, and Dask tells of that. Who has no handler for SIGTERM still
+    is ended at once, and so are processes that are made here: one that does not hear it is waited for
+    without an end.
     """
     if threading.current_thread() is not threading.main_thread():  # which runs all handlers
         yield
@@ -173,5 +198,5 @@ def _handlers_put_off() -> Iterator[None]:
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
-    for one in came:
-        signal.raise_signal(one)
+        for one in came:
+            signal.raise_signal(one)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import logging
 import os
 import signal
 import subprocess
@@ -178,6 +180,72 @@ def test_an_interrupt_while_the_cluster_begins_ends_the_run(
     done = python(INTERRUPTED, str(logs[0]), str(out))
     assert done.returncode == 130, done.stderr
     assert not out.exists()
+
+
+GROUP_ENDED = """
+import os, signal, sys, threading
+import distributed
+from mavwire import cli
+from unit.bridge_tools import wait_until
+
+def is_worker(pid):
+    try:
+        with open(f"/proc/{pid}/cmdline", "rb") as words:
+            return b"multiprocessing.spawn" in words.read()
+    except OSError:
+        return False
+
+def children():
+    with os.popen(f"ps -o pid= --ppid {os.getpid()}") as ps:
+        return ps.read().split()
+
+def end():
+    wait_until("a worker", lambda: any(map(is_worker, children())))
+    os.killpg(0, int(sys.argv[3]))
+
+class Cluster(distributed.LocalCluster):
+    def __init__(self, *args, **kwargs):
+        threading.Thread(target=end, daemon=True).start()
+        super().__init__(*args, **kwargs)
+
+distributed.LocalCluster = Cluster
+os.setsid()
+sys.exit(cli.main(["convert", sys.argv[1], "-o", sys.argv[2], "--workers", "2", "--quiet"]))
+"""
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/cmdline"), reason="no words of processes")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_what_ends_the_group_while_the_cluster_begins_ends_the_run(
+    name: str, logs: list[Path], tmp_path: Path
+) -> None:
+    """As `timeout` and service managers do. It was an error of Dask, with tracebacks."""
+    pytest.importorskip("distributed")
+    out = tmp_path / "out"
+    done = python(GROUP_ENDED, str(logs[0]), str(out), str(int(signal.Signals[name])))
+    assert (done.returncode, done.stderr) == (130, "")
+    assert not out.exists()
+
+
+def test_what_dask_logs_of_a_cluster_of_this_machine_is_not_shown() -> None:
+    """Connections that end while it does, with tracebacks."""
+    pytest.importorskip("distributed")
+    from mavwire.fleet.clients import connected
+
+    logger, shown = logging.getLogger("distributed"), io.StringIO()
+    handler = logging.StreamHandler(shown)
+    logger.addHandler(handler)
+    try:
+        with connected(None, 1) as client:
+            cluster = client.cluster
+            logger.error("begun")
+            cluster.close()
+            logger.error("closed")
+        assert shown.getvalue() == ""
+        logger.error("afterwards")
+        assert shown.getvalue() == "afterwards\n"
+    finally:
+        logger.removeHandler(handler)
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot be blocked")
