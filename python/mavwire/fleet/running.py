@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 from mavwire._wording import in_words
@@ -16,16 +16,17 @@ from mavwire.logs.conversion import prepare
 from mavwire.logs.journal import Journal
 from mavwire.logs.manifest import Converted, Manifest
 from mavwire.logs.reading import allow_described
+from mavwire.logs.staging import remove_left, staging
 
 from .clients import connected
 from .cuts import find_cuts
 from .grouping import TASK_BYTES, group_bytes, grouped, may_be_cut
-from .places import Part, expand, status
+from .places import Part, expand, is_url, status
 from .stores import Folder, Remote, store_of
-from .tasks import Piece, Recipe, convert_pieces, staging
+from .tasks import Piece, Recipe, convert_pieces
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
     from datetime import datetime
 
 LOOKERS = 16
@@ -89,7 +90,7 @@ def convert(
     out = os.fsdecode(out).removeprefix("file://")
     known = _statuses(logs, storage_options)
     store = store_of(out, storage_options)
-    with store.locked(), staging(out) as folder:
+    with store.locked(), _staging(out) as folder:
         manifest = Manifest(store, how, lambda path: _known(known[path]))
         names = manifest.names(logs)
         options = dict(storage_options or {})
@@ -104,6 +105,17 @@ def convert(
         finally:
             run.journal.close()
     return [run.rows[path] for path in names]
+
+
+@contextmanager
+def _staging(out: str) -> Iterator[str | None]:
+    """A folder for incomplete files on the disk of `out`, None for a place of fsspec."""
+    if is_url(out):
+        yield None
+        return
+    remove_left(out)
+    with staging(out) as folder:
+        yield folder
 
 
 def _statuses(

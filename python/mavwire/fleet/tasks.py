@@ -8,9 +8,8 @@ which are the same in each attempt.
 from __future__ import annotations
 
 import os
-import shutil
 import tempfile
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,16 +18,13 @@ from mavwire.logs.conversion import Job
 from mavwire.logs.manifest import Converted
 from mavwire.logs.reading import native_dialect
 
-from .places import ByteRange, Part, is_url, located
-from .stores import Folder, store_of
+from .places import ByteRange, Part, located
+from .stores import store_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavwire.logs.query import Query
-
-STAGING = ".staging-"
-"""How names of folders for incomplete files begin."""
 
 
 @dataclass(frozen=True)
@@ -100,43 +96,3 @@ def _workspace(recipe: Recipe) -> Iterator[str]:
         prefix="task-", dir=recipe.staging, ignore_cleanup_errors=True
     ) as folder:
         yield folder
-
-
-@contextmanager
-def staging(out: str) -> Iterator[str | None]:
-    """The folder for incomplete files of one run, gone with what is left in it afterwards.
-
-    Those of runs that were killed go too: the lock that a run has on its folder ends with its process.
-    """
-    if is_url(out):
-        yield None
-        return
-    root = Folder(out).root
-    for name in os.listdir(root):
-        if name.startswith(STAGING):
-            with suppress(OSError), _locked(os.path.join(root, name)) as folder:
-                shutil.rmtree(folder)
-    with (
-        tempfile.TemporaryDirectory(prefix=STAGING, dir=root, ignore_cleanup_errors=True) as folder,
-        ExitStack() as stack,
-    ):
-        with suppress(
-            OSError
-        ):  # file systems without locks: such a folder is never taken for left over
-            stack.enter_context(_locked(folder))
-        yield folder
-
-
-@contextmanager
-def _locked(folder: str) -> Iterator[str]:
-    """A folder that no other process has locked; OSError if one has, or if the system has no such locks."""
-    try:
-        import fcntl
-    except ImportError:
-        raise OSError("no locks on folders here") from None
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        yield folder
-    finally:
-        os.close(descriptor)

@@ -23,6 +23,7 @@ from .manifest import Converted, Manifest
 from .query import Query, check_tables
 from .reading import allow_described, check_readable, native_dialect, paths_of
 from .sources import file_status, is_dataflash, open_converter
+from .staging import remove_left
 from .store import Store
 from .telemetry import check_run
 
@@ -86,6 +87,7 @@ def convert(
     out = os.fsdecode(out)
     store = Store(out)
     with store.locked():
+        remove_left(out)  # of a fleet that was killed
         manifest = Manifest(store, how)
         journal = Journal(store, manifest)
         job = Job(out, native, query, format, compression, progress)

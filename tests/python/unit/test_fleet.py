@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +26,11 @@ from mavwire.fleet.cuts import find_cuts
 from mavwire.fleet.grouping import group_bytes, grouped
 from mavwire.fleet.places import expand, located, status
 from mavwire.fleet.stores import store_of
-from mavwire.fleet.tasks import Recipe, staging
+from mavwire.fleet.tasks import Recipe
 from mavwire.logs.conversion import convert as convert_here
 from mavwire.logs.conversion import prepare
 from mavwire.logs.manifest import Manifest
+from mavwire.logs.staging import remove_left, staging
 from unit.link_tools import heartbeat, record
 
 pytest.importorskip("fsspec")
@@ -284,14 +286,25 @@ def test_places(tmp_path, small):
 
 
 def test_runs_leave_each_other_s_folders_alone(tmp_path):
-    left = tmp_path / ".staging-left"
-    (left / "task-1").mkdir(parents=True)
-    with staging(str(tmp_path)) as one, staging(str(tmp_path)) as other:
-        assert one is not None and other is not None and one != other
-        assert Path(one).is_dir() and Path(other).is_dir()
-        if os.name == "posix":
-            assert not left.exists(), "its run is gone"
-    assert not list(tmp_path.glob(".staging-*/*"))
+    with staging(str(tmp_path)) as one:
+        remove_left(str(tmp_path))
+        with staging(str(tmp_path)) as other:
+            assert one != other
+            assert Path(one).is_dir() and Path(other).is_dir()
+    assert not list(tmp_path.glob(".staging-*"))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no locks on folders")
+@pytest.mark.parametrize("convert", [convert_here, partial(convert, workers=1)])
+def test_the_folder_of_a_run_that_was_killed_is_removed(tmp_path, small, convert):
+    out = tmp_path / "out"
+    kept = out / ".staging-file"
+    out.mkdir()
+    kept.write_bytes(b"no folder")
+    for is_done in (False, True):
+        (out / ".staging-left" / "task-1").mkdir(parents=True)
+        assert all(row.skipped == is_done for row in convert(small, out))
+        assert list(out.glob(".staging-*")) == [kept]
 
 
 def test_groups():
