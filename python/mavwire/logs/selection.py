@@ -146,7 +146,7 @@ def seconds_of(time: Any) -> float | None:
     if hasattr(time, "to_datetime64"):  # of pandas, without a zone UTC as those of NumPy
         time = time.to_datetime64()
     if isinstance(time, datetime):
-        return record_seconds((time.astimezone(UTC) - EPOCH) // timedelta(microseconds=1))
+        return record_seconds(_micros_of(time))
     if type(time).__name__ == "datetime64":  # of NumPy, as the tables have it
         return record_seconds(int(time.astype("datetime64[us]").astype("int64")))
     try:
@@ -157,6 +157,15 @@ def seconds_of(time: Any) -> float | None:
         raise ValueError(f"{A_TIME}, not {time!r}")
     # To the microsecond, as records have it: a float of today is a quarter of one off.
     return record_seconds(round(seconds * 1e6)) if abs(seconds) < MOST_SECONDS else seconds
+
+
+def _micros_of(time: datetime) -> int:
+    try:
+        # Local time where it names no zone. One with a zone may be before or after all that UTC can say.
+        aware = time.astimezone() if time.utcoffset() is None else time
+        return (aware - EPOCH) // timedelta(microseconds=1)
+    except (OverflowError, ValueError) as error:  # a local time in the first or last year
+        raise ValueError(f"{A_TIME}, not {time!r}: {error}") from None
 
 
 def _parsed(text: str) -> datetime:

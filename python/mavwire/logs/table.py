@@ -144,6 +144,7 @@ class Table:
             raise ValueError(f"rows must be at least 0, not {rows}")
         if start < 0:
             start = max(0, start + len(self))
+        start, rows = min(start, len(self)), min(rows, len(self))  # as of Python's slices
         return Table(self.name, self._batches.slice(start, rows), self.path)
 
     def _sliced(self, what: builtins.slice[Any, Any, Any]) -> Table:

@@ -9,6 +9,7 @@ import os
 import pickle
 import signal
 import sys
+import time
 from functools import partial
 from pathlib import Path
 
@@ -211,11 +212,31 @@ def test_a_time_that_is_none_is_said(flight):
     times = [np.datetime64("NaT")]
     if importlib.util.find_spec("pandas") is not None:
         times.append(importlib.import_module("pandas").NaT)
-    for time in times:
+    for one in times:
         with pytest.raises(ValueError, match="a time is .*, not NaT"):
-            mavwire.read(flight, start=time)
+            mavwire.read(flight, start=one)
     with pytest.raises(ValueError, match="a time is .*, not 1000"):
         mavwire.read(flight, start=10**400)
+
+
+@pytest.mark.parametrize("kind", [str, dt.datetime.fromisoformat])
+def test_a_time_that_utc_has_no_year_for(flight, kind):
+    first, last = kind("0001-01-01T00:00:00+14:00"), kind("9999-12-31T23:00:00-14:00")
+    every = mavwire.read(flight, "ATTITUDE")["ATTITUDE"]
+    assert len(mavwire.read(flight, "ATTITUDE", start=first, end=last)["ATTITUDE"]) == len(every)
+    assert len(mavwire.read(flight, "ATTITUDE", start=last)["ATTITUDE"]) == 0
+
+
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="the zone cannot be changed")
+def test_a_local_time_that_has_no_year_in_utc(flight, monkeypatch):
+    try:
+        with monkeypatch.context() as changed:
+            changed.setenv("TZ", "XXX12")  # hours behind UTC
+            time.tzset()
+            with pytest.raises(ValueError, match="a time is .*, not datetime"):
+                mavwire.read(flight, start=dt.datetime.max)
+    finally:
+        time.tzset()
 
 
 def test_one_type_is_aligned_by_its_name(flight):
@@ -340,6 +361,9 @@ def test_parts_of_a_table(flight):
     assert table.slice(-count - 9, 2)["roll"].tolist() == rolls[:2]
     for rows in (slice(10, 20), slice(-3, None), slice(None, 4), slice(9, 2), slice(count, None)):
         assert table[rows]["roll"].tolist() == rolls[rows]
+    assert table.slice(10**400, 2).columns == table.columns
+    assert len(table.slice(10**400, 2)) == len(table.slice(count, 1)) == 0
+    assert table.slice(3, 10**400)["roll"].tolist() == rolls[3:]
     with pytest.raises(ValueError, match="steps of 1"):
         table[::2]
     with pytest.raises(ValueError, match="rows must be"):
