@@ -278,6 +278,23 @@ def test_a_parameter_file_that_cannot_be_read(
             assert printed.err.count("\n") == 1
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/fd"), reason="descriptors have no names")
+def test_a_parameter_file_may_be_what_another_program_prints(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`mavwire parmdiff <(ssh vehicle cat now.parm) before.parm`."""
+    before = tmp_path / "before.parm"
+    before.write_text("A 1\nB 2\n")
+    now, end = os.pipe()
+    try:
+        os.write(end, b"A 1\nB 3\n")
+        os.close(end)
+        printed = run(capsys, "parmdiff", f"/dev/fd/{now}", before)
+    finally:
+        os.close(now)
+    assert "B                      3.0000       2.0000" in printed
+
+
 def test_control_characters_of_a_parameter_file_do_not_reach_the_terminal(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
