@@ -102,13 +102,31 @@ def drawn_on(stream: Any) -> Any:
     return stream._terminal if isinstance(stream, _Guarded) else stream
 
 
+def guard_streams() -> None:
+    """Put a guard before standard output and standard error where they are terminals."""
+    sys.stdout, sys.stderr = _guarded(sys.stdout), _guarded(sys.stderr)
+
+
+def _guarded(stream: Any) -> Any:
+    if stream is None or isinstance(stream, _Guarded) or not stream.isatty():
+        return stream
+    return _Guarded(stream)
+
+
 @contextmanager
 def guarded_output() -> Iterator[None]:
-    """While it lasts, what a command prints of strangers' texts does not steer the terminal."""
-    stdout = sys.stdout
-    if stdout.isatty():
-        sys.stdout = _Guarded(stdout)
+    """While it lasts, what a command prints of strangers' texts, its errors among them, does not steer
+    the terminal.
+    """
+    streams = sys.stdout, sys.stderr
+    guard_streams()
     try:
         yield
+    except SystemExit as ending:
+        if (
+            isinstance(ending.code, str) and sys.stderr
+        ):  # which Python prints when the guard has gone
+            ending.code = shown_to(sys.stderr, ending.code)
+        raise
     finally:
-        sys.stdout = stdout
+        sys.stdout, sys.stderr = streams

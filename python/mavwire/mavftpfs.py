@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from mavwire._wording import guarded_output
 from mavwire.mavftp import MAVFTP, DirectoryEntry, FtpError, wait_heartbeat
 
 try:
@@ -120,6 +121,7 @@ def _remote(path: str) -> str:
     return path[1:] if path.startswith(f"/{MADE_UP}") else path
 
 
+@guarded_output()
 def main(arguments: Sequence[str] | None = None, mount: Callable[..., Any] | None = FUSE) -> None:
     """Connect, and mount until unmounted or interrupted."""
     from mavwire import mavutil

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ._replacing import replace_text
+from ._wording import guarded_output
 from .generator import mavparse
 from .generator._validate import module_problems
 
@@ -71,6 +72,7 @@ def _fitting(kind: str, value: Any) -> Any:
     return (int(value) - lowest) % size + lowest
 
 
+@guarded_output()
 def main(arguments: Sequence[str] | None = None) -> None:
     """The command: XML files and `-o`."""
     parser = argparse.ArgumentParser(description="Write a module that sends every message.")

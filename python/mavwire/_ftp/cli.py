@@ -8,6 +8,7 @@ import sys
 from typing import Any
 
 from mavwire import mavutil
+from mavwire._wording import guarded_output
 
 from .client import MAVFTP
 from .result import FtpError, MAVFTPReturn
@@ -105,6 +106,7 @@ def wait_heartbeat(m: Any) -> None:
         raise SystemExit(f"mavftp: no HEARTBEAT within {HEARTBEAT_SECONDS:.0f} s")
 
 
+@guarded_output()
 def main() -> None:
     """Connect, do one command, show how it ended; the exit code is 1 after a failure."""
     parser = create_argument_parser()

@@ -14,6 +14,7 @@ from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from importlib import import_module
 from io import TextIOWrapper
 
+from mavwire._wording import guarded_output
 from mavwire.cli._errors import CommandError, describe_os_error
 
 TYPE_CHECKING = False
@@ -109,6 +110,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
         return int(command.main(arguments))
     _prepare_streams()
+    with guarded_output():
+        return _guarded_main(name, command, arguments)
+
+
+def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
     prefix = f"mavwire {name}" if command else "mavwire"
     try:
         code = _run(name, command, arguments)
@@ -134,11 +140,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(name: str, command: Any, arguments: list[str]) -> int:
     if command is not None:
-        from mavwire._wording import guarded_output
-
-        options = _parser(name, command).parse_args(_joined(arguments))
-        with guarded_output():
-            return int(command.main(options))
+        return int(command.main(_parser(name, command).parse_args(_joined(arguments))))
     if name in ("-h", "--help", ""):
         print(_overview())
         return 0 if name else EXIT_USAGE

@@ -6,7 +6,7 @@ import signal
 import sys
 from contextlib import ExitStack
 
-from mavwire._wording import drawn_on, printable
+from mavwire._wording import drawn_on, guard_streams, printable
 from mavwire.cli._bridge_warnings import full_name, losses
 from mavwire.cli._errors import CommandError
 from mavwire.cli._signals import handled
@@ -59,12 +59,17 @@ class StatusTable:
         self._console = Console(file=terminal, force_terminal=is_terminal, width=width)
         self.is_live = is_terminal and not self._console.is_dumb_terminal
         self._is_disturbed = False
-        self._live = Live(self._tables(bridge.stats()), console=self._console, auto_refresh=False)
+        # What is printed meanwhile goes above the table, but not what goes to a file or a pipe.
+        self._live = Live(
+            self._tables(bridge.stats()), console=self._console, auto_refresh=False,
+            redirect_stderr=sys.stderr.isatty(),
+        )  # fmt: skip
         numbers = DISTURBING if self.is_live else ()
         with ExitStack() as exits:
             exits.enter_context(handled(numbers, self._disturb))
             exits.callback(self._live.stop)
             self._live.start()
+            guard_streams()  # till `stop` puts back what it found
             # From here on it is for `close`, which gives the signals back also where the terminal is gone.
             self._exits = exits.pop_all()
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 import sys
 import time
 
+from mavwire._wording import drawn_on, guard_streams, printable
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
@@ -21,7 +23,7 @@ class Progress:
     """Shows how much of a file is read. `enabled=False` keeps it silent."""
 
     def __init__(self, name: str, enabled: bool = True) -> None:
-        self.name = name
+        self.name = printable(name)
         self.began = time.monotonic()
         self.enabled = enabled and sys.stderr.isatty()
         self.shown = False
@@ -44,16 +46,14 @@ class Progress:
             self._bar.update(self._task, completed=percent)
             return
         filled = int(percent / 4)
-        sys.stderr.write(f"\r{self.name} [{'#' * filled:<25}] {percent:3.0f}%")
-        sys.stderr.flush()
+        _draw(f"\r{self.name} [{'#' * filled:<25}] {percent:3.0f}%")
 
     def finish(self) -> None:
         """Wipe the bar."""
         if self._bar is not None:
             self._bar.stop()
         elif self.shown:
-            sys.stderr.write("\r\x1b[K")
-            sys.stderr.flush()
+            _draw("\r\x1b[K")
         self.enabled = False
 
     def _start(self) -> None:
@@ -63,6 +63,16 @@ class Progress:
             from rich.progress import Progress as Bar
         except ImportError:
             return
-        self._bar = Bar(console=Console(file=sys.stderr), transient=True)
+        # What is printed meanwhile goes above the bar, but not what goes to a file or a pipe.
+        on_screen = sys.stdout.isatty()
+        console = Console(file=drawn_on(sys.stderr))
+        self._bar = Bar(console=console, transient=True, redirect_stdout=on_screen)
         self._task = self._bar.add_task(escape(self.name), total=100)
         self._bar.start()
+        guard_streams()  # till `stop` puts back what it found
+
+
+def _draw(text: str) -> None:
+    terminal = drawn_on(sys.stderr)
+    terminal.write(text)
+    terminal.flush()

@@ -6,6 +6,8 @@ import shutil
 import sys
 import time
 
+from mavwire._wording import drawn_on
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from mavwire.sim import Runner, Vehicle
@@ -30,8 +32,9 @@ class StatusLine:
         if not self.enabled:
             return
         width = shutil.get_terminal_size().columns
-        sys.stderr.write("\r\x1b[K" + self.text()[: max(width - 1, 10)])
-        sys.stderr.flush()
+        terminal = drawn_on(sys.stderr)
+        terminal.write("\r\x1b[K" + self.text()[: max(width - 1, 10)])
+        terminal.flush()
 
     def text(self) -> str:
         """Time, frames a second in both directions, and each vehicle."""

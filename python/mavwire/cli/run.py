@@ -22,6 +22,7 @@ from types import CodeType, ModuleType, TracebackType
 from typing import NoReturn
 
 from mavwire._alias import AliasError, install_as_pymavlink
+from mavwire._wording import shown_to
 
 PASS_THROUGH = True
 
@@ -41,10 +42,10 @@ def main(arguments: list[str]) -> int:
     if arguments[:1] == ["--"]:
         arguments = arguments[1:]
     if not arguments or arguments == ["-m"]:
-        print("mavwire run: error: name a script, or a module after -m", file=sys.stderr)
+        _say("error: name a script, or a module after -m")
         return 2
     if arguments[0].startswith("-") and arguments[0] not in ("-", "-m"):
-        print(f"mavwire run: error: unknown option {arguments[0]}", file=sys.stderr)
+        _say(f"error: unknown option {arguments[0]}")
         return 2
     try:
         install_as_pymavlink()
@@ -185,5 +186,9 @@ def _set_first_path(entry: str) -> None:
 
 
 def _fail(reason: str, exit_code: int = 1) -> NoReturn:
-    print(f"mavwire run: {reason}", file=sys.stderr)
+    _say(reason)
     raise SystemExit(exit_code)
+
+
+def _say(text: str) -> None:
+    print(shown_to(sys.stderr, f"mavwire run: {text}"), file=sys.stderr)

@@ -15,6 +15,7 @@ import sys
 from collections.abc import Sequence
 from typing import Protocol
 
+from mavwire._wording import guarded_output
 from mavwire.generator import mavparse
 from mavwire.generator._errors import MAVParseError
 from mavwire.generator._sources import included_paths
@@ -230,6 +231,7 @@ def _point_upstream(opts: _Options, args: Sequence[str]) -> None:
     )
 
 
+@guarded_output()
 def _main() -> int:
     from argparse import ArgumentParser
 

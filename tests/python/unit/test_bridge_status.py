@@ -168,6 +168,27 @@ def test_a_terminal_is_redrawn_and_names_do_not_steer_it(tmp_path: Path) -> None
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
+def test_warnings_beside_the_table_go_where_standard_error_goes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
+    from mavwire import Bridge
+    from mavwire.cli._bridge_status import StatusTable
+
+    monkeypatch.setenv("TERM", "xterm")
+    ours, theirs = os.openpty()
+    log = io.StringIO()
+    with open(theirs, "w", encoding="utf-8") as terminal, Bridge() as bridge:
+        monkeypatch.setattr(sys, "stdout", terminal)
+        monkeypatch.setattr(sys, "stderr", log)
+        status = StatusTable(bridge)
+        print("a warning", file=sys.stderr)
+        status.close()
+    assert "a warning" not in read_terminal(ours)
+    assert log.getvalue() == "a warning\n"
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")
 @pytest.mark.parametrize("disturbed", ["SIGWINCH", "SIGCONT"])
 def test_a_terminal_of_another_size_and_one_left_for_a_while_are_cleared(disturbed: str) -> None:
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")

@@ -124,7 +124,8 @@ def test_start_imports_only_the_chosen_command() -> None:
         [sys.executable, "-c", code],
         capture_output=True, text=True, env=environment, timeout=60, check=True,
     )  # fmt: skip
-    assert result.stdout.splitlines()[-1] == "['mavwire', 'mavwire.cli', 'mavwire.cli._errors']"
+    loaded = ["mavwire", "mavwire._wording", "mavwire.cli", "mavwire.cli._errors"]
+    assert result.stdout.splitlines()[-1] == str(loaded)
 
 
 def test_commands_start_without_what_they_seldom_need() -> None:

@@ -22,6 +22,7 @@ import pytest
 from dataflash_writer import sample
 from mavwire import cli, mavutil, traffic
 from mavwire._native import dump_log
+from mavwire._wording import guarded_output
 from mavwire.cli import _dump_native, _progress
 from mavwire.cli._dump_format import local_time
 from mavwire.dialects.v20 import ardupilotmega as mavlink
@@ -461,6 +462,29 @@ def test_a_name_is_no_markup(monkeypatch: pytest.MonkeyPatch, name: str) -> None
     bar.finish()
     drawn = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", terminal.getvalue())
     assert name in drawn
+
+
+@pytest.mark.parametrize("to_file", [False, True])
+def test_what_is_printed_beside_a_bar(to_file: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("rich")
+    screen, file = Terminal(), io.StringIO()
+    streams = {"stdout": file if to_file else screen, "stderr": screen}
+    for name, stream in streams.items():
+        monkeypatch.setattr(sys, name, stream)
+    monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
+    monkeypatch.setenv("TERM", "xterm")
+    with guarded_output():
+        bar = _progress.Progress("a\x1b]0;pwned\x07.tlog")
+        bar.update(25.0)
+        print("\x1b]0;row\x07")
+        print("\x1b]0;error\x07", file=sys.stderr)
+        bar.finish()
+    assert {"stdout": sys.stdout, "stderr": sys.stderr} == streams
+    assert file.getvalue() == ("\x1b]0;row\x07\n" if to_file else "")
+    drawn = screen.getvalue()
+    assert "a\\x1b]0;pwned\\x07.tlog" in drawn and "\\x1b]0;error\\x07" in drawn
+    assert to_file or "\\x1b]0;row\\x07" in drawn
+    assert "\x1b]0" not in drawn and "\x07" not in drawn
 
 
 def test_progress_keeps_quiet_for_short_waits(log: str, monkeypatch: pytest.MonkeyPatch) -> None:

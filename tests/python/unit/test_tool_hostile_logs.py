@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 from dataflash_writer import FMT, fmt, record
-from mavwire import cli, expression
+from mavwire import cli, expression, mavtestgen
+from mavwire._wording import printable
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.expression import names
 from tool_runs import Log, flight_log
@@ -69,6 +70,54 @@ def test_names_of_types_and_files_steer_no_terminal(
     assert sys.stdout is terminal
     assert terminal.text().count("\\x1b[") >= 2
     assert "\x1b" not in terminal.text()
+
+
+HOSTILE = "a\x1b]0;pwned\x07\x9b31m.tlog"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["info", HOSTILE], ["info", "junk" + HOSTILE], ["convert", "junk" + HOSTILE, "-o", "out"],
+        ["dump", HOSTILE], ["dump", "junk" + HOSTILE], ["replay", HOSTILE],
+        ["plot", HOSTILE, "A.b", "-o", "a.png"], ["gen", HOSTILE, "-o", "out.py"], ["gen", "b.xml", "-o", "out.py"],
+        ["bridge", "--config", HOSTILE], ["parmdiff", HOSTILE, HOSTILE], ["fft", HOSTILE, "--image", "a.png"], [HOSTILE],
+        ["dump", "--dialect", HOSTILE, "x"], ["info", "x", "--" + HOSTILE], ["run", HOSTILE],
+    ],
+)  # fmt: skip
+def test_errors_steer_no_terminal(
+    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("junk" + HOSTILE).write_bytes(b"junk" * 3000)
+    message = '<message id="1" name="M\x9b31m"><field type="uint8_t" name="a">d</field></message>'
+    xml = f"<mavlink><messages>{message}</messages></mavlink>"
+    Path("b.xml").write_text(xml, encoding="utf-8")
+    said = []
+    for stream in (Terminal(), io.TextIOWrapper(io.BytesIO(), encoding="utf-8")):
+        monkeypatch.setattr(sys, "stderr", stream)
+        try:
+            cli.main(arguments)
+        except SystemExit as ending:
+            print(ending.code, file=stream)
+        assert sys.stderr is stream
+        stream.flush()
+        said.append(stream.buffer.getvalue().decode())  # type: ignore[attr-defined]
+    on_terminal, in_file = said
+    assert "\\x9b31m" in on_terminal
+    assert not set(on_terminal) & set("\x1b\x07\x9b")
+    assert on_terminal == "\n".join(map(printable, in_file.split("\n")))
+
+
+def test_a_text_that_ends_a_program_steers_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> int:
+        raise OSError("wrong: \x9b31m")
+
+    monkeypatch.setattr(mavtestgen, "generate", fail)
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    with pytest.raises(SystemExit) as ending:
+        mavtestgen.main(["a.xml"])
+    assert ending.value.code == "mavtestgen: wrong: \\x9b31m"
 
 
 @pytest.mark.parametrize("verb", ["search", "dump"])
