@@ -306,11 +306,11 @@ def _check_dialect(dialect: str | None) -> None:
 
 def read(path: str, dialect: str | None = None) -> Summary:
     """What is in a log. OSError for a file that cannot be read, ValueError for what is no log."""
-    from mavwire.links.recognise import check_usable
+    from mavwire.links.recognise import check_usable, no_such_log
 
     check_usable(path, creating=False)
     if not os.path.isfile(path):
-        raise ValueError("not a log file" if os.path.exists(path) else "no such log file")
+        raise ValueError("not a log file") if os.path.exists(path) else no_such_log(path)
     counted = _count(path, dialect)
     if counted is not None:
         return counted

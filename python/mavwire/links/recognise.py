@@ -125,17 +125,27 @@ def is_pipe_or_socket(device: str) -> bool:
     return stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)
 
 
+def no_such_log(device: str) -> OSError:
+    """What to say of a name that leads to no file."""
+    try:
+        os.stat(device)
+    except OSError as error:
+        if error.errno == errno.ELOOP:  # there is a file, of symbolic links that lead round
+            return error
+    return FileNotFoundError(errno.ENOENT, "no such log file", device)
+
+
 def check_usable(device: str, creating: bool) -> None:
     """Raise the error that tells why no link can be made of a file that is meant as a log.
 
-    FileNotFoundError for a missing one unless `creating`, IsADirectoryError for a directory,
-    PermissionError for a program, which is never run because of its name; ValueError for no name,
+    FileNotFoundError for a missing one unless `creating`, OSError for symbolic links that lead
+    round, IsADirectoryError for a directory, PermissionError for a program, which is never run because of its name; ValueError for no name,
     and for what is neither a log nor a port.
     """
     if not device:
         raise ValueError("no device: the name is empty")
     if missing_log(device) and not creating:
-        raise FileNotFoundError(errno.ENOENT, "no such log file", device)
+        raise no_such_log(device)
     if stat.S_ISDIR(mode_of(device)):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), device)
     if is_pipe_or_socket(device):

@@ -139,10 +139,11 @@ def columns_of(fields: str | Iterable[str]) -> list[str]:
 
 def names_of(names: str | Iterable[str]) -> list[str]:
     """One name or several; ValueError for what is none."""
-    every = several(names)
-    for one in every:
+    every: list[str] = []
+    for one in several(names):
         if not isinstance(one, str):
             raise ValueError(f"a name is a text, not {one!r}")
+        every.append(one)
     return every
 
 

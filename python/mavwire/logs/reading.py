@@ -299,5 +299,6 @@ def batches_of(
 
 def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:
     """One path or several."""
-    every = [paths] if isinstance(paths, bytes) else several(paths)
-    return [os.fsdecode(path) for path in every]
+    if isinstance(paths, bytes):
+        return [os.fsdecode(paths)]
+    return [os.fsdecode(path) for path in several(paths)]

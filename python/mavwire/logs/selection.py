@@ -10,7 +10,7 @@ from mavwire._wording import did_you_mean
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from typing import Any, Self
 
 MAX_SYSTEM = 255
@@ -68,22 +68,24 @@ class Selection:
 
 def types_of(types: Any) -> list[str | type]:
     """One type or several, names and classes; ValueError for what is neither."""
-    wanted = several(types)
-    for one in wanted:
+    wanted: list[str | type] = []
+    for one in several(types):
         if not isinstance(one, str | type):
             raise ValueError(f"a type is a name or a message class, not {one!r}")
+        wanted.append(one)
     return wanted
 
 
-def several(values: Any) -> list[Any]:
-    """The values of a collection, or the one that was given alone."""
+def several(values: Any) -> Iterator[Any]:
+    """The values of a collection, or the one that was given alone: one by one, so that of very many a
+    wrong one is refused before the others take memory.
+    """
     if isinstance(values, str | type):
-        return [values]
+        return iter([values])
     try:
-        found = iter(values)
+        return iter(values)
     except TypeError:  # of an array without dimensions, too
-        return [values]
-    return list(found)
+        return iter([values])
 
 
 def _named_id(dialect: Any, name: str) -> int:

@@ -135,6 +135,18 @@ def test_names_are_texts(flight, wrong):
             look()
 
 
+@pytest.mark.parametrize("argument", ["types", "systems", "fields"])
+def test_the_first_wrong_one_of_many_is_refused(flight, argument):
+    def values():
+        yield from (None, None)
+        raise AssertionError("the others were taken, too")
+
+    log = mavwire.open_log(flight)
+    for look in (log.read, partial(mavwire.read, flight), partial(mavwire.scan, flight)):
+        with pytest.raises(ValueError, match="is a .*, not None"):
+            look(**{argument: values()})
+
+
 def test_rows_of_a_batch_are_a_number(flight):
     for wrong in ("a", 0, -1, 1.5, None):
         with pytest.raises(ValueError, match="batch_rows must be at least 1, not"):

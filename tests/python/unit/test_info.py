@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import gzip
 import importlib
 import json
@@ -115,6 +116,8 @@ def test_a_missing_log_is_named_and_the_others_are_read(
         ("pipe.tlog", "a pipe or a socket is neither a log nor a port"),
         ("/dev/null", "not a log file"),
         ("nowhere", "no such log file"),
+        ("round.tlog", os.strerror(errno.ELOOP)),
+        ("round", os.strerror(errno.ELOOP)),
         ("", "no device: the name is empty"),
         ("gzip.tlog", "a gzip file, not a telemetry log"),
     ],
@@ -128,6 +131,8 @@ def test_what_is_no_log_is_named(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("folder").mkdir()
+    for link, target in (("round", "round.tlog"), ("round.tlog", "round")):
+        os.symlink(target, link)
     Path("gzip.tlog").write_bytes(b"\x1f\x8b\x08" + bytes(100))
     os.mkfifo("pipe.tlog")
     assert cli.main(["info", name]) == 1
