@@ -87,10 +87,18 @@ def run(programs: Path, name: str, seconds: int, keep: bool, seed: int) -> bool:
     return held
 
 
+def some_seconds(text: str) -> int:
+    """How long to fuzz: with 0 or less libFuzzer goes on for ever."""
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"1 or more, not {number}")
+    return number
+
+
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Fuzzes rust/fuzz.")
     parser.add_argument("targets", nargs="*", help="those alone")
-    parser.add_argument("--seconds", type=int, default=20, help="for each target")
+    parser.add_argument("--seconds", type=some_seconds, default=20, help="for each target")
     parser.add_argument(
         "--seed", type=int, default=0, help="of what is tried (default: another each time)"
     )

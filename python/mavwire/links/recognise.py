@@ -139,8 +139,8 @@ def check_usable(device: str, creating: bool) -> None:
     """Raise the error that tells why no link can be made of a file that is meant as a log.
 
     FileNotFoundError for a missing one unless `creating`, OSError for symbolic links that lead
-    round, IsADirectoryError for a directory, PermissionError for a program, which is never run because of its name; ValueError for no name,
-    and for what is neither a log nor a port.
+    round, IsADirectoryError for a directory, PermissionError for a program, which is never run
+    because of its name; ValueError for no name, and for what is neither a log nor a port.
     """
     if not device:
         raise ValueError("no device: the name is empty")

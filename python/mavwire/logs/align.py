@@ -31,7 +31,7 @@ def align(
 ) -> Table:
     """A table with `timestamp` and the fields of each type as `TYPE.field`.
 
-    The clock is the times of the type `on`, or ticks that are `rate` apart ("50ms", "1s",
+    The clock is the times of the type `on`, each once, or ticks that are `rate` apart ("50ms", "1s",
     seconds, or a timedelta) from the first row of all to the last. A tick gets the last row at or before it
     (`method="ffill"`), the one closest to it ("nearest"), or for numbers the straight line between
     its neighbours ("linear", as float64; enum values and bit masks are those before). Rows further
@@ -82,7 +82,10 @@ def aligned(
     chosen = [(one, table._batches) for one, table in tables.items()]
     ticks = None if clock is None else clock._batches
     path = next((table.path for table in tables.values()), None)
-    return Table(name, align_tables(chosen, ticks, step, method, reach), path)
+    try:
+        return Table(name, align_tables(chosen, ticks, step, method, reach), path)
+    except ValueError as error:  # Arrow's, which say first what kind they are of
+        raise ValueError(str(error).removeprefix("Invalid argument error: ")) from None
 
 
 def by_instance(table: Table) -> dict[str, Table]:

@@ -42,6 +42,16 @@ def test_a_target_that_does_not_exist_is_told(capsys: pytest.CaptureFixture[str]
     assert "no target scaner; there are: anonymize, " in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("wrong", ["0", "-1", "ever"])
+def test_targets_are_run_for_some_time(
+    wrong: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(tool, "has_nightly", lambda: False)
+    with pytest.raises(SystemExit):
+        tool.main(["--seconds", wrong])
+    assert "argument --seconds: " in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(("executions", "held"), [(0, False), (7, True)])
 def test_a_program_that_tries_nothing_does_not_hold(
     executions: int, held: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
