@@ -191,16 +191,12 @@ from unit.bridge_tools import wait_until
 def is_worker(pid):
     try:
         with open(f"/proc/{pid}/cmdline", "rb") as words:
-            return b"multiprocessing.spawn" in words.read()
+            return os.getsid(int(pid)) == os.getpid() and b"multiprocessing.spawn" in words.read()
     except OSError:
         return False
 
-def children():
-    with os.popen(f"ps -o pid= --ppid {os.getpid()}") as ps:
-        return ps.read().split()
-
 def end():
-    wait_until("a worker", lambda: any(map(is_worker, children())))
+    wait_until("a worker", lambda: any(map(is_worker, filter(str.isdecimal, os.listdir("/proc")))))
     os.killpg(0, int(sys.argv[3]))
 
 class Cluster(distributed.LocalCluster):
@@ -210,6 +206,7 @@ class Cluster(distributed.LocalCluster):
 
 distributed.LocalCluster = Cluster
 os.setsid()
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # who runs the tests may ignore it, as nohup does
 sys.exit(cli.main(["convert", sys.argv[1], "-o", sys.argv[2], "--workers", "2", "--quiet"]))
 """
 

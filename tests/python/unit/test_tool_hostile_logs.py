@@ -82,7 +82,7 @@ HOSTILE = "a\x1b]0;pwned\x07\x9b31m.tlog"
         ["dump", HOSTILE], ["dump", "junk" + HOSTILE], ["replay", HOSTILE],
         ["plot", HOSTILE, "A.b", "-o", "a.png"], ["gen", HOSTILE, "-o", "out.py"], ["gen", "b.xml", "-o", "out.py"],
         ["bridge", "--config", HOSTILE], ["parmdiff", HOSTILE, HOSTILE], ["fft", HOSTILE, "--image", "a.png"], [HOSTILE],
-        ["dump", "--dialect", HOSTILE, "x"], ["info", "x", "--" + HOSTILE], ["run", HOSTILE],
+        ["dump", "--dialect", HOSTILE, "x"], ["info", "x", "--" + HOSTILE], ["run", "-" + HOSTILE],
     ],
 )  # fmt: skip
 def test_errors_steer_no_terminal(
