@@ -121,14 +121,18 @@ def _dask_silenced() -> Iterator[None]:
     """Dask logs, with tracebacks, that connections end while a cluster does. Those of this process come
     also after what a cluster silences itself. What matters is raised or in a row.
     """
-    levels = {one: one.level for one in logging.getLogger("distributed").handlers}
-    for handler in levels:
-        handler.setLevel(SILENCE)
+
+    def is_shown(record: logging.LogRecord) -> bool:  # one for each run, as runs may overlap
+        return record.levelno >= SILENCE
+
+    handlers = list(logging.getLogger("distributed").handlers)
+    for handler in handlers:
+        handler.addFilter(is_shown)
     try:
         yield
     finally:
-        for handler, level in levels.items():
-            handler.setLevel(level)
+        for handler in handlers:
+            handler.removeFilter(is_shown)
 
 
 def _local_cluster(workers: int | None) -> Any:

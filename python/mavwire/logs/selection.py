@@ -162,12 +162,13 @@ def seconds_of(time: Any) -> float | None:
 
 
 def _micros_of(time: datetime) -> int:
-    try:
-        # Local time where it names no zone. One with a zone may be before or after all that UTC can say.
-        aware = time.astimezone() if time.utcoffset() is None else time
-        return (aware - EPOCH) // timedelta(microseconds=1)
-    except (OverflowError, ValueError) as error:  # a local time in the first or last year
-        raise ValueError(f"{A_TIME}, not {time!r}: {error}") from None
+    # Local time where it names no zone. One with a zone may be before or after all that UTC can say.
+    if time.utcoffset() is None:
+        try:
+            time = time.astimezone()
+        except (OverflowError, ValueError):  # in the first or last year, far from all records
+            time = time.replace(tzinfo=UTC)
+    return (time - EPOCH) // timedelta(microseconds=1)
 
 
 def _parsed(text: str) -> datetime:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-PREFIX = ".staging-"
+PREFIX = ".mavwire-staging-"
+"""No other program begins a name so: folders of killed runs are removed by it."""
 
 
 @contextmanager
@@ -21,9 +22,8 @@ def staging(root: str) -> Iterator[str]:
         tempfile.TemporaryDirectory(prefix=PREFIX, dir=root, ignore_cleanup_errors=True) as folder,
         ExitStack() as stack,
     ):
-        with suppress(
-            OSError
-        ):  # file systems without locks: such a folder is never taken for left over
+        # Where a file system has no locks, such a folder is never taken for left over.
+        with suppress(OSError):
             stack.enter_context(_locked(folder))
         yield folder
 

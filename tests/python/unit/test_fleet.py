@@ -291,20 +291,24 @@ def test_runs_leave_each_other_s_folders_alone(tmp_path):
         with staging(str(tmp_path)) as other:
             assert one != other
             assert Path(one).is_dir() and Path(other).is_dir()
-    assert not list(tmp_path.glob(".staging-*"))
+    assert not list(tmp_path.glob(".mavwire-staging-*"))
 
 
 @pytest.mark.skipif(os.name != "posix", reason="no locks on folders")
 @pytest.mark.parametrize("convert", [convert_here, partial(convert, workers=1)])
 def test_the_folder_of_a_run_that_was_killed_is_removed(tmp_path, small, convert):
     out = tmp_path / "out"
-    kept = out / ".staging-file"
-    out.mkdir()
+    if convert is not convert_here:
+        pytest.importorskip("distributed")
+    kept = out / ".mavwire-staging-file"
+    foreign = out / ".staging-area"
+    foreign.mkdir(parents=True)
     kept.write_bytes(b"no folder")
     for is_done in (False, True):
-        (out / ".staging-left" / "task-1").mkdir(parents=True)
+        (out / ".mavwire-staging-left" / "task-1").mkdir(parents=True)
         assert all(row.skipped == is_done for row in convert(small, out))
-        assert list(out.glob(".staging-*")) == [kept]
+        assert list(out.glob(".mavwire-staging-*")) == [kept]
+        assert foreign.is_dir()
 
 
 def test_groups():

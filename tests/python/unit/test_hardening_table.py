@@ -1,108 +1,94 @@
-"""`make hardening` does not pass where nothing was measured: its controls notice what does not work at all."""
+"""The hardening table notices what it is there to notice."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from types import SimpleNamespace
 from typing import Any
 
-import hardening.__main__ as table
 import pytest
-from hardening import code, kills, links, logs, wire
-from hardening.rows import FIGURES, Figure, exactly
+from hardening import __main__ as table
+from hardening import code, links, logs, recovery, rows, signing, wire
+from hardening.rows import Figure, at_least, at_most, exactly
 
 
-def figure(title: str) -> Figure:
-    return next(one for one in FIGURES if one.title == title)
+def figure(*goals: Any) -> Figure:
+    return Figure("a figure", lambda _package, _short: {}, goals)
 
 
-def met(title: str, answers: dict[str, Any]) -> list[bool]:
-    """Of each row whether it is met, in the short form."""
-    rows = table.rows(figure(title), answers, {})
-    return [table.is_met(value, goal, short=True) for _, _, value, goal in rows]
+def test_answers_are_judged_row_by_row() -> None:
+    one = figure(at_least(99, 9), at_most(5))
+    found = list(table.rows(one, {"kept of 7": 50, "lost": 6, "torn": 4}, {"kept of 9": 1}))
+    assert [(name, theirs) for name, theirs, _, _ in found] == [
+        ("kept of 7", "-"), ("lost", "-"), ("torn", "-"),
+    ]  # fmt: skip
+    assert [table.is_met(value, goal, False) for _, _, value, goal in found] == [False, False, True]
+    assert table.is_met(50, one.goal(0), True)
 
 
-def test_a_title_that_no_figure_has_is_an_error(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(sys, "argv", ["hardening", "--only", "nothing like it"])
-    with pytest.raises(SystemExit) as ended:
-        table.main()
-    assert ended.value.code == 2
-    assert "no figure to measure has 'nothing like it'" in capsys.readouterr().err
+def test_what_was_not_measured_is_not_met() -> None:
+    failed = list(table.rows(figure(exactly(0)), {"": "no end in 600 s"}, {"": "exit code 1"}))
+    assert failed[0][1] == "exit code 1"
+    assert not table.is_met(failed[0][2], failed[0][3], True)
+    assert not table.is_met("no end", at_most(3), False)
 
 
 @pytest.mark.parametrize(
-    ("returncode", "stdout", "expected"),
-    [
-        (0, '{"lost": 0}', {"lost": 0}),
-        (-11, '{"lost": 0}', {"": "exit code -11"}),
-        (0, "{}", {"": "exit code 0"}),
-        (0, "", {"": "exit code 0"}),
-    ],
-)
-def test_a_measurement_that_crashes_or_says_nothing_is_not_met(
-    returncode: int, stdout: str, expected: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    done = subprocess.CompletedProcess([], returncode, stdout, "")
-    monkeypatch.setattr(subprocess, "run", lambda *_, **__: done)
-    found = table.measure(0, "mavwire", short=True)
-    assert found == expected
-    one = Figure("any", lambda *_: {}, (exactly(0),))
-    ((*_, value, goal),) = table.rows(one, found, {})
-    assert table.is_met(value, goal, short=True) == (expected == {"lost": 0})
+    ("answer", "met"),
+    [("MAVParseError, 4 ms", True), ("accepted", False), ("no end in 20 s", False), ("crash", False),
+     ("TimeoutError, 3 ms", False), ("MAVParseError, 900 ms", False),
+     ("ImportError, 0 ms", False)],
+)  # fmt: skip
+def test_definitions_are_refused_quickly(answer: str, met: bool) -> None:
+    assert rows.quickly(answer) is met
 
 
-def test_senders_that_send_nothing_break_no_sequence_and_are_not_met(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    silent = SimpleNamespace(signing=SimpleNamespace(), heartbeat_send=lambda *_: None)
-    dialect = SimpleNamespace(MAVLink=lambda *_: silent)
-    monkeypatch.setattr(links, "dialect_of", lambda _: dialect)
-    interval = sys.getswitchinterval()
-    try:
-        answers = links.senders("mavwire", short=True)
-    finally:
-        sys.setswitchinterval(interval)
-    assert met("four senders on one link", answers) == [False, False]
+def test_a_package_that_does_nothing_meets_no_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_arguments: object) -> Any:
+        raise ImportError("broken")
+
+    for name in ("mavutil_of", "capture_of", "parse_xml"):
+        monkeypatch.setattr(code, name, broken)
+    for title in ("code that is run", "hostile definitions"):
+        one = next(figure for figure in rows.FIGURES if figure.title == title)
+        found = list(table.rows(one, one.measure("mavwire", True), {}))
+        assert len(found) >= 3
+        assert not any(table.is_met(value, goal, True) for _, _, value, goal in found)
 
 
-def test_tables_that_nothing_comes_to_are_not_met(monkeypatch: pytest.MonkeyPatch) -> None:
-    deaf = SimpleNamespace(rx=bytearray(), recv_msg=lambda: None, setup_signing=lambda *_, **__: 0)
-    monkeypatch.setattr(links, "capture_of", lambda _: deaf)
-    monkeypatch.setattr(links, "peers", lambda _: {})
-    # In the numbers of pymavlink, which are small.
-    answers = links.tables("pymavlink", short=True)
-    assert met("bytes for a made-up key", answers) == [False] * 5
+def test_what_is_harmless_works() -> None:
+    assert code.condition_holds("mavwire")
+    assert code.enum_is_read("mavwire")
+    assert code.log_is_read("mavwire")
+    assert list(links.backlog("mavwire", True).values()) == [9, 0]
+    assert links.reflection("mavwire", True) == {"it is": "no"}
+    assert logs.secrets("mavwire", True) == {"key": "no", "signatures": "no"}
 
 
-def test_a_parser_that_reads_nothing_keeps_nothing_and_is_not_met(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    blind = SimpleNamespace(parse_buffer=lambda _: None)
-    monkeypatch.setattr(wire, "parser_of", lambda *_: blind)
-    answers = wire.unaligned("mavwire", short=True)
-    assert met("kept after 8 MB unaligned", answers) == [False, False]
+def test_every_must_case_holds() -> None:
+    """R30, R32, R34, R37, R38, R39, R40, R41, R43, R44, R45, R46, R47, R48, R50, R31."""
+    assert len(signing.CASES) >= 43
+    assert [
+        name for name, case in signing.CASES.items() if not signing.holds(case, "mavwire")
+    ] == []
 
 
-def test_a_parser_that_refuses_all_definitions_is_not_met(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(_package: str, _xml: str) -> None:
-        raise ValueError
-
-    assert met("hostile definitions", code.bombs("mavwire", short=True)) == [True] * 4
-    monkeypatch.setattr(code, "parse_xml", refuse)
-    assert met("hostile definitions", code.bombs("mavwire", short=True)) == [False] * 4
+def test_damage_is_what_it_says() -> None:
+    stream, intact = wire.lossy(wire.telemetry(400))
+    assert 200 < intact < 400
+    assert wire.found("mavwire", stream) >= intact
+    assert set(wire.patterns(80)) == {"all 0xFD", "all 0xFE", "random", "zeros", "minimal headers"}
 
 
-def test_a_reader_that_reads_no_dataflash_log_is_not_met(monkeypatch: pytest.MonkeyPatch) -> None:
-    empty = SimpleNamespace(recv_msg=lambda: None)
-    reader = SimpleNamespace(DFReader_binary=lambda _: empty, DFReader_text=lambda _: empty)
-    monkeypatch.setattr(logs.importlib, "import_module", lambda _: reader)
-    assert met("damaged dataflash logs", logs.mutated("mavwire", short=True)) == [False] * 4
+def test_every_intact_record_of_a_damaged_log_is_found() -> None:
+    for measure in (recovery.of_telemetry, recovery.of_dataflash):
+        assert set(measure("mavwire", True).values()) == {100.0}
 
 
-def test_commands_that_fail_are_no_measure_of_kills(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kills, "COMMANDS", {"none": ("no-such-command", "LOG")})
-    with pytest.raises(RuntimeError, match="no-such-command ended with 2"):
-        kills.sweep("mavwire", short=True)
+def test_a_log_is_damaged_where_it_says() -> None:
+    source = recovery.telemetry(200)
+    for damage in recovery.DAMAGE.values():
+        damaged = damage(source)
+        assert 0 < len(damaged.intact) < 200
+        for name, one in source.records:
+            assert (one in damaged.data) == (name in damaged.intact)
+    assert recovery.percent(set(damaged.intact), damaged) == 100.0
+    assert recovery.percent(set(list(damaged.intact)[1:]), damaged) < 100.0
