@@ -143,6 +143,16 @@ def test_what_is_no_log_is_named(
     assert said in error
 
 
+def test_links_that_lead_round_are_no_typing_errors(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "round.tlog"
+    path.symlink_to(path)
+    for command in ("dump", "parms", "merge"):
+        assert cli.main([command, str(path)]) == 1
+        assert capsys.readouterr().err.rstrip().endswith(os.strerror(errno.ELOOP))
+
+
 def test_a_dialect_that_nobody_defines_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["info", "--dialect", "klingon", "a.tlog", "b.tlog"]) == 1
     error = capsys.readouterr().err
