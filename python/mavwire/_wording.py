@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 _CONTROLS = {
     code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0)) if code != ord("\t")
 }
+_CONTROLS_WITHIN_LINES = {code: text for code, text in _CONTROLS.items() if code != ord("\n")}
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
@@ -69,13 +70,19 @@ def no_such_dialect(dialect: str) -> str:
     return text + (hint or f"; built in are {', '.join(built_in)}")
 
 
+def is_terminal(stream: Any) -> bool:
+    """Whether a stream is a terminal. None, a closed one and one that cannot tell are not."""
+    try:
+        return bool(stream.isatty())
+    except (AttributeError, ValueError):
+        return False
+
+
 def shown_to(stream: Any, text: str) -> str:
     """A text from a log as a stream may take it: a terminal without control characters, so that a log
     cannot steer it; a pipe or a file as it is.
     """
-    if not stream.isatty():
-        return text
-    return "\n".join(map(printable, text.split("\n")))
+    return text.translate(_CONTROLS_WITHIN_LINES) if is_terminal(stream) else text
 
 
 def printable(text: str) -> str:
@@ -93,13 +100,26 @@ class _Guarded:
         return getattr(self._terminal, name)
 
     def write(self, text: str) -> int:
-        self._terminal.write(shown_to(self._terminal, text))
+        self._terminal.write(text.translate(_CONTROLS_WITHIN_LINES))
         return len(text)
+
+    def writelines(self, lines: Iterable[str]) -> None:
+        for line in lines:
+            self.write(line)
 
 
 def drawn_on(stream: Any) -> Any:
-    """The terminal behind a guard, for who moves its cursor and shows strangers' texts as `printable`."""
-    return stream._terminal if isinstance(stream, _Guarded) else stream
+    """The terminal behind guards, for who moves its cursor and shows strangers' texts as `printable`.
+
+    Between two guards there is what rich puts in place of a stream while it draws.
+    """
+    while True:
+        if isinstance(stream, _Guarded):
+            stream = stream._terminal
+        elif hasattr(stream, "rich_proxied_file"):
+            stream = stream.rich_proxied_file
+        else:
+            return stream
 
 
 def guard_streams() -> None:
@@ -108,9 +128,9 @@ def guard_streams() -> None:
 
 
 def _guarded(stream: Any) -> Any:
-    if stream is None or isinstance(stream, _Guarded) or not stream.isatty():
-        return stream
-    return _Guarded(stream)
+    if is_terminal(stream) and not isinstance(stream, _Guarded):
+        return _Guarded(stream)
+    return stream
 
 
 @contextmanager
@@ -123,9 +143,8 @@ def guarded_output() -> Iterator[None]:
     try:
         yield
     except SystemExit as ending:
-        if (
-            isinstance(ending.code, str) and sys.stderr
-        ):  # which Python prints when the guard has gone
+        # Python prints a text when the guard has gone.
+        if isinstance(ending.code, str):
             ending.code = shown_to(sys.stderr, ending.code)
         raise
     finally:

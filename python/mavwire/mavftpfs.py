@@ -7,7 +7,6 @@ matters: names that lead elsewhere are left out, and what it does not answer is 
 
 from __future__ import annotations
 
-import argparse
 import errno
 import os
 import posixpath
@@ -17,6 +16,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from mavwire._arguments import PlainParser
 from mavwire._wording import guarded_output
 from mavwire.mavftp import MAVFTP, DirectoryEntry, FtpError, wait_heartbeat
 
@@ -126,7 +126,7 @@ def main(arguments: Sequence[str] | None = None, mount: Callable[..., Any] | Non
     """Connect, and mount until unmounted or interrupted."""
     from mavwire import mavutil
 
-    parser = argparse.ArgumentParser(description="Mount the files of a vehicle, read-only.")
+    parser = PlainParser(description="Mount the files of a vehicle, read-only.")
     parser.add_argument(
         "-m", "--mavlink", default="udpin:0.0.0.0:14550", help="link (default %(default)s)"
     )

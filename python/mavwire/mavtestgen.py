@@ -7,10 +7,10 @@ apart: pymavlink's `mavtestgen`.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from typing import Any
 
+from ._arguments import PlainParser
 from ._replacing import replace_text
 from ._wording import guarded_output
 from .generator import mavparse
@@ -75,7 +75,7 @@ def _fitting(kind: str, value: Any) -> Any:
 @guarded_output()
 def main(arguments: Sequence[str] | None = None) -> None:
     """The command: XML files and `-o`."""
-    parser = argparse.ArgumentParser(description="Write a module that sends every message.")
+    parser = PlainParser(description="Write a module that sends every message.")
     parser.add_argument("definitions", nargs="+", metavar="XML", help="message definitions")
     parser.add_argument("-o", "--output", default="mavtest.py", help="default %(default)s")
     parser.add_argument("--wire-protocol", choices=("1.0", "2.0"), default="2.0")

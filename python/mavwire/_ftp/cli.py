@@ -8,6 +8,7 @@ import sys
 from typing import Any
 
 from mavwire import mavutil
+from mavwire._arguments import PlainParser
 from mavwire._wording import guarded_output
 
 from .client import MAVFTP
@@ -51,7 +52,7 @@ _COMMANDS: dict[str, tuple[str, tuple[tuple[str, bool, type], ...]]] = {
 
 def create_argument_parser() -> argparse.ArgumentParser:
     """The parser of the options; the arguments of a command are arg1 and arg2."""
-    parser = argparse.ArgumentParser(description="Files on a vehicle: the MAVLink file transfer.")
+    parser = PlainParser(description="Files on a vehicle: the MAVLink file transfer.")
     add = parser.add_argument
     add("--baudrate", type=int, default=115200, help="of a serial port. Default is %(default)s")
     add("--device", type=str, default="", help="link or serial port; one is searched otherwise")

@@ -10,15 +10,17 @@ from __future__ import annotations
 import os
 import re
 import sys
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import RawDescriptionHelpFormatter
 from importlib import import_module
 from io import TextIOWrapper
 
+from mavwire._arguments import PlainParser
 from mavwire._wording import guarded_output
 from mavwire.cli._errors import CommandError, describe_os_error
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from argparse import ArgumentParser
     from collections.abc import Sequence
     from typing import Any
 
@@ -40,7 +42,7 @@ COMMANDS = {
     "togpx": ("mavwire.tools.mavtogpx", "the way of a vehicle as a GPX track"),
     "parmdiff": ("mavwire.tools.mavparmdiff", "how two parameter files differ"),
     "search": ("mavwire.tools.mavsearch", "messages at which a condition holds"),
-    "extract": ("mavwire.tools.mavextract", "the stretches of a log in one flight mode"),
+    "extract": ("mavwire.tools.mavextract", "the stretches of a log in flight modes"),
     "msgstats": ("mavwire.tools.mavmsgstats", "which message types fill logs"),
     "merge": ("mavwire.tools.mavmerge", "two telemetry logs as one"),
     "tomfile": ("mavwire.tools.mavtomfile", "a log as a MATLAB script"),
@@ -205,7 +207,7 @@ def _columns() -> int:
 
 
 def _parser(name: str, command: Any) -> ArgumentParser:
-    parser = ArgumentParser(
+    parser = PlainParser(
         prog=f"mavwire {name}",
         description=command.__doc__,
         formatter_class=_Formatter,

@@ -6,7 +6,7 @@ import signal
 import sys
 from contextlib import ExitStack
 
-from mavwire._wording import drawn_on, guard_streams, printable
+from mavwire._wording import drawn_on, guard_streams, is_terminal, printable
 from mavwire.cli._bridge_warnings import full_name, losses
 from mavwire.cli._errors import CommandError
 from mavwire.cli._signals import handled
@@ -54,15 +54,15 @@ class StatusTable:
         self._bridge = bridge
         self._before: dict[str, Any] = {"uptime": 0.0, "links": [], "components": []}
         terminal = drawn_on(sys.stdout)  # which a guard would not let it redraw
-        is_terminal = terminal.isatty()  # whatever FORCE_COLOR says
-        width = None if is_terminal else NO_TERMINAL_WIDTH
-        self._console = Console(file=terminal, force_terminal=is_terminal, width=width)
-        self.is_live = is_terminal and not self._console.is_dumb_terminal
+        on_terminal = is_terminal(terminal)  # whatever FORCE_COLOR says
+        width = None if on_terminal else NO_TERMINAL_WIDTH
+        self._console = Console(file=terminal, force_terminal=on_terminal, width=width)
+        self.is_live = on_terminal and not self._console.is_dumb_terminal
         self._is_disturbed = False
         # What is printed meanwhile goes above the table, but not what goes to a file or a pipe.
         self._live = Live(
             self._tables(bridge.stats()), console=self._console, auto_refresh=False,
-            redirect_stderr=sys.stderr.isatty(),
+            redirect_stderr=is_terminal(sys.stderr),
         )  # fmt: skip
         numbers = DISTURBING if self.is_live else ()
         with ExitStack() as exits:

@@ -1,6 +1,6 @@
 """A progress bar on stderr, only for a person who has been waiting.
 
-Drawn by rich where it is installed, else as one plain line. Standard output is never touched.
+Drawn by rich where it is installed, which puts what is printed meanwhile above it, else as one plain line.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import time
 
-from mavwire._wording import drawn_on, guard_streams, printable
+from mavwire._wording import drawn_on, guard_streams, is_terminal, printable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class Progress:
     def __init__(self, name: str, enabled: bool = True) -> None:
         self.name = printable(name)
         self.began = time.monotonic()
-        self.enabled = enabled and sys.stderr.isatty()
+        self.enabled = enabled and is_terminal(sys.stderr)
         self.shown = False
         self._drawn_at = 0.0
         self._bar: Any = None
@@ -64,7 +64,7 @@ class Progress:
         except ImportError:
             return
         # What is printed meanwhile goes above the bar, but not what goes to a file or a pipe.
-        on_screen = sys.stdout.isatty()
+        on_screen = is_terminal(sys.stdout)
         console = Console(file=drawn_on(sys.stderr))
         self._bar = Bar(console=console, transient=True, redirect_stdout=on_screen)
         self._task = self._bar.add_task(escape(self.name), total=100)

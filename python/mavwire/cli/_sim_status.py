@@ -6,7 +6,7 @@ import shutil
 import sys
 import time
 
-from mavwire._wording import drawn_on
+from mavwire._wording import drawn_on, is_terminal
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ class StatusLine:
     """Draws one line on stderr and keeps it up to date."""
 
     def __init__(self, runner: Runner, enabled: bool = True) -> None:
-        self.enabled = enabled and sys.stderr.isatty()
+        self.enabled = enabled and is_terminal(sys.stderr)
         self.interval = INTERVAL if self.enabled else QUIET_INTERVAL
         self._runner = runner
         self._began = self._last = time.monotonic()

@@ -11,7 +11,7 @@ import os
 import sys
 from contextlib import ExitStack, contextmanager, redirect_stdout
 
-from mavwire._wording import shown_to
+from mavwire._wording import is_terminal, shown_to
 from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection, unknown_types
 from mavwire.cli._errors import CommandError
@@ -179,7 +179,7 @@ class Writer:
 
     def __init__(self) -> None:
         self._file = sys.stdout
-        self.to_terminal = sys.stdout.isatty()
+        self.to_terminal = is_terminal(sys.stdout)
         self._binary = getattr(sys.stdout, "buffer", None)
         encoding = (getattr(sys.stdout, "encoding", None) or "utf-8").lower()
         self._encoding = "" if encoding.replace("-", "") == "utf8" else encoding

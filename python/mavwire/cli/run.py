@@ -191,4 +191,5 @@ def _fail(reason: str, exit_code: int = 1) -> NoReturn:
 
 
 def _say(text: str) -> None:
-    print(shown_to(sys.stderr, f"mavwire run: {text}"), file=sys.stderr)
+    if sys.stderr is not None:  # for which `print` would take standard output
+        print(shown_to(sys.stderr, f"mavwire run: {text}"), file=sys.stderr)

@@ -233,11 +233,10 @@ def _point_upstream(opts: _Options, args: Sequence[str]) -> None:
 
 @guarded_output()
 def _main() -> int:
-    from argparse import ArgumentParser
-
+    from mavwire._arguments import PlainParser
     from mavwire.cli import gen
 
-    parser = ArgumentParser(prog="mavgen", description=gen.__doc__)
+    parser = PlainParser(prog="mavgen", description=gen.__doc__)
     gen.add_arguments(parser)
     return gen.main(parser.parse_args())
 

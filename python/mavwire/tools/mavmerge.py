@@ -37,8 +37,11 @@ def main(args: Namespace) -> int:
         return _merge_exactly(args)
     with definitions("all", "2.0"), ExitStack() as stack:
         plain = [_plain(path, stack) for path in args.logs]
-        each = zip(plain, args.logs, strict=True)
-        logs = [stack.enter_context(reading("merge", path, name=name)) for path, name in each]
+        logs = [
+            # One bar tells how far it is: they are read side by side.
+            stack.enter_context(reading("merge", path, show_progress=number == 0, name=name))
+            for number, (path, name) in enumerate(zip(plain, args.logs, strict=True))
+        ]
         for log in logs:
             require_telemetry(log)
         file = open_output(args.output, args.logs, stack) if args.output else None

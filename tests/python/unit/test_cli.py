@@ -124,7 +124,13 @@ def test_start_imports_only_the_chosen_command() -> None:
         [sys.executable, "-c", code],
         capture_output=True, text=True, env=environment, timeout=60, check=True,
     )  # fmt: skip
-    loaded = ["mavwire", "mavwire._wording", "mavwire.cli", "mavwire.cli._errors"]
+    loaded = [
+        "mavwire",
+        "mavwire._arguments",
+        "mavwire._wording",
+        "mavwire.cli",
+        "mavwire.cli._errors",
+    ]
     assert result.stdout.splitlines()[-1] == str(loaded)
 
 

@@ -23,7 +23,7 @@ from dataflash_writer import sample
 from mavwire import cli, mavutil, traffic
 from mavwire._native import dump_log
 from mavwire._wording import guarded_output
-from mavwire.cli import _dump_native, _progress
+from mavwire.cli import _dump_native, _progress, _reading
 from mavwire.cli._dump_format import local_time
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.links.readiness import wait_readable
@@ -485,6 +485,37 @@ def test_what_is_printed_beside_a_bar(to_file: bool, monkeypatch: pytest.MonkeyP
     assert "a\\x1b]0;pwned\\x07.tlog" in drawn and "\\x1b]0;error\\x07" in drawn
     assert to_file or "\\x1b]0;row\\x07" in drawn
     assert "\x1b]0" not in drawn and "\x07" not in drawn
+
+
+def test_two_bars_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("rich")
+    screen = Terminal()
+    for name in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, name, screen)
+    monkeypatch.setattr(_progress, "PROGRESS_AFTER", 0.0)
+    monkeypatch.setenv("TERM", "xterm")
+    with guarded_output():
+        bars = [_progress.Progress(name) for name in ("a.tlog", "b.tlog")]
+        for bar in bars:
+            bar.update(25.0)
+        print("\x1b]0;row\x07")
+        for bar in reversed(bars):
+            bar.finish()
+    assert screen.getvalue().count("\\x1b") == 1
+    assert "\x1b]0" not in screen.getvalue()
+
+
+def test_logs_that_are_merged_have_one_bar(log: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[bool] = []
+
+    class Bar(_progress.Progress):
+        def __init__(self, name: str, enabled: bool = True) -> None:
+            made.append(enabled)
+            super().__init__(name, enabled)
+
+    monkeypatch.setattr(_reading, "Progress", Bar)
+    assert cli.main(["merge", "--quiet", log, log]) == 0
+    assert made == [True, False]
 
 
 def test_progress_keeps_quiet_for_short_waits(log: str, monkeypatch: pytest.MonkeyPatch) -> None:

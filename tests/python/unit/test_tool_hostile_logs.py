@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import io
 import sys
+from argparse import ArgumentParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 from dataflash_writer import FMT, fmt, record
-from mavwire import cli, expression, mavtestgen
-from mavwire._wording import printable
+from mavwire import cli, expression, mavftpfs, mavtestgen
+from mavwire._ftp import cli as ftp
+from mavwire._wording import guarded_output, printable
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.expression import names
+from mavwire.generator import mavgen
 from tool_runs import Log, flight_log
 
 
@@ -118,6 +122,69 @@ def test_a_text_that_ends_a_program_steers_no_terminal(monkeypatch: pytest.Monke
     with pytest.raises(SystemExit) as ending:
         mavtestgen.main(["a.xml"])
     assert ending.value.code == "mavtestgen: wrong: \\x9b31m"
+
+
+def test_lines_that_are_written_at_once_steer_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stdout", terminal)
+    with guarded_output():
+        sys.stdout.writelines(["a\x1b[2J\n", "b\n"])
+    assert terminal.text() == "a\\x1b[2J\nb\n"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["dump"], ["definitions", "show"], mavgen._main, mavtestgen.main, mavftpfs.main, ftp.main],
+)
+def test_help_has_no_colours(arguments: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = ArgumentParser.format_help
+
+    def coloured(parser: ArgumentParser) -> str:  # as in Python 3.14
+        return "\x1b[1;34m" * getattr(parser, "color", True) + plain(parser)
+
+    monkeypatch.setattr(ArgumentParser, "format_help", coloured)
+    monkeypatch.setattr(sys, "argv", ["program", "--help"])
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stdout", terminal)
+    with pytest.raises(SystemExit):
+        arguments() if callable(arguments) else cli.main([*arguments, "--help"])
+    assert terminal.text().startswith("usage: ")
+
+
+class Tee:
+    """A stream that cannot tell whether it is a terminal."""
+
+    def __init__(self) -> None:
+        self.said = ""
+
+    def write(self, text: str) -> None:
+        self.said += text
+
+    def flush(self) -> None:
+        """Nothing is kept back."""
+
+
+@pytest.mark.parametrize("name", ["stdout", "stderr"])
+def test_streams_that_are_no_files(name: str, log: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    tee = Tee()
+    monkeypatch.setattr(sys, name, tee)
+    assert cli.main(["--version"]) == 0
+    assert cli.main(["dump", log]) == 0
+    assert cli.main(["dump", "nosuch.tlog"]) == 1
+    assert "nosuch.tlog" in tee.said or "STATUSTEXT" in tee.said
+
+
+def test_streams_that_are_closed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    closed = io.StringIO()
+    closed.close()
+    monkeypatch.setattr(sys, "stderr", closed)
+    assert cli.main(["--version"]) == 0
+    monkeypatch.setattr(sys, "stderr", None)
+    with pytest.raises(SystemExit):
+        cli.main(["run", "nosuch.py"])
+    assert "nosuch" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("verb", ["search", "dump"])
