@@ -84,9 +84,8 @@ def opening(path: str, name: str | None = None) -> Iterator[None]:
     the user calls it, where that is not its path.
     """
     hint = "; LOG is a .tlog, .BIN or .log file, or a link such as udpin:0.0.0.0:14550"
-    if os.path.isfile(path) or os.path.islink(
-        path
-    ):  # it is the content that is wrong, or the way there
+    # Not where it is the content that is wrong, or the way there.
+    if os.path.isfile(path) or os.path.islink(path):
         hint = ""
     try:
         yield
