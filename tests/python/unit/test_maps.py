@@ -8,7 +8,6 @@ import os
 import re
 import shutil
 import subprocess
-import time
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +21,7 @@ from mavwire.plots.modes import Span
 from mavwire.plots.track import Place, Track, read_track
 from unit.link_tools import T0, pack, record
 from unit.test_plots import Page, numbers
+from watchdog import watched
 
 ROOT = Path(__file__).parents[3]
 LOGS = Path(os.environ.get("MAVWIRE_LOGS", ROOT.parent / "shared" / "logs"))
@@ -113,11 +113,9 @@ def test_a_shorter_mission_replaces_a_longer_one(tmp_path):
 def test_many_counts_of_a_long_mission_take_no_longer_than_they_are(tmp_path):
     count = (mavlink.MAVLink_mission_count_message(1, 1, 65_535), 255)
     items = [(item(n, 10, 20), 255) for n in range(20_000)]
-    path = write(tmp_path / "a.tlog", [*items, *[count] * 20_000, (beat(), 1), (position(1, 1), 1)])
-    before = time.process_time()
-    assert len(read_track(str(path)).waypoints) == len(items) - 1
-    # Each count went through all items: half a minute.
-    assert time.process_time() - before < 5
+    path = write(tmp_path / "a.tlog", [*items, *[count] * 60_000, (beat(), 1), (position(1, 1), 1)])
+    with watched():  # each count went through all items: two minutes
+        assert len(read_track(str(path)).waypoints) == len(items) - 1
 
 
 def test_positions_of_a_receiver_where_there_are_no_others(tmp_path):
