@@ -244,10 +244,11 @@ impl Blocks {
         std::mem::swap(&mut self.now, &mut self.next);
         let (now, next, source, block) = (&self.now, &mut self.next, &mut self.source, self.block);
         let at_end = filled == 0;
-        let (ahead, (consumed, done)) = pool::run(|| {
+        // The work first: it need not wait for a second thread to wake.
+        let ((consumed, done), ahead) = pool::run(|| {
             rayon::join(
-                || if at_end { Ok(0) } else { next.read(source, block) },
                 || work(now.unread(), at_end),
+                || if at_end { Ok(0) } else { next.read(source, block) },
             )
         });
         if at_end {

@@ -22,7 +22,7 @@ pub mod instances;
 pub mod layout;
 pub mod mcap;
 mod piece;
-mod pool;
+pub mod pool;
 pub mod reader;
 pub mod rewrite;
 mod row_groups;

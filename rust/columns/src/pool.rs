@@ -5,6 +5,7 @@
 
 use std::process;
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -27,6 +28,33 @@ pub(crate) fn run<T: Send>(work: impl FnOnce() -> T + Send) -> T {
             work()
         }
     }
+}
+
+/// Does both on the threads of this process, and what both hand out to these.
+pub fn both<A: Send, B: Send>(
+    one: impl FnOnce() -> A + Send,
+    other: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    run(|| rayon::join(one, other))
+}
+
+/// How long the caller of [`a_while`] waits. Waking it costs a tenth of what a block does, and what it looks after between
+/// two blocks, such as a key that ends the work, need not be looked after more often.
+const A_WHILE: Duration = Duration::from_millis(20);
+
+/// Takes steps on the threads of this process until one is the last, or a while has passed; whether there are more.
+pub(crate) fn a_while<E: Send>(
+    mut step: impl FnMut() -> Result<bool, E> + Send,
+) -> Result<bool, E> {
+    run(|| {
+        let begin = Instant::now();
+        while step()? {
+            if begin.elapsed() > A_WHILE {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    })
 }
 
 /// Makes the calling thread one of rayon's, for good, unless it is: where no thread can be started, rayon panics over its own

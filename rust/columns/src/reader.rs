@@ -14,6 +14,7 @@ use crate::gather::{PAYLOAD, Rows};
 use crate::input::{Blocks, Steps};
 use crate::layout::{Layout, Options};
 use crate::piece::{Chosen, PIECE, Piece};
+use crate::pool;
 use crate::scan::{Framing, LogScanner, Scanned};
 use crate::select::Wanted;
 use crate::table::{Expected, GROUP, TableBuilder};
@@ -60,6 +61,19 @@ pub trait Decode: Send {
     /// # Errors
     /// What reading says.
     fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error>;
+
+    /// The same after as many blocks as it takes, or as a while is enough for.
+    ///
+    /// # Errors
+    /// What reading says.
+    fn advance_a_while(&mut self) -> Result<Option<Vec<Batch>>, Error> {
+        let mut batches = None;
+        pool::a_while(|| {
+            batches = self.advance()?;
+            Ok::<_, Error>(batches.as_ref().is_some_and(Vec::is_empty))
+        })?;
+        Ok(batches)
+    }
 
     /// Bytes of the log that are dealt with, decompressed.
     fn position(&self) -> u64;

@@ -134,10 +134,11 @@ impl LogColumns {
         slf
     }
 
-    /// The tables that are ready after another block of the log, `[(message, table), ...]`, perhaps none.
+    /// The tables that are ready after some more blocks of the log, `[(message, table), ...]`, perhaps none.
     fn __next__(&self, py: Python<'_>) -> PyResult<Option<Vec<(String, RecordBatches)>>> {
         py.check_signals()?;
-        let batches = py.detach(|| self.with(|reader| reader.advance())).map_err(columns_error)?;
+        let batches =
+            py.detach(|| self.with(|reader| reader.advance_a_while())).map_err(columns_error)?;
         Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
     }
 

@@ -6,7 +6,8 @@ use std::sync::{Mutex, PoisonError};
 use mavwire_columns::Error;
 use mavwire_columns::convert::{Compression, Format, Sink, moments};
 use mavwire_columns::mcap;
-use mavwire_columns::reader::Decode;
+use mavwire_columns::pool;
+use mavwire_columns::reader::{Batch, Decode};
 use mavwire_link::files::Draft;
 use mavwire_link::memory;
 use pyo3::exceptions::PyValueError;
@@ -65,22 +66,29 @@ const KEPT_BYTES: usize = 64 << 20;
 struct Work {
     reader: Box<dyn Decode>,
     output: Output,
+    /// What was read and is not written.
+    batches: Vec<Batch>,
     /// Bytes of batches that were freed since memory was given back.
     freed: usize,
 }
 
 impl Work {
-    /// Another block of the log; false at its end.
+    /// Writes what was read, while more of the log is; false at its end.
     fn step(&mut self) -> Result<bool, Error> {
-        let Some(batches) = self.reader.advance()? else { return Ok(false) };
-        self.output.write(&batches)?;
-        self.freed += batches.iter().map(|one| one.rows.get_array_memory_size()).sum::<usize>();
-        drop(batches);
+        let Self { reader, output, batches, .. } = self;
+        let (written, read) = pool::both(|| output.write(batches), || reader.advance_a_while());
+        written?;
+        let written = std::mem::take(&mut self.batches);
+        self.freed += written.iter().map(|one| one.rows.get_array_memory_size()).sum::<usize>();
+        drop(written);
         if self.freed > KEPT_BYTES {
             memory::give_back();
             self.freed = 0;
         }
-        Ok(true)
+        let more = read?;
+        let is_end = more.is_none();
+        self.batches = more.unwrap_or_default();
+        Ok(!is_end)
     }
 }
 
@@ -99,7 +107,7 @@ impl Converter {
         compression: &str,
     ) -> PyResult<Self> {
         let output = output(folder, file, format, compression)?;
-        Ok(Self { work: Mutex::new(Some(Work { reader, output, freed: 0 })) })
+        Ok(Self { work: Mutex::new(Some(Work { reader, output, batches: Vec::new(), freed: 0 })) })
     }
 
     fn with<T>(&self, take: impl FnOnce(&mut Option<Work>) -> T) -> T {
@@ -126,7 +134,7 @@ impl Converter {
         Self::new(reader, folder, file, format, compression)
     }
 
-    /// Converts another block of the log; false at its end.
+    /// Converts some more blocks of the log; false at its end.
     fn step(&self, py: Python<'_>) -> PyResult<bool> {
         py.check_signals()?;
         let step = |work: &mut Option<Work>| work.as_mut().map_or(Ok(false), Work::step);
@@ -136,7 +144,9 @@ impl Converter {
     /// Gives the files their names: `[(path, rows), ...]`. Without it nothing is left of them.
     fn commit(&self, py: Python<'_>) -> PyResult<Vec<(PathBuf, u64)>> {
         let commit = |work: &mut Option<Work>| {
-            work.take().map_or(Ok(Vec::new()), |work| work.output.commit())
+            let Some(mut work) = work.take() else { return Ok(Vec::new()) };
+            work.output.write(&work.batches)?;
+            work.output.commit()
         };
         py.detach(|| self.with(commit)).map_err(columns_error)
     }

@@ -18,6 +18,7 @@ use super::hop::{Place, hop};
 use super::lines::Lines;
 use crate::error::Error;
 use crate::input::{Blocks, Steps, decompressed};
+use crate::pool;
 use crate::scan::Framing;
 
 /// Opens the log from its start; a log is read more than once.
@@ -130,13 +131,13 @@ impl Survey {
         let (mut blocks, form) = begin(open, steps).map_err(Error::from)?;
         let Some(form) = form else { return Ok(None) };
         let mut run = Run::new(form, steps);
-        while run.advance(&mut blocks).map_err(Error::from)? {
+        while pool::a_while(|| run.advance(&mut blocks)).map_err(Error::from)? {
             pulse()?;
         }
         if run.missed {
             run = Run::new(run.form, steps);
             let (mut blocks, _) = begin(open, steps).map_err(Error::from)?;
-            while run.advance(&mut blocks).map_err(Error::from)? {
+            while pool::a_while(|| run.advance(&mut blocks)).map_err(Error::from)? {
                 pulse()?;
             }
         }
