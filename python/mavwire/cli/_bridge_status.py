@@ -6,10 +6,10 @@ import signal
 import sys
 from contextlib import ExitStack
 
+from mavwire._signals import handled
 from mavwire._wording import drawn_on, guard_streams, is_terminal, printable
 from mavwire.cli._bridge_warnings import full_name, losses
 from mavwire.cli._errors import CommandError
-from mavwire.cli._signals import handled
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
-from mavwire.cli._signals import ended_in_order
 
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace

@@ -26,8 +26,8 @@ from contextlib import ExitStack, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError, describe_link_error
-from mavwire.cli._signals import ended_in_order
 from mavwire.cli.sim import duration
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
+from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
 from mavwire.cli._rewriting import split, systems_of, time_of
-from mavwire.cli._signals import ended_in_order
 
 if TYPE_CHECKING:
     import argparse

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any
 
+from mavwire._signals import put_off
 from mavwire._wording import in_words
 
 if TYPE_CHECKING:
@@ -169,38 +170,15 @@ def _interrupts_put_off() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # as on Windows
         yield
         return
-    put_off = {signal.SIGINT, signal.SIGHUP}
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, put_off)
+    of_terminals = {signal.SIGINT, signal.SIGHUP}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, of_terminals)
     try:
         resource_tracker.ensure_running()
         # It has unblocked interrupts where it started itself.
-        signal.pthread_sigmask(signal.SIG_BLOCK, put_off)
-        with _handlers_put_off():
+        signal.pthread_sigmask(signal.SIG_BLOCK, of_terminals)
+        # Handlers that end a run raise wherever it is, which Dask, while it starts, answers with tracebacks. SIGTERM
+        # is not blocked: a process that is made here and does not hear it is waited for without an end.
+        with put_off([signal.SIGTERM, signal.SIGHUP]):
             yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextmanager
-def _handlers_put_off() -> Iterator[None]:
-    """Handlers of Python that end a run raise wherever it is, which Dask, while it starts, answers with
-    tracebacks. They are called afterwards, also where the start failed: what comes to all processes of
-    a group ends those that are made here, and Dask tells of that. Who has no handler for SIGTERM still
-    is ended at once, and so are processes that are made here: one that does not hear it is waited for
-    without an end.
-    """
-    if threading.current_thread() is not threading.main_thread():  # which runs all handlers
-        yield
-        return
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
-    handlers = {number: one for number, one in handlers.items() if callable(one)}
-    came: set[int] = set()
-    for number in handlers:
-        signal.signal(number, lambda number, frame: came.add(number))
-    try:
-        yield
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
-        for one in came:
-            signal.raise_signal(one)

@@ -10,10 +10,10 @@ from html import escape
 from itertools import count
 
 from mavwire._replacing import replacing
+from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli._signals import ended_in_order
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
 
 TYPE_CHECKING = False

@@ -7,10 +7,10 @@ import time
 from functools import lru_cache
 
 from mavwire._replacing import replacing
+from mavwire._signals import ended_in_order
 from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli._signals import ended_in_order
 from mavwire.tools._arguments import add_condition, add_logs
 
 TYPE_CHECKING = False

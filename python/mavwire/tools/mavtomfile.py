@@ -6,10 +6,10 @@ import os
 from collections import Counter
 
 from mavwire._replacing import replacing
+from mavwire._signals import ended_in_order
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, kind_of, reading
-from mavwire.cli._signals import ended_in_order
 from mavwire.links.recording import shown
 from mavwire.tools._arguments import add_condition, add_dialect, add_logs
 

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 from mavwire.cli import _bridge_warnings
 from mavwire.cli._bridge_status import component_rows, link_errors, link_rows
-from mavwire.cli._signals import handled
 from mavwire.cli.bridge import _watch, listen_address, size
 from mavwire.cli.replay import factor
 from unit.bridge_tools import LIMIT
@@ -114,34 +113,6 @@ def test_signals_are_given_back_where_the_terminal_is_gone(
     with Bridge() as bridge, pytest.raises(SystemExit):
         _bridge_status.StatusTable(bridge).close()
     assert given_back == [1]
-
-
-@pytest.mark.parametrize("call", [1, 3], ids=["set", "given back"])
-def test_a_signal_between_two_handlers_leaves_none_behind(
-    call: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The first of two handlers is set, or given back, when it comes."""
-    numbers, set_handler, calls = (signal.SIGTERM, signal.SIGINT), signal.signal, []
-    before = [signal.getsignal(number) for number in numbers]
-
-    def interrupted(number: int, handler: Any) -> Any:
-        replaced = set_handler(number, handler)
-        calls.append(number)
-        if len(calls) == call:
-            signal.raise_signal(numbers[call // 2])
-        return replaced
-
-    def end(*_: Any) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(signal, "signal", interrupted)
-    try:
-        with pytest.raises(KeyboardInterrupt), handled(numbers, end):
-            pass
-        assert [signal.getsignal(number) for number in numbers] == before
-    finally:
-        for number, handler in zip(numbers, before, strict=True):
-            set_handler(number, handler)
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals here")

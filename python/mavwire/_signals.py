@@ -1,0 +1,84 @@
+"""Signals that end a program in good order, or later."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from contextlib import contextmanager
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+    from contextlib import AbstractContextManager
+    from typing import Any
+
+
+@contextmanager
+def handled(numbers: Iterable[int], handler: Callable[[int, Any], object]) -> Iterator[None]:
+    """Meanwhile these signals are for `handler`."""
+    if threading.current_thread() is not threading.main_thread():  # which takes all signals
+        yield
+        return
+    before = {number: signal.getsignal(number) for number in numbers}
+    # Python cannot set again what it did not set.
+    before = {number: other for number, other in before.items() if other is not None}
+    is_over = False
+
+    def hear(number: int, frame: Any) -> None:
+        if not is_over:
+            handler(number, frame)
+            return
+        # It came before this handler was given back: it is for the one that was there before.
+        signal.signal(number, before[number])
+        signal.raise_signal(number)
+
+    try:
+        for number in before:
+            signal.signal(number, hear)
+        yield
+    finally:
+        is_over = True
+        _give_back(before)
+
+
+def _give_back(handlers: dict[int, Any]) -> None:
+    try:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+    except BaseException:  # of one that was given back, or was always there
+        _give_back(handlers)
+        raise
+
+
+@contextmanager
+def put_off(numbers: Iterable[int]) -> Iterator[None]:
+    """Handlers of Python for these signals are called afterwards, also where something fails. What is not
+    for Python does what it always does.
+    """
+    came: set[int] = set()
+    called = [number for number in numbers if callable(signal.getsignal(number))]
+    try:
+        with handled(called, lambda number, frame: came.add(number)):
+            yield
+    finally:
+        for number in came:
+            signal.raise_signal(number)
+
+
+def ended_in_order() -> AbstractContextManager[None]:
+    """Meanwhile what ends a process does so as Ctrl-C does: what is being written is completed or
+    removed.
+    """
+    return handled(_ending(), _interrupt)
+
+
+def _ending() -> list[int]:
+    """Signals of a service manager, and of a terminal that closes, unless `nohup` ignores that."""
+    hangup = getattr(signal, "SIGHUP", None)
+    if hangup is None or signal.getsignal(hangup) is signal.SIG_IGN:
+        return [signal.SIGTERM]
+    return [signal.SIGTERM, hangup]
+
+
+def _interrupt(number: int, frame: object) -> None:
+    raise KeyboardInterrupt

@@ -1,0 +1,135 @@
+"""Handlers of signals are those of before again, whatever comes while they are given back."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from typing import Any
+
+import pytest
+from mavwire import _signals
+from mavwire._signals import handled, put_off
+
+NUMBERS = (signal.SIGTERM, signal.SIGINT)
+
+
+class Before(Exception):
+    """Of the handler that was there before."""
+
+
+class Ended(Exception):
+    """Of the handler meanwhile."""
+
+
+def end(*_: Any) -> None:
+    raise Ended
+
+
+@pytest.fixture(autouse=True)
+def before() -> Iterator[list[Any]]:
+    """The handlers of this process, which it has again afterwards."""
+    handlers = [signal.getsignal(number) for number in NUMBERS]
+    set_handler = signal.signal
+    yield handlers
+    for number, handler in zip(NUMBERS, handlers, strict=True):
+        set_handler(number, handler)
+
+
+@contextmanager
+def coming_as_they_are_given_back(number: int) -> Iterator[None]:
+    """A signal at the first instruction of the function that gives handlers back."""
+
+    def come(frame: Any, event: str, arg: Any) -> None:
+        if frame.f_code is _signals._give_back.__code__:
+            sys.settrace(None)
+            signal.raise_signal(number)
+
+    tracer = sys.gettrace()
+    sys.settrace(come)
+    try:
+        yield
+    finally:
+        sys.settrace(tracer)
+
+
+@pytest.mark.parametrize("call", [1, 3], ids=["set", "given back"])
+def test_a_signal_between_two_handlers_leaves_none_behind(
+    call: int, before: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first of two handlers is set, or given back, when it comes."""
+    set_handler, calls = signal.signal, []
+
+    def interrupted(number: int, handler: Any) -> Any:
+        replaced = set_handler(number, handler)
+        calls.append(number)
+        if len(calls) == call:
+            signal.raise_signal(NUMBERS[call // 2])
+        return replaced
+
+    monkeypatch.setattr(signal, "signal", interrupted)
+    with pytest.raises((Ended, KeyboardInterrupt)), handled(NUMBERS, end):
+        pass
+    assert [signal.getsignal(number) for number in NUMBERS] == before
+
+
+def test_a_signal_as_handlers_are_given_back_is_for_the_one_before() -> None:
+    heard: list[int] = []
+
+    def hear(number: int, frame: Any) -> None:
+        heard.append(number)
+
+    for number in NUMBERS:
+        signal.signal(number, hear)
+    with coming_as_they_are_given_back(signal.SIGTERM), handled(NUMBERS, end):
+        pass
+    assert heard == [signal.SIGTERM]
+    assert [signal.getsignal(number) for number in NUMBERS] == [hear, hear]
+
+
+def test_where_that_one_ends_the_program_the_next_is_for_the_one_before_too() -> None:
+    def end_otherwise(*_: Any) -> None:
+        raise Before
+
+    for number in NUMBERS:
+        signal.signal(number, end_otherwise)
+    with (
+        pytest.raises(Before),
+        coming_as_they_are_given_back(signal.SIGTERM),
+        handled(NUMBERS, end),
+    ):
+        pass
+    for number in NUMBERS:
+        with pytest.raises(Before):
+            signal.raise_signal(number)
+        assert signal.getsignal(number) is end_otherwise
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_signals_that_are_put_off_are_heard_afterwards(fails: bool) -> None:
+    heard: list[int] = []
+    for number in NUMBERS:
+        signal.signal(number, lambda number, frame: heard.append(number))
+
+    with pytest.raises(Before) if fails else nullcontext(), put_off(NUMBERS):
+        signal.raise_signal(signal.SIGTERM)
+        assert not heard
+        if fails:
+            raise Before
+    assert heard == [signal.SIGTERM]
+
+
+def test_what_is_not_for_python_is_not_put_off() -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    with put_off([signal.SIGTERM]):
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
+
+
+def test_a_handler_that_python_cannot_give_back_is_left_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(signal, "getsignal", lambda number: None)
+    monkeypatch.setattr(signal, "signal", lambda *_: pytest.fail("it is replaced"))
+    with handled(NUMBERS, end):
+        pass
