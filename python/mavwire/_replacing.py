@@ -43,7 +43,7 @@ class Replacement:
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), self.path)
         if self._mode is not None and not os.access(self.path, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), self.path)
-        if self._mode is not None and not self._is_ordinary(self._mode):
+        if self._mode is not None and not _is_ordinary(self.path, self._mode):
             return _temporary()
         beside = os.path.join(os.path.dirname(self._place), f".mavwire_{os.urandom(8).hex()}")
         try:
@@ -54,9 +54,6 @@ class Replacement:
             return _temporary()
         self._beside = beside
         return file
-
-    def _is_ordinary(self, mode: int) -> bool:
-        return stat.S_ISREG(mode) and not os.path.abspath(self.path).startswith(_SYSTEM)
 
     def finish(self, permissions: int | None = None) -> None:
         """Move it to its place."""
@@ -94,6 +91,18 @@ class Replacement:
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(self._beside)
             self._beside = None
+
+
+def is_replaceable(path: str) -> bool:
+    """Whether a path is that of a file, or of none yet: not of a pipe or a device, which get a copy."""
+    try:
+        return _is_ordinary(path, os.stat(path).st_mode)
+    except OSError:
+        return True
+
+
+def _is_ordinary(path: str, mode: int) -> bool:
+    return stat.S_ISREG(mode) and not os.path.abspath(path).startswith(_SYSTEM)
 
 
 def _temporary() -> IO[bytes]:

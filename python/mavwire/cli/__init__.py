@@ -124,6 +124,8 @@ def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
         return code
     except CommandError as error:
         print(f"{prefix}: error: {error}", file=sys.stderr)
+        if isinstance(error.__cause__, BrokenPipeError):  # the reader has gone
+            _discard_output()
         return error.exit_code
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED

@@ -14,9 +14,8 @@ from array import array
 from contextlib import contextmanager
 from itertools import chain
 
-from mavwire._replacing import replacing
 from mavwire.cli._errors import CommandError
-from mavwire.cli._output import refuse_log
+from mavwire.cli._output import writing
 from mavwire.links.recording import shown
 
 TYPE_CHECKING = False
@@ -76,19 +75,14 @@ def mat_file(args: Namespace) -> Iterator[Tables]:
     """Tables that are written at the end; what was there before stays when something fails."""
     if args.mat_file is None:
         raise CommandError("--format mat needs --mat_file FILE", exit_code=2)
-    refuse_log(args.mat_file, [args.log], "--mat_file")
     tables = Tables()
     try:
-        with replacing(args.mat_file) as file:
+        with writing(args.mat_file, [args.log], "--mat_file") as file:
             yield tables
             for part in tables.encoded(args.compress):
                 file.write(part)
     except struct.error as error:
         raise CommandError("--format mat: one type fills more than 4 GB; use --types") from error
-    except OSError as error:
-        if error.filename not in (None, args.mat_file):
-            raise
-        raise CommandError(f"--mat_file {args.mat_file}: {error.strerror}") from error
 
 
 def _identifier(name: str, taken: set[str]) -> str:

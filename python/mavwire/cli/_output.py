@@ -1,49 +1,77 @@
-"""Files that subcommands write, with errors that name them."""
+"""Files that subcommands write: complete or as they were, with errors that name them."""
 
 from __future__ import annotations
 
 import os
+from contextlib import contextmanager
 
+from mavwire._replacing import Replacement, is_replaceable
+from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from contextlib import ExitStack
-    from typing import Any
+    from collections.abc import Iterable, Iterator
+    from typing import IO
 
 
 class OutputFile:
     """A binary file that is being written; CommandError says which one could not be, and why."""
 
-    def __init__(self, path: str, option: str) -> None:
-        self._name = f"{option} {path}".lstrip()
-        self._file: Any = None
-        self._do(lambda: setattr(self, "_file", open(path, "wb")))
+    def __init__(self, name: str, file: IO[bytes]) -> None:
+        self._name = name
+        self._file = file
 
     def write(self, data: bytes) -> None:
         """Append bytes."""
-        self._do(lambda: self._file.write(data))
-
-    def close(self) -> None:
-        """Close the file; what was buffered is written."""
-        self._do(self._file.close)
-
-    def _do(self, action: Any) -> None:
         try:
-            action()
+            self._file.write(data)
         except OSError as error:
             raise CommandError(f"{self._name}: {error.strerror}") from error
 
 
-def open_output(
-    path: str, logs: Iterable[str], stack: ExitStack, option: str = "--output"
-) -> OutputFile:
-    """A file to write, closed with `stack`; CommandError if it is one of the logs that are read."""
+class _InPlace:
+    """A file that has what is written of it, whatever happens then."""
+
+    def __init__(self, path: str) -> None:
+        self.file: IO[bytes] = open(path, "wb")
+        self.finish = self.discard = self.file.close
+
+
+@contextmanager
+def writing(
+    path: str, logs: Iterable[str] = (), option: str = "--output", in_place: bool = False
+) -> Iterator[OutputFile]:
+    """A file that takes the place of `path` at the end: an error, and what ends a process, leave what was
+    there. A pipe, a device, and a file that is written `in_place` have at once what is written.
+    CommandError for one of the logs that are read, and for what cannot be written.
+    """
     refuse_log(path, logs, option)
-    file = OutputFile(path, option)
-    stack.callback(file.close)
-    return file
+    name = f"{option} {path}".lstrip()
+    is_whole = not in_place and is_replaceable(path)
+    with ended_in_order():
+        with _named(name):
+            target = Replacement(path) if is_whole else _InPlace(path)
+        try:
+            yield OutputFile(name, target.file)
+        except BaseException as error:
+            with _named(name):
+                target.discard()
+            if is_whole and isinstance(error, BrokenPipeError):
+                reason = "nobody reads standard output any more"
+                raise CommandError(f"{name} is not written: {reason}") from error
+            raise
+        with _named(name):
+            target.finish()
+
+
+@contextmanager
+def _named(name: str) -> Iterator[None]:
+    """Gives errors of a file the name that the user knows it by."""
+    try:
+        yield
+    except OSError as error:
+        raise CommandError(f"{name}: {error.strerror}") from error
 
 
 def refuse_log(path: str, logs: Iterable[str], option: str = "--output") -> None:

@@ -6,10 +6,9 @@ ACC0, GYR0 and so on have the number of the sensor in their names. Incomplete ba
 from __future__ import annotations
 
 import struct
-from contextlib import ExitStack
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._output import open_output
+from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._batches import TYPES, Batch, begin, samples
 
@@ -45,9 +44,8 @@ def main(args: Namespace) -> int:
     with (
         definitions(),
         reading("extract_batch_imu", args.inlog) as log,
-        ExitStack() as stack,
+        writing(args.outlog, [args.inlog], option="") as file,
     ):
-        file = open_output(args.outlog, [args.inlog], stack, option="")
         for msg in log.messages(TYPES):
             if msg.get_type() == "ISBH":
                 batch = begin(msg)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack
 
-from mavwire.cli._output import OutputFile, open_output
+from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
 from mavwire.tools._batches import TYPES, Batch, batches
@@ -35,7 +35,9 @@ def main(args: Namespace) -> int:
                     kind, number = batch.sensor
                     if batch.sensor not in files:
                         name = f"{NAMES[kind]}{number}.csv"
-                        files[batch.sensor] = open_output(name, args.logs, stack, option="")
+                        files[batch.sensor] = stack.enter_context(
+                            writing(name, args.logs, option="")
+                        )
                         files[batch.sensor].write(b"SampleUS,X,Y,Z\n")
                     files[batch.sensor].write(_lines(batch))
                     count += 1

@@ -10,7 +10,7 @@ import os
 from math import radians
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._output import open_output
+from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.tools._arguments import add_condition
 from mavwire.tools._figures import open_figures
@@ -257,8 +257,6 @@ def _line(one: Correction, mode: int) -> str:
 
 
 def _save(args: Namespace, found: Correction, mode: int) -> None:
-    from contextlib import ExitStack
-
     number = "" if args.mag == 1 else str(args.mag)
     kinds = (
         ("OFS", "%d", found.offsets), ("DIA", "%.3f", found.diagonals),
@@ -272,8 +270,7 @@ def _save(args: Namespace, found: Correction, mode: int) -> None:
     lines += [f"COMPASS_SCALE{number} {found.scale:.2f}", f"COMPASS_MOTCT {mode}"]
     name = f"{_stem(args)}.param"
     print(f"Saving params to {name}")
-    with ExitStack() as stack:
-        file = open_output(name, [args.log], stack, option="--save-params")
+    with writing(name, [args.log], "--save-params") as file:
         file.write("".join(f"{line}\n" for line in lines).encode())
 
 

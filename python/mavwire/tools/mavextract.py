@@ -10,7 +10,7 @@ import os
 from contextlib import ExitStack
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._output import OutputFile, open_output
+from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps, add_robust
 from mavwire.tools._telemetry import record
@@ -136,7 +136,7 @@ class Extraction:
     def _begin(self) -> OutputFile:
         path = self._free_name()
         print(f"Creating {path}")
-        file = open_output(path, self._args.logs, self._stack, option="")
+        file = self._stack.enter_context(writing(path, self._args.logs, option=""))
         for one in self._kept:
             file.write(one)
         return file
@@ -152,10 +152,9 @@ class Extraction:
                 return path
 
     def _end(self) -> None:
-        if self._file is not None:
-            self._write()
-            self._file.close()
-            self._file = None
+        self._write()
+        self._file = None
+        self._stack.close()
 
 
 class DataflashExtraction(Extraction):

@@ -11,7 +11,7 @@ from collections import Counter
 
 from mavwire._wording import printable
 from mavwire.cli._errors import CommandError
-from mavwire.cli._output import OutputFile
+from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_logs
 from mavwire.tools._telemetry import require_telemetry
@@ -194,9 +194,8 @@ def _save(remote: str, content: bytes, folder: str) -> None:
         raise CommandError(str(error)) from error
     if os.path.lexists(path):
         raise CommandError(f"--save: {path} is there already")
-    file = OutputFile(path, "--save")
-    file.write(content)
-    file.close()
+    with writing(path, option="--save") as file:
+        file.write(content)
 
 
 def _is_parameters(transfer: Transfer) -> bool:

@@ -9,10 +9,8 @@ import sys
 from html import escape
 from itertools import count
 
-from mavwire._replacing import replacing
-from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError
-from mavwire.cli._output import refuse_log
+from mavwire.cli._output import refuse_log, writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
 
@@ -73,7 +71,7 @@ def main(args: Namespace) -> int:
         if not lines:
             hint = f"no {args.source} in the logs; `mavwire map LOG --out FILE.kml` draws any log"
             print(f"mavwire kml: {hint}", file=sys.stderr)
-    with ended_in_order(), replacing(args.output) as file:
+    with writing(args.output) as file:
         file.write(document(lines, args.extrude).encode())
     print(f"KML written to {args.output}")
     return 0

@@ -12,7 +12,7 @@ from heapq import merge
 from operator import attrgetter
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._output import open_output
+from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, opening, reading
 from mavwire.tools._telemetry import is_damaged, record, require_telemetry
 
@@ -44,7 +44,7 @@ def main(args: Namespace) -> int:
         ]
         for log in logs:
             require_telemetry(log)
-        file = open_output(args.output, args.logs, stack) if args.output else None
+        file = stack.enter_context(writing(args.output, args.logs)) if args.output else None
         for msg in merge(*(log.messages() for log in logs), key=attrgetter("_timestamp")):
             if is_damaged(msg):
                 continue

@@ -6,7 +6,7 @@ import os
 from contextlib import ExitStack
 
 from mavwire.cli._message_types import wanted
-from mavwire.cli._output import OutputFile, open_output
+from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
 from mavwire.tools._telemetry import is_damaged, record, require_telemetry
@@ -51,7 +51,7 @@ def _split(log: Reading, types: list[str] | None, args: Namespace, stack: ExitSt
         if sysid not in files:
             path = f"{stem}-{sysid}.tlog"
             print(f"Creating {path}")
-            files[sysid] = open_output(path, args.logs, stack, option="")
+            files[sysid] = stack.enter_context(writing(path, args.logs, option=""))
         files[sysid].write(record(msg))
 
 

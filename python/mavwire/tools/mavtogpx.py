@@ -6,10 +6,8 @@ import math
 import time
 from functools import lru_cache
 
-from mavwire._replacing import replacing
-from mavwire._signals import ended_in_order
 from mavwire.cli._message_types import tell_unknown
-from mavwire.cli._output import refuse_log
+from mavwire.cli._output import refuse_log, writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs
 
@@ -61,7 +59,7 @@ def main(args: Namespace) -> int:
 def _write(log: Reading, args: Namespace, path: str) -> int:
     """Write the track; how many points it has. After an error the file is as it was."""
     count = 0
-    with ended_in_order(), replacing(path) as file:
+    with writing(path, option="") as file:
         file.write(HEADER.encode())
         for point in _points(log, args):
             file.write(point.encode())

@@ -5,10 +5,8 @@ from __future__ import annotations
 import os
 from collections import Counter
 
-from mavwire._replacing import replacing
-from mavwire._signals import ended_in_order
 from mavwire.cli._message_types import wanted
-from mavwire.cli._output import refuse_log
+from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.links.recording import shown
 from mavwire.tools._arguments import add_condition, add_dialect, add_logs
@@ -16,7 +14,7 @@ from mavwire.tools._arguments import add_condition, add_dialect, add_logs
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
-    from typing import IO, Any
+    from typing import Any
 
     from mavwire.cli._reading import Reading
 
@@ -43,19 +41,17 @@ def main(args: Namespace) -> int:
     for path in args.logs:
         print(f"Processing {path}")
         output = args.output or f"{os.path.splitext(path)[0]}.m"
-        refuse_log(output, [path])
         with (
             definitions(args.dialect),
             reading("tomfile", path, zero_time_base=True) as log,
-            ended_in_order(),
-            replacing(output) as file,
+            writing(output, args.logs) as file,
         ):
             print(f"Creating {output}")
             _write(log, args, file)
     return 0
 
 
-def _write(log: Reading, args: Namespace, file: IO[bytes]) -> None:
+def _write(log: Reading, args: Namespace, file: OutputFile) -> None:
     types = wanted(args.types, log)
     source = kind_of(log.link)
     rows = Counter[str]()

@@ -94,13 +94,21 @@ print(json.dumps([full, run_all(commands, log, out)]))
         assert not any(one.endswith(".part") for one in made)
 
 
-def test_a_dump_to_a_full_disk_ends_with_an_error_and_holds_whole_records(
-    flight: Path, tmp_path: Path
+@pytest.mark.parametrize("is_followed", [False, True])
+def test_a_dump_to_a_full_disk_ends_with_an_error(
+    is_followed: bool, flight: Path, tmp_path: Path
 ) -> None:
+    """What was there stays; of a log that is followed there are the records that fit."""
     out = tmp_path / "made.tlog"
-    done = mavwire("dump", str(flight), "--quiet", "-o", str(out), before="ulimit -f 8")
+    out.write_text("precious")
+    options = ["--follow"] if is_followed else []
+    done = mavwire("dump", str(flight), "--quiet", "-o", str(out), *options, before="ulimit -f 8")
     assert done.returncode == 1
     assert done.stderr == f"mavwire dump: error: --output {out}: File too large\n"
+    assert os.listdir(tmp_path) == [out.name]
+    if not is_followed:
+        assert out.read_text() == "precious"
+        return
     found, whole = list(open_log(out)), list(open_log(flight))
     assert 0 < len(found) < len(whole)
     assert [bytes(msg.get_msgbuf()) for msg in found] == [
