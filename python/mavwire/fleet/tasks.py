@@ -61,11 +61,10 @@ def _convert(piece: Piece, recipe: Recipe) -> Converted:
         place = located(piece.path, piece.byte_range, recipe.storage_options)
         with place as source, _workspace(recipe) as folder:
             native = native_dialect(recipe.dialect)[1]
-            job = Job(folder, native, recipe.query, recipe.format, recipe.compression, None)
+            # On the disk of `out`, a file that cannot be written could not be at its place either.
+            named = None if recipe.staging is None else recipe.out
+            job = Job(folder, native, recipe.query, recipe.format, recipe.compression, None, named)
             row = job.run(piece.path, piece.name, source)
-            if row.error is not None and recipe.staging is not None:
-                # The place on the same disk that it was for: the folder is gone when this is read.
-                row.error = row.error.replace(folder, recipe.out)
             publish(folder, row, recipe)
             return row
     except (

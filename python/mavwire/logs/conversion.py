@@ -173,6 +173,8 @@ class Job:
     format: str
     compression: str
     progress: Callable[[str, float], object] | None
+    named: str | None = None
+    """What errors call `out`, where files get other names once they are complete."""
 
     def run(self, path: str, name: str, source: Source | None = None) -> Converted:
         """Convert a log to `out/MESSAGE/name`, or `out/name`; what went wrong is in the row.
@@ -186,8 +188,15 @@ class Job:
                 row.size, row.mtime_ns = file_status(path)
             self._convert(path if source is None else source, row)
         except (OSError, ValueError, MemoryError) as error:
+            if isinstance(error, OSError):
+                self._name_place(error)
             row.error = in_words(error, path)
         return row
+
+    def _name_place(self, error: OSError) -> None:
+        """Give an error of a file below `out` the name that the file is to have."""
+        if self.named is not None and str(error.filename).startswith(os.path.join(self.out, "")):
+            error.filename = os.path.join(self.named, os.path.relpath(error.filename, self.out))
 
     def _convert(self, source: Source, row: Converted) -> None:
         file = row.name + FORMATS[self.format]

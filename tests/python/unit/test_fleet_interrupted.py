@@ -222,16 +222,20 @@ def test_a_file_that_cannot_be_moved_leaves_no_folder(tmp_path, monkeypatch):
     assert not list(out.rglob("*"))
 
 
+@pytest.mark.parametrize("beside", ["", "-other"])
 def test_a_file_that_cannot_be_written_is_called_as_it_would_be(
-    tmp_path, mixed, inside, monkeypatch
+    beside, tmp_path, mixed, inside, monkeypatch
 ):
-    def run(self, path, name, source):
-        draft = os.path.join(self.out, "ATTITUDE", f"{name}.parquet")
-        return Converted(path, name, error=f"{draft}: No space left on device")
+    """Another one, beside those that are not complete, is called as it is."""
+    names = []
 
-    monkeypatch.setattr("mavwire.fleet.tasks.Job.run", run)
+    def refuse(source, native, query, out, file, format, compression):
+        names.append(f"{out}{beside}/ATTITUDE/{file}")
+        raise OSError(errno.ENOSPC, "No space left on device", names[0])
+
+    monkeypatch.setattr("mavwire.logs.conversion.open_converter", refuse)
     (row,) = convert_fleet(mixed, tmp_path / "out", inside, types=TYPES)
-    table = tmp_path / "out" / "ATTITUDE" / "mixed.parquet"
+    table = names[0] if beside else tmp_path / "out" / "ATTITUDE" / "mixed.parquet"
     assert row.error == f"{table}: No space left on device"
 
 
