@@ -39,7 +39,7 @@ def definitions(dialect: str | None = None, wire_protocol: str | None = None) ->
     try:
         if wire_protocol is not None:
             state.wire_protocol = wire_protocol
-        with _naming_dialect(dialect, state.current_dialect if dialect is None else dialect):
+        with _naming_dialect(state.current_dialect if dialect is None else dialect):
             if dialect is None:
                 state.renew_dialect()
             else:
@@ -50,14 +50,14 @@ def definitions(dialect: str | None = None, wire_protocol: str | None = None) ->
 
 
 @contextmanager
-def _naming_dialect(option: str | None, name: str) -> Iterator[None]:
+def _naming_dialect(name: str) -> Iterator[None]:
     """What goes wrong while a dialect is loaded becomes a CommandError that names it."""
     try:
         yield
     except FileNotFoundError as error:
         raise CommandError(no_such_dialect(name)) from error
     except (OSError, ValueError) as error:
-        raise CommandError(f"--dialect {option}: {error}") from error
+        raise CommandError(f"--dialect {name}: {in_words(error, name)}") from error
 
 
 @contextmanager

@@ -11,6 +11,7 @@ import errno
 import importlib.util
 import keyword
 import os
+import stat
 import sys
 from collections.abc import Sequence
 from typing import Protocol
@@ -192,11 +193,8 @@ def _is_built_in(path: str) -> bool:
 
 
 def _read_file(opts: _Options, filename: str, included_by: str | None = None) -> mavparse.MAVXML:
-    if os.path.isdir(filename):
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), filename)
     if not os.path.isfile(filename):
-        reason = f"No such file; {included_by} includes it" if included_by else "No such file"
-        raise FileNotFoundError(errno.ENOENT, reason, filename)
+        raise _no_file(filename, f"; {included_by} includes it" if included_by else "")
     if opts.validate:
         print(f"Validating {filename}")
         _validate(filename, opts.strict_units)
@@ -204,6 +202,19 @@ def _read_file(opts: _Options, filename: str, included_by: str | None = None) ->
         print(f"Validation skipped for {filename}.")
     print(f"Parsing {filename}")
     return mavparse.MAVXML(filename, opts.wire_protocol)
+
+
+def _no_file(filename: str, included: str) -> OSError | MAVParseError:
+    """What to say of a definition file that is none."""
+    try:
+        mode = os.stat(filename).st_mode
+    except (FileNotFoundError, ValueError):  # the latter for names that no file can have
+        return FileNotFoundError(errno.ENOENT, f"No such file{included}", filename)
+    except OSError as error:  # such as symbolic links that lead round
+        return OSError(error.errno, f"{error.strerror}{included}", filename)
+    if stat.S_ISDIR(mode):
+        return IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), filename)
+    return MAVParseError(f"{filename}: not a regular file{included}")
 
 
 def _enum_names(dialects: set[str]) -> set[str]:

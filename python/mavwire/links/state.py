@@ -133,10 +133,7 @@ def _definitions_path(dialect: str) -> str:
 
 
 def _load_definitions(path: str, version: str) -> ModuleType:
-    if not os.path.isfile(path):
-        import errno
-
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), path)
+    os.stat(path)  # raises what is wrong with the way there
     dialects: Any = _import(DIALECTS)
     module: ModuleType = dialects.load(path, wire_protocol=version)
     return module

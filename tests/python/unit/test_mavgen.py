@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import errno
 import importlib.util
+import os
 import pickle
 import sys
 from pathlib import Path
@@ -453,6 +454,41 @@ def test_missing_files_are_named(tmp_path: Path) -> None:
     with pytest.raises(IsADirectoryError) as error:  # type: ignore[assignment]
         mavgen.mavgen(mavgen.Opts("made"), [str(tmp_path)])
     assert error.value.filename == str(tmp_path)
+
+
+def test_what_is_no_file_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As other commands do; an include too."""
+    from mavwire import cli
+
+    around, pipe = tmp_path / "around.xml", tmp_path / "pipe.xml"
+    around.symlink_to(around)
+    os.mkfifo(pipe)
+    includes = document(message(), head="<include>around.xml</include>")
+    path, too_many = write(tmp_path, "probe.xml", includes), os.strerror(errno.ELOOP)
+    for name, said in (
+        (around, too_many),
+        (path, f"{too_many}; {path} includes it"),
+        (pipe, "not a regular file"),
+    ):
+        assert cli.main(["gen", "-o", str(tmp_path / "made"), str(name)]) == 1
+        wrong = around if name == path else name
+        assert capsys.readouterr().err == f"ERROR: {wrong}: {said}\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("around.xml", os.strerror(errno.ELOOP)), ("folder.xml", os.strerror(errno.EISDIR))],
+)
+def test_what_is_no_dialect_is_said(
+    name: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from mavwire import cli
+
+    (tmp_path / "around.xml").symlink_to("around.xml")
+    (tmp_path / "folder.xml").mkdir()
+    path = str(tmp_path / name)
+    assert cli.main(["definitions", "show", "--dialect", path, "ATTITUDE"]) == 1
+    assert capsys.readouterr().err == f"mavwire definitions: error: --dialect {path}: {said}\n"
 
 
 @pytest.mark.parametrize("output", [".", "folder/", "folder/.."])
