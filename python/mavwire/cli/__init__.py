@@ -16,7 +16,7 @@ from io import TextIOWrapper
 
 from mavwire._arguments import PlainParser
 from mavwire._wording import guarded_output
-from mavwire.cli._errors import CommandError, describe_os_error
+from mavwire.cli._errors import CommandError, describe_os_error, tell
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
         sys.stdout.flush()  # so that a full disk is told of here
         return code
     except CommandError as error:
-        print(f"{prefix}: error: {error}", file=sys.stderr)
+        tell(f"{prefix}: error: {error}")
         if isinstance(error.__cause__, BrokenPipeError):  # the reader has gone
             _discard_output()
         return error.exit_code
@@ -134,10 +134,10 @@ def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
         return 0
     except MemoryError:
         hint = "ask for fewer types or a shorter time, or allow the process more"
-        print(f"{prefix}: error: there is not enough memory: {hint}", file=sys.stderr)
+        tell(f"{prefix}: error: there is not enough memory: {hint}")
         return 1
     except OSError as error:
-        print(f"{prefix}: error: {describe_os_error(error)}", file=sys.stderr)
+        tell(f"{prefix}: error: {describe_os_error(error)}")
         _discard_output()
         return 1
 
@@ -151,7 +151,7 @@ def _run(name: str, command: Any, arguments: list[str]) -> int:
     if name in ("-V", "--version"):
         print(_version())
         return 0
-    print(_unknown(name), file=sys.stderr)
+    tell(_unknown(name))
     return EXIT_USAGE
 
 

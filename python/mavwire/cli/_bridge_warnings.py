@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from typing import NamedTuple
+
+from mavwire.cli._errors import tell
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -83,4 +84,4 @@ class DropWarnings:
 
 
 def _say(text: str) -> None:
-    print(f"mavwire bridge: warning: {text}", file=sys.stderr, flush=True)
+    tell(f"mavwire bridge: warning: {text}")

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+
+from mavwire._wording import printable
+
 
 class CommandError(Exception):
     """Printed as ``mavwire COMMAND: error: ...`` without a traceback; ``exit_code`` ends the
@@ -11,6 +15,13 @@ class CommandError(Exception):
     def __init__(self, message: str, exit_code: int = 1) -> None:
         super().__init__(message)
         self.exit_code = exit_code
+
+
+def tell(text: str) -> None:
+    """Print a line on standard error: what names of files and texts of logs have in them neither ends it
+    nor steers a terminal.
+    """
+    print(printable(text), file=sys.stderr)
 
 
 def describe_os_error(error: OSError) -> str:

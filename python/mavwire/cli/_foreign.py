@@ -7,7 +7,8 @@ what it was read from.
 from __future__ import annotations
 
 import os
-import sys
+
+from mavwire.cli._errors import tell
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def warn_if_barren(command: str, path: str, dialect: str, name: str | None = Non
 
 def _say(command: str, said: str, path: str, name: str | None) -> None:
     said = said.removesuffix(f": {path!r}")
-    print(f"mavwire {command}: {said}: {name or path!r}", file=sys.stderr)
+    tell(f"mavwire {command}: {said}: {name or path!r}")
 
 
 def _lacking(path: str, dialect: str | ModuleType) -> tuple[str, bool]:

@@ -4,9 +4,7 @@ unnoticed.
 
 from __future__ import annotations
 
-import sys
-
-from mavwire._wording import printable
+from mavwire.cli._errors import tell
 from mavwire.cli._reading import kind_of
 
 TYPE_CHECKING = False
@@ -52,4 +50,4 @@ def wanted(text: str | None, log: Reading) -> list[str] | None:
 def tell_unknown(names: Iterable[str], log: Reading) -> None:
     """Say on standard error which names are no message types."""
     for problem in unknown(filter(None, names), log.link):
-        print(printable(f"mavwire {log.command}: {problem}"), file=sys.stderr)
+        tell(f"mavwire {log.command}: {problem}")

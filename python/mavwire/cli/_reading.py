@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from functools import partial
 from itertools import chain, islice
 
-from mavwire._wording import in_words, naming, no_such_dialect, printable
-from mavwire.cli._errors import CommandError
+from mavwire._wording import in_words, naming, no_such_dialect
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._progress import Progress
 
 TYPE_CHECKING = False
@@ -214,7 +214,7 @@ class Reading:
             yield from self.messages(types, condition)
             if os.fstat(self.link.f.fileno()).st_size < self.link.f.tell():
                 text = f"mavwire {self.command}: the log was cut, it is read from its start again"
-                print(f"{text}: {self.path!r}", file=sys.stderr)
+                tell(f"{text}: {self.path!r}")
                 self._start_again()
             time.sleep(FOLLOW_EVERY)
 
@@ -236,8 +236,7 @@ class Reading:
         """Whether there are numbers where they should be; it is said if not."""
         error = _word_in(msg)
         if error is not None:
-            text = f"mavwire {self.command}: {msg.get_type()} passed over: {error}"
-            print(printable(text), file=sys.stderr)
+            tell(f"mavwire {self.command}: {msg.get_type()} passed over: {error}")
         return error is None
 
     def _has_words(self) -> bool:

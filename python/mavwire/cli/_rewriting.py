@@ -6,6 +6,7 @@ import os
 from typing import TYPE_CHECKING
 
 from mavwire._signals import ended_in_order
+from mavwire._wording import printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
@@ -48,7 +49,7 @@ def run(command: str, args: Namespace, logs: list[str], work: Callable[..., Rewr
 
 def report(out: str, done: Rewritten) -> str:
     """What was done, in lines."""
-    lines = [f"{out}: {done.written:,} of {done.records:,} records"]
+    lines = [f"{printable(out)}: {done.written:,} of {done.records:,} records"]
     if done.bad_bytes:
         lines.append(
             f"  left out {done.bad_bytes:,} bytes in {done.bad_places:,} places: no record"

@@ -142,7 +142,8 @@ def _what_pymavlink_is() -> str:
         command, capture_output=True, text=True, cwd=sys.prefix, check=False, timeout=60
     )
     if result.returncode != 0:
-        raise CommandError(f"'import pymavlink' fails:\n{result.stderr.strip()}")
+        reason = result.stderr.strip().rpartition("\n")[2]
+        raise CommandError(f"'import pymavlink' fails: {reason}")
     return result.stdout.strip()
 
 

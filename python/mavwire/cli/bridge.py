@@ -27,7 +27,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import ended_in_order
-from mavwire.cli._errors import CommandError, describe_link_error
+from mavwire.cli._errors import CommandError, describe_link_error, tell
 from mavwire.cli.sim import duration
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
     try:
         config = load_config(args.config) if args.config else Config()
         for warning in config.warnings:
-            print(f"mavwire bridge: warning: {warning}", file=sys.stderr)
+            tell(f"mavwire bridge: warning: {warning}")
         for text in [*args.master, *args.out, *args.endpoints]:
             config.links.append((repr(text), parse_endpoint(text), {}))
         if not config.links:

@@ -9,11 +9,11 @@ pip install 'mavwire[fleet]').
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 from mavwire._signals import ended_in_order
-from mavwire.cli._errors import CommandError
+from mavwire._wording import printable
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
 from mavwire.cli._rewriting import split, systems_of, time_of
@@ -83,11 +83,12 @@ def main(args: argparse.Namespace) -> int:
             warn_if_barren("convert", row.path, args.dialect)
         if row.error is not None:
             failed += not row.skipped  # what is damaged is damaged for ever
-            print(f"mavwire convert: {row.path}: {row.error}", file=sys.stderr)
+            tell(f"mavwire convert: {row.path}: {row.error}")
         if not args.quiet and (row.error is None or row.files):
             done = "converted before" if row.skipped else "converted"
             left = f", without {row.bad_bytes:,} bytes of no record" if row.bad_bytes else ""
-            print(f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files{left}")
+            told = f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files{left}"
+            print(printable(told))
     return 1 if failed else 0
 
 

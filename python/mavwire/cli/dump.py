@@ -14,7 +14,7 @@ from contextlib import ExitStack, contextmanager, redirect_stdout
 from mavwire._wording import is_terminal, shown_to
 from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection, unknown_types
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import (
     STANDARD_INPUT,
@@ -220,7 +220,7 @@ def _dump(
     link = log.link
     shape = _dump_format.formatter(args, link)
     for problem in unknown_types(args, link):
-        print(f"mavwire dump: {problem}", file=sys.stderr)
+        tell(f"mavwire dump: {problem}")
     selection = Selection(args, log)
     if isinstance(shape, _dump_format.Csv):
         writer.line(shape.header())

@@ -6,9 +6,9 @@ mavwire to run. To use a dialect without writing a file, see mavwire.dialects.lo
 
 from __future__ import annotations
 
-import sys
 from argparse import ArgumentParser, Namespace
 
+from mavwire.cli._errors import tell
 from mavwire.generator import mavgen
 from mavwire.generator.mavparse import PROTOCOL_1_0, PROTOCOL_2_0, MAVParseError
 
@@ -54,7 +54,7 @@ def main(args: Namespace) -> int:
     try:
         return 0 if mavgen.mavgen(args, args.definitions) else 1
     except MAVParseError as error:
-        print(f"ERROR: {error}", file=sys.stderr)
+        tell(f"ERROR: {error}")
     except OSError as error:
-        print(f"ERROR: {error.filename}: {error.strerror}", file=sys.stderr)
+        tell(f"ERROR: {error.filename}: {error.strerror}")
     return 1

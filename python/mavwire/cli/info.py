@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 import time
 from collections import Counter
 from contextlib import nullcontext
@@ -19,7 +18,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 from mavwire._wording import in_words, no_such_dialect, printable
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
 from mavwire.cli._reading import STANDARD_INPUT, open_link, standard_input
@@ -277,7 +276,7 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
     try:
         summary = read(path, args.dialect)
     except (OSError, ValueError, ImportError) as error:
-        print(f"mavwire info: {name}: {in_words(error, path)}", file=sys.stderr)
+        tell(f"mavwire info: {name}: {in_words(error, path)}")
         return False
     called = STANDARD_INPUT if name == "-" else name
     if not summary.messages and warn_if_barren("info", path, args.dialect or "all", called):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavwire._wording import printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli.plot import check_output
 
@@ -34,5 +35,5 @@ def main(args: argparse.Namespace) -> int:
         raise CommandError(str(error)) from error
     if not args.quiet:
         waypoints = f", {len(track.waypoints)} waypoints" if track.waypoints else ""
-        print(f"{args.out}: {len(track.times):,} positions{waypoints}")
+        print(printable(f"{args.out}: {len(track.times):,} positions{waypoints}"))
     return 0

@@ -9,10 +9,10 @@ are shaded. FILE ends in .png, .svg or .pdf (needs matplotlib), or in .html, a p
 from __future__ import annotations
 
 import os
-import sys
 from typing import TYPE_CHECKING
 
-from mavwire.cli._errors import CommandError
+from mavwire._wording import printable
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import same_file
 from mavwire.tools._arguments import add_condition
 
@@ -85,8 +85,8 @@ def main(args: argparse.Namespace) -> int:
         raise CommandError(str(error)) from error
     if not args.quiet:
         for note in done.notes:
-            print(f"mavwire plot: {note}", file=sys.stderr)
-        print(f"{done.path}: {done.points:,} points")
+            tell(f"mavwire plot: {note}")
+        print(printable(f"{done.path}: {done.points:,} points"))
     return 0
 
 

@@ -22,7 +22,7 @@ from types import CodeType, ModuleType, TracebackType
 from typing import NoReturn
 
 from mavwire._alias import AliasError, install_as_pymavlink
-from mavwire._wording import shown_to
+from mavwire.cli._errors import tell
 
 PASS_THROUGH = True
 
@@ -192,4 +192,4 @@ def _fail(reason: str, exit_code: int = 1) -> NoReturn:
 
 def _say(text: str) -> None:
     if sys.stderr is not None:  # for which `print` would take standard output
-        print(shown_to(sys.stderr, f"mavwire run: {text}"), file=sys.stderr)
+        tell(f"mavwire run: {text}")

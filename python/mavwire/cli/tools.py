@@ -12,6 +12,7 @@ import sys
 import sysconfig
 
 from mavwire._replacing import replace_text
+from mavwire.cli._errors import tell
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -74,10 +75,9 @@ def _install(folder: str) -> int:
         written += 1
     print(f"{written} scripts written to {folder}")
     if foreign:
-        print(
+        tell(
             f"mavwire tools: left alone, they are not mavwire's: {', '.join(sorted(foreign))};"
-            " 'mavwire VERB' runs mavwire's all the same",
-            file=sys.stderr,
+            " 'mavwire VERB' runs mavwire's all the same"
         )
     return 1 if foreign else 0
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._reading import definitions, kind_of, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
 from mavwire.tools._figures import open_figures
@@ -78,9 +76,8 @@ def main(args: Namespace) -> int:
 
 def _warn_of_no_sphere(path: str, residual: float, radius: float) -> None:
     if residual > WORST * radius:
-        print(
-            f"mavwire magfit: {path}: the measurements do not lie on a sphere; do not use these offsets",
-            file=sys.stderr,
+        tell(
+            f"mavwire magfit: {path}: the measurements do not lie on a sphere; do not use these offsets"
         )
 
 

@@ -6,11 +6,10 @@ Prints the name of each, and of a parameter file the parameters.
 from __future__ import annotations
 
 import os
-import sys
 from collections import Counter
 
 from mavwire._wording import printable
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_logs
@@ -43,10 +42,9 @@ def main(args: Namespace) -> int:
             for transfer in transfers(log.messages(["FILE_TRANSFER_PROTOCOL"]), strays):
                 _tell(transfer, args.save)
         for system, count in sorted(strays.items()):
-            print(
+            tell(
                 f"mavwire ftpdecode: {path}: {count} parts of files that system {system} sent are left"
-                " out: the log does not have which files were asked for",
-                file=sys.stderr,
+                " out: the log does not have which files were asked for"
             )
     return 0
 
@@ -179,7 +177,7 @@ def _tell(transfer: Transfer, folder: str | None) -> None:
     if _is_parameters(transfer):
         _tell_parameters(name, content)
     elif missing:
-        print(f"mavwire ftpdecode: {name}: {missing} bytes are missing", file=sys.stderr)
+        tell(f"mavwire ftpdecode: {name}: {missing} bytes are missing")
     if folder:
         _save(transfer.name, content, folder)
 
@@ -207,7 +205,7 @@ def _tell_parameters(file: str, content: bytes) -> None:
 
     found = ftp_param_decode(content)
     if found is None:
-        print(f"mavwire ftpdecode: {file}: the parameters are not complete", file=sys.stderr)
+        tell(f"mavwire ftpdecode: {file}: the parameters are not complete")
         return
     for name, value, _ in found.params:
         print(printable(name.decode(errors="replace")), value)

@@ -6,12 +6,11 @@ value at each of them, with the newest of the others.
 
 from __future__ import annotations
 
-import sys
 from array import array
 from typing import Any
 
-from mavwire._wording import in_words, printable
-from mavwire.cli._errors import CommandError
+from mavwire._wording import in_words
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli.plot import check_output, is_log
 from mavwire.expression import evaluate_expression
@@ -199,7 +198,7 @@ class Series:
         if why is None and self._over is not None:
             why = why_nothing(self._over, messages)
         if why:
-            print(printable(f"mavwire graph: {self._expression.text}: {why}"), file=sys.stderr)
+            tell(f"mavwire graph: {self._expression.text}: {why}")
 
     def draw(self, graph: Graph, label: str, field: str, colour: int) -> None:
         """Add what was gathered to the graph; say so if that is nothing."""

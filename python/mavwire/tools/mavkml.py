@@ -5,11 +5,10 @@
 
 from __future__ import annotations
 
-import sys
 from html import escape
 from itertools import count
 
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log, writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
@@ -70,7 +69,7 @@ def main(args: Namespace) -> int:
                 lines += _lines(log, args)
         if not lines:
             hint = f"no {args.source} in the logs; `mavwire map LOG --out FILE.kml` draws any log"
-            print(f"mavwire kml: {hint}", file=sys.stderr)
+            tell(f"mavwire kml: {hint}")
     with writing(args.output) as file:
         file.write(document(lines, args.extrude).encode())
     print(f"KML written to {args.output}")

@@ -6,12 +6,11 @@ With --exact natively: every good record of damaged logs, times to the microseco
 from __future__ import annotations
 
 import os
-import sys
 from contextlib import ExitStack
 from heapq import merge
 from operator import attrgetter
 
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, opening, reading
 from mavwire.tools._telemetry import is_damaged, record, require_telemetry
@@ -60,8 +59,7 @@ def _plain(path: str, stack: ExitStack) -> str:
     from mavwire.logs.sources import decompressed
 
     def warn(damage: str) -> None:
-        text = f"mavwire merge: the compressed log is cut off or damaged ({damage}): {path!r}"
-        print(text, file=sys.stderr)
+        tell(f"mavwire merge: the compressed log is cut off or damaged ({damage}): {path!r}")
 
     if not os.path.isfile(path):  # `reading` tells what it is
         return path

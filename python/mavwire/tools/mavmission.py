@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import sys
 
+from mavwire.cli._errors import tell
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
 from mavwire.tools._arguments import add_logs
@@ -44,7 +44,7 @@ def main(args: Namespace) -> int:
                         _put(mission, _item(msg))
             if not mission.count() and os.path.exists(args.output):
                 kept = f"no mission in {path}, {args.output} is left as it is"
-                print(f"mavwire mission: {kept}", file=sys.stderr)
+                tell(f"mavwire mission: {kept}")
                 continue
             mission.save(args.output)
             print(f"Saved {mission.count()} waypoints to {args.output}")

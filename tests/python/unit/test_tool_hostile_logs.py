@@ -113,6 +113,55 @@ def test_errors_steer_no_terminal(
     assert on_terminal == "\n".join(map(printable, in_file.split("\n")))
 
 
+FORGED = "a\nmavwire: all is well\n\x1b[2J.tlog"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["info", FORGED], ["info", "junk" + FORGED], ["convert", "junk" + FORGED, "-o", "out"], ["dump", FORGED],
+        ["dump", "junk" + FORGED], ["cut", FORGED, "-o", "out"], ["plot", FORGED, "A.b", "-o", "a.png"],
+        ["gen", FORGED, "-o", "out.py"], ["bridge", "--config", FORGED], ["parmdiff", FORGED, FORGED], [FORGED],
+        ["dump", "--dialect", FORGED, "x"], ["run", FORGED], ["dump", "good.tlog", "-q", "-o", f"none/{FORGED}"],
+        ["mission", "good.tlog", "--output", f"none/{FORGED}"],
+    ],
+)  # fmt: skip
+def test_a_name_makes_no_line_of_an_error(
+    arguments: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Nor of one that a file or a pipe takes, such as the journal of a service."""
+    monkeypatch.chdir(tmp_path)
+    Path("junk" + FORGED).write_bytes(b"junk" * 3000)
+    flight_log(Path("good.tlog"))
+    try:
+        code = cli.main(arguments)
+    except SystemExit as ending:
+        code = int(ending.code or 0)
+    said = capsys.readouterr().err
+    assert code != 0 or "no telemetry log" in said
+    assert said.count("\n") == 1
+    assert "\x1b" not in said
+    assert "\\x1b[2J" in said
+
+
+def test_a_name_makes_no_line_of_a_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    flight_log(Path("log" + FORGED))
+    for arguments in (
+        ["convert", "log" + FORGED, "-o", "out"],
+        ["repair", "log" + FORGED, "-o", FORGED],
+    ):
+        assert cli.main(arguments) == 0
+        said = capsys.readouterr().out
+        assert (said.count("\n"), "\x1b" in said) == (1, False), said
+    assert Path(FORGED).exists()
+
+
 def test_a_text_that_ends_a_program_steers_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> int:
         raise OSError("wrong: \x9b31m")
