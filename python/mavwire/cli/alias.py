@@ -15,6 +15,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 
 from mavwire._alias import COMPATIBLE_VERSION
+from mavwire._replacing import replace_text
 from mavwire.cli._errors import CommandError
 
 # Read in alphabetical order; files that add folders to sys.path, such as an editable install's,
@@ -69,14 +70,9 @@ def main(args: Namespace) -> int:
 def enable(folder: str) -> int:
     """Write the file and prove that it works."""
     path = os.path.join(folder, PTH_NAME)
-    temporary = f"{path}.{os.getpid()}.tmp"
     try:
-        with open(temporary, "x", encoding="ascii") as file:
-            file.write(PTH_LINE)
-        os.replace(temporary, path)
+        replace_text(path, PTH_LINE)
     except OSError as error:
-        if os.path.exists(temporary):
-            os.unlink(temporary)
         raise CommandError(_cannot("write", path, error)) from None
     return status(folder)
 

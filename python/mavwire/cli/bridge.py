@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from contextlib import ExitStack, suppress
@@ -144,7 +143,7 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
                 stack.push(one)
                 beside.append(one)
             try:  # whoever reads that it is announced may end it at once
-                print(_announcement(bridge, beside), file=sys.stderr, flush=True)
+                tell(_announcement(bridge, beside))
                 _watch(bridge, warn, args)
             finally:
                 if args.json is not None:

@@ -49,7 +49,8 @@ def main(args: Namespace) -> int:
         count = sync(args.folder)
         print(f"{count} definition files stored in {stored_folder()}")
     elif args.action == "clear":
-        shutil.rmtree(stored_folder(), ignore_errors=True)
+        if stored_folder().exists():
+            shutil.rmtree(stored_folder())
         print(f"{stored_folder()} removed")
     else:
         print(_status())
@@ -74,11 +75,13 @@ def sync(folder: Path) -> int:
     target = stored_folder()
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(dir=target.parent, prefix="definitions-"))
-        for file in files:
-            shutil.copyfile(file, staging / file.name)
-        shutil.rmtree(target, ignore_errors=True)
-        os.replace(staging, target)
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix="definitions-") as folder_name:
+            staging = Path(folder_name) / target.name
+            staging.mkdir()
+            for file in files:
+                shutil.copyfile(file, staging / file.name)
+            shutil.rmtree(target, ignore_errors=True)
+            os.replace(staging, target)
     except OSError as error:
         raise CommandError(f"cannot write {target}: {error.strerror}") from None
     return len(files)

@@ -17,11 +17,11 @@ from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from mavwire._wording import in_words, no_such_dialect, printable
-from mavwire.cli._errors import CommandError, tell
+from mavwire._wording import in_words, printable
+from mavwire.cli._errors import tell
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
-from mavwire.cli._reading import STANDARD_INPUT, open_link, standard_input
+from mavwire.cli._reading import STANDARD_INPUT, definitions, open_link, standard_input
 
 if TYPE_CHECKING:
     import argparse
@@ -263,7 +263,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def main(args: argparse.Namespace) -> int:
     """Run the subcommand; 1 where a log could not be read."""
-    _check_dialect(args.dialect)
+    if args.dialect is not None:
+        with definitions(args.dialect):  # says once, before any log, that there is no such dialect
+            pass
     failed = 0
     for number, path in enumerate(args.logs):
         with standard_input() if path == "-" else nullcontext(path) as file:
@@ -287,20 +289,6 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
     else:
         print(("\n" if apart else "") + table(summary))
     return True
-
-
-def _check_dialect(dialect: str | None) -> None:
-    """Say once, before any log, that there is no such dialect."""
-    from mavwire import mavutil
-
-    if dialect is None:
-        return
-    try:
-        mavutil.set_dialect(dialect)
-    except FileNotFoundError as error:
-        raise CommandError(no_such_dialect(dialect)) from error
-    except (OSError, ValueError) as error:
-        raise CommandError(f"--dialect {dialect}: {error}") from error
 
 
 def read(path: str, dialect: str | None = None) -> Summary:

@@ -12,7 +12,7 @@ import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError, describe_link_error
+from mavwire.cli._errors import CommandError, describe_link_error, tell
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._rewriting import split
 
@@ -127,7 +127,7 @@ def wait_for_peers(bridge: Bridge) -> None:
     told = False
     while waiting := alone(bridge.stats()):
         if not told:
-            print(f"waiting for {', '.join(waiting)}", file=sys.stderr, flush=True)
+            tell(f"waiting for {', '.join(waiting)}")
             told = True
         time.sleep(0.05)
 

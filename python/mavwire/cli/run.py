@@ -65,7 +65,7 @@ def _run_script(name: str, arguments: list[str]) -> None:
         _execute("<stdin>", sys.stdin.buffer.read(), _main_module(None))
         return
     path = _find_script(name)
-    sys.argv = [path if path != name else name, *arguments]
+    sys.argv = [path, *arguments]
     if _has_main(path):
         path = os.path.abspath(path)
         _set_first_path(path)

@@ -15,12 +15,11 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, tell
 
 if TYPE_CHECKING:
     from mavwire.sim import Runner, Vehicle
@@ -119,7 +118,7 @@ def main(args: Namespace) -> int:
 
         for vehicle in vehicles:
             start_circuit(vehicle)
-    print(_announcement(vehicles, args), file=sys.stderr)
+    tell(_announcement(vehicles, args))
     try:
         _run(runner, args)
     finally:

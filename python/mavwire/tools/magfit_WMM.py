@@ -7,7 +7,7 @@ log, so that it measures the field that the world magnetic model and the attitud
 from __future__ import annotations
 
 import os
-from math import radians
+from math import atan2, degrees, radians
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import writing
@@ -185,8 +185,6 @@ class Samples:
             field = expected_earth_field_lat_lon(lat, lon)
         except ValueError as error:
             raise CommandError(str(error)) from error
-        from math import atan2, degrees
-
         print(
             f"Earth field: {field!r}  strength {field.length():.0f}"
             f" declination {degrees(atan2(field.y, field.x)):.1f} degrees"

@@ -15,6 +15,7 @@ from contextlib import ExitStack
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli.replay import factor
+from mavwire.links.recording import SETUP_SIGNING
 from mavwire.tools._arguments import add_condition, add_planner
 from mavwire.tools._telemetry import require_telemetry
 
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 
 OUT = "127.0.0.1:14550"
 FLIGHTGEAR = "127.0.0.1:5503"
-SETUP_SIGNING = 256
-"""Id of the message that has a signing key in it, by whatever name the dialect knows it."""
 # Seconds between looks at the window's controls, at most.
 LONGEST_WAIT = 0.1
 

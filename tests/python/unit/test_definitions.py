@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 
 import pytest
@@ -64,6 +66,38 @@ def test_status_and_clear(
     assert "1 definition files" in capsys.readouterr().out
     cli.main(["definitions", "clear"])
     assert not list(data_home.rglob("*.xml"))
+
+
+def test_what_cannot_be_stored_leaves_nothing_beside(
+    data_home: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr("os.replace", refuse)
+    folder = _folder(tmp_path, "sample", XML.format(id=1))
+    assert cli.main(["definitions", "sync", str(folder)]) == 1
+    assert capsys.readouterr().err.endswith("definitions: Input/output error\n")
+    assert not list(data_home.rglob("*.xml")) and not list(data_home.rglob("definitions-*"))
+
+
+def test_what_cannot_be_removed_is_told(
+    data_home: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    cli.main(["definitions", "sync", str(_folder(tmp_path, "sample", XML.format(id=1)))])
+    for name in ("os.unlink", "os.rmdir"):
+        monkeypatch.setattr(name, lambda *_, **__: os.stat("/none"))
+    capsys.readouterr()
+    assert cli.main(["definitions", "clear"]) == 1
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.startswith("mavwire definitions: error: ")
+    assert list(data_home.rglob("*.xml"))
 
 
 @pytest.mark.parametrize("folder", ["missing", "."])

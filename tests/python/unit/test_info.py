@@ -153,6 +153,17 @@ def test_links_that_lead_round_are_no_typing_errors(
         assert capsys.readouterr().err.rstrip().endswith(os.strerror(errno.ELOOP))
 
 
+def test_the_dialect_of_the_process_stays(tmp_path: Path) -> None:
+    from mavwire import mavutil
+
+    log = tmp_path / "a.tlog"
+    traffic.generate(log, 10)
+    before = mavutil.current_dialect, mavutil.mavlink
+    assert before[0] != "minimal"
+    assert cli.main(["info", "--dialect", "minimal", str(log)]) == 0
+    assert (mavutil.current_dialect, mavutil.mavlink) == before
+
+
 def test_a_dialect_that_nobody_defines_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["info", "--dialect", "klingon", "a.tlog", "b.tlog"]) == 1
     error = capsys.readouterr().err
