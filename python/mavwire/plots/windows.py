@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any
 
+from mavwire._replacing import replacing
+
 NEEDED = "matplotlib is needed for figures: pip install 'mavwire[plot]'"
 NO_DISPLAY = "there is no display for a window"
 BLIND = frozenset(("agg", "cairo", "pdf", "pgf", "ps", "svg", "template"))
@@ -62,5 +64,6 @@ class Figures:
         paths = []
         for name, figure in self._figures.items():
             paths.append(self._output if len(self._figures) == 1 else f"{root}-{name}{suffix}")
-            figure.savefig(paths[-1])
+            with replacing(paths[-1]) as file:
+                figure.savefig(file, format=suffix[1:].lower())
         return paths

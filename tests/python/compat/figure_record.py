@@ -102,9 +102,13 @@ def _plot_date(
     return axes.plot(x, y, fmt, **options)
 
 
-def _save(canvas: Any, filename: Any, *args: Any, **options: Any) -> None:
-    text = json.dumps(record(canvas.figure), indent=1)
-    Path(filename).write_text(text, encoding="utf-8")
+def _save(canvas: Any, place: Any, *args: Any, **options: Any) -> None:
+    """`place` is a name or a file for bytes."""
+    content = json.dumps(record(canvas.figure), indent=1).encode()
+    if hasattr(place, "write"):
+        place.write(content)
+    else:
+        Path(place).write_bytes(content)
 
 
 def _show(*args: Any, **options: Any) -> None:

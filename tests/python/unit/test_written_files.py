@@ -154,3 +154,33 @@ def test_who_reads_no_more_of_the_messages_is_told_of_the_file(command: str, fol
     assert done.returncode == 1
     assert (folder / "made").read_text() == "precious"
     assert {one.name for one in folder.iterdir()} == LOGS | {"made"}
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "PDF"])
+def test_a_picture_that_cannot_be_written_leaves_the_file(
+    suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figures = pytest.importorskip("matplotlib.figure", reason="matplotlib is not installed")
+    from mavwire.plots.windows import Figures
+
+    def drawn() -> list[str]:
+        figure = Figures(str(picture))
+        figure.figure("one")
+        return figure.finish()
+
+    picture = tmp_path / f"made.{suffix}"
+    assert drawn() == [str(picture)]
+    whole = picture.read_bytes()
+    save = figures.Figure.savefig
+
+    def save_half(self: object, place: object, **options: object) -> None:
+        save(self, place, **options)
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(figures.Figure, "savefig", save_half)
+    picture.write_text("precious")
+    with pytest.raises(OSError, match="No space") as caught:
+        drawn()
+    assert caught.value.filename == str(picture)
+    assert picture.read_text() == "precious"
+    assert whole and [one.name for one in tmp_path.iterdir()] == [picture.name]
