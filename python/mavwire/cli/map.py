@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from mavwire._wording import printable
 from mavwire.cli._errors import CommandError
-from mavwire.cli.plot import check_output
+from mavwire.cli._output import refuse_log
 
 if TYPE_CHECKING:
     import argparse
@@ -28,7 +28,7 @@ def main(args: argparse.Namespace) -> int:
     """Run the subcommand."""
     from mavwire import plots
 
-    check_output(args.out, [args.log])
+    refuse_log(args.out, [args.log], "--out")
     try:
         track = plots.draw_map(args.log, args.out, system=args.system, dialect=args.dialect)
     except (ValueError, ImportError) as error:

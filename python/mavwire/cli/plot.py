@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from mavwire._wording import printable
 from mavwire.cli._errors import CommandError, tell
-from mavwire.cli._output import same_file
+from mavwire.cli._output import refuse_log
 from mavwire.tools._arguments import add_condition
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def main(args: argparse.Namespace) -> int:
         raise CommandError(f"there is no log among {', '.join(args.what)}")
     if not expressions:
         raise CommandError("what of it? Name a field, such as ATTITUDE.roll")
-    check_output(args.out, logs)
+    refuse_log(args.out, logs, "--out")
     try:
         done = plots.plot(
             logs,
@@ -88,13 +88,6 @@ def main(args: argparse.Namespace) -> int:
             tell(f"mavwire plot: {note}")
         print(printable(f"{done.path}: {done.points:,} points"))
     return 0
-
-
-def check_output(out: str, logs: list[str], option: str = "--out") -> None:
-    """CommandError where a picture would replace a log."""
-    for log in logs:
-        if same_file(log, out):
-            raise CommandError(f"{option} {out} is a log that is read; name another file")
 
 
 def is_log(name: str) -> bool:

@@ -11,8 +11,9 @@ from typing import Any
 
 from mavwire._wording import in_words
 from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli.plot import check_output, is_log
+from mavwire.cli.plot import is_log
 from mavwire.expression import evaluate_expression
 from mavwire.plots.expressions import STATE_NAMES, as_number, parse, why_nothing
 from mavwire.plots.graphs import SIZE, Graph, Style, check, draw
@@ -58,7 +59,7 @@ def main(args: Namespace) -> int:
     logs = [one for one in args.what if is_log(one)]
     fields = [one for one in args.what if not is_log(one)]
     _check(args, logs, fields)
-    check_output(args.output or "", logs, "--output")
+    refuse_log(args.output or "", logs)
     figures = open_figures(args.output, "--output")
     graph = Graph(_style(args))
     expressions = [_parsed(one) for one in fields]

@@ -252,7 +252,7 @@ def test_the_command(tmp_path, log, capsys):
     assert cli.main(["map", str(log), "--out", str(tmp_path / "a.pdf")]) == 1
     assert ".kml" in capsys.readouterr().err
     assert cli.main(["map", str(log), "--out", str(log)]) == 1
-    assert "is a log that is read" in capsys.readouterr().err
+    assert "is the log itself" in capsys.readouterr().err
     assert cli.main(["map", str(tmp_path / "none.tlog"), "--out", str(out)]) == 1
     assert "none.tlog" in capsys.readouterr().err
 

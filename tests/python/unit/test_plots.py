@@ -611,7 +611,7 @@ def test_the_command(tmp_path, flight, capsys):
         (["{log}", "-o", "x.html"], "what of it?"),
         (["ATTITUDE.roll", "-o", "x.html"], "there is no log"),
         (["none.tlog", "ATTITUDE.roll", "-o", "x.html"], "none.tlog"),
-        (["{log}", "ATTITUDE.roll", "-o", "{log}"], "is a log that is read"),
+        (["{log}", "ATTITUDE.roll", "-o", "{log}"], "is the log itself"),
         (["{log}", "ATTITUDE.roll", "-o", "no/folder/x.html"], "no/folder"),
         (["{log}", "ATTITUDE.roll", "--labels", "a,b", "-o", "x.html"], "labels"),
         (["{log}", "ATTITUDE.roll", "--dialect", "nope", "-o", "x.html"], "nope"),

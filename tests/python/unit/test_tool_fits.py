@@ -171,7 +171,7 @@ def test_what_graphs_refuse(
         "marker style 'Q'": (log, "ATTITUDE.roll", "--marker", "Q", *out),
         "'zz' is not a valid value": (log, "ATTITUDE.roll", "--linestyle", "zz", *out),
         "images are .": (log, "ATTITUDE.roll", "--output", "out.nope"),
-        "--output flight.tlog is a log that is read": (log, "ATTITUDE.roll", "--output", log.name),
+        "--output flight.tlog is the log itself": (log, "ATTITUDE.roll", "--output", log.name),
     }.items():  # fmt: skip
         assert wanted in fails(capsys, "graph", *arguments)
     assert cli.main(["graph", log.name, "NOPE.x", *out]) == 1
