@@ -15,7 +15,6 @@ from mavwire._wording import is_terminal, shown_to
 from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection, unknown_types
 from mavwire.cli._errors import CommandError, tell
-from mavwire.cli._output import writing
 from mavwire.cli._reading import (
     STANDARD_INPUT,
     Reading,
@@ -163,6 +162,8 @@ def _tables(args: Namespace, stack: ExitStack) -> Tables | None:
 def _recorder(args: Namespace, stack: ExitStack) -> Callable[[bytes], Any] | None:
     if not args.output:
         return None
+    from mavwire.cli._output import writing
+
     # A link and a log that is followed end with Ctrl-C, after which there is to be what came.
     in_place = args.follow or not os.path.isfile(args.log)
     return stack.enter_context(writing(args.output, [args.log], in_place=in_place)).write
