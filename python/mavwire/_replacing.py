@@ -30,8 +30,10 @@ class Replacement:
         self._mode: int | None = None
         try:
             self.file = self._open()
-        except OSError as error:
-            error.filename = self.path
+        except BaseException as error:  # such as of a signal
+            self._remove()
+            if isinstance(error, OSError):
+                error.filename = self.path
             raise
 
     def _open(self) -> IO[bytes]:
@@ -45,15 +47,15 @@ class Replacement:
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), self.path)
         if self._mode is not None and not _is_ordinary(self.path, self._mode):
             return _temporary()
-        beside = os.path.join(os.path.dirname(self._place), f".mavwire_{os.urandom(8).hex()}")
+        name = f".mavwire_{os.urandom(8).hex()}"
+        self._beside = os.path.join(os.path.dirname(self._place), name)
         try:
-            file = open(beside, "x+b")
+            return open(self._beside, "x+b")
         except PermissionError:
+            self._beside = None
             if self._mode is None:
                 raise
             return _temporary()
-        self._beside = beside
-        return file
 
     def finish(self, permissions: int | None = None) -> None:
         """Move it to its place."""
@@ -87,8 +89,11 @@ class Replacement:
         """Remove what there is of it."""
         with contextlib.suppress(OSError):  # what is buffered may not fit on the disk
             self.file.close()
+        self._remove()
+
+    def _remove(self) -> None:
         if self._beside is not None:
-            with contextlib.suppress(FileNotFoundError):
+            with contextlib.suppress(OSError):  # it may not have been begun
                 os.unlink(self._beside)
             self._beside = None
 

@@ -50,9 +50,11 @@ def writing(
     name = f"{option} {path}".lstrip()
     is_whole = not in_place and is_replaceable(path)
     with ended_in_order():
-        with _named(name):
-            target = Replacement(path) if is_whole else _InPlace(path)
         try:
+            target = Replacement(path) if is_whole else _InPlace(path)
+        except OSError as error:
+            raise CommandError(f"{name}: {error.strerror}") from error
+        try:  # right away: what came in between would leave a draft
             yield OutputFile(name, target.file)
         except BaseException as error:
             with _named(name):

@@ -41,11 +41,28 @@ def test_what_cannot_be_written_leaves_what_was_there(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["file"]
 
 
+def test_what_comes_as_it_is_opened_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def open_and_interrupt(path: str, mode: str) -> None:
+        open(path, mode).close()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("mavwire._replacing.open", open_and_interrupt, raising=False)
+    with pytest.raises(KeyboardInterrupt):
+        Replacement(str(tmp_path / "file"))
+    assert not os.listdir(tmp_path)
+
+
 def test_errors_name_the_file(tmp_path: Path) -> None:
     missing = str(tmp_path / "missing" / "file")
     with pytest.raises(FileNotFoundError) as caught:
         replace_text(missing, "")
     assert caught.value.filename == missing
+    (tmp_path / "taken").touch()
+    with pytest.raises(NotADirectoryError) as no_folder:
+        replace_text(str(tmp_path / "taken" / "file"), "")
+    assert no_folder.value.filename == str(tmp_path / "taken" / "file")
     with pytest.raises(IsADirectoryError) as refused:
         replace_text(str(tmp_path), "")
     assert refused.value.filename == str(tmp_path)
