@@ -119,8 +119,9 @@ async def _ask(address: str, seconds: float) -> None:
 
 @contextmanager
 def _dask_silenced() -> Iterator[None]:
-    """Dask logs, with tracebacks, that connections end while a cluster does. Those of this process come
-    also after what a cluster silences itself. What matters is raised or in a row.
+    """Dask logs, with tracebacks, that connections end while a cluster does. What a cluster silences itself
+    it no longer does once it is closed, when some still come in this process; in its processes there is
+    only that. What matters is raised or in a row.
     """
 
     def is_shown(record: logging.LogRecord) -> bool:  # one for each run, as runs may overlap
