@@ -624,5 +624,8 @@ class Track:
     def add(self, lat: float, lon: float, stamp: object) -> None:
         """Goes on to a position, in degrees. One whose stamp is the last one's is the same one."""
 
+    def follow(self, message: object) -> None:
+        """Goes on to the position that a `GPS_RAW_INT` tells, if it has a fix."""
+
 def x25_accumulate(crc: int, data: bytes) -> int:
     """Continues a CRC-16/MCRF4XX from `crc` over `data`."""

@@ -1,6 +1,6 @@
 """Telemetry logs, as `mavwire._native` has them."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
 from typing import Any, Protocol, Self, final
 
@@ -58,6 +58,11 @@ class LogLink(Link):
         record reading goes on record by record.
         """
 
+    def _visits(self, names: list[str]) -> Iterator[Message] | None:
+        """The messages of the types called `names` from the start of the log on, those alone. None unless
+        the log is indexed and nobody replaced what the native loops stand for.
+        """
+
     def _open_reader(self, path: str | PathLike[str], stamped: bool, now: float) -> None:
         """Opens the file for reading; `stamped` says that its records have time stamps. OSError."""
 
@@ -82,8 +87,8 @@ class LogLink(Link):
     def _index_total(self) -> int:
         """Records in the index."""
 
-    def _index_offsets(self, msgid: int) -> list[int]:
-        """Offsets of the records of one message id."""
+    def _index_offsets(self) -> list[tuple[int, list[int]]]:
+        """`[(message id, offsets of its records), ...]` in the order in which the types first appear."""
 
     def _wanted_ids(self) -> list[int] | None:
         """Message ids that a filtered read visits; None before the first one."""

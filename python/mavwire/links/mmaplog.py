@@ -7,7 +7,6 @@ next. As in pymavlink the first record of each type is read for real on the way,
 
 from __future__ import annotations
 
-from .readiness import from_handler
 from .tlog import mavlogfile
 from .vehicle_state import add_message
 
@@ -50,24 +49,21 @@ class mavmmaplog(mavlogfile):
 
     def close(self) -> None:
         """Close the file and its map."""
-        try:
-            self.data_map  # noqa: B018  # made now, so that it can be seen closed afterwards
-        except (OSError, ValueError) as error:
-            if from_handler(error):
-                raise
-            # A log that became empty has no map.
-        finally:
-            super().close()
-            if self._data_map is not None:
-                self._data_map.close()
+        super().close()
+        if self._data_map is not None:
+            self._data_map.close()
 
     @property
     def data_map(self) -> Any:
         """The file mapped into memory, None if it is empty. Reading does not use it."""
-        if self._data_map is None and self.data_len and not self.f.closed:
+        if self._data_map is None and self.data_len:
             import mmap
 
-            self._data_map = mmap.mmap(self.f.fileno(), 0, access=mmap.ACCESS_READ)
+            if self.f.closed:  # nobody asked for it before: it looks as it would if somebody had
+                self._data_map = mmap.mmap(-1, 1)
+                self._data_map.close()
+            else:
+                self._data_map = mmap.mmap(self.f.fileno(), 0, access=mmap.ACCESS_READ)
         return self._data_map
 
     # -- the index
@@ -85,7 +81,7 @@ class mavmmaplog(mavlogfile):
     @property
     def offsets(self) -> dict[int, list[int]]:
         """Message id -> offsets of its records."""
-        return {msgid: self._index_offsets(msgid) for msgid in self.counts}
+        return dict(self._index_offsets())
 
     @property
     def instance_offsets(self) -> dict[int, int]:

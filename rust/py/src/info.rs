@@ -8,6 +8,8 @@ use mavwire_schema::{Field, FieldType, Message as Definition};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 
+use crate::params::PARAM_VALUE;
+
 /// Messages that tell flight modes, parameters and the home position.
 const CHANGES_STATE: [&str; 4] = ["HEARTBEAT", "HIGH_LATENCY2", "PARAM_VALUE", "GPS_RAW_INT"];
 
@@ -61,6 +63,8 @@ pub(crate) struct Info {
     pub(crate) time_boot_ms: Option<usize>,
     /// Changes more of a link's state than its table of newest messages.
     pub(crate) changes_state: bool,
+    /// Tells a parameter.
+    pub(crate) is_parameter: bool,
     /// `NAME[0]`, `NAME[1]` and so on, made when they are first needed.
     pub(crate) instance_keys: [OnceLock<Py<PyString>>; INSTANCE_KEYS],
 }
@@ -116,6 +120,7 @@ impl Info {
             usec: position("usec"),
             time_boot_ms: position("time_boot_ms"),
             changes_state: CHANGES_STATE.contains(&definition.name.as_str()),
+            is_parameter: definition.name == PARAM_VALUE,
             instance_keys: [const { OnceLock::new() }; INSTANCE_KEYS],
             definition,
         }

@@ -59,6 +59,7 @@ mod log_ahead;
 mod log_index;
 mod log_reader;
 mod log_receive;
+mod log_visits;
 mod log_wanted;
 mod mavlink;
 mod message;

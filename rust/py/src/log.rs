@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use mavwire_core::log::tlog::Stamp;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
@@ -20,6 +20,7 @@ use crate::link::{Link, overrides, set_attr};
 use crate::lock::Lock;
 use crate::log_index::LogIndex;
 use crate::log_reader::{LogReader, seconds};
+use crate::log_visits::LogVisits;
 use crate::log_wanted::{self, Wanted};
 use crate::mavlink::MAVLink;
 use crate::message::Message;
@@ -41,7 +42,7 @@ const QUICK_METHODS: [&str; 9] = [
 ];
 
 /// Messages between two looks whether others should have a turn: two milliseconds or so.
-const TURN_INTERVAL: u64 = 16 * 1024;
+pub(crate) const TURN_INTERVAL: u64 = 16 * 1024;
 
 /// A telemetry log as a link.
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
@@ -101,7 +102,7 @@ impl LogLink {
     }
 
     /// Goes on at the first of the records that begin at `offsets`, whatever was read before.
-    fn visit(slf: &Bound<'_, Self>, offsets: &[u64]) -> PyResult<()> {
+    pub(crate) fn visit(slf: &Bound<'_, Self>, offsets: &[u64]) -> PyResult<()> {
         let mut state = slf.as_super().get().state();
         let state = &mut *state;
         let (Some(reader), Some(mav)) = (state.reader.as_mut(), state.native_mav.as_ref()) else {
@@ -326,6 +327,19 @@ impl LogLink {
         Ok(None)
     }
 
+    /// The messages of the types called `names` from the start of the log on, those alone; None unless the log is indexed
+    /// and read by the quick paths.
+    fn _visits(
+        slf: &Bound<'_, Self>,
+        names: Vec<Bound<'_, PyString>>,
+    ) -> PyResult<Option<LogVisits>> {
+        let index = slf.get().index.lock(slf.py());
+        let Some(index) = index.as_ref().filter(|_| Self::is_quick(slf)) else { return Ok(None) };
+        let wanted = Wanted::alone(&names, index)?;
+        let names = names.into_iter().map(Bound::unbind).collect();
+        Ok(Some(LogVisits::new(slf.clone().unbind(), names, wanted)))
+    }
+
     /// Seeks to the next record of the types in `type`, heartbeats or parameters.
     ///
     /// The types of the first call stay in force until `rewind`. Behind the last such record reading goes on record by
@@ -365,10 +379,11 @@ impl LogLink {
         self.index.lock(py).as_ref().map_or(0, LogIndex::count)
     }
 
-    /// Offsets of the records of one message id.
-    fn _index_offsets(&self, py: Python<'_>, msgid: u32) -> Vec<u64> {
-        let index = self.index.lock(py);
-        index.as_ref().map_or_else(Vec::new, |index| index.offsets_of(msgid).to_vec())
+    /// `[(message id, offsets of its records), ...]` in the order in which the types first appear.
+    fn _index_offsets(&self, py: Python<'_>) -> PyResult<Vec<(u32, Vec<u64>)>> {
+        let offsets = self.index.lock(py).as_ref().map(LogIndex::by_type).transpose();
+        let offsets = offsets.map_err(|error| PyMemoryError::new_err(error.to_string()))?;
+        Ok(offsets.unwrap_or_default())
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {

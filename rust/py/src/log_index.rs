@@ -140,12 +140,45 @@ pub(crate) enum Stop {
     NewInstance { index: u16, instance: String, next: u64 },
 }
 
-/// Offsets of the records by message index, in the order of the log. It keeps the registry that it was built with,
-/// because the dialect of a link can change while the index stays.
+/// A record of the index, in half the memory that its offset would take: most of the time of building an index goes
+/// into memory that nobody has touched before.
+#[derive(Clone, Copy)]
+struct Step {
+    /// Index of the message; `NO_MESSAGE` for a piece of a gap that is longer than a step.
+    index: u16,
+    /// Bytes between the beginnings of this record and of the one before it.
+    gap: u16,
+}
+
+/// No dialect has so many messages.
+const NO_MESSAGE: u16 = u16::MAX;
+const LONGEST_STEP: u64 = u16::MAX as u64;
+/// Bytes of the shortest record: a time stamp and a frame of version 1 without payload.
+const SHORTEST: usize = STAMP_LEN + HEADER_LEN_V1 + CHECKSUM_LEN;
+
+/// What the index knows of a message.
+#[derive(Clone, Copy)]
+struct Kind {
+    /// Its records.
+    count: usize,
+    instance: Option<InstancePlace>,
+}
+
+impl Kind {
+    fn of(definition: &Definition) -> Self {
+        Self { count: 0, instance: InstancePlace::of(definition) }
+    }
+}
+
+/// The records by message index, in the order of the log. It keeps the registry that it was built with, because the
+/// dialect of a link can change while the index stays.
 pub(crate) struct LogIndex {
     pub(crate) registry: Arc<Registry>,
-    offsets: Vec<Vec<u64>>,
-    instances: Vec<Option<InstancePlace>>,
+    steps: Vec<Step>,
+    /// Where the record of the last step begins.
+    last: u64,
+    /// By message index.
+    kinds: Vec<Kind>,
     /// Instances already shown to Python, until the table they were put into may be another one.
     seen: HashSet<(u16, Instance)>,
     /// The same for numbers, by message index.
@@ -159,8 +192,9 @@ impl LogIndex {
     pub(crate) fn new(registry: Arc<Registry>) -> Self {
         let messages = &registry.dialect().messages;
         Self {
-            offsets: vec![Vec::new(); messages.len()],
-            instances: messages.iter().map(InstancePlace::of).collect(),
+            steps: Vec::new(),
+            last: 0,
+            kinds: messages.iter().map(Kind::of).collect(),
             seen: HashSet::new(),
             seen_bytes: vec![None; messages.len()],
             order: Vec::new(),
@@ -178,17 +212,25 @@ impl LogIndex {
     pub(crate) fn counts(&self) -> Vec<(u32, String, usize)> {
         let row = |&index: &u16| {
             let message = self.registry.message(index);
-            (message.id, message.name.clone(), self.offsets[usize::from(index)].len())
+            (message.id, message.name.clone(), self.kinds[usize::from(index)].count)
         };
         self.order.iter().map(row).collect()
     }
 
-    /// Offsets of the records of one message id.
-    pub(crate) fn offsets_of(&self, msgid: u32) -> &[u64] {
-        match self.registry.lookup(msgid) {
-            Some(entry) => &self.offsets[usize::from(entry.index)],
-            None => &[],
+    /// `(message id, offsets of its records)` of each type, in the order in which they first appear; an error where there
+    /// is no memory for them.
+    pub(crate) fn by_type(&self) -> Result<Vec<(u32, Vec<u64>)>, TryReserveError> {
+        let mut by_index = vec![Vec::new(); self.kinds.len()];
+        for (offsets, kind) in by_index.iter_mut().zip(&self.kinds) {
+            offsets.try_reserve_exact(kind.count)?;
         }
+        for (index, offset) in self.records() {
+            by_index[usize::from(index)].push(offset);
+        }
+        let row = |&index: &u16| {
+            (self.registry.message(index).id, std::mem::take(&mut by_index[usize::from(index)]))
+        };
+        Ok(self.order.iter().map(row).collect())
     }
 
     /// Message ids of the names that are in the index, each once, and the offsets of all their records, ascending;
@@ -204,28 +246,62 @@ impl LogIndex {
             }
         }
         let ids = chosen.iter().map(|&index| self.registry.message(index).id).collect();
-        let each = || chosen.iter().map(|&index| &self.offsets[usize::from(index)]);
-        let (mut offsets, count) = (Vec::new(), each().map(Vec::len).sum());
+        let (mut is_chosen, mut count) = (vec![false; self.kinds.len()], 0);
+        for index in chosen.into_iter().map(usize::from) {
+            is_chosen[index] = true;
+            count += self.kinds[index].count;
+        }
+        let mut offsets = Vec::new();
         offsets.try_reserve_exact(count)?;
-        each().for_each(|some| offsets.extend_from_slice(some));
-        #[allow(clippy::stable_sort_primitive)]
-        // this one makes use of the runs that are sorted already
-        offsets.sort();
+        let wanted = self.records().filter(|&(index, _)| is_chosen[usize::from(index)]);
+        offsets.extend(wanted.map(|(_, offset)| offset));
         Ok((ids, offsets))
     }
 
-    pub(crate) fn knows(&self, index: u16) -> bool {
-        !self.offsets[usize::from(index)].is_empty()
+    /// Where the last record of any of these types begins.
+    pub(crate) fn last_of(&self, names: &[&str]) -> Option<u64> {
+        let messages = &self.registry.dialect().messages;
+        let is_named: Vec<_> = messages.iter().map(|m| names.contains(&m.name.as_str())).collect();
+        let mut offset = self.last;
+        for step in self.steps.iter().rev() {
+            if is_named.get(usize::from(step.index)) == Some(&true) {
+                return Some(offset);
+            }
+            offset -= u64::from(step.gap);
+        }
+        None
     }
 
-    /// Adds a record; `OutOfMemory` for one too many.
+    /// Message index and offset of each record.
+    fn records(&self) -> impl Iterator<Item = (u16, u64)> + '_ {
+        let located = self.steps.iter().scan(0, |offset, step| {
+            *offset += u64::from(step.gap);
+            Some((step.index, *offset))
+        });
+        located.filter(|&(index, _)| index != NO_MESSAGE)
+    }
+
+    pub(crate) fn knows(&self, index: u16) -> bool {
+        self.kinds[usize::from(index)].count > 0
+    }
+
+    /// Adds a record behind all that are there; `OutOfMemory` for one too many.
     pub(crate) fn add(&mut self, index: u16, offset: u64) -> io::Result<()> {
-        let offsets = &mut self.offsets[usize::from(index)];
-        offsets.try_reserve(1)?;
-        if offsets.is_empty() {
+        let mut gap = offset.saturating_sub(self.last);
+        while gap > LONGEST_STEP {
+            self.steps.try_reserve(1)?;
+            self.steps.push(Step { index: NO_MESSAGE, gap: u16::MAX });
+            gap -= LONGEST_STEP;
+            self.last += LONGEST_STEP;
+        }
+        self.steps.try_reserve(1)?;
+        self.steps.push(Step { index, gap: gap as u16 });
+        self.last = offset;
+        let kind = &mut self.kinds[usize::from(index)];
+        if kind.count == 0 {
             self.order.push(index);
         }
-        offsets.push(offset);
+        kind.count += 1;
         self.count += 1;
         Ok(())
     }
@@ -242,7 +318,7 @@ impl LogIndex {
         index: u16,
         record: &Indexed,
     ) -> io::Result<Option<String>> {
-        let Some(place) = self.instances[usize::from(index)] else { return Ok(None) };
+        let Some(place) = self.kinds[usize::from(index)].instance else { return Ok(None) };
         let len = usize::from(record.header.payload_len);
         let bytes = window.at(record.payload, len)?;
         let key = (index, place.read(&bytes[..len.min(bytes.len())]));
@@ -261,41 +337,46 @@ impl LogIndex {
     /// Adds the records at the front of `bytes`, which stand at `offset` in the log, as long as there is nothing special
     /// about them; returns the bytes dealt with.
     fn hop(&mut self, bytes: &[u8], offset: u64, registry: &Registry) -> usize {
-        let mut at = 0;
-        while let Some(look) = bytes.get(at..at + LOOK) {
-            let frame = &look[STAMP_LEN..];
-            let payload_len = usize::from(frame[1]);
-            let (msgid, len, header_len) = match frame[0] {
-                STX_V2 => {
-                    let msgid = u32::from_le_bytes([frame[7], frame[8], frame[9], 0]);
-                    let signature = if frame[2] & IFLAG_SIGNED != 0 { SIGNATURE_LEN } else { 0 };
-                    (msgid, HEADER_LEN_V2 + payload_len + CHECKSUM_LEN + signature, HEADER_LEN_V2)
-                }
-                STX_V1 => {
-                    (u32::from(frame[5]), HEADER_LEN_V1 + payload_len + CHECKSUM_LEN, HEADER_LEN_V1)
-                }
-                _ => return at,
+        if self.steps.try_reserve(bytes.len() / SHORTEST + 1).is_err() {
+            return 0;
+        }
+        let (mut at, before) = (0, self.steps.len());
+        while let Some(look) = bytes.get(at..).and_then(<[u8]>::first_chunk::<LOOK>) {
+            let frame: &[u8; HEADER_LEN_V2] = look.last_chunk().expect("LOOK is longer");
+            let (msgid, header_len) = match frame[0] {
+                STX_V2 => (u32::from_le_bytes([frame[7], frame[8], frame[9], 0]), HEADER_LEN_V2),
+                STX_V1 => (u32::from(frame[5]), HEADER_LEN_V1),
+                _ => break,
             };
+            let payload_len = usize::from(frame[1]);
+            let mut len = STAMP_LEN + header_len + payload_len + CHECKSUM_LEN;
+            if frame[0] == STX_V2 && frame[2] & IFLAG_SIGNED != 0 {
+                len += SIGNATURE_LEN;
+            }
             if let Some(entry) = registry.lookup(msgid) {
                 let index = usize::from(entry.index);
-                let is_known = !self.offsets[index].is_empty();
-                if !is_known || self.offsets[index].try_reserve(1).is_err() {
-                    return at;
+                let here = offset + at as u64;
+                let Ok(gap) = u16::try_from(here - self.last) else { break };
+                let kind = self.kinds[index];
+                if kind.count == 0 {
+                    break;
                 }
-                if let Some(place) = self.instances[index] {
+                if let Some(place) = kind.instance {
                     let payload = at + STAMP_LEN + header_len;
                     let seen = bytes
                         .get(payload..payload + payload_len)
                         .is_some_and(|payload| self.has_seen(index, place, payload));
                     if !seen {
-                        return at;
+                        break;
                     }
                 }
-                self.offsets[index].push(offset + at as u64);
-                self.count += 1;
+                self.kinds[index].count = kind.count + 1;
+                self.steps.push(Step { index: entry.index, gap });
+                self.last = here;
             }
-            at += STAMP_LEN + len;
+            at += len;
         }
+        self.count += self.steps.len() - before;
         at
     }
 
@@ -339,7 +420,7 @@ impl LogIndex {
             if !self.knows(index) {
                 return Ok(Stop::FirstOfType { index, record });
             }
-            if self.instances[usize::from(index)].is_none() {
+            if self.kinds[usize::from(index)].instance.is_none() {
                 self.add(index, record.offset)?;
             } else if record.payload + u64::from(record.header.payload_len) <= size {
                 // Of a type with instances a payload that the file cuts off is not indexed.

@@ -21,7 +21,15 @@ impl LogLink {
     pub(crate) fn next_message<'py>(
         slf: &Bound<'py, Self>,
     ) -> PyResult<Option<Bound<'py, Message>>> {
-        if let Some(message) = Self::next_plain(slf)? {
+        Self::next_keeping(slf, true)
+    }
+
+    /// The same; without `params` for who does not ask the link for parameters.
+    pub(crate) fn next_keeping<'py>(
+        slf: &Bound<'py, Self>,
+        params: bool,
+    ) -> PyResult<Option<Bound<'py, Message>>> {
+        if let Some(message) = Self::next_plain(slf, params)? {
             return Ok(Some(message));
         }
         let is_first = {
@@ -41,7 +49,10 @@ impl LogLink {
     }
 
     /// The next message if it is of the usual kind; otherwise nothing is read.
-    fn next_plain<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, Message>>> {
+    fn next_plain<'py>(
+        slf: &Bound<'py, Self>,
+        params: bool,
+    ) -> PyResult<Option<Bound<'py, Message>>> {
         let py = slf.py();
         let link = slf.as_super();
         let mut guard = link.get().state();
@@ -77,7 +88,9 @@ impl LogLink {
         state.uptime = info.uptime(payload).unwrap_or(state.uptime);
         let time = if state.notimestamps { state.uptime } else { record.time };
         let messages = sender.messages(py);
-        let updates = info.changes_state && !sender.is_settled(&header, payload);
+        let updates = info.changes_state
+            && (params || !info.is_parameter)
+            && !sender.is_settled(&header, payload);
         let system = (updates || has_hooks).then(|| sender.state(py));
         let apart = sender.apart(py, header.compid);
 

@@ -7,6 +7,7 @@ use crate::calling::Calling;
 use crate::link::Link;
 use crate::message::Message;
 use crate::tracking::source_of;
+use crate::values::field_value;
 
 /// The message that tells a parameter.
 pub(crate) const PARAM_VALUE: &str = "PARAM_VALUE";
@@ -31,13 +32,24 @@ pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
         }
     };
     let params = state.attribute(intern!(py, "params"))?.cast_into::<PyDict>()?;
-    let name = message.attribute(intern!(py, "param_id"))?.text()?;
+    let name = field(message, "param_id")?.text()?;
     if params.contains(&name)? || has_room(link, &params)? {
-        params.set_item(name, message.attribute(intern!(py, "param_value"))?)?;
+        params.set_item(name, field(message, "param_value")?)?;
     } else {
         link.get().budget.refuse();
     }
     Ok(())
+}
+
+/// A field, as its attribute shows it.
+fn field<'py>(message: &Bound<'py, Message>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let this = message.get();
+    if let Some(info) = this.info.filter(|_| this.is_pristine())
+        && let (Some((_, field)), Some(payload)) = (info.field(name), this.quick_payload())
+    {
+        return Ok(field_value(message.py(), field, payload)?.into_bound(message.py()));
+    }
+    message.attribute(name)
 }
 
 /// Whether another parameter is kept in `params`, which then counts.
