@@ -144,8 +144,10 @@ impl<'a, 'py> Dump<'a, 'py> {
             if let Some(types) = &self.options.types {
                 LogLink::advance(self.log, types)?;
             }
-            let Some(found) = self.next()? else { return Ok(()) };
-            self.take(&found)?;
+            if !self.take_plain()? {
+                let Some(found) = self.next()? else { return Ok(()) };
+                self.take(&found)?;
+            }
             seen += 1;
             if seen.is_multiple_of(PULSE) {
                 self.turns.give_way(self.log.py())?;
@@ -153,6 +155,51 @@ impl<'a, 'py> Dump<'a, 'py> {
                 self.options.progress.invoke1((percent,))?;
             }
         }
+    }
+
+    /// Writes the next record where it stands in the file's buffer, if it is a good frame and Python was asked before
+    /// about its type and its second; otherwise nothing is read.
+    fn take_plain(&mut self) -> PyResult<bool> {
+        let log = self.log;
+        let mut guard = log.as_super().get().state();
+        let state = &mut *guard;
+        let (Some(reader), Some(mav)) = (state.reader.as_mut(), state.native_mav.as_ref()) else {
+            return Ok(false);
+        };
+        let mut parser = mav.get().parser();
+        let (types, percent) = (self.types.clone(), reader.percent());
+        if self.options.record.is_some()
+            || parser.scanner.ignore_checksum
+            || parser.checks_signatures()
+        {
+            return Ok(false);
+        }
+        let Some(record) = reader.peek(&parser, &types.registry)? else { return Ok(false) };
+        let (Some(is_wanted), Some(header)) =
+            (self.wanted.known[usize::from(record.index)], Header::parse(record.stream))
+        else {
+            return Ok(false);
+        };
+        if is_wanted {
+            if types.style.shows_clock() && record.time as u64 != self.clock.0 {
+                return Ok(false);
+            }
+            let item = types.known(record.index, record.stream, header);
+            if self.is_selected(&item, record.link) {
+                let line = Line { time: record.time, clock: &self.clock.1, item: &item };
+                write_line(&mut self.lines, &types.style, &line);
+            }
+        }
+        let (len, time, link) = (record.len, record.time, record.link);
+        parser.passed(record.stream[0]);
+        drop(parser);
+        reader.accept(len, time, link);
+        state.percent = percent;
+        drop(guard);
+        if self.lines.len() >= CHUNK {
+            self.flush()?;
+        }
+        Ok(true)
     }
 
     fn next(&self) -> PyResult<Option<Found>> {
@@ -236,7 +283,7 @@ impl<'a, 'py> Dump<'a, 'py> {
     /// Asks for the text of a time if its second is a new one.
     fn set_clock(&mut self, time: f64) -> PyResult<()> {
         let second = time as u64;
-        if second != self.clock.0 && matches!(self.types.style, Style::Standard { .. }) {
+        if second != self.clock.0 && self.types.style.shows_clock() {
             self.clock = (second, self.options.local_time.invoke1((second,))?.extract()?);
         }
         Ok(())

@@ -56,6 +56,12 @@ pub(crate) enum Style {
     Csv { separator: String, columns: Vec<Column> },
 }
 
+impl Style {
+    pub(crate) fn shows_clock(&self) -> bool {
+        matches!(self, Self::Standard { .. })
+    }
+}
+
 /// What stands before the values of a message type, put together once: three pieces of text in one cost as much as one.
 pub(crate) struct Labels {
     head: String,
