@@ -31,15 +31,16 @@ pub struct Deprecation {
     pub explanation: String,
 }
 
-/// The status marks an enum, an entry or a message may carry.
+/// The status marks an enum, an entry or a message may carry. Few do, and there are thousands of entries: so they are
+/// kept apart.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// Marked `<wip/>`.
     pub wip: bool,
     /// Marked `<deprecated/>`.
-    pub deprecated: Option<Deprecation>,
+    pub deprecated: Option<Box<Deprecation>>,
     /// Marked `<superseded/>`.
-    pub superseded: Option<Deprecation>,
+    pub superseded: Option<Box<Deprecation>>,
 }
 
 /// An `<enum>` as written; entries of equally named enums are merged when a dialect is resolved.

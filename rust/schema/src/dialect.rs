@@ -79,7 +79,7 @@ pub struct Message {
     /// Marked `<wip/>`.
     pub wip: bool,
     /// Marked `<deprecated/>`; says since when and what replaces it.
-    pub deprecated: Option<Deprecation>,
+    pub deprecated: Option<Box<Deprecation>>,
     /// Free text; empty for the built-in definitions.
     pub description: String,
 }

@@ -129,7 +129,7 @@ fn numbered(entry: EnumEntryDef, value: i128) -> EnumEntry {
 
 /// Sorts by value and refuses a name or a value that two entries have.
 fn refuse_duplicates(entries: &mut [(Place, EnumEntry)]) -> Result<(), SchemaError> {
-    let mut names: HashMap<&str, &Place> = HashMap::new();
+    let mut names: HashMap<&str, &Place> = HashMap::with_capacity(entries.len());
     for (place, entry) in entries.iter() {
         if let Some(other) = names.insert(&entry.name, place) {
             let reason = Reason::DuplicateEntryName { other: other.to_string() };

@@ -49,11 +49,11 @@ fn everything_a_file_states_is_read() {
     );
     assert_eq!(definition.description, "an <enum> & more");
     let deprecation = |since: &str, replaced_by: &str, explanation: &str| {
-        Some(Deprecation {
+        Some(Box::new(Deprecation {
             since: since.into(),
             replaced_by: replaced_by.into(),
             explanation: explanation.into(),
-        })
+        }))
     };
     assert_eq!(definition.status.deprecated, deprecation("2020-01", "OTHER", "why"));
     let entry = &definition.entries[0];
