@@ -39,7 +39,7 @@ _LAZY = {
 """Public name -> the module that has it."""
 # mavwire's own, and what pymavlink's mavutil imports: programs find these in the package without an import.
 _MODULES = frozenset(
-    "aio bridge fleet sim generator mavexpression mavextra quaternion rotmat".split()
+    "aio bridge fleet sim dialects generator mavexpression mavextra quaternion rotmat".split()
 )
 
 

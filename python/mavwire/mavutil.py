@@ -207,18 +207,22 @@ _STATE = ("mavlink", "current_dialect", "mavfile_global", "global_link_id")
 
 
 def __getattr__(name: str) -> Any:
-    from importlib import import_module
-
     if name in _LAZY:
-        value = getattr(import_module(_LAZY[name], __package__), name)
+        value = getattr(_module(_LAZY[name]), name)
     elif name in _LAZY_MODULES:
-        value = import_module(_LAZY_MODULES[name])
+        value = _module(_LAZY_MODULES[name])
     elif name == "have_ascii":
         value = _have_ascii()
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
     return value
+
+
+def _module(name: str) -> ModuleType:
+    name = f"{__package__}{name}" if name.startswith(".") else name
+    __import__(name)
+    return sys.modules[name]
 
 
 def __dir__() -> list[str]:
@@ -319,4 +323,4 @@ def mavlink_connection(
 
 state.public = sys.modules[__name__]
 state.public.__class__ = _Mavutil
-state.set_dialect(os.environ.get("MAVLINK_DIALECT", state.DEFAULT_DIALECT))
+state.choose_dialect(os.environ.get("MAVLINK_DIALECT", state.DEFAULT_DIALECT))

@@ -24,6 +24,25 @@ def names() -> list[str]:
     return sorted(Dialect.names())
 
 
+def module_within(package: str, name: str) -> ModuleType:
+    """A built-in dialect that was not imported yet, for the packages `v10` and `v20`: programs that import `mavutil` find
+    the current one there without an import of their own.
+    """
+    if name not in names():
+        raise AttributeError(f"module {package!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return import_module(f"{package}.{name}")
+
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        if name not in ("v10", "v20"):
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return __import__(f"{__name__}.{name}", fromlist=[name])
+
+
 def populate_builtin(namespace: dict[str, Any]) -> None:
     """Fills the globals of ``mavwire.dialects.v10.<name>`` or ``v20.<name>``."""
     from mavwire._native import Dialect

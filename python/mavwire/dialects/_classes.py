@@ -128,7 +128,7 @@ class LazySignature:
         owner = defining_class(cls)
         if owner is None or cls.__init__ is not owner.__init__:  # type: ignore[misc]
             raise AttributeError("__signature__")
-        if owner.__init__ is _lazy_init:  # type: ignore[misc]
+        if owner.__init__ in (_first_init, _lazy_init):  # type: ignore[misc]
             _specialise(owner)
         signature = inspect.signature(owner.__init__)  # type: ignore[misc]
         return signature.replace(parameters=list(signature.parameters.values())[1:])
@@ -197,8 +197,22 @@ def _odd_message_classes(base: Any) -> tuple[type, type]:
     return MAVLink_bad_data, MAVLink_unknown
 
 
+def _first_init(self: Any, *args: Any, **kwargs: Any) -> None:
+    """Makes the first message of a class without a constructor, if its values are named by their order: to
+    compile one takes ten times as long, and each link makes one message of its own.
+    """
+    owner = defining_class(type(self))
+    assert owner is not None
+    rest = None if kwargs else _methods.rest_of(owner.__dict__["_info"], len(args))
+    if rest is None:
+        _lazy_init(self, *args, **kwargs)
+        return
+    owner.__init__ = _lazy_init  # type: ignore[misc]
+    _native.build(self, *args, *rest)
+
+
 def _lazy_init(self: Any, *args: Any, **kwargs: Any) -> None:
-    """Makes the real constructor of the message class on its first use."""
+    """Makes the real constructor of the message class when it is used."""
     owner = defining_class(type(self))
     assert owner is not None
     _specialise(owner)
@@ -241,7 +255,7 @@ def _message_class_maker(
         name = f"MAVLink_{info.name.lower()}_message"
         body: dict[str, Any] = {
             "__doc__": _docs.ClassDoc(native, info, texts),
-            "__init__": _lazy_init,
+            "__init__": _first_init,
             "_info": info,
             "id": info.id,
             "msgname": info.name,
@@ -259,24 +273,45 @@ def _message_class_maker(
     return make
 
 
+MAKERS = {"encode": _methods.make_encode, "send": _methods.make_send}
+
+
 class LazyMethod:
     """``MAVLink.<name>_encode`` or ``_send`` before its first use; replaces itself by the real function."""
 
-    def __init__(self, owner: type, name: str, make: Callable[[], Callable[..., Any]]) -> None:
-        self._owner = owner
-        self._name = name
-        self._make = make
+    __slots__ = ("_message", "_suffix")
 
-    def __get__(self, obj: Any, cls: type) -> Any:
-        function = self._make()
-        setattr(self._owner, self._name, function)
+    def __init__(self, message: str, suffix: str) -> None:
+        self._message = message
+        self._suffix = suffix
+
+    def __get__(self, obj: Any, cls: Any) -> Any:
+        owner, native = cls._mavlink_base, cls._dialect
+        message_class = native.message_class(self._message)
+        info = message_class._info
+        function = MAKERS[self._suffix](
+            info, message_class, owner.__module__, lambda: _docs.method_doc(native, info)
+        )
+        setattr(owner, f"{self._message.lower()}_{self._suffix}", function)
         return function.__get__(obj, cls)
+
+
+def _lazy_methods(native: _native.Dialect) -> dict[str, LazyMethod]:
+    """All of them by name. They refer to nothing, which the garbage collector would have to follow."""
+    methods = {}
+    for message, _ in native.messages():
+        lower = message.lower()
+        methods[f"{lower}_encode"] = LazyMethod(message, "encode")
+        methods[f"{lower}_send"] = LazyMethod(message, "send")
+    return methods
 
 
 def _mavlink_class(native: _native.Dialect, marker: int, signing_class: type) -> type:
     class MAVLink(_native.MAVLink):
         """One link: encodes and sends messages to ``file``, decodes received bytes."""
 
+        # Set one after the other on a class that is there already they would take ten times as long.
+        locals().update(_lazy_methods(native))
         _dialect: ClassVar[_native.Dialect] = native
         _mavlink_base: ClassVar[type]
         protocol_marker = marker
@@ -300,24 +335,6 @@ def _mavlink_class(native: _native.Dialect, marker: int, signing_class: type) ->
 
     MAVLink._mavlink_base = MAVLink
     return MAVLink
-
-
-def _add_methods(mavlink: type, native: _native.Dialect, module: str) -> None:
-    def maker(message: str, make: Callable[..., Any]) -> Callable[[], Callable[..., Any]]:
-        def made() -> Callable[..., Any]:
-            cls = native.message_class(message)
-            info = cls._info
-            method: Callable[..., Any]
-            method = make(info, cls, module, lambda: _docs.method_doc(native, info))
-            return method
-
-        return made
-
-    for message, _ in native.messages():
-        lower = message.lower()
-        for suffix, make in (("encode", _methods.make_encode), ("send", _methods.make_send)):
-            name = f"{lower}_{suffix}"
-            setattr(mavlink, name, LazyMethod(mavlink, name, maker(message, make)))
 
 
 def _error_class() -> type:
@@ -373,6 +390,5 @@ def make_classes(
     for name, cls in classes.items():
         cls.__module__ = module
         cls.__qualname__ = name
-    _add_methods(mavlink, native, module)
     classes["_make"] = _message_class_maker(native, base, module, name_property(), texts)
     return classes

@@ -30,10 +30,20 @@ def _annotation(field_type: str, array_length: int) -> str:
     return f"Sequence[{number}]" if array_length else number
 
 
-def _default(field_type: str, array_length: int) -> str:
+def _default(field_type: str, array_length: int) -> bytes | tuple[int, ...] | int:
     if field_type == "char":
-        return 'b""'
-    return f"({'0, ' * array_length})" if array_length else "0"
+        return b""
+    return (0,) * array_length if array_length else 0
+
+
+def rest_of(info: MessageInfo, count: int) -> list[Any] | None:
+    """The default values behind the first `count` fields; None where there are none, or not so many fields."""
+    missing = info.parameters[count:]
+    if count > len(info.parameters) or not all(
+        is_extension for _, _, _, is_extension, _ in missing
+    ):
+        return None
+    return [_default(field_type, length) for _, field_type, length, _, _ in missing]
 
 
 def _parameters(info: MessageInfo, version_default: bool) -> str:
@@ -41,7 +51,7 @@ def _parameters(info: MessageInfo, version_default: bool) -> str:
     for name, field_type, array_length, is_extension, version in info.parameters:
         text = f"{name}: {_annotation(field_type, array_length)}"
         if is_extension:
-            text += f" = {_default(field_type, array_length)}"
+            text += f" = {_default(field_type, array_length)!r}"
         elif version is not None and version_default:
             text += f" = {version}"
         parts.append(text)

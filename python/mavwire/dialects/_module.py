@@ -57,6 +57,8 @@ LEAKED_TYPING = (
     "Type",
     "Union",
 )
+# A message class is called so before and behind the name of the message in lower case.
+BEFORE, BEHIND = "MAVLink_", "_message"
 ALIASES = ("BytesLike", "MAVLinkV1Header", "MAVLinkV2Header")
 
 
@@ -76,27 +78,36 @@ def fill(namespace: dict[str, Any], native: _native.Dialect, name: str) -> None:
 
         shadow.attach(namespace)
     native.bind(namespace, make_class)
-    message_names = {
-        f"MAVLink_{message.lower()}_message": message for message, _ in native.messages()
-    }
     late = _late_attributes(namespace, native, texts)
 
     def __getattr__(attribute: str) -> Any:
-        if attribute in message_names:
-            value: Any = native.message_class(message_names[attribute])
-        elif attribute in late:
+        value: Any = _message_class(native, attribute)
+        if value is None:
+            if attribute not in late:
+                module = namespace["__name__"]
+                raise AttributeError(f"module {module!r} has no attribute {attribute!r}")
             value = late[attribute]()
-        else:
-            raise AttributeError(f"module {namespace['__name__']!r} has no attribute {attribute!r}")
         namespace[attribute] = value
         return value
 
     def __dir__() -> list[str]:
-        return sorted({*namespace, *message_names, *late})
+        messages = (f"{BEFORE}{message.lower()}{BEHIND}" for message, _ in native.messages())
+        return sorted({*namespace, *messages, *late})
 
     namespace["__getattr__"] = __getattr__
     namespace["__dir__"] = __dir__
     late["__all__"] = lambda: [n for n in __dir__() if not n.startswith("_")]
+
+
+def _message_class(native: _native.Dialect, attribute: str) -> type | None:
+    """The class that is called so, if it is one of a message."""
+    message = attribute[len(BEFORE) : -len(BEHIND)]
+    if attribute != f"{BEFORE}{message.lower()}{BEHIND}":
+        return None
+    try:
+        return native.message_class(message.upper())
+    except KeyError:
+        return None
 
 
 def _late_attributes(

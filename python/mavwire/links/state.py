@@ -9,6 +9,7 @@ variable: the process environment is read, never written.
 from __future__ import annotations
 
 import os
+import sys
 from types import ModuleType
 
 TYPE_CHECKING = False
@@ -18,8 +19,12 @@ if TYPE_CHECKING:
 DEFAULT_DIALECT = "all"
 DIALECTS = "mavwire.dialects"
 
-# The current dialect module. Replaced when the dialect or the wire protocol changes.
+# The current dialect module. Replaced when the dialect or the wire protocol changes. One that is
+# postponed is no global until somebody asks for it: what reads a log of MAVLink 2 never needs the
+# module for version 1, which takes longer to load than the rest of `mavutil`.
 mavlink: Any = None
+# The wire protocol of a postponed module.
+_postponed: str = "1.0"
 current_dialect: str = DEFAULT_DIALECT
 # The module that `set_dialect` was given in place of a name, else None.
 _given: ModuleType | None = None
@@ -32,6 +37,35 @@ global_link_id: int = 0
 public: Any = None
 # "1.0" or "2.0" once a user or a received frame has decided; None leaves it to the environment.
 wire_protocol: str | None = None
+
+
+# What says which definitions are in use.
+_DEFINITIONS = ("wire_protocol", "mavlink", "_postponed", "current_dialect", "_given")
+
+
+def __getattr__(name: str) -> Any:
+    if name != "mavlink":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    global mavlink
+    mavlink = load_dialect(current_dialect, _postponed)
+    return mavlink
+
+
+def is_postponed() -> bool:
+    """Whether nobody has asked for the current dialect module yet."""
+    return "mavlink" not in globals()
+
+
+def definitions_in_use() -> dict[str, Any]:
+    """The dialect and wire protocol, for `use_definitions` to come back to."""
+    own = globals()
+    return {name: own[name] for name in _DEFINITIONS if name in own}
+
+
+def use_definitions(kept: dict[str, Any]) -> None:
+    """Go back to what `definitions_in_use` gave."""
+    globals().pop("mavlink", None)
+    globals().update(kept)
 
 
 def mavlink20() -> bool:
@@ -52,7 +86,8 @@ def set_wire_protocol(version: str | None) -> None:
     if version not in ("1.0", "2.0", None):
         raise ValueError(f"wire protocol must be '1.0', '2.0' or None, not {version!r}")
     before, wire_protocol = wire_protocol, version
-    if mavlink20() == (getattr(mavlink, "WIRE_PROTOCOL_VERSION", None) == "2.0"):
+    current = _postponed if is_postponed() else getattr(mavlink, "WIRE_PROTOCOL_VERSION", None)
+    if mavlink20() == (current == "2.0"):
         return
     try:
         renew_dialect()
@@ -76,13 +111,39 @@ def set_dialect(dialect: str | os.PathLike[str] | ModuleType) -> None:
     if not isinstance(dialect, str | os.PathLike):
         raise _no_dialect_type(dialect)
     name = os.fspath(dialect)
-    mavlink = load_dialect(name, "2.0" if mavlink20() else "1.0")
+    mavlink = load_dialect(name, _chosen_version())
     current_dialect, _given = name, None
+
+
+def choose_dialect(dialect: str) -> None:
+    """As `set_dialect`, but the module of a built-in dialect is loaded when somebody asks for it."""
+    global _postponed, current_dialect, _given
+    version = _chosen_version()
+    if _module_name(dialect, version) in sys.modules or not _is_built_in(dialect):
+        set_dialect(dialect)
+        return
+    globals().pop("mavlink", None)
+    _postponed, current_dialect, _given = version, dialect, None
 
 
 def renew_dialect() -> None:
     """Take the current dialect again, of the wire protocol that is chosen now."""
-    set_dialect(_given if _given is not None and _given is mavlink else current_dialect)
+    if is_postponed():
+        choose_dialect(current_dialect)
+    else:
+        set_dialect(_given if _given is not None and _given is mavlink else current_dialect)
+
+
+def _chosen_version() -> str:
+    return "2.0" if mavlink20() else "1.0"
+
+
+def _is_built_in(dialect: str) -> bool:
+    if dialect == DEFAULT_DIALECT:
+        return True
+    from mavwire._native import Dialect
+
+    return dialect in Dialect.names()
 
 
 def _dialect_name(module: ModuleType) -> str:
@@ -102,11 +163,11 @@ def load_dialect(dialect: str, version: str) -> ModuleType:
     if dialect.endswith(".xml"):
         return _load_definitions(dialect, version)
     if dialect.isidentifier():
-        package = DIALECTS + (".v20" if version == "2.0" else ".v10")
+        name = _module_name(dialect, version)
         try:
-            return _import(f"{package}.{dialect}")
+            return _import(name)
         except ModuleNotFoundError as error:
-            if error.name != f"{package}.{dialect}":
+            if error.name != name:
                 raise
     path = _definitions_path(dialect)
     if not os.path.isfile(path):
@@ -119,10 +180,13 @@ def load_dialect(dialect: str, version: str) -> ModuleType:
     return _load_definitions(path, version)
 
 
-def _import(name: str) -> ModuleType:
-    from importlib import import_module
+def _module_name(dialect: str, version: str) -> str:
+    return f"{DIALECTS}.{'v20' if version == '2.0' else 'v10'}.{dialect}"
 
-    return import_module(name)
+
+def _import(name: str) -> ModuleType:
+    __import__(name)
+    return sys.modules[name]
 
 
 def _definitions_path(dialect: str) -> str:

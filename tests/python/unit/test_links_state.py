@@ -303,6 +303,70 @@ def test_importing_mavutil_loads_nothing_heavy():
     assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr
 
 
+def run(code, **variables):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **variables}
+    command = [sys.executable, "-c", f"import sys, os; from mavwire import mavutil; {code}"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+LOADED = "print(*[m for m in sys.modules if m.startswith(('mavwire.dialects.v10.', 'mavwire.dialects.v20.'))])"
+
+
+def test_the_dialect_loads_when_it_is_asked_for():
+    assert run(LOADED) == []
+    assert run(f"mavutil.mavlink; {LOADED}") == ["mavwire.dialects.v10.all"]
+    assert run(f"mavutil.set_wire_protocol('2.0'); {LOADED}") == []
+    assert run(f"mavutil.set_wire_protocol('2.0'); mavutil.mavlink; {LOADED}") == [
+        "mavwire.dialects.v20.all"
+    ]
+    assert run(f"mavutil.set_dialect('common'); {LOADED}") == ["mavwire.dialects.v10.common"]
+    assert run(LOADED, MAVLINK_DIALECT="common") == []
+    assert run("print(mavutil.mavlink.DIALECT)", MAVLINK_DIALECT="common") == ["common"]
+
+
+def test_the_wire_protocol_of_a_dialect_is_that_of_its_choice():
+    """The environment counts when mavutil is imported, and when a dialect is set."""
+    later = "os.environ['MAVLINK20'] = '1'; print(mavutil.mavlink.WIRE_PROTOCOL_VERSION)"
+    assert run(later) == ["1.0"]
+    assert run("print(mavutil.mavlink.WIRE_PROTOCOL_VERSION)", MAVLINK20="1") == ["2.0"]
+
+
+def test_a_module_takes_the_place_of_a_dialect_nobody_asked_for():
+    code = "import mavwire.dialects.v20.common as c; mavutil.mavlink = c; mavutil.set_wire_protocol('2.0');"
+    assert run(f"{code} print(mavutil.mavlink is c, mavutil.current_dialect)") == ["True", "all"]
+
+
+def test_a_dialect_that_is_unknown_is_told_at_once():
+    code = "import mavwire.mavutil"
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(sys.path),
+        "MAVLINK_DIALECT": "nonsense",
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False
+    )
+    assert "no dialect 'nonsense'" in done.stderr
+
+
+def test_the_current_dialect_is_reached_through_the_package():
+    """As where it was imported with mavutil."""
+    code = "import mavwire; print(mavwire.dialects.v10.all is mavutil.mavlink)"
+    assert run(code) == ["True"]
+    assert run("import mavwire; print(hasattr(mavwire.dialects.v20, 'nothing'))") == ["False"]
+
+
+def test_definitions_leave_a_dialect_that_nobody_asked_for_as_it_was():
+    code = (
+        "from mavwire.cli._reading import definitions\n"
+        "with definitions('common', '2.0'): print(mavutil.mavlink.DIALECT, mavutil.current_dialect)\n"
+        f"{LOADED}; print(mavutil.mavlink.WIRE_PROTOCOL_VERSION, mavutil.current_dialect)"
+    )
+    assert run(code) == ["common", "common", "mavwire.dialects.v20.common", "1.0", "all"]
+
+
 def test_a_module_as_dialect(tmp_path):
     path, log = tmp_path / "own.xml", tmp_path / "t.tlog"
     path.write_text(XML.format(msgid=300, name="OWN"))

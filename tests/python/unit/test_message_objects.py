@@ -11,6 +11,7 @@ import weakref
 from typing import Any
 
 import pytest
+from mavwire.dialects import load
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 
 
@@ -348,3 +349,32 @@ def test_classes_of_a_dialect_that_was_let_go_are_collected():
     del sys.modules[module.__name__], module, mav, message, getter
     gc.collect()
     assert reference() is None
+
+
+@pytest.mark.parametrize("arguments", [(1, b"text"), (1, b"text", 7), (1, b"text", 7, 8)])
+def test_the_first_message_of_a_class_is_as_the_next_ones(arguments: tuple[object, ...]) -> None:
+    """Its constructor is not compiled yet."""
+    module = load("<mavlink><messages><message id='253' name='STATUSTEXT'><description/>"
+                  "<field type='uint8_t' name='severity'/><field type='char[50]' name='text'/><extensions/>"
+                  "<field type='uint16_t' name='id'/><field type='uint8_t[2]' name='part'/>"
+                  "</message></messages></mavlink>", name="first")  # fmt: skip
+    cls = module.MAVLink_statustext_message
+    messages = [cls(*arguments) for _ in range(3)]
+    assert len({str(message) for message in messages}) == 1
+    assert len({repr(message.to_dict()) for message in messages}) == 1
+    with pytest.raises(TypeError, match="takes from 3 to 5 positional arguments but 6"):
+        cls(1, b"", 1, 1, 1)
+
+
+@pytest.mark.parametrize("arguments", [(), (1,), (1, b"text", 7, (8, 8), 9)])
+def test_a_first_message_with_wrong_arguments(arguments: tuple[object, ...]) -> None:
+    module = load("<mavlink><messages><message id='1' name='A'><description/>"
+                  "<field type='uint8_t' name='a'/><field type='char[5]' name='b'/><extensions/>"
+                  "<field type='uint16_t' name='c'/></message></messages></mavlink>", name="wrong")  # fmt: skip
+    texts = []
+    for _ in range(2):
+        with pytest.raises(TypeError) as raised:
+            module.MAVLink_a_message(*arguments)
+        texts.append(str(raised.value))
+    assert texts[0] == texts[1]
+    assert texts[0].startswith("MAVLink_a_message.__init__() ")
