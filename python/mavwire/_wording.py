@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from contextlib import contextmanager
+
+from mavwire._context import contextmanager
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

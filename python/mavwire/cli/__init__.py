@@ -7,21 +7,19 @@ text, and ``main`` gets the list of arguments as they were written.
 
 from __future__ import annotations
 
+import gc
 import os
-import re
 import sys
-from argparse import RawDescriptionHelpFormatter
-from importlib import import_module
 from io import TextIOWrapper
 
-from mavwire._arguments import PlainParser
+from mavwire._command_line import understood
+from mavwire._context import contextmanager
 from mavwire._wording import guarded_output
 from mavwire.cli._errors import CommandError, describe_os_error, tell
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from argparse import ArgumentParser
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from typing import Any
 
 COMMANDS = {
@@ -92,28 +90,51 @@ COMMANDS = {
 }
 """Name -> the module and one line of help."""
 
-NUMBERS = re.compile(r"-\.?\d[\d.eE+-]*(,[\d.eE+-]+)+")
-"""Some of them between commas, a negative one first."""
+# Objects that are made before the garbage collector looks for circles among them. With 700, as Python has it,
+# that is a tenth of a run over a short log, of which hardly anything is garbage.
+YOUNG_OBJECTS = 50_000
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command line; the exit code of the process."""
+    """Run a command line, that of the process if it is None; the exit code of the process."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     name = arguments.pop(0) if arguments else ""
     if name == "help":
         name = arguments.pop(0) if arguments else "--help"
         arguments = ["--help"] if name in COMMANDS else []
     try:
-        command: Any = import_module(COMMANDS[name][0]) if name in COMMANDS else None
+        command: Any = _module(COMMANDS[name][0]) if name in COMMANDS else None
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
         return int(command.main(arguments))
     _prepare_streams()
-    with guarded_output():
+    with _few_collections(argv is None), guarded_output():
         return _guarded_main(name, command, arguments)
+
+
+@contextmanager
+def _few_collections(is_own_process: bool) -> Iterator[None]:
+    """Spares a process of our own, which ends behind this, most looks for garbage: those in between, and
+    those at its end, when whatever is left is in use.
+    """
+    if not is_own_process:
+        yield
+        return
+    before = gc.get_threshold()
+    gc.set_threshold(YOUNG_OBJECTS)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+        gc.freeze()
+
+
+def _module(name: str) -> Any:
+    __import__(name)
+    return sys.modules[name]
 
 
 def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
@@ -144,7 +165,12 @@ def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
 
 def _run(name: str, command: Any, arguments: list[str]) -> int:
     if command is not None:
-        return int(command.main(_parser(name, command).parse_args(_joined(arguments))))
+        parsed: Any = understood(command.add_arguments, arguments)
+        if parsed is None:
+            from mavwire.cli import _parsers
+
+            parsed = _parsers.parse(name, command, arguments)
+        return int(command.main(parsed))
     if name in ("-h", "--help", ""):
         print(_overview())
         return 0 if name else EXIT_USAGE
@@ -153,19 +179,6 @@ def _run(name: str, command: Any, arguments: list[str]) -> int:
         return 0
     tell(_unknown(name))
     return EXIT_USAGE
-
-
-def _joined(arguments: list[str]) -> list[str]:
-    """`--shift -1,2` as `--shift=-1,2`: argparse takes a negative number for a value, but several of
-    them for an option.
-    """
-    words: list[str] = []
-    for one in arguments:
-        if words and re.fullmatch("--[^=]+", words[-1]) and NUMBERS.fullmatch(one):
-            words[-1] += f"={one}"
-        else:
-            words.append(one)
-    return words
 
 
 def _prepare_streams() -> None:
@@ -186,36 +199,6 @@ def _discard_output() -> None:
     except (OSError, ValueError):  # a buffer in memory in its place
         return
     os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
-
-
-class _Formatter(RawDescriptionHelpFormatter):
-    """argparse makes one for each option, and looks for the width with `shutil`, which loads every
-    compression that Python knows.
-    """
-
-    def __init__(self, prog: str, **options: Any) -> None:
-        super().__init__(prog, **{"width": _columns() - 2, **options})
-
-
-def _columns() -> int:
-    """Characters in a line of the terminal, as `shutil.get_terminal_size` tells."""
-    told = os.environ.get("COLUMNS", "")
-    if told.isdecimal() and int(told) > 0:
-        return int(told)
-    try:
-        return os.get_terminal_size(sys.__stdout__.fileno()).columns or 80  # type: ignore[union-attr]
-    except (AttributeError, ValueError, OSError):  # closed, or no terminal
-        return 80
-
-
-def _parser(name: str, command: Any) -> ArgumentParser:
-    parser = PlainParser(
-        prog=f"mavwire {name}",
-        description=command.__doc__,
-        formatter_class=_Formatter,
-    )
-    command.add_arguments(parser)
-    return parser
 
 
 def _overview() -> str:

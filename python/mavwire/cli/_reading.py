@@ -6,10 +6,9 @@ import os
 import stat
 import sys
 import time
-from contextlib import contextmanager
-from functools import partial
 from itertools import chain, islice
 
+from mavwire._context import contextmanager
 from mavwire._wording import in_words, naming, no_such_dialect
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._progress import Progress
@@ -32,10 +31,10 @@ def definitions(dialect: str | None = None, wire_protocol: str | None = None) ->
     """The dialect and wire protocol of this run, in place of the process's own, which are back
     afterwards. None leaves either as it is.
     """
-    from mavwire import mavutil
+    from mavwire import mavutil  # noqa: F401 - which chooses a dialect when it is first imported
     from mavwire.links import state
 
-    before = state.wire_protocol, state.mavlink, state.current_dialect, state._given
+    before = state.definitions_in_use()
     try:
         if wire_protocol is not None:
             state.wire_protocol = wire_protocol
@@ -43,10 +42,10 @@ def definitions(dialect: str | None = None, wire_protocol: str | None = None) ->
             if dialect is None:
                 state.renew_dialect()
             else:
-                mavutil.set_dialect(dialect)
+                state.choose_dialect(dialect)
         yield
     finally:
-        state.wire_protocol, state.mavlink, state.current_dialect, state._given = before
+        state.use_definitions(before)
 
 
 @contextmanager
@@ -121,7 +120,24 @@ def open_link(path: str, **options: Any) -> Any:
         path = os.path.join(os.curdir, path)  # it is a log, even if it is called tcp:HOST:PORT.tlog
     if os.path.isfile(path) and not os.path.getsize(path) and log_kind(path, True) == "dataflash":
         return mavutil.mavmmaplog(path)
+    if not options.get("notimestamps"):
+        _foresee_version(path)
     return mavutil.mavlink_connection(path, **options)
+
+
+def _foresee_version(path: str) -> None:
+    """Choose MAVLink 2 for a telemetry log that begins with a frame of it before the definitions of
+    version 1 are loaded, which the log would replace as soon as it is opened.
+    """
+    from mavwire.links import state
+    from mavwire.links.mavfile import MARKER_V2
+    from mavwire.links.recognise import STAMP_LEN, TLOG_PROBE, looks_like_tlog, read_head
+
+    if not state.is_postponed() or not os.path.isfile(path):
+        return
+    head = read_head(path, TLOG_PROBE)
+    if looks_like_tlog(head) and head[STAMP_LEN] == MARKER_V2:
+        state.set_wire_protocol("2.0")
 
 
 def dataflash_reader(path: str) -> Callable[[str], Any] | None:
@@ -177,9 +193,13 @@ class Reading:
         types: Iterable[str] | None = None,
         condition: str | None = None,
         blocking: bool = False,
+        alone: bool = False,
     ) -> Iterator[Any]:
         """The messages that `recv_match` gives for these arguments, to the end of the log, but for
         lines of a text log that have a word in the place of a number.
+
+        `alone` is for who asks the log for nothing else: without a condition heartbeats and parameters,
+        which tell its `flightmode` and `params`, are not read along.
         """
         if blocking and self._is_telemetry_log():
             yield from self._follow(types, condition)
@@ -187,7 +207,7 @@ class Reading:
         wanted = None if types is None else list(types)
         # In a text log it is for `holds` to say what a condition over words gives.
         checked = None if self.is_text else condition
-        receive = iter(partial(self.link.recv_match, checked, wanted, blocking), None)
+        receive = self._received(wanted, checked, blocking, alone)
         if self.is_text:
             receive = (msg for msg in receive if self._has_numbers(msg) and self.holds(condition))
         try:
@@ -200,6 +220,22 @@ class Reading:
             if condition is None or isinstance(error, (CommandError, OSError)):
                 raise
             raise _condition_error(condition, error) from error
+
+    def _received(
+        self, types: list[str] | None, condition: str | None, blocking: bool, alone: bool
+    ) -> Iterator[Any]:
+        """What the log gives for these arguments, to its end."""
+        visits: Iterator[Any] | None = None
+        if alone and types is not None and condition is None and self._is_telemetry_log():
+            visits = self.link._visits(types)
+        return visits or self._matching(types, condition, blocking)
+
+    def _matching(
+        self, types: list[str] | None, condition: str | None, blocking: bool
+    ) -> Iterator[Any]:
+        receive = self.link.recv_match
+        while (msg := receive(condition, types, blocking)) is not None:
+            yield msg
 
     def _is_telemetry_log(self) -> bool:
         from mavwire import mavutil

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from _thread import _count as count_threads
 from _thread import allocate_lock, start_new_thread
-from contextlib import suppress
 from io import BufferedRandom, BufferedWriter
 
 from mavwire._native import recordable
@@ -77,16 +76,23 @@ def _flush_all() -> None:
         finally:
             flushed.release()
 
-    with suppress(RuntimeError):  # no thread can be had at the very end
+    try:
         start_new_thread(flush, ())
-        flushed.acquire(timeout=PATIENCE)
+    except RuntimeError:  # no thread can be had at the very end
+        return
+    flushed.acquire(timeout=PATIENCE)
 
 
 def _flush_each(files: list[Any]) -> None:
     for file in files:
-        # RuntimeError: by a signal handler, in the middle of a write.
-        with suppress(OSError, ValueError, RuntimeError):
+        try:
             file.flush()
+        except (
+            OSError,
+            ValueError,
+            RuntimeError,
+        ):  # the last by a signal handler, in the middle of a write
+            continue
 
 
 def _renew(file: Any) -> None:

@@ -81,7 +81,7 @@ class Flight:
     def read(self, log: Reading, condition: str | None) -> None:
         """Add everything to the end of the log, and tell of each take-off and landing."""
         now = None
-        for msg in log.messages(TYPES, condition):
+        for msg in log.messages(TYPES, condition, alone=True):
             fix = fix_of(msg)
             if fix.fix_type < FIX_3D:
                 continue

@@ -39,7 +39,7 @@ def main(args: Namespace) -> int:
         for path in args.logs:
             mission = mavwp.MAVWPLoader()
             with reading("mission", path) as log:
-                for msg in log.messages(TYPES):
+                for msg in log.messages(TYPES, alone=True):
                     if getattr(msg, "mission_type", MISSION) == MISSION:
                         _put(mission, _item(msg))
             if not mission.count() and os.path.exists(args.output):

@@ -37,7 +37,7 @@ def main(args: Namespace) -> int:
 
 
 def _search(log: Reading, args: Namespace) -> None:
-    for msg in log.messages(wanted(args.types, log)):
+    for msg in log.messages(wanted(args.types, log), alone=args.condition is None):
         found = log.holds(args.condition)
         if found:
             print(msg)

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from mavwire.cli._reading import Reading
 
 TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
-FIX_3D = 3
 # Of a HEARTBEAT's base_mode: the vehicle flies by itself, or where it is told to.
 AUTONOMOUS = 4 | 8
 # The type of a HEARTBEAT's sender that does not fly.
@@ -109,22 +108,20 @@ class Summary:
 def summarise(log: Reading, condition: str | None) -> Summary | None:
     """Read a log to its end; None if nothing of interest is in it."""
     track = Track()
-    add = track.add
+    follow = track.follow
     began: float | None = None
     dated: float | None = None
     since: float | None = None
     now = autonomous = 0.0
     sections = 0
-    for msg in log.messages(TYPES, condition):
+    for msg in log.messages(TYPES, condition, alone=True):
         now = msg._timestamp
         if began is None:
             began = now
         if dated is None:
             dated = _date(msg)
         if msg.get_type() == "GPS_RAW_INT":
-            lat, lon = msg.lat, msg.lon
-            if lat and lon and msg.fix_type >= FIX_3D:
-                add(lat / 1.0e7, lon / 1.0e7, msg.time_usec)
+            follow(msg)
         elif msg.type == GROUND_STATION:
             continue
         elif not msg.base_mode & AUTONOMOUS:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import importlib.util
 import os
 import subprocess
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 import mavwire
 import pytest
 from mavwire import cli, traffic
+from mavwire.cli import _parsers
 from mavwire.cli._errors import CommandError
 
 if TYPE_CHECKING:
@@ -126,7 +128,8 @@ def test_start_imports_only_the_chosen_command() -> None:
     )  # fmt: skip
     loaded = [
         "mavwire",
-        "mavwire._arguments",
+        "mavwire._command_line",
+        "mavwire._context",
         "mavwire._wording",
         "mavwire.cli",
         "mavwire.cli._errors",
@@ -139,8 +142,9 @@ def test_commands_start_without_what_they_seldom_need() -> None:
     code = (
         "import sys, importlib\n"
         "from mavwire import cli\n"
+        "from mavwire.cli import _parsers\n"
         "for name in ('parms', 'summarize', 'togpx', 'flighttime', 'loss', 'dump', 'gen'):\n"
-        "    cli._parser(name, importlib.import_module(cli.COMMANDS[name][0]))\n"
+        "    _parsers.parser_of(name, importlib.import_module(cli.COMMANDS[name][0]))\n"
         "    print(name, {'shutil', 'lzma', 'urllib.parse', 'ssl', 'socket'} & set(sys.modules))\n"
         "    if name == 'dump':\n"
         "        print({'dataclasses', 'typing', 'inspect'} & set(sys.modules))\n"
@@ -161,8 +165,8 @@ def test_help_is_as_wide_as_argparse_would_have_it(
 ) -> None:
     monkeypatch.setenv("COLUMNS", columns)
     texts = []
-    for formatter in (cli._Formatter, argparse.RawDescriptionHelpFormatter):
-        monkeypatch.setattr(cli, "_Formatter", formatter)
+    for formatter in (_parsers.Formatter, argparse.RawDescriptionHelpFormatter):
+        monkeypatch.setattr(_parsers, "Formatter", formatter)
         with pytest.raises(SystemExit):
             cli.main(["loss", "--help"])
         texts.append(capsys.readouterr().out)
@@ -245,3 +249,21 @@ def test_help_after_a_subcommand_was_loaded(capsys: pytest.CaptureFixture[str]) 
     assert mavwire.cli.map.__name__ in str(vars(cli)["map"])
     assert cli.main(["--help"]) == 0
     assert "playback" in capsys.readouterr().out
+
+
+def test_the_garbage_collector_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also in a process of our own, for what its end calls; another's is never changed."""
+    seen: list[tuple[int, int, int]] = []
+    module = ModuleType("mavwire.cli.probe")
+    module.add_arguments = lambda parser: parser.add_argument("x")  # type: ignore[attr-defined]
+    module.main = lambda args: seen.append(gc.get_threshold()) or 0  # type: ignore[attr-defined, func-returns-value]
+    monkeypatch.setitem(sys.modules, "mavwire.cli.probe", module)
+    monkeypatch.setitem(cli.COMMANDS, "probe", ("mavwire.cli.probe", "for this test"))
+    monkeypatch.setattr(sys, "argv", ["mavwire", "probe", "y"])
+    before = gc.get_threshold()
+    try:
+        assert cli.main(["probe", "y"]) == cli.main() == 0
+    finally:
+        gc.unfreeze()
+    assert seen == [before, (cli.YOUNG_OBJECTS, *before[1:])]
+    assert gc.get_threshold() == before

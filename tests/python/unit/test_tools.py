@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
+from datetime import timedelta
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,7 @@ from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.links import state
+from mavwire.tools.mavflightmodes import Clock, _duration
 from mavwire.tools.mavloss import Losses
 from tool_runs import Log, attitude, flight_log, heartbeat, random_log
 
@@ -321,3 +324,29 @@ def test_tools_start_without_heavy_modules(tmp_path: Path) -> None:
             capture_output=True, text=True, env=dict(os.environ), timeout=120, check=False,
         )  # fmt: skip
         assert result.stderr == "''\n", verb
+
+
+@pytest.mark.parametrize(
+    "zone", ["UTC", "Asia/Kolkata", "Africa/Monrovia", "Europe/Amsterdam", "right/UTC"]
+)
+def test_the_clock_of_flightmodes_is_that_of_ctime(
+    zone: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In zones with offsets of seconds, too, as Monrovia's was until 1972."""
+    monkeypatch.setenv("TZ", zone)
+    time.tzset()
+    try:
+        for start in (0, 63590000, 78796800, 1704067190.25, 1711846790.5, -100.5):
+            clock = Clock()
+            stamps = [start + step for step in (0, 0.5, 9, 10, 59, 61, 70, 3, 119, 7200)]
+            assert [clock.text(stamp) for stamp in stamps] == [time.ctime(one) for one in stamps]
+    finally:
+        monkeypatch.undo()
+        time.tzset()
+
+
+@pytest.mark.parametrize(
+    "seconds", [0, 59, 60, 3600, 86399, 86400, 2 * 86400 + 1, -1, -86400, -90000]
+)
+def test_durations_of_flightmodes_are_those_of_timedelta(seconds: int) -> None:
+    assert _duration(seconds) == str(timedelta(seconds=seconds))
