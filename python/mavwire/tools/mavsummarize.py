@@ -112,29 +112,28 @@ def summarise(log: Reading, condition: str | None) -> Summary | None:
     began: float | None = None
     dated: float | None = None
     since: float | None = None
-    now = autonomous = 0.0
-    sections = 0
+    autonomous, sections = 0.0, 0
+    msg: Any = None
     for msg in log.messages(TYPES, condition, alone=True):
-        now = msg._timestamp
-        if began is None:
-            began = now
         if dated is None:
+            began = msg._timestamp if began is None else began
             dated = _date(msg)
         if msg.get_type() == "GPS_RAW_INT":
             follow(msg)
         elif msg.type == GROUND_STATION:
             continue
         elif not msg.base_mode & AUTONOMOUS:
-            autonomous += now - since if since is not None else 0.0
+            autonomous += msg._timestamp - since if since is not None else 0.0
             since = None
         elif since is None:
             sections += 1
-            since = now
+            since = msg._timestamp
     if began is None:
         return None
+    ended = msg._timestamp
     if since is not None:
-        autonomous += now - since
-    return Summary(began, dated, now, sections, autonomous, track)
+        autonomous += ended - since
+    return Summary(began, dated, ended, sections, autonomous, track)
 
 
 def _date(msg: Any) -> float | None:
