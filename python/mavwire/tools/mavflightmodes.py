@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 TYPES = ("SYS_STATUS", "HEARTBEAT", "MODE")
 UNKNOWN = "UNKNOWN"
+TWO_DIGITS = [f"{number:02}" for number in range(60)]
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -72,7 +73,7 @@ class Clock:
             if text[17:19] != "00":  # of places whose time had seconds of its own
                 self._minute = None
                 return time.ctime(stamp)
-        return f"{self._before}{second:02}{self._behind}"
+        return f"{self._before}{TWO_DIGITS[second]}{self._behind}"
 
 
 class Modes:
