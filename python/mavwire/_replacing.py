@@ -87,9 +87,11 @@ class Replacement:
 
     def discard(self) -> None:
         """Remove what there is of it."""
-        with contextlib.suppress(OSError):  # what is buffered may not fit on the disk
-            self.file.close()
-        self._remove()
+        try:
+            with contextlib.suppress(OSError):  # what is buffered may not fit on the disk
+                self.file.close()
+        finally:
+            self._remove()
 
     def _remove(self) -> None:
         if self._beside is not None:
@@ -126,12 +128,12 @@ def replacing(
     replacement = Replacement(path)
     try:
         yield replacement.file
+        replacement.finish(permissions)  # here, as what comes before it begins would leave a draft
     except BaseException as error:
         replacement.discard()
         if isinstance(error, OSError) and error.filename is None:  # a full disk
             error.filename = replacement.path
         raise
-    replacement.finish(permissions)
 
 
 def replace_text(

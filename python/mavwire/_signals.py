@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
+import time
 from contextlib import contextmanager
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
-    from contextlib import AbstractContextManager
     from typing import Any
 
 
@@ -65,11 +66,36 @@ def put_off(numbers: Iterable[int]) -> Iterator[None]:
             signal.raise_signal(number)
 
 
-def ended_in_order() -> AbstractContextManager[None]:
+TOGETHER = 1.0
+"""Seconds in which signals are for one end: SIGTERM and SIGHUP of a service manager come side by side."""
+
+_ends_in_order = False
+
+
+@contextmanager
+def ended_in_order() -> Iterator[None]:
     """Meanwhile what ends a process does so as Ctrl-C does: what is being written is completed or
-    removed.
+    removed. What comes soon after does not disturb that.
     """
-    return handled(_ending(), _interrupt)
+    global _ends_in_order
+    if _ends_in_order or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    latest = -math.inf
+
+    def end(number: int, frame: object) -> None:
+        nonlocal latest
+        now = time.monotonic()
+        if now - latest > TOGETHER:
+            latest = now
+            raise KeyboardInterrupt
+
+    with handled(_ending(), end):
+        try:
+            _ends_in_order = True
+            yield
+        finally:
+            _ends_in_order = False
 
 
 def _ending() -> list[int]:
@@ -78,7 +104,3 @@ def _ending() -> list[int]:
     if hangup is None or signal.getsignal(hangup) is signal.SIG_IGN:
         return [signal.SIGTERM]
     return [signal.SIGTERM, hangup]
-
-
-def _interrupt(number: int, frame: object) -> None:
-    raise KeyboardInterrupt

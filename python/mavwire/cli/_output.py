@@ -54,8 +54,10 @@ def writing(
             target = Replacement(path) if is_whole else _InPlace(path)
         except OSError as error:
             raise CommandError(f"{name}: {error.strerror}") from error
-        try:  # right away: what came in between would leave a draft
+        try:  # right away, and to the end: what came in between would leave a draft
             yield OutputFile(name, target.file)
+            with _named(name):
+                target.finish()
         except BaseException as error:
             with _named(name):
                 target.discard()
@@ -63,8 +65,6 @@ def writing(
                 reason = "nobody reads standard output any more"
                 raise CommandError(f"{name} is not written: {reason}") from error
             raise
-        with _named(name):
-            target.finish()
 
 
 @contextmanager

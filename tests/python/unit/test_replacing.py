@@ -54,6 +54,33 @@ def test_what_comes_as_it_is_opened_leaves_nothing(
     assert not os.listdir(tmp_path)
 
 
+def test_what_comes_before_it_is_moved_leaves_what_was_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(self: Replacement, permissions: int | None = None) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Replacement, "finish", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        replace_text(str(tmp_path / "file"), "half")
+    assert not os.listdir(tmp_path)
+
+
+def test_what_comes_as_it_is_given_up_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Interrupted:
+        def close(self) -> None:
+            raise KeyboardInterrupt
+
+    file = Replacement(str(tmp_path / "file"))
+    file.file.close()
+    file.file = Interrupted()  # type: ignore[assignment]
+    with pytest.raises(KeyboardInterrupt):
+        file.discard()
+    assert not os.listdir(tmp_path)
+
+
 def test_errors_name_the_file(tmp_path: Path) -> None:
     missing = str(tmp_path / "missing" / "file")
     with pytest.raises(FileNotFoundError) as caught:

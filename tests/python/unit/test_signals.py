@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from mavwire import _signals
-from mavwire._signals import handled, put_off
+from mavwire._signals import ended_in_order, handled, put_off
 
 NUMBERS = (signal.SIGTERM, signal.SIGINT)
 
@@ -133,3 +135,25 @@ def test_a_handler_that_python_cannot_give_back_is_left_alone(
     monkeypatch.setattr(signal, "signal", lambda *_: pytest.fail("it is replaced"))
     with handled(NUMBERS, end):
         pass
+
+
+def test_what_comes_together_is_one_end() -> None:
+    """As SIGTERM and SIGHUP do: the second must not disturb what the first lets be removed."""
+    signal.signal(signal.SIGTERM, end)
+    with ended_in_order():
+        with pytest.raises(KeyboardInterrupt), ended_in_order():
+            signal.raise_signal(signal.SIGTERM)
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt:
+            pytest.fail("it ends what is ending")
+    with pytest.raises(Ended):
+        signal.raise_signal(signal.SIGTERM)
+
+
+def test_a_process_that_went_on_can_be_ended_later(monkeypatch: pytest.MonkeyPatch) -> None:
+    with ended_in_order():
+        for _ in range(2):
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGTERM)
+            monkeypatch.setattr(_signals, "time", SimpleNamespace(monotonic=lambda: math.inf))

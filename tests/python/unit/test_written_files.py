@@ -8,12 +8,13 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import dataflash_writer
 import pytest
 from mavwire import cli
+from mavwire._replacing import Replacement
 from mavwire.cli import _output, _reading
 from tool_runs import flight_log
 from unit.faults import ENVIRONMENT
@@ -58,7 +59,15 @@ def folder(logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def ended_while_writing(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def sigterm_ignored() -> Iterator[None]:
+    """SIGTERM that comes when nothing is written ends no tests."""
+    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    yield
+    signal.signal(signal.SIGTERM, before)
+
+
+@pytest.fixture
+def ended_while_writing(sigterm_ignored: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """SIGTERM comes when something was written."""
     write = _output.OutputFile.write
 
@@ -67,9 +76,6 @@ def ended_while_writing(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         signal.raise_signal(signal.SIGTERM)
 
     monkeypatch.setattr(_output.OutputFile, "write", write_and_end)
-    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    yield
-    signal.signal(signal.SIGTERM, before)
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -80,6 +86,32 @@ def test_what_ends_a_command_leaves_what_was_there(command: str, folder: Path) -
     assert cli.main(COMMANDS[command].split()) == cli.EXIT_INTERRUPTED
     assert made.read_text() == "precious"
     assert {one.name for one in folder.iterdir()} == LOGS | {made.name}
+
+
+def end_first(act: Callable[[Replacement], None]) -> Callable[[Replacement], None]:
+    """SIGTERM comes before a method does what it is for."""
+
+    def end_and_act(self: Replacement) -> None:
+        signal.raise_signal(signal.SIGTERM)
+        act(self)
+
+    return end_and_act
+
+
+@pytest.mark.usefixtures("sigterm_ignored")
+def test_what_ends_a_command_as_files_are_moved_leaves_none_beside(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Replacement, "finish", end_first(Replacement.finish))
+    assert cli.main(COMMANDS["split_sysid"].split()) == cli.EXIT_INTERRUPTED
+    assert {one.name for one in folder.iterdir()} == LOGS
+
+
+@pytest.mark.usefixtures("ended_while_writing")
+def test_a_second_signal_leaves_none_beside(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Replacement, "discard", end_first(Replacement.discard))
+    assert cli.main(COMMANDS["split_sysid"].split()) == cli.EXIT_INTERRUPTED
+    assert {one.name for one in folder.iterdir()} == LOGS
 
 
 @pytest.mark.parametrize("command", COMMANDS)
