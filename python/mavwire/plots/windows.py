@@ -6,6 +6,7 @@ import os
 from typing import Any
 
 from mavwire._replacing import replacing
+from mavwire._signals import ended_in_order
 
 NEEDED = "matplotlib is needed for figures: pip install 'mavwire[plot]'"
 NO_DISPLAY = "there is no display for a window"
@@ -64,6 +65,6 @@ class Figures:
         paths = []
         for name, figure in self._figures.items():
             paths.append(self._output if len(self._figures) == 1 else f"{root}-{name}{suffix}")
-            with replacing(paths[-1]) as file:
+            with ended_in_order(), replacing(paths[-1]) as file:
                 figure.savefig(file, format=suffix[1:].lower())
         return paths

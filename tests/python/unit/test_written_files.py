@@ -10,6 +10,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import IO
 
 import dataflash_writer
 import pytest
@@ -216,3 +217,22 @@ def test_a_picture_that_cannot_be_written_leaves_the_file(
     assert caught.value.filename == str(picture)
     assert picture.read_text() == "precious"
     assert whole and [one.name for one in tmp_path.iterdir()] == [picture.name]
+
+
+@pytest.mark.usefixtures("sigterm_ignored")
+def test_what_ends_a_command_leaves_no_half_picture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figures = pytest.importorskip("matplotlib.figure", reason="matplotlib is not installed")
+    from mavwire.plots.windows import Figures
+
+    def end(self: object, place: IO[bytes], **options: object) -> None:
+        place.write(b"half")
+        signal.raise_signal(signal.SIGTERM)
+
+    monkeypatch.setattr(figures.Figure, "savefig", end)
+    drawn = Figures(str(tmp_path / "made.png"))
+    drawn.figure("one")
+    with pytest.raises(KeyboardInterrupt):
+        drawn.finish()
+    assert not os.listdir(tmp_path)
