@@ -112,7 +112,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return int(command.main(arguments))
     _prepare_streams()
     with _few_collections(argv is None), guarded_output():
-        return _guarded_main(name, command, arguments)
+        code = _guarded_main(name, command, arguments)
+        _end_output()
+        return code
 
 
 @contextmanager
@@ -145,13 +147,10 @@ def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
         return code
     except CommandError as error:
         tell(f"{prefix}: error: {error}")
-        if isinstance(error.__cause__, BrokenPipeError):  # the reader has gone
-            _discard_output()
         return error.exit_code
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     except BrokenPipeError:  # the reader (head, less) has gone
-        _discard_output()
         return 0
     except MemoryError:
         hint = "ask for fewer types or a shorter time, or allow the process more"
@@ -159,7 +158,6 @@ def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
         return 1
     except OSError as error:
         tell(f"{prefix}: error: {describe_os_error(error)}")
-        _discard_output()
         return 1
 
 
@@ -192,8 +190,18 @@ def _prepare_streams() -> None:
         sys.stdout.reconfigure(errors="surrogateescape")
 
 
+def _end_output() -> None:
+    """What is printed is there before the exit code is, and what cannot be printed, which was told of or
+    follows from an error that was, does not fail again when the interpreter ends.
+    """
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError):  # the latter of one that is closed
+        _discard_output()
+
+
 def _discard_output() -> None:
-    """What is still buffered must not fail again when the interpreter ends."""
+    """What is still buffered goes nowhere."""
     try:
         descriptor = sys.stdout.fileno()
     except (OSError, ValueError):  # a buffer in memory in its place

@@ -223,6 +223,14 @@ def test_a_full_disk_is_one_line(command: str, prefix: str, tmp_path: Path) -> N
     assert result.returncode == 1
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
+def test_what_cannot_be_printed_before_an_error_makes_no_other() -> None:
+    """What is buffered is written when the interpreter ends."""
+    result = shell("PYTHONUNBUFFERED= MAVWIRE tomfile missing.tlog > /dev/full")
+    assert result.stderr == "mavwire tomfile: error: no such log: missing.tlog\n"
+    assert result.returncode == 1
+
+
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
 @pytest.mark.parametrize("command", ["--help", "info LOG", "dump LOG"])
 def test_streams_that_are_closed_take_nothing(command: str, closed: str, tmp_path: Path) -> None:
