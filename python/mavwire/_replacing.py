@@ -19,8 +19,9 @@ _SYSTEM = ("/dev/", "/proc/")
 class Replacement:
     """A file that takes the place of `path` when it is finished; `file` is open for bytes.
 
-    A link is followed, and permissions stay. What is no regular file (a pipe, a device), or stands in a
-    folder that takes no new files, gets a copy of the whole. Raises OSError that names `path`.
+    A link is followed, and permissions stay. What is no regular file (a pipe, a device), stands in a
+    folder that takes no new files, or is mounted on its own, as into a container, gets a copy of the
+    whole. Raises OSError that names `path`.
     """
 
     def __init__(self, path: str | bytes | os.PathLike[str]) -> None:
@@ -70,11 +71,7 @@ class Replacement:
 
     def _finish(self, permissions: int | None) -> None:
         if self._beside is None:
-            from shutil import copyfileobj  # rarely needed, too
-
-            self.file.seek(0)
-            with open(self.path, "wb") as file:
-                copyfileobj(self.file, file)
+            self._copy(self.file)
             self.file.close()
             return
         self.file.close()
@@ -82,8 +79,22 @@ class Replacement:
             permissions = stat.S_IMODE(self._mode)
         if permissions is not None:
             os.chmod(self._beside, permissions)
-        os.replace(self._beside, self._place)
+        try:
+            os.replace(self._beside, self._place)
+        except OSError as error:
+            if error.errno != errno.EBUSY:
+                raise
+            with open(self._beside, "rb") as file:
+                self._copy(file)
+            os.unlink(self._beside)
         self._beside = None
+
+    def _copy(self, file: IO[bytes]) -> None:
+        from shutil import copyfileobj  # rarely needed, too
+
+        file.seek(0)
+        with open(self.path, "wb") as place:
+            copyfileobj(file, place)
 
     def discard(self) -> None:
         """Remove what there is of it."""
