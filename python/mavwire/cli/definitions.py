@@ -49,12 +49,18 @@ def main(args: Namespace) -> int:
         count = sync(args.folder)
         print(f"{count} definition files stored in {stored_folder()}")
     elif args.action == "clear":
-        if stored_folder().exists():
-            shutil.rmtree(stored_folder())
+        _clear(stored_folder())
         print(f"{stored_folder()} removed")
     else:
         print(_status())
     return 0
+
+
+def _clear(folder: Path) -> None:
+    if folder.is_symlink():  # which `rmtree` refuses; where it leads is not ours
+        folder.unlink()
+    elif folder.exists():
+        shutil.rmtree(folder)
 
 
 def show(name: str, dialect: str) -> str:

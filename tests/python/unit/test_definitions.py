@@ -100,6 +100,18 @@ def test_what_cannot_be_removed_is_told(
     assert list(data_home.rglob("*.xml"))
 
 
+@pytest.mark.parametrize("target", ["real", "nowhere"])
+def test_a_link_in_place_of_the_folder_is_removed_alone(
+    target: str, data_home: Path, tmp_path: Path
+) -> None:
+    real = _folder(tmp_path, "real", XML.format(id=1))
+    link = data_home / "mavwire" / "definitions"
+    link.parent.mkdir(parents=True)
+    link.symlink_to(real if target == "real" else tmp_path / target, target_is_directory=True)
+    assert cli.main(["definitions", "clear"]) == 0
+    assert not link.is_symlink() and list(real.iterdir())
+
+
 @pytest.mark.parametrize("folder", ["missing", "."])
 def test_a_folder_without_definitions_is_refused(
     folder: str, data_home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
