@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from io import BytesIO
 from typing import Any
 
 from mavwire._replacing import replacing
@@ -66,5 +67,7 @@ class Figures:
         for name, figure in self._figures.items():
             paths.append(self._output if len(self._figures) == 1 else f"{root}-{name}{suffix}")
             with ended_in_order(), replacing(paths[-1]) as file:
-                figure.savefig(file, format=suffix[1:].lower())
+                image = BytesIO()  # not the file, whose passing name .svgz would keep
+                figure.savefig(image, format=suffix[1:].lower())
+                file.write(image.getbuffer())
         return paths

@@ -219,6 +219,17 @@ def test_a_picture_that_cannot_be_written_leaves_the_file(
     assert whole and [one.name for one in tmp_path.iterdir()] == [picture.name]
 
 
+def test_a_compressed_picture_does_not_tell_where_it_was_written(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    from mavwire.plots.windows import Figures
+
+    picture = tmp_path / "made.svgz"
+    drawn = Figures(str(picture))
+    drawn.figure("one")
+    drawn.finish()
+    assert b".mavwire_" not in picture.read_bytes()
+
+
 @pytest.mark.usefixtures("sigterm_ignored")
 def test_what_ends_a_command_leaves_no_half_picture(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
