@@ -183,24 +183,22 @@ name = "MAV_TYPE_VTOL_TAILSITTER_QUADROTOR"
 some_map = mode_mapping_apm
 
 
+def _of_state(name: str) -> property:
+    """An attribute of `state`. It can be deleted, as `mock.patch` does before it puts back what it replaced."""
+    return property(
+        lambda self: getattr(state, name),
+        lambda self, value: setattr(state, name, value),
+        lambda self: state.delete_mavlink() if name == "mavlink" else delattr(state, name),
+    )
+
+
 class _Mavutil(ModuleType):
     """This module's type: the process-wide state of the links as assignable attributes."""
 
-    mavlink = property(
-        lambda self: state.mavlink, lambda self, value: setattr(state, "mavlink", value)
-    )
-    current_dialect = property(
-        lambda self: state.current_dialect,
-        lambda self, value: setattr(state, "current_dialect", value),
-    )
-    mavfile_global = property(
-        lambda self: state.mavfile_global,
-        lambda self, value: setattr(state, "mavfile_global", value),
-    )
-    global_link_id = property(
-        lambda self: state.global_link_id,
-        lambda self, value: setattr(state, "global_link_id", value),
-    )
+    mavlink = _of_state("mavlink")
+    current_dialect = _of_state("current_dialect")
+    mavfile_global = _of_state("mavfile_global")
+    global_link_id = _of_state("global_link_id")
 
 
 _STATE = ("mavlink", "current_dialect", "mavfile_global", "global_link_id")

@@ -56,6 +56,13 @@ def is_postponed() -> bool:
     return "mavlink" not in globals()
 
 
+def delete_mavlink() -> None:
+    """The current dialect's module is loaded anew when somebody asks for it."""
+    global _postponed
+    globals().pop("mavlink", None)
+    _postponed = _chosen_version()
+
+
 def definitions_in_use() -> dict[str, Any]:
     """The dialect and wire protocol, for `use_definitions` to come back to."""
     own = globals()

@@ -301,4 +301,6 @@ def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -
     """One path or several."""
     if isinstance(paths, bytes):
         return [os.fsdecode(paths)]
+    if hasattr(paths, "read"):  # whose lines are no paths
+        raise TypeError(f"a log is named by its path, not given as an open file: {paths!r}")
     return [os.fsdecode(path) for path in several(paths)]

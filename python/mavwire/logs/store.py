@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import secrets
+import stat
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Protocol
 
@@ -189,6 +190,8 @@ def write_file(path: str, content: bytes) -> None:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
+        with suppress(OSError):  # there is none yet
+            os.chmod(draft, stat.S_IMODE(os.stat(path).st_mode))  # who may read it is as before
         os.replace(draft, path)
     except BaseException as error:
         with suppress(OSError):

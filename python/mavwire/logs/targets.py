@@ -9,6 +9,8 @@ import stat
 A_FOLDER = "is a folder: name the logs in it, such as FOLDER/*.tlog"
 A_DEVICE = "a device is no log: save what is on it in a file"
 A_PIPE = "a pipe or a socket is no log: save what comes out of it in a file"
+OPEN_ALREADY = ("/dev/std", "/dev/fd/", "/proc/")
+"""What names files that are open, of which the place would be taken (`--out /dev/stdout >> FILE`)."""
 
 
 def file_to_write(path: str | os.PathLike[str]) -> str:
@@ -26,6 +28,6 @@ def file_to_write(path: str | os.PathLike[str]) -> str:
         return target
     if stat.S_ISDIR(mode):
         raise ValueError(f"{path!r} is a folder: name the file to write")
-    if not stat.S_ISREG(mode):
+    if not stat.S_ISREG(mode) or path.startswith(OPEN_ALREADY):
         raise ValueError(f"{path!r} is a device or a pipe: name a file to write")
     return os.path.realpath(path) if os.path.islink(path) else path

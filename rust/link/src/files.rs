@@ -108,6 +108,10 @@ impl Draft {
             begun => begun,
         };
         let (file, name, made) = naming(path, begun)?;
+        if let Ok(before) = std::fs::metadata(path) {
+            // Who may read what is there may read what takes its place; a file system may know no such thing.
+            let _ = file.set_permissions(before.permissions());
+        }
         let file = BufWriter::with_capacity(64 << 10, Flowing { file, waiting: 0 });
         Ok(Self { file: Some(file), path: path.to_owned(), name, made, kept: false })
     }
@@ -164,8 +168,8 @@ impl Write for Flowing {
     }
 }
 
-/// Lets the disk begin with what was written, where the operating system knows how; nothing waits for it here, and what goes
-/// wrong is said by the wait at the end.
+/// Lets the disk begin with what was written, where the operating system knows how. It may wait for room in the disk's queue,
+/// not for the disk; what goes wrong is said by the wait at the end.
 fn begin_sync(file: &File) {
     #[cfg(target_os = "linux")]
     // SAFETY: it takes no pointer, and the file is open.
@@ -316,6 +320,19 @@ mod tests {
         draft.commit().expect("committing");
         assert!(std::fs::read(&path).expect("reading") == bytes);
         std::fs::remove_dir_all(folder).expect("removing");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn who_may_read_a_file_stays() {
+        use std::os::unix::fs::PermissionsExt;
+        let path = std::env::temp_dir().join(format!("mavwire-private-{}", std::process::id()));
+        std::fs::write(&path, b"before").expect("writing");
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o640)).expect("permissions");
+        Draft::create(&path).expect("creating").commit().expect("committing");
+        let mode = std::fs::metadata(&path).expect("a file").permissions().mode();
+        assert_eq!(mode & 0o777, 0o640);
+        std::fs::remove_file(path).expect("removing");
     }
 
     #[test]

@@ -550,3 +550,8 @@ def test_what_is_missing_names_its_extra(flight, monkeypatch, library):
     look = {"pyarrow": "to_arrow"}.get(library, f"to_{library}")
     with pytest.raises(ImportError, match=rf"{library} is needed: pip install 'mavwire\[data\]'"):
         getattr(table, look)()
+
+
+def test_an_open_file_is_no_list_of_logs(flight):
+    with flight.open("rb") as file, pytest.raises(TypeError, match="named by its path"):
+        mavwire.scan(file)

@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 import time
+from unittest import mock
 
 import pytest
 from mavwire import mavutil
@@ -440,3 +441,11 @@ def test_helpers_that_wait_take_anyone_while_there_is_no_target():
     link.rx += pack(mavlink.MAVLink_mission_current_message(42), sysid=2)
     with watched():
         assert link.waypoint_current() == 42
+
+
+@pytest.mark.parametrize("name", ["mavlink", "current_dialect", "mavfile_global", "global_link_id"])
+def test_what_a_mock_replaces_is_put_back(name):
+    before = getattr(mavutil, name)
+    with mock.patch(f"mavwire.mavutil.{name}") as replaced:
+        assert getattr(mavutil, name) is getattr(state, name) is replaced
+    assert getattr(mavutil, name) is getattr(state, name) is before

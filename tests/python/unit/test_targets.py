@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import stat
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -115,3 +117,26 @@ def test_urls_are_no_folders(flight, tmp_path, monkeypatch):
         with pytest.raises(ValueError, match="is a URL"):
             convert(logs, out)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(os.name != "posix", reason="others have no such permissions")
+def test_who_may_read_a_file_stays(flight, tmp_path):
+    for name, write in writers(flight):
+        out = tmp_path / name
+        out.write_text("before")
+        out.chmod(0o600)
+        write(str(out))
+        assert stat.S_IMODE(out.stat().st_mode) == 0o600, name
+        assert out.stat().st_size > len("before")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/stdout"), reason="needs names of open files")
+def test_a_file_that_is_open_already_keeps_its_place(flight, tmp_path):
+    log = tmp_path / "all.txt"
+    log.write_text("before\n")
+    code = f"from mavwire import cli; exit(cli.main(['cut', {str(flight)!r}, '-o', '/dev/stdout']))"
+    with log.open("a") as out:
+        command = [sys.executable, "-c", code]
+        done = subprocess.run(command, check=False, stdout=out, stderr=subprocess.PIPE)
+    assert (done.returncode, log.read_text()) == (1, "before\n")
+    assert b"name a file to write" in done.stderr
