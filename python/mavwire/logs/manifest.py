@@ -121,14 +121,14 @@ class Manifest:
 
     def add(self, row: Converted) -> None:
         """Note a log. Files that it had and has no more would be rows of nothing: they are removed,
-        and so are those that a killed run made of it and this one did not. Where it failed they
-        stay, and are `stale`.
+        and so are those that a killed run made of it and this one did not. Where it failed and
+        nothing takes their place they stay, and are `stale`.
         """
         if row.error != BEGUN:
             earlier = self.rows.get(row.path)
             known = [] if earlier is None else [*earlier.files, *earlier.stale]
             gone = [name for name in dict.fromkeys(known) if name not in row.files]
-            if row.error is None:
+            if row.error is None or row.files:  # of a damaged log what is intact
                 self.remove_files(gone)
             else:
                 row.stale = gone

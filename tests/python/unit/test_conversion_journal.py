@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import shutil
@@ -220,6 +221,20 @@ def test_a_log_that_failed_in_between_leaves_no_file_of_before(tmp_path, fails):
     assert (row.files, row.stale) == ({"HEARTBEAT/one.parquet": 1}, [])
     assert sorted(path.name for path in out.iterdir()) == ["HEARTBEAT", MANIFEST]
     assert "stale" not in json.loads((out / MANIFEST).read_text())["logs"][0]
+
+
+def test_what_is_intact_of_a_damaged_log_takes_the_place_of_all_that_was_there(tmp_path):
+    log, out = tmp_path / "one.tlog.gz", tmp_path / "out"
+    flight = tmp_path / "flight.tlog"
+    traffic.generate(flight, 100)
+    log.write_bytes(gzip.compress(flight.read_bytes()))
+    (first,) = convert([log], out)
+    damaged = gzip.compress(record(heartbeat()) + os.urandom(1 << 16))
+    log.write_bytes(damaged[: len(damaged) // 2])
+    (row,) = convert([log], out)
+    assert row.error is not None and (list(row.files), row.stale) == (["HEARTBEAT/one.parquet"], [])
+    assert "HEARTBEAT/one.parquet" in first.files and len(first.files) > 1
+    assert [str(path.relative_to(out)) for path in out.glob("*/*")] == list(row.files)
 
 
 def test_a_log_that_failed_and_came_back_is_converted_again(tmp_path):
