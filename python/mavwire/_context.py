@@ -31,7 +31,9 @@ else:
             except StopIteration:
                 return True  # it was dealt with
             except BaseException as raised:
-                if raised is not error:
+                # A generator must not pass a StopIteration on as it is.
+                is_wrapped = isinstance(error, StopIteration) and raised.__cause__ is error
+                if raised is not error and not is_wrapped:
                     raise
                 error.__traceback__ = traceback  # without the generator's own lines
             return False
@@ -41,6 +43,9 @@ else:
                 with _Context(*self._parts):
                     return function(*arguments, **options)
 
+            for name in ("__module__", "__name__", "__qualname__", "__doc__"):
+                setattr(run, name, getattr(function, name))
+            run.__wrapped__ = function  # whose signature it has
             return run
 
     def contextmanager(function):

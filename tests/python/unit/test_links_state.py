@@ -25,7 +25,9 @@ XML = """<mavlink><messages><message id="{msgid}" name="{name}">
 
 @pytest.fixture(autouse=True)
 def fresh_state(monkeypatch):
-    monkeypatch.delenv("MAVLINK20", raising=False)
+    # pymavlink, where a test has imported it, has set the latter.
+    for name in ("MAVLINK20", "MAVLINK_DIALECT"):
+        monkeypatch.delenv(name, raising=False)
     mavutil.set_wire_protocol(None)
     mavutil.set_dialect("all")
     yield

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import subprocess
 import sys
 from argparse import ArgumentParser
 from pathlib import Path
@@ -122,7 +123,7 @@ FORGED = "a\nmavwire: all is well\n\x1b[2J.tlog"
         ["info", FORGED], ["info", "junk" + FORGED], ["convert", "junk" + FORGED, "-o", "out"], ["dump", FORGED],
         ["dump", "junk" + FORGED], ["cut", FORGED, "-o", "out"], ["plot", FORGED, "A.b", "-o", "a.png"],
         ["gen", FORGED, "-o", "out.py"], ["bridge", "--config", FORGED], ["parmdiff", FORGED, FORGED], [FORGED],
-        ["dump", "--dialect", FORGED, "x"], ["run", FORGED], ["dump", "good.tlog", "-q", "-o", f"none/{FORGED}"],
+        ["dump", "--dialect", FORGED, "x"], ["dump", "good.tlog", "-q", "-o", f"none/{FORGED}"],
         ["mission", "good.tlog", "--output", f"none/{FORGED}"],
     ],
 )  # fmt: skip
@@ -145,6 +146,14 @@ def test_a_name_makes_no_line_of_an_error(
     assert said.count("\n") == 1
     assert "\x1b" not in said
     assert "\\x1b[2J" in said
+
+
+def test_a_name_makes_no_line_of_an_error_of_run(tmp_path: Path) -> None:
+    """In a process of its own, as `run` refuses one in which somebody has imported pymavlink."""
+    command = [sys.executable, "-m", "mavwire", "run", FORGED]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, cwd=tmp_path)
+    assert (done.returncode != 0, done.stderr.count("\n")) == (True, 1)
+    assert "\x1b" not in done.stderr and "\\x1b[2J" in done.stderr
 
 
 def test_a_name_makes_no_line_of_a_report(
