@@ -207,7 +207,8 @@ def _first_init(self: Any, *args: Any, **kwargs: Any) -> None:
     if rest is None:
         _lazy_init(self, *args, **kwargs)
         return
-    owner.__init__ = _lazy_init  # type: ignore[misc]
+    if owner.__init__ is _first_init:  # type: ignore[misc]
+        owner.__init__ = _lazy_init  # type: ignore[misc]
     _native.build(self, *args, *rest)
 
 
@@ -215,13 +216,21 @@ def _lazy_init(self: Any, *args: Any, **kwargs: Any) -> None:
     """Makes the real constructor of the message class when it is used."""
     owner = defining_class(type(self))
     assert owner is not None
-    _specialise(owner)
-    owner.__init__(self, *args, **kwargs)  # type: ignore[misc]
+    _specialise(owner)(self, *args, **kwargs)
 
 
-def _specialise(owner: type) -> None:
-    info = owner.__dict__["_info"]
-    owner.__init__ = _methods.make_init(info, owner.__module__, owner.__qualname__)  # type: ignore[misc]
+def _specialise(owner: type) -> Callable[..., None]:
+    """The real constructor of a message class; it is the class's own unless somebody put another in its place, which
+    calls what was there.
+    """
+    init: Callable[..., None] | None = owner.__dict__.get("_constructor")
+    if init is None:
+        info = owner.__dict__["_info"]
+        init = _methods.make_init(info, owner.__module__, owner.__qualname__)
+        owner._constructor = init  # type: ignore[attr-defined]
+    if owner.__init__ in (_first_init, _lazy_init):  # type: ignore[misc]
+        owner.__init__ = init  # type: ignore[misc]
+    return init
 
 
 def _deprecated_name_property(namespace: dict[str, Any]) -> type:
@@ -279,25 +288,40 @@ MAKERS = {"encode": _methods.make_encode, "send": _methods.make_send}
 class LazyMethod:
     """``MAVLink.<name>_encode`` or ``_send`` before its first use; replaces itself by the real function."""
 
-    __slots__ = ("_message", "_suffix")
+    __slots__ = ("_message", "_owner", "_suffix")
 
     def __init__(self, message: str, suffix: str) -> None:
         self._message = message
+        self._owner: Any = None
         self._suffix = suffix
 
-    def __get__(self, obj: Any, cls: Any) -> Any:
-        owner, native = cls._mavlink_base, cls._dialect
+    def __set_name__(self, owner: type, name: str) -> None:
+        # The dialect's own class, wherever else it is put.
+        self._owner = self._owner or owner
+
+    def __get__(self, obj: Any, cls: Any = None) -> Any:
+        return self._function().__get__(obj, cls)
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """For who takes it out of the class's dictionary, as those do who wrap all methods of a class."""
+        return self._function()(*args, **kwargs)
+
+    def _function(self) -> Any:
+        owner = self._owner
+        native = owner._dialect
         message_class = native.message_class(self._message)
         info = message_class._info
         function = MAKERS[self._suffix](
             info, message_class, owner.__module__, lambda: _docs.method_doc(native, info)
         )
-        setattr(owner, f"{self._message.lower()}_{self._suffix}", function)
-        return function.__get__(obj, cls)
+        name = f"{self._message.lower()}_{self._suffix}"
+        if owner.__dict__.get(name) is self:  # nobody has put another in its place
+            setattr(owner, name, function)
+        return function
 
 
 def _lazy_methods(native: _native.Dialect) -> dict[str, LazyMethod]:
-    """All of them by name. They refer to nothing, which the garbage collector would have to follow."""
+    """All of them by name."""
     methods = {}
     for message, _ in native.messages():
         lower = message.lower()

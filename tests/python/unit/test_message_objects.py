@@ -8,11 +8,15 @@ import pickle
 import sys
 import threading
 import weakref
+from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import pytest
 from mavwire.dialects import load
 from mavwire.dialects.v20 import ardupilotmega as mavlink
+
+DEFINITIONS = Path(__file__).parents[3] / "message_definitions" / "v1.0"
 
 
 def frame(seconds: int = 1) -> bytes:
@@ -378,3 +382,55 @@ def test_a_first_message_with_wrong_arguments(arguments: tuple[object, ...]) -> 
         texts.append(str(raised.value))
     assert texts[0] == texts[1]
     assert texts[0].startswith("MAVLink_a_message.__init__() ")
+
+
+# -- methods and constructors that are made when they are used
+
+
+def fresh(name: str) -> Any:
+    """A dialect whose classes nobody has used."""
+    return load(DEFINITIONS / f"{name}.xml")
+
+
+def test_a_class_of_two_dialects_has_the_methods_of_both() -> None:
+    one, other = fresh("minimal"), fresh("common")
+
+    class Both(one.MAVLink, other.MAVLink):  # type: ignore[misc, name-defined]
+        pass
+
+    assert Both(None).ping_encode(1, 2, 3, 4).get_type() == "PING"
+    assert Both(None).heartbeat_encode(1, 2, 3, 4, 5).get_type() == "HEARTBEAT"
+
+
+def test_methods_that_stand_in_the_class_s_dictionary() -> None:
+    dialect = fresh("common")
+    methods = dict(vars(dialect.MAVLink))
+    assert all(callable(method) for name, method in methods.items() if name.endswith("_send"))
+    assert methods["ping_encode"](dialect.MAVLink(None), 1, 2, 3, 4).seq == 2
+    with mock.patch.object(dialect.MAVLink, "heartbeat_send", autospec=True) as replaced:
+        dialect.MAVLink(None).heartbeat_send(1, 2, 3, 4, 5)
+    assert replaced.called
+
+    class Other:
+        timesync = methods["timesync_encode"]
+
+    assert Other().timesync(1, 2).ts1 == 2
+    dialect.MAVLink.system_time_encode = replacement = lambda self: 7
+    held = methods["system_time_encode"].__get__(dialect.MAVLink(None))
+    assert held(1, 2).get_type() == "SYSTEM_TIME"
+    assert dialect.MAVLink.system_time_encode is replacement
+
+
+def test_a_constructor_that_was_replaced_stays() -> None:
+    made = fresh("common").MAVLink_attitude_message
+    before, calls = made.__init__, []
+
+    def init(self: Any, *args: Any, **kwargs: Any) -> None:
+        calls.append(1)
+        before(self, *args, **kwargs)
+
+    made.__init__ = init
+    messages = [made(1, 2, 3, 4, 5, 6, 7) for _ in range(3)]
+    messages.append(made(**dict(zip(made.fieldnames, range(1, 8), strict=True))))
+    assert len(calls) == 4
+    assert {str(message) for message in messages} == {str(messages[0])}
