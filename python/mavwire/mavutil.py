@@ -134,28 +134,28 @@ default_native = False
 
 # Public names that load on first access: where they are defined.
 _LAZY = {
-    "mavchildexec": ".links.child",
-    "mavlogfile": ".links.tlog",
-    "mavmcast": ".links.mcast",
-    "mavmmaplog": ".links.mmaplog",
-    "mavserial": ".links.serial_port",
-    "mavtcp": ".links.tcp",
-    "mavtcpin": ".links.tcpin",
-    "mavudp": ".links.udp",
-    "mavuds": ".links.uds",
-    "mavwebsocket": ".links.websocket",
-    "mavwebsocket_client": ".links.websocket",
-    "MavlinkSerialPort": ".links.serial_control",
-    "SerialPort": ".links.serial_detect",
-    "auto_detect_serial": ".links.serial_detect",
-    "auto_detect_serial_unix": ".links.serial_detect",
-    "auto_detect_serial_win32": ".links.serial_detect",
-    "decode_bitmask": ".links.inspect_message",
-    "dump_message_unit_decoder": ".links.inspect_message",
-    "dump_message_verbose": ".links.inspect_message",
-    "x25crc": ".generator.mavcrc",
-    "allow_radio_status": ".links.signing",
-    "TimestampStore": ".links.timestamp_store",
+    "mavchildexec": "mavwire.links.child",
+    "mavlogfile": "mavwire.links.tlog",
+    "mavmcast": "mavwire.links.mcast",
+    "mavmmaplog": "mavwire.links.mmaplog",
+    "mavserial": "mavwire.links.serial_port",
+    "mavtcp": "mavwire.links.tcp",
+    "mavtcpin": "mavwire.links.tcpin",
+    "mavudp": "mavwire.links.udp",
+    "mavuds": "mavwire.links.uds",
+    "mavwebsocket": "mavwire.links.websocket",
+    "mavwebsocket_client": "mavwire.links.websocket",
+    "MavlinkSerialPort": "mavwire.links.serial_control",
+    "SerialPort": "mavwire.links.serial_detect",
+    "auto_detect_serial": "mavwire.links.serial_detect",
+    "auto_detect_serial_unix": "mavwire.links.serial_detect",
+    "auto_detect_serial_win32": "mavwire.links.serial_detect",
+    "decode_bitmask": "mavwire.links.inspect_message",
+    "dump_message_unit_decoder": "mavwire.links.inspect_message",
+    "dump_message_verbose": "mavwire.links.inspect_message",
+    "x25crc": "mavwire.generator.mavcrc",
+    "allow_radio_status": "mavwire.links.signing",
+    "TimestampStore": "mavwire.links.timestamp_store",
     "expanduser": "os.path",
     "Any": "typing",
 }
@@ -206,21 +206,15 @@ _STATE = ("mavlink", "current_dialect", "mavfile_global", "global_link_id")
 
 def __getattr__(name: str) -> Any:
     if name in _LAZY:
-        value = getattr(_module(_LAZY[name]), name)
+        value = getattr(state.import_module(_LAZY[name]), name)
     elif name in _LAZY_MODULES:
-        value = _module(_LAZY_MODULES[name])
+        value = state.import_module(_LAZY_MODULES[name])
     elif name == "have_ascii":
         value = _have_ascii()
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
     return value
-
-
-def _module(name: str) -> ModuleType:
-    name = f"{__package__}{name}" if name.startswith(".") else name
-    __import__(name)
-    return sys.modules[name]
 
 
 def __dir__() -> list[str]:

@@ -105,7 +105,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         name = arguments.pop(0) if arguments else "--help"
         arguments = ["--help"] if name in COMMANDS else []
     try:
-        command: Any = _module(COMMANDS[name][0]) if name in COMMANDS else None
+        # As `importlib` does, which takes longer to import.
+        command: Any = (
+            __import__(COMMANDS[name][0], fromlist=["main"]) if name in COMMANDS else None
+        )
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
@@ -132,11 +135,6 @@ def _few_collections(is_own_process: bool) -> Iterator[None]:
     finally:
         gc.set_threshold(*before)
         gc.freeze()
-
-
-def _module(name: str) -> Any:
-    __import__(name)
-    return sys.modules[name]
 
 
 def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:

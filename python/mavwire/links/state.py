@@ -172,7 +172,7 @@ def load_dialect(dialect: str, version: str) -> ModuleType:
     if dialect.isidentifier():
         name = _module_name(dialect, version)
         try:
-            return _import(name)
+            return import_module(name)
         except ModuleNotFoundError as error:
             if error.name != name:
                 raise
@@ -191,7 +191,8 @@ def _module_name(dialect: str, version: str) -> str:
     return f"{DIALECTS}.{'v20' if version == '2.0' else 'v10'}.{dialect}"
 
 
-def _import(name: str) -> ModuleType:
+def import_module(name: str) -> ModuleType:
+    """As that of `importlib`, which takes longer to import than what it is asked for here."""
     __import__(name)
     return sys.modules[name]
 
@@ -205,6 +206,6 @@ def _definitions_path(dialect: str) -> str:
 
 def _load_definitions(path: str, version: str) -> ModuleType:
     os.stat(path)  # raises what is wrong with the way there
-    dialects: Any = _import(DIALECTS)
+    dialects: Any = import_module(DIALECTS)
     module: ModuleType = dialects.load(path, wire_protocol=version)
     return module
