@@ -139,9 +139,8 @@ impl LogScanner {
         loop {
             while ahead.next_if(|(run, _)| run.bytes.end <= out.consumed).is_some() {}
             if let Some((run, records)) = ahead.peek()
-                && let Some(rest) = self.scanner.rest_of_run(out.consumed, run, records)
+                && let Some((rest, end)) = self.scanner.rest_of_run(out.consumed, run, records)
             {
-                let end = run.bytes.end;
                 self.take_run(block, &records[rest], &mut out);
                 self.scanner.pass_run(end - out.consumed);
                 out.consumed = end;

@@ -9,9 +9,11 @@
 //!   frame whose checksum is right. A frame that travelled inside a damaged frame's payload can surface; signing rejects
 //!   such a frame.
 //!
-//! Both take linear time on any input in any chunking. See the `window` module for how re-scanning does it, and the
-//! `unknown` module for what re-scanning makes of message ids that the dialect does not define.
+//! Both take linear time on any input in any chunking. See the `window` module for how re-scanning does it, the `unknown`
+//! module for what re-scanning makes of message ids that the dialect does not define, and the `signature` module for signed
+//! frames of a log that lost bytes where no checksum tells.
 
+mod signature;
 mod unknown;
 mod window;
 
@@ -20,6 +22,8 @@ use crate::frame::{
 };
 use crate::registry::{Entry, Registry};
 use crate::x25;
+pub(crate) use signature::InLog;
+use signature::Signature;
 use unknown::UnknownIds;
 use window::Window;
 
@@ -81,6 +85,8 @@ pub struct Scanner {
     pub ignore_checksum: bool,
     window: Window,
     unknown: UnknownIds,
+    /// `None` for a stream.
+    log: Option<InLog>,
     /// The front directly follows a good frame or the start of the stream.
     in_sync: bool,
 }
@@ -93,8 +99,14 @@ impl Scanner {
             ignore_checksum: false,
             window: Window::default(),
             unknown: UnknownIds::default(),
+            log: None,
             in_sync: true,
         }
+    }
+
+    /// Tells that the frame at the front is one of a log: a signed one is asked what follows it (see the `signature` module).
+    pub(crate) fn set_log(&mut self, log: InLog) {
+        self.log = Some(log);
     }
 
     /// The policy it was made with.
@@ -112,6 +124,12 @@ impl Scanner {
     /// Steps over bytes in front of the next look that are no part of the frame stream, such as a log's time stamps.
     pub fn skip(&mut self, len: usize) {
         self.window.consume(len);
+    }
+
+    /// Bytes that went through a checksum.
+    #[cfg(test)]
+    pub(crate) fn work(&self) -> u64 {
+        self.window.work.get()
     }
 
     /// Whether a good frame of a known message at the front is taken whatever came before it: nothing in front of the
@@ -215,8 +233,9 @@ impl Scanner {
     fn next_rescan(&mut self, unread: &[u8], registry: &Registry, at_end: bool) -> Found {
         // Nearly always a good frame follows a good frame.
         if !self.window.is_open()
-            && let found @ Found::Frame { len, entry: Some(_), .. } =
+            && let found @ Found::Frame { len, header, entry: Some(_) } =
                 self.next_skip(unread, registry)
+            && !self.looks_behind(&header)
         {
             self.in_sync = true;
             self.window.consume(len);
@@ -230,6 +249,18 @@ impl Scanner {
         let found = match self.judge(unread, 0, registry, at_end) {
             None => short_or_noise(unread),
             Some(Verdict::Need { total }) => Found::Incomplete { needed: total },
+            Some(Verdict::Accept { len, header, entry }) if self.looks_behind(&header) => {
+                match self.signature(unread, len, registry, at_end) {
+                    Signature::Whole => Found::Frame { len, header, entry },
+                    Signature::Need { total } => Found::Incomplete { needed: total },
+                    Signature::Short { next } => {
+                        let available =
+                            next.saturating_sub(self.log.map_or(0, |log| log.lead)) as u16;
+                        let error = FrameError::Truncated { needed: len as u16, available };
+                        Found::Rejected { len: next, error }
+                    }
+                }
+            }
             Some(Verdict::Accept { len, header, entry }) => Found::Frame { len, header, entry },
             Some(Verdict::Reject { error }) => {
                 self.in_sync = false;

@@ -50,7 +50,8 @@ fn by_runs(bytes: &[u8], lead: usize, stretch: usize) -> Records {
     let (mut scanner, mut records, mut at) = (scanner(lead), Records::new(), 0);
     loop {
         let reached = runs().find_map(|(run, located)| {
-            Some((run.bytes.end, &located[scanner.rest_of_run(at, run, located)?]))
+            let (rest, end) = scanner.rest_of_run(at, run, located)?;
+            Some((end, &located[rest]))
         });
         if let Some((end, located)) = reached {
             records.extend(located.iter().map(|one| (one.at as usize, Some(one.index))));

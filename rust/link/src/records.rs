@@ -86,7 +86,8 @@ impl RecordFinder {
         }
     }
 
-    /// The file ends within what looks like a record. Good records behind its start show that it is none.
+    /// The file ends within what looks like a record, or in what may follow a signed one. Good records behind its start
+    /// show that it is none.
     fn look_behind(&mut self, bytes: &[u8], registry: &Registry) -> AtOffset {
         let mut scanner = self.scanner.clone();
         let mut junk = 0;
@@ -99,7 +100,11 @@ impl RecordFinder {
                     *self = Self { scanner: there, offset: self.offset + junk as u64 };
                     return AtOffset::Junk { len: junk };
                 }
-                _ => return AtOffset::End,
+                FoundRecord::Record { len, stamp, header, entry } => {
+                    *self = Self { scanner, offset: self.offset + len as u64 };
+                    return AtOffset::Record { len, stamp, header, entry };
+                }
+                FoundRecord::Incomplete { .. } => return AtOffset::End,
             }
         }
     }

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use mavwire_core::frame::Header;
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::{Resync, Scanner};
 
@@ -29,6 +30,8 @@ pub(crate) struct Rules<'a> {
     pub(crate) ignore_checksum: bool,
     /// Bytes in front of each frame.
     pub(crate) lead: usize,
+    /// A signed record counts only if another follows: its signature may have lost bytes.
+    pub(crate) looks_behind_signed: bool,
 }
 
 /// See the module.
@@ -37,6 +40,7 @@ pub(crate) struct Ahead {
     next: usize,
     /// What the records were checked with. The definitions are held, so that no others can take their address.
     scanner: Scanner,
+    looks_behind_signed: bool,
     registry: Option<Arc<Registry>>,
     /// Records to look at next time: few after a jump, since the next jump may be near.
     wanted: usize,
@@ -46,7 +50,14 @@ impl Ahead {
     pub(crate) fn new() -> Self {
         // A good frame is one under either policy, and this one needs no memory of what was before.
         let scanner = Scanner::new(Resync::Skip);
-        Self { records: Vec::new(), next: 0, scanner, registry: None, wanted: 1 }
+        Self {
+            records: Vec::new(),
+            next: 0,
+            scanner,
+            looks_behind_signed: false,
+            registry: None,
+            wanted: 1,
+        }
     }
 
     /// The record at `offset`, if it is known to be good.
@@ -63,6 +74,7 @@ impl Ahead {
 
     fn obeys(&self, rules: Rules<'_>) -> bool {
         self.scanner.ignore_checksum == rules.ignore_checksum
+            && self.looks_behind_signed == rules.looks_behind_signed
             && self.registry.as_ref().is_some_and(|known| Arc::ptr_eq(known, rules.registry))
     }
 
@@ -84,6 +96,7 @@ impl Ahead {
         self.next = 0;
         if !self.obeys(rules) {
             self.scanner.ignore_checksum = rules.ignore_checksum;
+            self.looks_behind_signed = rules.looks_behind_signed;
             self.registry = Some(Arc::clone(rules.registry));
         }
     }
@@ -99,11 +112,19 @@ impl Ahead {
     /// Checks the records at the front of `bytes`, which stand at `offset`.
     pub(crate) fn fill(&mut self, mut offset: u64, mut bytes: &[u8], rules: Rules<'_>) {
         self.begin(rules);
+        let mut last = bytes;
         while self.records.len() < self.wanted
             && let Some(len) = self.check(offset, bytes, rules)
         {
+            last = bytes;
             offset += len as u64;
             bytes = &bytes[len..];
+        }
+        if rules.looks_behind_signed
+            && let Some(frame) = last.get(rules.lead..)
+            && Header::parse(frame).is_some_and(|header| header.is_signed())
+        {
+            self.records.pop();
         }
         self.wanted = (2 * self.wanted).min(MOST);
     }

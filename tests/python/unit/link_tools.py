@@ -102,9 +102,10 @@ def pack(msg: Any, seq: int = 0, sysid: int = 1, compid: int = 1, v1: bool = Fal
     return bytes(msg.pack(mav, force_mavlink1=v1))
 
 
-def signed(msg: Any, timestamp: int = 1, link_id: int = 3) -> bytes:
+def signed(msg: Any, timestamp: int = 1, link_id: int = 3, seq: int = 0) -> bytes:
     """`msg` as a frame signed with KEY."""
     mav = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+    mav.seq = seq
     mav.signing.secret_key = KEY
     mav.signing.sign_outgoing = True
     mav.signing.link_id = link_id

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use mavwire_core::builtin;
-use mavwire_core::frame::{self, Header};
+use mavwire_core::frame::{self, Header, SIGNATURE_LEN};
 use mavwire_core::registry::Registry;
 use mavwire_schema::WireVersion;
 
@@ -29,15 +29,16 @@ impl Noise {
     }
 }
 
-/// A frame of HEARTBEAT, ATTITUDE, STATUSTEXT or an id that nobody has.
+/// A frame of HEARTBEAT, ATTITUDE, STATUSTEXT or an id that nobody has, perhaps signed.
 pub(crate) fn frame_of(registry: &Registry, noise: &mut Noise, seq: u8) -> Vec<u8> {
     let msgid = [0, 30, 253, 0xABCD][noise.below(4) as usize];
     let version =
         if msgid < 256 && noise.below(4) == 0 { WireVersion::V1 } else { WireVersion::V2 };
+    let signed = version == WireVersion::V2 && noise.below(3) == 0;
     let header = Header {
         version,
         payload_len: 0,
-        incompat_flags: 0,
+        incompat_flags: signed.into(),
         compat_flags: 0,
         seq,
         sysid: 1 + noise.below(3) as u8,
@@ -53,6 +54,9 @@ pub(crate) fn frame_of(registry: &Registry, noise: &mut Noise, seq: u8) -> Vec<u
         &payload[..]
     };
     frame::encode(&mut out, header, payload, entry.map_or(77, |e| e.crc_extra)).expect("a frame");
+    if signed {
+        out.extend(noise.bytes(SIGNATURE_LEN));
+    }
     out
 }
 

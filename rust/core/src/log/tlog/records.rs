@@ -7,7 +7,7 @@
 use super::{STAMP_LEN, Stamp};
 use crate::frame::Header;
 use crate::registry::{Entry, Registry};
-use crate::scan::{Found, Resync, Scanner};
+use crate::scan::{Found, InLog, Resync, Scanner};
 
 /// What stands at the front of the unread bytes of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,6 +91,12 @@ impl RecordScanner {
         self.scanner.pass_good(len);
     }
 
+    /// Bytes that went through a checksum.
+    #[cfg(test)]
+    pub(super) fn work(&self) -> u64 {
+        self.scanner.work()
+    }
+
     /// Looks at the front of `unread`. `at_end` says that no more bytes follow: then only an empty rest is incomplete.
     pub fn next(&mut self, unread: &[u8], registry: &Registry, at_end: bool) -> FoundRecord {
         if let Ahead::BehindFrame { len, header, entry } = self.ahead {
@@ -105,6 +111,8 @@ impl RecordScanner {
         }
         let mut junk = 0;
         loop {
+            let time = if self.lead > 0 { Stamp::parse(&unread[junk..]) } else { None };
+            self.scanner.set_log(InLog { lead: self.lead, time: time.map(Stamp::micros) });
             match self.next_frame(&frames[junk..], registry, at_end) {
                 Found::Frame { len, header, entry } if junk == 0 => {
                     return self.record(unread, len, header, entry);

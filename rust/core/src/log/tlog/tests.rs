@@ -120,7 +120,115 @@ fn damage_costs_only_the_damaged_records() {
     assert_eq!(lost, 0);
 }
 
+/// `count` signed records whose signatures are full of false STX.
+fn signed_log(count: u64) -> Vec<Vec<u8>> {
+    let frame = |n: u64| {
+        let mut header = header(V2, [0, 30, 253][n as usize % 3], n as u8);
+        header.incompat_flags = 1;
+        let mut frame = encode(header, &noise(1 + n as usize % 40, n as u32));
+        frame.extend(noise(13, n as u32).iter().map(|byte| byte | 0xFC));
+        frame
+    };
+    (0..count).map(|n| record(START + n * 0xFD_FE, &frame(n))).collect()
+}
+
+#[test]
+fn signed_records_are_found_in_any_chunking_and_cut_anywhere() {
+    let records = signed_log(12);
+    let bytes = records.concat();
+    for cut in 0..=bytes.len() {
+        let mut end = 0;
+        let whole = records.iter().take_while(|record| {
+            end += record.len();
+            end <= cut
+        });
+        let whole: Vec<Vec<u8>> = whole.cloned().collect();
+        for chunk in [1, 9, 64, 4096] {
+            assert!(scan(&bytes[..cut], chunk) == expected(&whole), "cut at {cut} by {chunk}");
+        }
+    }
+}
+
+/// The records behind a signature that lost bytes are all there; the signed frame is not whole, so it is not.
+#[test]
+fn lost_bytes_of_a_signature_cost_no_other_record() {
+    let records = signed_log(9);
+    for lost in 1..=13 {
+        for from in 0..=13 - lost {
+            let mut damaged = records.clone();
+            let signature = damaged[4].len() - 13 + from;
+            drop(damaged[4].drain(signature..signature + lost));
+            let mut intact = records.clone();
+            drop(intact.remove(4));
+            for chunk in [1, 100, 4096] {
+                let found = scan(&damaged.concat(), chunk);
+                assert!(found == expected(&intact), "{lost} lost from {from}, chunks of {chunk}");
+            }
+        }
+    }
+}
+
+/// The bytes that are missing are those of the next time stamp: the signed record is whole.
+#[test]
+fn lost_bytes_of_a_time_stamp_cost_no_signed_record() {
+    let records = signed_log(9);
+    for lost in 1..=8 {
+        for from in 0..=8 - lost {
+            let mut damaged = records.clone();
+            drop(damaged[5].drain(from..from + lost));
+            let found = scan(&damaged.concat(), 4096);
+            let mut intact = records.clone();
+            drop(intact.remove(5));
+            assert!(found == expected(&intact), "{lost} lost from {from}");
+        }
+    }
+}
+
+/// Signatures that look like many frames, each in front of a record of an unknown id, which is no evidence for them.
+#[test]
+fn signatures_full_of_false_frames_cost_linear_work() {
+    let mut bytes = Vec::new();
+    for (signed, n) in signed_log(2000).iter().zip(0..) {
+        bytes.extend_from_slice(&signed[..signed.len() - 13]);
+        // Some may begin a HEARTBEAT of version 1 that is all there: its id is the first byte of the next time stamp.
+        bytes.extend_from_slice(&[0xFE; 13]);
+        bytes.extend(record(START, &encode(header(V2, 70_000, n as u8), &[n as u8; 9])));
+    }
+    let mut scanner = RecordScanner::new();
+    let (registry, mut at, mut found) = (registry(), 0, 0);
+    while at < bytes.len() {
+        match scanner.next(&bytes[at..], &registry, true) {
+            FoundRecord::Record { len, .. } => {
+                found += 1;
+                at += len;
+            }
+            FoundRecord::Junk { len } => at += len,
+            FoundRecord::Incomplete { .. } => break,
+        }
+    }
+    assert!(found == 4000, "{found}");
+    let per_byte = scanner.work() as f64 / bytes.len() as f64;
+    assert!(per_byte <= 3.0, "{per_byte} per byte");
+}
+
 proptest::proptest! {
+    #[test]
+    fn runs_and_chunks_change_nothing_about_signed_logs(
+        cuts in proptest::collection::vec((0usize..3000, 1usize..14, proptest::num::u8::ANY), 0..8),
+        chunk in 1usize..600,
+    ) {
+        let mut bytes = signed_log(40).concat();
+        for (at, lost, byte) in cuts {
+            let at = at % bytes.len();
+            match byte % 3 {
+                0 => bytes[at] = byte,
+                1 => drop(bytes.drain(at..(at + lost).min(bytes.len()))),
+                _ => bytes.insert(at, byte),
+            }
+        }
+        proptest::prop_assert!(scan(&bytes, chunk) == scan(&bytes, bytes.len()));
+    }
+
     #[test]
     fn arbitrary_bytes_never_panic(
         bytes in proptest::collection::vec(
