@@ -96,8 +96,11 @@ def _has_telemetry(path: str) -> bool:
     if looks_like_tlog(read_head(path, TLOG_PROBE)):
         return True
     from mavwire.links import state
+    from mavwire.logs.sources import is_dataflash
     from mavwire.logs.telemetry import LogFormatError, TelemetryLog
 
+    if is_dataflash(path):  # in which chance makes a message or two
+        return False
     try:
         with TelemetryLog(path, dialect=state.mavlink, resync="skip") as log:
             return not log.compressed and next(iter(log), None) is not None

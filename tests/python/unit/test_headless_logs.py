@@ -72,12 +72,29 @@ def test_each_way_to_read_says_what_is_missing(
     assert capsys.readouterr() == ("", f"mavwire convert: {path}: {LACKS}\n")
 
 
-@pytest.mark.parametrize("command", ["dump", "parms", "flightmodes"])
+@pytest.mark.parametrize("name", ["cut.BIN", "cut.dat", "cut.tlog"])
+@pytest.mark.parametrize("command", ["dump", "parms", "flightmodes", "summarize"])
 def test_commands_that_read_messages_say_it_too(
-    lacking: Path, command: str, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, name: str, command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main([command, str(lacking)]) == 0
-    assert capsys.readouterr().err == f"mavwire {command}: {LACKS}: {str(lacking)!r}\n"
+    path = tmp_path / name
+    path.write_bytes(headless())
+    assert cli.main([command, str(path)]) == 0
+    assert capsys.readouterr().err == f"mavwire {command}: {LACKS}: {str(path)!r}\n"
+
+
+@pytest.mark.parametrize("name", ["cut.BIN", "cut.dat", "cut.tlog"])
+@pytest.mark.parametrize(
+    "command", [["plot", "ATT.Roll"], ["plot", "HEARTBEAT.type"], ["map"]], ids=" ".join
+)
+def test_pictures_say_it_too(
+    tmp_path: Path, name: str, command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / name, tmp_path / "out.html"
+    path.write_bytes(headless())
+    assert cli.main([command[0], str(path), *command[1:], "-o", str(out)]) == 1
+    assert capsys.readouterr().err == f"mavwire {command[0]}: error: {LACKS}: {str(path)!r}\n"
+    assert not out.exists()
 
 
 def test_it_is_told_wherever_it_was_cut(tmp_path: Path) -> None:
