@@ -174,8 +174,13 @@ def empty_of(paths: list[str], module: Any, native: Any, query: Query) -> Record
         if tables is not None and name in tables.types():
             query.check_dataflash()
             return in_order(tables.empty(name, query), query.columns)
-    query.check_telemetry()
-    check_tables(module, native, query)
+    try:
+        query.check_telemetry()
+        check_tables(module, native, query)
+    except ValueError:
+        for path in filter(is_dataflash, paths):
+            open_dataflash(path, path)  # which may say why nothing describes the type
+        raise
     return in_order(no_rows(native, (query.types or [0])[0], query), query.columns)
 
 

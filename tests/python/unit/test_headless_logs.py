@@ -83,6 +83,16 @@ def test_commands_that_read_messages_say_it_too(
     assert capsys.readouterr().err == f"mavwire {command}: {LACKS}: {str(path)!r}\n"
 
 
+def test_a_description_that_chance_made_is_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "cut.BIN"
+    path.write_bytes(headless() + HEAD + bytes(range(128, 128 + 87)) + headless())
+    assert cli.main(["dump", str(path)]) == 0
+    assert capsys.readouterr().err == f"mavwire dump: {LACKS}: {str(path)!r}\n"
+    assert cli.main(["info", str(path)]) == 1
+
+
 @pytest.mark.parametrize("name", ["cut.BIN", "cut.dat", "cut.tlog"])
 @pytest.mark.parametrize(
     "command", [["plot", "ATT.Roll"], ["plot", "HEARTBEAT.type"], ["map"]], ids=" ".join
@@ -104,6 +114,12 @@ def test_it_is_told_wherever_it_was_cut(tmp_path: Path) -> None:
             path.write_bytes(before + log[at:])
             with pytest.raises(LogFormatError, match="without its first part"):
                 mavwire.read(path)
+
+
+def test_a_frame_of_it_says_so_before_it_is_collected(lacking: Path) -> None:
+    pytest.importorskip("polars")
+    with pytest.raises(LogFormatError, match="without its first part"):
+        mavwire.scan_polars(lacking, "ATT")
 
 
 def test_among_others_it_is_a_row_with_an_error(lacking: Path, tmp_path: Path) -> None:
