@@ -27,7 +27,9 @@ def tell(text: str) -> None:
 def describe_os_error(error: OSError) -> str:
     """What failed and on which file. Writing standard output fails without a name."""
     reason = error.strerror or str(error)
-    return f"{error.filename}: {reason}" if error.filename else f"standard output: {reason}"
+    if error.filename is None:
+        return f"standard output: {reason}"
+    return f"{error.filename or repr(error.filename)}: {reason}"
 
 
 def describe_link_error(error: OSError) -> str:

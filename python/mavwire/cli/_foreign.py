@@ -82,12 +82,27 @@ def _has_messages(path: str) -> bool:
     head = read_head(path, FMT_LEN)
     if len(head) == FMT_LEN and head.startswith(DATAFLASH_HEAD):
         return True
-    if not head:  # which the readers refuse
+    # Readers refuse an empty log, and find what chance made in one that is not described.
+    if not head or _is_undescribed(path):
         return False
     from mavwire.DFReader import DFReader_binary, DFReader_text
 
     with (DFReader_text if kind == "text" else DFReader_binary)(path) as log:
         return log.recv_msg() is not None
+
+
+def _is_undescribed(path: str) -> bool:
+    """Whether a file is a dataflash log without its first part, which nothing describes further on."""
+    from mavwire.logs.sources import is_headless, open_dataflash
+    from mavwire.logs.telemetry import LogFormatError
+
+    if not is_headless(path):
+        return False
+    try:
+        open_dataflash(path, path)
+    except LogFormatError:
+        return True
+    return False
 
 
 def _has_telemetry(path: str) -> bool:
@@ -96,8 +111,11 @@ def _has_telemetry(path: str) -> bool:
     if looks_like_tlog(read_head(path, TLOG_PROBE)):
         return True
     from mavwire.links import state
+    from mavwire.logs.sources import is_dataflash
     from mavwire.logs.telemetry import LogFormatError, TelemetryLog
 
+    if is_dataflash(path):  # in which chance makes a message or two
+        return False
     try:
         with TelemetryLog(path, dialect=state.mavlink, resync="skip") as log:
             return not log.compressed and next(iter(log), None) is not None

@@ -140,14 +140,18 @@ def _foresee_version(path: str) -> None:
         state.set_wire_protocol("2.0")
 
 
+TEXT_HEAD = 100
+"""First bytes of a dataflash log that are ASCII in a text log alone."""
+
+
 def dataflash_reader(path: str) -> Callable[[str], Any] | None:
     """What reads a dataflash log that mavutil would not take for one by its name."""
-    from mavwire.links.recognise import DATAFLASH_HEAD, log_kind, read_head
+    from mavwire.links.recognise import log_kind, read_head
     from mavwire.logs.sources import is_dataflash
 
     if not is_dataflash(path):
         return None
-    is_binary = read_head(path, len(DATAFLASH_HEAD)) == DATAFLASH_HEAD
+    is_binary = not read_head(path, TEXT_HEAD).isascii()
     if log_kind(path, readonly=True) == ("dataflash" if is_binary else "text"):
         return None
     from mavwire.DFReader import DFReader_binary, DFReader_text

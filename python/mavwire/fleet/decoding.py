@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import DataflashTables, empty_table
 from mavwire.logs.query import Query, check_described, check_tables, names_of
 from mavwire.logs.reading import check_records, in_order, joined, native_dialect, with_empty
-from mavwire.logs.sources import columns_from
+from mavwire.logs.sources import columns_from, describes, open_dataflash
 from mavwire.logs.table import Table
 
-from .places import ByteRange, Part, located
+from .places import ByteRange, Part, check_divisible, located
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from datetime import datetime
 
     from mavwire._native import RecordBatches
+    from mavwire.logs.sources import Source
 
 
 def decode(
@@ -41,7 +42,8 @@ def decode(
     `path` may be a URL that fsspec opens. `columns` are the names of those that are wanted, in their
     order, all if None; the other arguments are those of `mavwire.read`. Types that are asked for and
     are not there give empty tables; a text column is always followed by `<name>_raw`. Raises OSError
-    for a log that cannot be read, LogFormatError for what is none, ValueError for arguments that make
+    for a log that cannot be read, LogFormatError for what is none, and for a range of a compressed or
+    dataflash log that lacks what is needed from in front of it; ValueError for arguments that make
     no sense, and for types and columns that a dataflash log does not describe.
     """
     return decode_as(
@@ -75,7 +77,7 @@ def decode_as(
     if lenient:
         query.allow(query.names or ())
     with located(path, byte_range, storage_options) as source:
-        described = DataflashTables.open(source)
+        described = _described(source, path, byte_range, storage_options)
         run = columns_from(described, source, native, query)
         if described is None:
             _check(module, native, query)
@@ -89,6 +91,23 @@ def decode_as(
         if byte_range is None and described is None:
             check_records(run, path, source)
     return {name: Table(name, found[name], path) for name in sorted(found)}
+
+
+def _described(
+    source: Source,
+    path: str,
+    byte_range: ByteRange | Part | None,
+    storage_options: Mapping[str, Any] | None,
+) -> DataflashTables | None:
+    """What a dataflash log, or a range of one, says about itself; None for a telemetry log.
+    LogFormatError where it says nothing, and for a range that cannot be read by itself.
+    """
+    if byte_range is None or not byte_range[0]:
+        return open_dataflash(source, path)
+    tables = DataflashTables.open(source)
+    if tables is None or not describes(tables):
+        check_divisible(path, storage_options)
+    return tables
 
 
 def _add_empty(found: dict[str, RecordBatches], described: DataflashTables, query: Query) -> None:

@@ -12,7 +12,9 @@ import tempfile
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
-from mavwire.logs.reading import check_readable, paths_of
+from mavwire.logs.reading import absolute, check_readable, paths_of
+from mavwire.logs.sources import COMPRESSED, head_of, is_dataflash
+from mavwire.logs.telemetry import LogFormatError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -59,7 +61,7 @@ def _matches(path: str, options: Mapping[str, Any] | None) -> list[str]:
     if not is_url(path):
         pattern = glob.has_magic(path) and not os.path.lexists(path)
         matches = sorted(glob.glob(path, recursive=True)) if pattern else []
-        return [os.path.abspath(one) for one in matches or [path]]
+        return [absolute(one) for one in matches or [path]]
     if "::" in path or not glob.has_magic(path):
         return [path]
     fs, inner = file_system(path, options)
@@ -122,6 +124,26 @@ def _check_range(path: str, start: int, end: int, size: int) -> None:
         raise ValueError(f"{path}: no range of bytes: {start} to {end}")
     if end > size:
         raise ValueError(f"{path} ends {end - size} bytes before the range {start} to {end} does")
+
+
+HEAD = 64 << 10
+"""First bytes of a log, which tell what it is."""
+
+
+def check_divisible(path: str, options: Mapping[str, Any] | None = None) -> None:
+    """Raise LogFormatError for a log of which nothing but ranges from its start can be read."""
+    if is_url(path):
+        fs, inner = file_system(path, options)
+        head = bytes(fs.cat_file(inner, start=0, end=min(HEAD, fs.size(inner) or HEAD)))
+    else:
+        head = head_of(path, HEAD)
+    if head.startswith(COMPRESSED):
+        what = "a compressed log, which can be read from its start alone"
+    elif is_dataflash(head):
+        what = "a dataflash log, whose first bytes say what its records are (FMT)"
+    else:
+        return
+    raise LogFormatError(f"no range of {what}; leave byte_range out: {path!r}")
 
 
 def _copy(source: Any, target: Any, start: int, end: int | None) -> None:

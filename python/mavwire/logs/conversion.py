@@ -21,7 +21,7 @@ from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest
 from .query import Query, check_tables
-from .reading import allow_described, check_readable, native_dialect, paths_of
+from .reading import absolute, allow_described, check_readable, native_dialect, paths_of
 from .sources import file_status, is_dataflash, open_converter
 from .staging import remove_left
 from .store import Store
@@ -78,7 +78,7 @@ def convert(
             raise ValueError(
                 f"{place} is a URL: mavwire.fleet (--workers, --scheduler) takes those"
             )
-    logs = [os.path.abspath(path) for path in logs]
+    logs = [absolute(path) for path in logs]
     compression, native, query, how = prepare(
         format, compression, types, systems, fields, start, end, dialect,
         units=units, enums=enums, first=next(iter(logs), None),
@@ -203,7 +203,7 @@ class Job:
         if self.format in TEXTS:
             file += TEXT_SUFFIXES.get(self.compression, "")
         converter = open_converter(
-            source, self.native, self.query, self.out, file, self.format, self.compression
+            source, row.path, self.native, self.query, self.out, file, self.format, self.compression
         )
         try:
             while converter.step():

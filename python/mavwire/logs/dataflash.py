@@ -12,7 +12,7 @@ from mavwire._native import DataflashTables
 
 from .base import Log
 from .query import Query, check_described
-from .sources import file_status, is_compressed
+from .sources import file_status, is_compressed, is_headless, open_dataflash
 from .table import Table
 from .telemetry import no_record
 
@@ -36,6 +36,8 @@ class DataflashLog(Log):
         self._surveyed: tuple[tuple[int, int], DataflashTables] | None = None
         if not DataflashTables.recognises(self.path):
             raise no_record("dataflash", self.path)
+        if is_headless(self.path):
+            self._tables()  # which says so if there is no description further on either
 
     def __repr__(self) -> str:
         return f"<DataflashLog {self.path!r}{' (closed)' if self.closed else ''}>"
@@ -49,7 +51,7 @@ class DataflashLog(Log):
         self._check_open()
         status = file_status(self.path)
         if self._surveyed is None or self._surveyed[0] != status:
-            tables = DataflashTables.open(self.path)
+            tables = open_dataflash(self.path, self.path)
             if tables is None:
                 raise no_record("dataflash", self.path)
             self._surveyed = (status, tables)
@@ -158,13 +160,15 @@ def read_tables(
     wide: bool,
 ) -> dict[str, Table]:
     """Whole tables of a dataflash log. ValueError for a type that the log does not describe, or a
-    field that no wanted type has.
+    field that no wanted type has, and as by `check_records`.
     """
-    from .reading import in_order, joined, tables_of
+    from .reading import check_records, in_order, joined, tables_of
 
     query.check_dataflash()
     check_described(tables.types(), query, fields)
-    found = joined(tables.columns(query), query)
+    run = tables.columns(query)
+    found = joined(run, query)
+    check_records(run, path)
     for name in query.names or ():
         if name not in found:
             found[name] = in_order(tables.empty(name, query), query.columns)

@@ -302,7 +302,11 @@ def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[s
         stem = os.path.basename(path)
         for suffix in (".gz", ".zst", ".tlog", ".BIN", ".bin", ".log"):
             stem = stem.removesuffix(suffix)
-        stem = _UNDECODED.sub(_escaped, stem) or "log"
+        stem = _UNDECODED.sub(_escaped, stem)
+        if not _is_stem(
+            stem
+        ):  # of ".tlog" and "..tlog" nothing is left that a file could be called
+            stem = "log"
         # Numbers below the last one are taken.
         name, number = stem, numbers.get(stem, 1)
         while name in taken:

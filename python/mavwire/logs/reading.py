@@ -17,7 +17,7 @@ from mavwire._wording import naming
 from .batches import Batches
 from .query import Query, check_described, check_tables, names_of
 from .selection import several
-from .sources import columns_from, is_dataflash
+from .sources import columns_from, is_dataflash, open_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
 
@@ -88,7 +88,7 @@ def read(
     check_readable(path)
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
-    dataflash = DataflashTables.open(path)
+    dataflash = open_dataflash(path, path)
     if dataflash is not None:
         from .dataflash import read_tables
 
@@ -174,8 +174,13 @@ def empty_of(paths: list[str], module: Any, native: Any, query: Query) -> Record
         if tables is not None and name in tables.types():
             query.check_dataflash()
             return in_order(tables.empty(name, query), query.columns)
-    query.check_telemetry()
-    check_tables(module, native, query)
+    try:
+        query.check_telemetry()
+        check_tables(module, native, query)
+    except ValueError:
+        for path in filter(is_dataflash, paths):
+            open_dataflash(path, path)  # which may say why nothing describes the type
+        raise
     return in_order(no_rows(native, (query.types or [0])[0], query), query.columns)
 
 
@@ -230,7 +235,7 @@ def _checked_batches(
     telemetry = False
     for number, path in enumerate(paths):
         check_readable(path)
-        tables = DataflashTables.open(path)
+        tables = open_dataflash(path, path)
         if tables is None and not telemetry:
             telemetry = True
             check_beside(paths, module, native, query, fields)
@@ -286,15 +291,21 @@ def described_by(paths: list[str]) -> Iterator[dict[str, list[str]]]:
 def batches_of(
     tables: DataflashTables | None, path: str, native: Any, query: Query
 ) -> Iterator[Table]:
-    """The batches of a dataflash log, or where that is None of a telemetry log: LogFormatError
+    """The batches of a dataflash log, or where that is None of a telemetry log. LogFormatError
     behind them if there was no record in it.
     """
     run = columns_from(tables, path, native, query)
     for found in run:
         for name, batches in found:
             yield Table(name, in_order(batches, query.columns), path)
-    if tables is None:
-        check_records(run, path)
+    check_records(run, path)
+
+
+def absolute(path: str) -> str:
+    """The absolute path of a log. ValueError for an empty name, which would be that of a folder."""
+    if not path:
+        raise ValueError("a log has an empty name")
+    return os.path.abspath(path)
 
 
 def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:

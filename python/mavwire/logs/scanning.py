@@ -9,12 +9,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import DataflashTables
-
 from .extras import extra
 from .pushdown import narrow
 from .query import Query
 from .reading import BATCH_ROWS, batches_of, check_readable, empty_of, native_dialect, paths_of
+from .sources import open_dataflash
 from .telemetry import portable, restored
 
 if TYPE_CHECKING:
@@ -124,6 +123,6 @@ def _tables(paths: list[str], native: Any, wanted: Query, query: Query) -> Itera
     """Batches of all logs. What was `wanted` of systems beyond `query` is about telemetry alone."""
     for path in paths:
         check_readable(path)
-        dataflash = DataflashTables.open(path)
+        dataflash = open_dataflash(path, path)
         those = wanted if dataflash is None else replace(wanted, systems=query.systems)
         yield from batches_of(dataflash, path, native, those)

@@ -6,7 +6,7 @@ import os
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import Converter, DataflashTables, LogColumns, decompress
+from mavwire._native import Converter, DataflashTables, LogColumns, decompress, log_head
 from mavwire._wording import naming
 
 if TYPE_CHECKING:
@@ -35,9 +35,31 @@ def is_dataflash(source: Source) -> bool:
         return False
 
 
-def open_columns(source: Source, native: Any, query: Query) -> LogColumns:
-    """A run over a log, giving tables; ValueError for what makes no sense with its kind."""
-    return columns_from(DataflashTables.open(source), source, native, query)
+def open_dataflash(source: Source, path: str) -> DataflashTables | None:
+    """What a dataflash log says about itself; None for another kind of log. LogFormatError for one
+    that lacks its first part, and whose records nothing describes.
+    """
+    tables = DataflashTables.open(source)
+    if tables is not None and is_headless(source) and not describes(tables):
+        from .telemetry import undescribed
+
+        raise undescribed(path)
+    return tables
+
+
+def describes(tables: DataflashTables) -> bool:
+    """Whether a dataflash log says what any of its records are, beyond those that say so."""
+    return not tables.types().keys() <= {"FMT"}
+
+
+def is_headless(source: Source) -> bool:
+    """Whether a dataflash log lacks its first part, or has something else in its place."""
+    from mavwire.links.recognise import FMT_LEN
+
+    from .telemetry import HEAD_SIZE, begins_described
+
+    head = log_head(source, HEAD_SIZE)
+    return len(head) >= FMT_LEN and not begins_described(head)
 
 
 def columns_from(
@@ -54,10 +76,17 @@ def columns_from(
 
 
 def open_converter(
-    source: Source, native: Any, query: Query, out: str, file: str, format: str, compression: str
+    source: Source,
+    path: str,
+    native: Any,
+    query: Query,
+    out: str,
+    file: str,
+    format: str,
+    compression: str,
 ) -> Converter:
-    """A run over a log, writing `out/TYPE/file`; ValueError as by `open_columns`."""
-    tables = DataflashTables.open(source)
+    """A run over a log, writing `out/TYPE/file`; ValueError as by `columns_from`."""
+    tables = open_dataflash(source, path)
     if tables is None:
         query.check_telemetry()
         return Converter(source, native, query, out, file, format, compression)

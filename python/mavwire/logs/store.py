@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import secrets
@@ -47,8 +48,13 @@ class Store:
 
     def __init__(self, root: str) -> None:
         self.root = root
+        if not root:
+            raise ValueError("the folder for the files has an empty name")
         self._made = list(_missing(root))
-        os.makedirs(root, exist_ok=True)
+        try:
+            os.makedirs(root, exist_ok=True)
+        except FileExistsError:  # a file, or a link that leads nowhere
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), root) from None
 
     def place(self, name: str) -> str:
         """The path of a file."""

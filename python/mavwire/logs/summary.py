@@ -38,7 +38,7 @@ class Sender:
     repeated: int
     """Messages that were there before, as where two links hear the same."""
     reboots: int
-    """How often its clock (`time_boot_ms`) started anew."""
+    """How often its clock (`time_boot_ms`) started anew: went back by more than 5 s."""
 
     @property
     def loss(self) -> float:

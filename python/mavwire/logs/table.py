@@ -47,8 +47,11 @@ class Table:
         Columns of kinds that tables of logs have not are copied, which needs pyarrow: times become
         microseconds, texts and categories those of this package. Columns of others (booleans,
         dates, lists of any length) can be written and are no arrays. ValueError for a time beyond what
-        microseconds hold, and for lists of a fixed size in which values are missing.
+        microseconds hold, and for lists of a fixed size in which values are missing; TypeError for
+        what is no table.
         """
+        if not hasattr(table, "__arrow_c_stream__"):
+            raise TypeError(f"a table of Arrow is wanted, not {type(table).__name__}")
         batches = RecordBatches.from_stream(table)
         if any(map(foreign, batches.types().values())):
             batches = RecordBatches.from_stream(conformed(batches))

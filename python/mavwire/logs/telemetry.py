@@ -311,6 +311,18 @@ def no_record(kind: str, path: str) -> LogFormatError:
     return LogFormatError(f"no {kind} log, there is no record in it; {remedy}: {path!r}")
 
 
+def begins_described(head: bytes) -> bool:
+    """Whether a dataflash log begins with what describes its records."""
+    other = _other_format(head)
+    return other is not None and other[0].startswith("dataflash")
+
+
+def undescribed(path: str) -> LogFormatError:
+    """The error for a dataflash log in which nothing says what its records are."""
+    lacks = "a dataflash log without its first part, which says what the records are (FMT)"
+    return LogFormatError(f"{lacks}; copy it again from its start: {path!r}")
+
+
 def _other_format(head: bytes) -> tuple[str, str] | None:
     """What kind of file begins like this, if it is a known one, and what to do with it."""
     from .sources import ZSTD

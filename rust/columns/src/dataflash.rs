@@ -4,6 +4,7 @@
 //! clock. [`Reader`] then hops over the records, sorts them by table, and gathers field by field like the reader of telemetry
 //! logs. Values are those of `DFReader`.
 
+mod headless;
 mod hop;
 mod layout;
 mod lines;

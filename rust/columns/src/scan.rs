@@ -62,6 +62,15 @@ impl Framing {
             found.runs.iter().any(|run| run.records.len() >= SURE_RECORDS)
         })
     }
+
+    /// Bytes that good records have in the form that gives more of them.
+    pub(crate) fn bytes_in(head: &[u8], registry: &Registry) -> usize {
+        let bytes = |framing: Self| -> usize {
+            let found = find_runs(head, 0..head.len(), framing.lead(), registry);
+            found.runs.iter().map(|run| run.bytes.len()).sum()
+        };
+        bytes(Self::Stamped).max(bytes(Self::Raw))
+    }
 }
 
 /// The records of a block. Positions are counted from its start.

@@ -17,7 +17,8 @@ use crate::sequence::{Heard, Sequence};
 
 /// Places that are listed; beyond that they are only counted, since whoever makes a log chooses their number.
 const MOST_LISTED: usize = 1000;
-/// A clock of a sender that goes back by this many milliseconds says that it started anew.
+/// A clock of a sender that goes back by more milliseconds says that it started anew. By less it goes back, too, where messages
+/// overtake each other.
 const REBOOT_MS: u32 = 5000;
 
 /// Messages of one type.

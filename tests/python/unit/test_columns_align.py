@@ -187,6 +187,15 @@ def test_info_finds_gaps_reboots_and_versions(tmp_path):
     assert (info.version1, info.version2) == (1, 5)
 
 
+@pytest.mark.parametrize(("back", "reboots"), [(4_999, 0), (5_000, 0), (5_001, 1)])
+def test_messages_that_overtake_each_other_are_no_reboot(tmp_path, back, reboots):
+    path = tmp_path / "odd.tlog"
+    clock = (10_000, 10_000 - back, 11_000)
+    frames = [pack(mavlink.MAVLink_system_time_message(0, ms), seq) for seq, ms in enumerate(clock)]
+    path.write_bytes(b"".join(map(record, frames)))
+    assert mavwire.open_log(path).info().senders[1, 1].reboots == reboots
+
+
 def test_a_clock_that_some_messages_leave_empty_is_no_reboot(tmp_path):
     path = tmp_path / "odd.tlog"
     empty = mavlink.MAVLink_attitude_message(0, 0, 0, 0, 0, 0, 0)

@@ -392,17 +392,13 @@ def test_parts_of_a_table(flight):
 def test_a_dataflash_log_is_surveyed_when_it_is_needed(tmp_path, monkeypatch):
     path = sample().write(tmp_path / "flight.BIN")
     surveys = []
-    open_tables = dataflash.DataflashTables.open
+    open_tables = dataflash.open_dataflash
 
-    class Counting:
-        recognises = staticmethod(dataflash.DataflashTables.recognises)
+    def counting(log, path):
+        surveys.append(log)
+        return open_tables(log, path)
 
-        @staticmethod
-        def open(log):
-            surveys.append(log)
-            return open_tables(log)
-
-    monkeypatch.setattr(dataflash, "DataflashTables", Counting)
+    monkeypatch.setattr(dataflash, "open_dataflash", counting)
     log = mavwire.open_log(path)
     assert surveys == []
     assert len(log["IMU"]) == len(log.read("IMU")["IMU"]) == 3

@@ -247,6 +247,11 @@ def test_a_time_beyond_microseconds_is_refused():
         mavwire.logs.Table.from_arrow(times, "T")
 
 
+def test_what_is_no_table_of_arrow_is_named():
+    with pytest.raises(TypeError, match="a table of Arrow is wanted, not list"):
+        mavwire.logs.Table.from_arrow([1, 2], "T")
+
+
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs signals")
 def test_an_interrupt_ends_the_writing_of_a_table(tmp_path):
     """It is not heard when the file is there."""

@@ -171,6 +171,36 @@ def test_a_name_that_is_not_utf8(flight, tmp_path):
     assert info.stdout.startswith(os.fsencode(log)) and not info.stderr
 
 
+@pytest.mark.parametrize("name", [".tlog", "..tlog", "...tlog", ".BIN.gz"])
+def test_a_name_of_dots_and_a_suffix(flight, tmp_path, name):
+    log, out = tmp_path / name, tmp_path / "out"
+    log.write_bytes(
+        gzip.compress(flight.read_bytes()) if name.endswith(".gz") else flight.read_bytes()
+    )
+    (row,) = convert([log], out, types="HEARTBEAT")
+    assert row.name == "log" and row.files == {"HEARTBEAT/log.parquet": row.rows}
+    assert convert([log], out, types="HEARTBEAT")[0].skipped, "the manifest is one for the next run"
+
+
+@pytest.mark.parametrize(
+    ("log", "out", "said"),
+    [
+        ("", "out", "a log has an empty name"),
+        ("flight.tlog", "", "the folder for the files has an empty name"),
+        ("flight.tlog", "file", "file: Not a directory"),
+        ("flight.tlog", "leads-nowhere", "leads-nowhere: Not a directory"),
+    ],
+)
+def test_names_that_lead_nowhere(flight, tmp_path, monkeypatch, capsys, log, out, said):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(flight, "flight.tlog")
+    Path("file").write_text("")
+    os.symlink("nowhere", "leads-nowhere")
+    assert cli.main(["convert", log, "-o", out]) == 1
+    assert capsys.readouterr() == ("", f"mavwire convert: error: {said}\n")
+    assert not os.path.lexists("nowhere") and not os.path.lexists("out")
+
+
 def test_a_compressed_log_that_is_cut_off_is_converted_once(flight, tmp_path, capsys):
     log, out = tmp_path / "cut.tlog.gz", tmp_path / "out"
     log.write_bytes(gzip.compress(flight.read_bytes())[:-2000])

@@ -229,7 +229,7 @@ def test_a_file_that_cannot_be_written_is_called_as_it_would_be(
     """Another one, beside those that are not complete, is called as it is."""
     names = []
 
-    def refuse(source, native, query, out, file, format, compression):
+    def refuse(source, path, native, query, out, file, format, compression):
         names.append(f"{out}{beside}/ATTITUDE/{file}")
         raise OSError(errno.ENOSPC, "No space left on device", names[0])
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from dataflash_writer import FMT, fmt, record
-from mavwire import cli, expression, mavftpfs, mavtestgen
+from mavwire import cli, expression, mavftpfs, mavtestgen, uninstall_as_pymavlink
 from mavwire._ftp import cli as ftp
 from mavwire._wording import guarded_output, printable
 from mavwire.dialects.v20 import ardupilotmega as mavlink
@@ -242,6 +242,7 @@ def test_streams_that_are_closed(
     monkeypatch.setattr(sys, "stderr", None)
     with pytest.raises(SystemExit):
         cli.main(["run", "nosuch.py"])
+    uninstall_as_pymavlink()  # which a process of its own would take along
     assert "nosuch" not in capsys.readouterr().out
 
 

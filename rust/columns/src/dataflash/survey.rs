@@ -14,6 +14,7 @@ use mavwire_core::registry::Registry;
 use mavwire_schema::WireVersion;
 use rayon::prelude::*;
 
+use super::headless;
 use super::hop::{Place, hop};
 use super::lines::Lines;
 use crate::error::Error;
@@ -63,8 +64,8 @@ fn is_cut_off_in(log: &[u8], start: &[u8]) -> bool {
 }
 
 impl Form {
-    /// The form of a log that begins with these bytes; `None` for something else, such as a telemetry log of a flight on
-    /// which a dataflash log was downloaded: its messages carry descriptions whole.
+    /// The form of a log that begins with these bytes, perhaps one of which nothing can be read; `None` for something else,
+    /// such as a telemetry log of a flight on which a dataflash log was downloaded: its messages carry descriptions whole.
     pub fn of(head: &[u8]) -> Option<Self> {
         if head.starts_with(BINARY) || is_cut_off_in(head, BINARY) {
             return Some(Self::Binary(Box::default()));
@@ -72,7 +73,9 @@ impl Form {
         if is_cut_off_in(head, TEXT) {
             return Some(Self::Text(TextDefinitions::new(Delimiter::of(head))));
         }
-        let form = Self::without_start(head)?;
+        let described = Self::without_start(head);
+        let form = described
+            .or_else(|| headless::is_in(head, &TELEMETRY).then(|| Self::Binary(Box::default())))?;
         (!Framing::is_in(head, &TELEMETRY)).then_some(form)
     }
 
