@@ -202,6 +202,11 @@ impl Blocks {
         self.damage.as_deref()
     }
 
+    /// Whether the block that was looked at is the whole log, unless that grows.
+    pub(crate) fn is_whole(&self) -> bool {
+        matches!(self.ahead, Some(Ok(filled)) if filled < self.block)
+    }
+
     /// Hands the next block to `work`, which says how many bytes of it are dealt with; at least one, if it can. The flag
     /// says that nothing follows. `None` at the end.
     ///
@@ -277,7 +282,7 @@ mod tests {
     #[test]
     fn what_was_read_before_an_error_is_dealt_with_before_it() {
         use io::ErrorKind::{Interrupted, PermissionDenied};
-        let failed = || Err(io::Error::from_raw_os_error(13));
+        let failed = || Err(io::Error::from(PermissionDenied));
         let answers = vec![Ok(&b"one "[..]), Err(Interrupted.into()), Ok(b"two"), failed()];
         let mut blocks = Blocks::of_size(Box::new(Answers(answers)), 100);
         let next = |blocks: &mut Blocks| blocks.next(|block, _| (block.len(), block.to_vec()));
@@ -292,7 +297,7 @@ mod tests {
         let source = Box::new(io::Cursor::new(vec![7; 100]));
         let (blocks, len) = Blocks::of_size(source, BLOCK).with_head(<[u8]>::len).expect("bytes");
         assert_eq!((len, blocks.next.bytes.len()), (100, HEADROOM + 100));
-        assert!(blocks.next.bytes.capacity() <= HEADROOM + BLOCK);
+        assert!(blocks.is_whole() && blocks.next.bytes.capacity() <= HEADROOM + BLOCK);
     }
 
     #[test]

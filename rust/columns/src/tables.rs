@@ -27,6 +27,11 @@ impl Tables {
         Self { builders: (0..count).map(|_| None).collect(), limits }
     }
 
+    /// Makes room for so many tables.
+    pub(crate) fn grow(&mut self, count: usize) {
+        self.builders.resize_with(count, || None);
+    }
+
     /// Appends the records of all pieces to their tables, on all processors; `done` says which share of the log that
     /// makes, `new` begins a table.
     pub(crate) fn append(
