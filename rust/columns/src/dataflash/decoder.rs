@@ -136,11 +136,12 @@ impl Decoder {
         let Self { survey, walk, layouts, tables, is_wanted, pieces, strides, wanted, .. } = self;
         let sorter = Sorter { walk, survey, wanted, is_wanted, strides };
         sorter.sort_into(pieces, block, walked);
-        for (table, layout) in layouts.iter_mut().enumerate().filter(|(_, one)| one.is_none()) {
-            if pieces.iter().any(|piece| piece.rows(table) > 0) {
-                *layout = Some(table_layout(survey, table, &self.options));
-            }
-        }
+        let has_rows = |table| pieces.iter().any(|piece| piece.rows(table) > 0);
+        let new = layouts.iter_mut().enumerate();
+        let new: Vec<_> = new.filter(|(table, one)| one.is_none() && has_rows(*table)).collect();
+        new.into_par_iter().with_max_len(1).for_each(|(table, layout)| {
+            *layout = Some(table_layout(survey, table, &self.options));
+        });
         let layout = |table: usize| layouts[table].as_ref().expect("it has rows");
         let new = |table| TableBuilder::new(Arc::clone(&layout(table).layout));
         let append = |table: &mut TableBuilder, index: usize, piece: &Piece| {
