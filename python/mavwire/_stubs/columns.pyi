@@ -199,12 +199,24 @@ class DataflashTables:
         """What a log says about itself; None if it is no dataflash log."""
 
     @staticmethod
+    def read(
+        log: _Log, query: _Query
+    ) -> tuple[DataflashTables, list[tuple[str, RecordBatches]] | None] | None:
+        """The same with the tables that `query` asks for; None in their place if they take another
+        run, by `columns`.
+        """
+
+    @staticmethod
     def recognises(log: _Log) -> bool:
         """Whether a file begins as a dataflash log does."""
 
     @property
     def is_binary(self) -> bool:
         """Whether it is a binary log; else it is text."""
+
+    @property
+    def names(self) -> list[str]:
+        """The record types that the log describes."""
 
     def types(self) -> dict[str, list[str]]:
         """The record types that the log describes, and their columns."""

@@ -12,14 +12,17 @@ from mavwire._native import DataflashTables
 
 from .base import Log
 from .query import Query, check_described
-from .sources import file_status, is_compressed, is_headless, open_dataflash
+from .sources import file_status, is_compressed, is_headless, open_dataflash, read_dataflash
 from .table import Table
 from .telemetry import no_record
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Mapping
     from datetime import datetime
 
+    from mavwire._native import RecordBatches
+
+    from .sources import Opened
     from .summary import LogInfo
 
 
@@ -46,16 +49,34 @@ class DataflashLog(Log):
         """Opened anew by its path, in whatever process."""
         return DataflashLog, (self.path,), {"closed": self.closed}
 
-    def _tables(self) -> DataflashTables:
-        """The native reader, renewed when the file has changed."""
+    def _known(self) -> tuple[tuple[int, int], DataflashTables | None]:
+        """The status of the file, and the native reader if there is one of the file as it is."""
         self._check_open()
         status = file_status(self.path)
         if self._surveyed is None or self._surveyed[0] != status:
+            return status, None
+        return self._surveyed
+
+    def _tables(self) -> DataflashTables:
+        """The native reader, renewed when the file has changed."""
+        status, tables = self._known()
+        if tables is None:
             tables = open_dataflash(self.path, self.path)
             if tables is None:
                 raise no_record("dataflash", self.path)
-            self._surveyed = (status, tables)
-        return self._surveyed[1]
+            self._surveyed = status, tables
+        return tables
+
+    def _opened(self, query: Query) -> Opened:
+        """The native reader, and with a new one what was found on the way, in one pass."""
+        status, tables = self._known()
+        if tables is not None:
+            return tables, None
+        opened = read_dataflash(self.path, self.path, query)
+        if opened is None:
+            raise no_record("dataflash", self.path)
+        self._surveyed = status, opened[0]
+        return opened
 
     @property
     def types(self) -> dict[str, list[str]]:
@@ -109,17 +130,20 @@ class DataflashLog(Log):
 
     def __getitem__(self, name: str) -> Table:
         """The records of a type as a table; KeyError if the log describes none of that name."""
-        if not isinstance(name, str) or name not in self.types:
+        query = Query(names=[name])
+        opened = self._opened(query) if isinstance(name, str) else None
+        if opened is None or name not in opened[0].names:
             raise KeyError(f"the log describes no record type {name!r}")
-        return self.read(name)[name]
+        return read_tables(*opened, self.path, query, None, False)[name]
 
     def __contains__(self, what: object) -> bool:
         """Whether the log has records of the type of that name. It is read up to the first one."""
         if not isinstance(what, str):
             return any(one == what for one in self)
-        if what not in self.types:
+        tables = self._tables()
+        if what not in tables.names:
             return False
-        run = self._tables().columns(Query(names=[what], batch_rows=0))  # those of a block
+        run = tables.columns(Query(names=[what], batch_rows=0))  # those of a block
         return any(found for found in run)
 
     def read(
@@ -140,7 +164,7 @@ class DataflashLog(Log):
         nothing: no column has an enum.
         """
         query = Query.of_dataflash(types, systems, fields, start, end, units, enums)
-        return read_tables(self._tables(), self.path, query, fields, wide)
+        return read_tables(*self._opened(query), self.path, query, fields, wide)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
         """What is in the log: types, rates, gaps, damage; nothing of senders, of which it has one.
@@ -154,22 +178,28 @@ class DataflashLog(Log):
 
 def read_tables(
     tables: DataflashTables,
+    found: list[tuple[str, RecordBatches]] | None,
     path: str,
     query: Query,
     fields: str | Iterable[str] | None,
     wide: bool,
 ) -> dict[str, Table]:
-    """Whole tables of a dataflash log. ValueError for a type that the log does not describe, or a
-    field that no wanted type has, and as by `check_records`.
+    """Whole tables of a dataflash log, those that were found or else by a run over it. ValueError for
+    a type that the log does not describe, or a field that no wanted type has, and as by
+    `check_records`.
     """
     from .reading import check_records, in_order, joined, tables_of
 
     query.check_dataflash()
-    check_described(tables.types(), query, fields)
-    run = tables.columns(query)
-    found = joined(run, query)
-    check_records(run, path)
+    known: Mapping[str, Iterable[str]] = dict.fromkeys(tables.names, ())
+    check_described(known if fields is None else tables.types(), query, fields)
+    if found is None:
+        run = tables.columns(query)
+        whole = joined(run, query)
+        check_records(run, path)
+    else:
+        whole = joined([found], query)
     for name in query.names or ():
-        if name not in found:
-            found[name] = in_order(tables.empty(name, query), query.columns)
-    return tables_of(found, path, wide)
+        if name not in whole:
+            whole[name] = in_order(tables.empty(name, query), query.columns)
+    return tables_of(whole, path, wide)

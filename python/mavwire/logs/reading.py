@@ -17,7 +17,7 @@ from mavwire._wording import naming
 from .batches import Batches
 from .query import Query, check_described, check_tables, names_of
 from .selection import several
-from .sources import columns_from, is_dataflash, open_dataflash
+from .sources import columns_from, is_dataflash, open_dataflash, read_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
 
@@ -88,11 +88,11 @@ def read(
     check_readable(path)
     module, native = native_dialect(dialect)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
-    dataflash = open_dataflash(path, path)
-    if dataflash is not None:
+    opened = read_dataflash(path, path, query)
+    if opened is not None:
         from .dataflash import read_tables
 
-        return read_tables(dataflash, path, query, fields, wide)
+        return read_tables(*opened, path, query, fields, wide)
     query.check_telemetry()
     check_tables(module, native, query, fields)
     with naming(path):
@@ -109,7 +109,9 @@ def tables_of_batch(batch: FrameBatch, units: str | None, enums: str | None) -> 
     return {name: tidy(name, batches) for name, batches in sorted(found.items())}
 
 
-def joined(run: LogColumns, query: Query) -> dict[str, RecordBatches]:
+def joined(
+    run: Iterable[list[tuple[str, RecordBatches]]], query: Query
+) -> dict[str, RecordBatches]:
     """The whole tables of a run over a log, the columns in the order in which they are wanted."""
     pieces: dict[str, list[RecordBatches]] = {}
     for found in run:

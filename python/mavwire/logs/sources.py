@@ -12,7 +12,12 @@ from mavwire._wording import naming
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from mavwire._native import RecordBatches
+
     from .query import Query
+
+    Opened = tuple[DataflashTables, list[tuple[str, RecordBatches]] | None]
+    """What a dataflash log says about itself, and its tables if they were found on the way."""
 
 Source = str | tuple[str, int, int] | tuple[str, int, int, bool] | bytes
 """What the native readers take: a path; the path of a log and the first byte, and the first that is
@@ -40,16 +45,29 @@ def open_dataflash(source: Source, path: str) -> DataflashTables | None:
     that lacks its first part, and whose records nothing describes.
     """
     tables = DataflashTables.open(source)
-    if tables is not None and is_headless(source) and not describes(tables):
+    if tables is not None:
+        _check_described(tables, source, path)
+    return tables
+
+
+def read_dataflash(source: Source, path: str, query: Query) -> Opened | None:
+    """The same with the whole tables that `query` asks for, where one pass gives both."""
+    opened = DataflashTables.read(source, query)
+    if opened is not None:
+        _check_described(opened[0], source, path)
+    return opened
+
+
+def _check_described(tables: DataflashTables, source: Source, path: str) -> None:
+    if is_headless(source) and not describes(tables):
         from .telemetry import undescribed
 
         raise undescribed(path)
-    return tables
 
 
 def describes(tables: DataflashTables) -> bool:
     """Whether a dataflash log says what any of its records are, beyond those that say so."""
-    return not tables.types().keys() <= {"FMT"}
+    return not set(tables.names) <= {"FMT"}
 
 
 def is_headless(source: Source) -> bool:

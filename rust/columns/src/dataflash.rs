@@ -4,16 +4,21 @@
 //! clock. [`Reader`] then hops over the records, sorts them by table, and gathers field by field like the reader of telemetry
 //! logs. Values are those of `DFReader`.
 
+mod decoder;
 mod headless;
 mod hop;
 mod layout;
 mod lines;
 mod reader;
+mod run;
 mod summary;
 mod survey;
 mod walk;
+mod whole;
 
+pub use decoder::Wanted;
 pub use layout::{TableLayout, table_layout};
-pub use reader::{Reader, Wanted};
+pub use reader::Reader;
 pub use summary::summary;
 pub use survey::{Form, Open, Survey, recognise};
+pub use whole::{Plan, Whole, read_whole};

@@ -18,6 +18,9 @@ const LEAST_BLOCK: usize = 256 << 10;
 /// Room in front of a block for what the block before it left: the start of a record.
 const HEADROOM: usize = 4096;
 
+/// Bytes that tell how a log is compressed.
+const MAGIC: usize = 4;
+
 /// Bytes that tell what kind of log it is.
 const PROBE: usize = 64 << 10;
 
@@ -51,14 +54,10 @@ impl Steps {
 /// # Errors
 /// What reading says.
 pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
-    let mut magic = [0; 4];
-    let mut failed = None;
-    let len = fill(&mut source, &mut magic, &mut failed)?;
-    if let Some(error) = failed {
-        return Err(error);
-    }
-    let whole = io::Cursor::new(magic[..len].to_vec()).chain(source);
-    Ok(match magic {
+    let mut magic = Vec::with_capacity(MAGIC);
+    source.by_ref().take(MAGIC as u64).read_to_end(&mut magic)?;
+    let whole = io::Cursor::new(magic.clone()).chain(source);
+    Ok(match *magic {
         [0x1F, 0x8B, 8, _] => Box::new(Members::new(whole)),
         [0x28, 0xB5, 0x2F, 0xFD] | [0x50..=0x5F, 0x2A, 0x4D, 0x18] => {
             Box::new(zstd::stream::read::Decoder::new(whole)?)
@@ -77,70 +76,36 @@ pub fn framing_of(source: Box<dyn Read + Send>, registry: &Registry) -> io::Resu
     Ok(Framing::of(&head, registry))
 }
 
-/// Reads until `into` is full or the source is at its end. An error behind the first byte is kept in `failed` for the next
-/// time.
-fn fill(
-    source: &mut dyn Read,
-    into: &mut [u8],
-    failed: &mut Option<io::Error>,
-) -> io::Result<usize> {
-    if let Some(error) = failed.take() {
-        return Err(error);
-    }
-    let mut filled = 0;
-    while filled < into.len() {
-        match source.read(&mut into[filled..]) {
-            Ok(0) => break,
-            Ok(len) => filled += len,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) if filled == 0 => return Err(error),
-            Err(error) => {
-                *failed = Some(error);
-                break;
-            }
-        }
-    }
-    Ok(filled)
-}
-
 /// A block that was read, behind its headroom.
 #[derive(Default)]
 struct Buffer {
-    /// Allocated once: what no block reaches is never touched.
+    /// Allocated once and never zeroed: what no block reaches is never touched.
     bytes: Vec<u8>,
-    /// Where the unread bytes start.
+    /// Where the unread bytes start; they go on to the end.
     start: usize,
-    /// Where they end.
-    end: usize,
 }
 
 impl Buffer {
     fn read(&mut self, source: &mut Source, block: usize) -> io::Result<usize> {
-        if self.bytes.len() < HEADROOM + block {
-            self.bytes = vec![0; HEADROOM + block];
-        }
-        // A long rest in front of another block has made it longer.
-        self.bytes.truncate(HEADROOM + block);
-        (self.start, self.end) = (HEADROOM, HEADROOM);
-        let into = &mut self.bytes[HEADROOM..HEADROOM + block];
-        let filled = fill(&mut *source.inner, into, &mut source.failed);
-        self.end += filled.as_ref().copied().unwrap_or(0);
-        filled
+        self.bytes.clear();
+        self.bytes.reserve_exact(HEADROOM + block);
+        self.clear();
+        source.fill(&mut self.bytes, block)
     }
 
     fn unread(&self) -> &[u8] {
-        &self.bytes[self.start..self.end]
+        &self.bytes[self.start..]
     }
 
     fn clear(&mut self) {
-        (self.start, self.end) = (HEADROOM.min(self.bytes.len()), HEADROOM.min(self.bytes.len()));
+        self.bytes.resize(HEADROOM, 0);
+        self.start = HEADROOM;
     }
 
     /// Puts what another buffer left in front.
     fn prepend(&mut self, left: &[u8]) {
         if left.len() > self.start {
             self.bytes.splice(..self.start, left.iter().copied());
-            self.end += left.len() - self.start;
             self.start = 0;
         } else {
             self.start -= left.len();
@@ -154,6 +119,22 @@ struct Source {
     inner: Box<dyn Read + Send>,
     /// Why the next read fails.
     failed: Option<io::Error>,
+}
+
+impl Source {
+    /// Appends bytes, so many unless the source ends before. An error behind the first byte is kept for the next time.
+    fn fill(&mut self, into: &mut Vec<u8>, most: usize) -> io::Result<usize> {
+        if let Some(error) = self.failed.take() {
+            return Err(error);
+        }
+        let before = into.len();
+        let read = self.inner.by_ref().take(most as u64).read_to_end(into);
+        match (read, into.len() - before) {
+            (Err(error), 0) => return Err(error),
+            (read, _) => self.failed = read.err(),
+        }
+        Ok(into.len() - before)
+    }
 }
 
 /// A log being read.
@@ -221,6 +202,11 @@ impl Blocks {
         self.damage.as_deref()
     }
 
+    /// Whether the block that was looked at is the whole log, unless that grows.
+    pub(crate) fn is_whole(&self) -> bool {
+        matches!(self.ahead, Some(Ok(filled)) if filled < self.block)
+    }
+
     /// Hands the next block to `work`, which says how many bytes of it are dealt with; at least one, if it can. The flag
     /// says that nothing follows. `None` at the end.
     ///
@@ -281,6 +267,38 @@ impl Blocks {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Gives some bytes and some errors, one by one.
+    struct Answers(Vec<io::Result<&'static [u8]>>);
+
+    impl Read for Answers {
+        fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+            let bytes = if self.0.is_empty() { &[] } else { self.0.remove(0)? };
+            into[..bytes.len()].copy_from_slice(bytes);
+            Ok(bytes.len())
+        }
+    }
+
+    #[test]
+    fn what_was_read_before_an_error_is_dealt_with_before_it() {
+        use io::ErrorKind::{Interrupted, PermissionDenied};
+        let failed = || Err(io::Error::from(PermissionDenied));
+        let answers = vec![Ok(&b"one "[..]), Err(Interrupted.into()), Ok(b"two"), failed()];
+        let mut blocks = Blocks::of_size(Box::new(Answers(answers)), 100);
+        let next = |blocks: &mut Blocks| blocks.next(|block, _| (block.len(), block.to_vec()));
+        assert_eq!(next(&mut blocks).expect("the start"), Some(b"one two".to_vec()));
+        assert_eq!(next(&mut blocks).expect_err("the error").kind(), PermissionDenied);
+        let mut blocks = Blocks::of_size(Box::new(Answers(vec![failed()])), 100);
+        assert_eq!(next(&mut blocks).expect_err("the error").kind(), PermissionDenied);
+    }
+
+    #[test]
+    fn what_no_block_reaches_takes_no_memory() {
+        let source = Box::new(io::Cursor::new(vec![7; 100]));
+        let (blocks, len) = Blocks::of_size(source, BLOCK).with_head(<[u8]>::len).expect("bytes");
+        assert_eq!((len, blocks.next.bytes.len()), (100, HEADROOM + 100));
+        assert!(blocks.is_whole() && blocks.next.bytes.capacity() <= HEADROOM + BLOCK);
+    }
 
     #[test]
     fn a_long_rest_lengthens_no_buffer_for_good() {

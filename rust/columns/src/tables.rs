@@ -27,6 +27,11 @@ impl Tables {
         Self { builders: (0..count).map(|_| None).collect(), limits }
     }
 
+    /// Makes room for so many tables.
+    pub(crate) fn grow(&mut self, count: usize) {
+        self.builders.resize_with(count, || None);
+    }
+
     /// Appends the records of all pieces to their tables, on all processors; `done` says which share of the log that
     /// makes, `new` begins a table.
     pub(crate) fn append(
@@ -40,13 +45,16 @@ impl Tables {
         let growth = if done > 0.0 && done < 1.0 { MARGIN / done } else { 1.0 };
         let rows = |index| pieces.iter().map(|piece| piece.rows(index)).sum::<usize>();
         let due = self.builders.iter_mut().enumerate().map(|(at, table)| (rows(at), at, table));
-        let mut due: Vec<_> = due.filter(|&(rows, ..)| rows > 0).collect();
+        let mut due = begun(due.filter(|&(rows, ..)| rows > 0).collect(), new);
         let expected = limits.expected(growth, due.len());
         // The largest first, and one by one: then no processor is left alone with the rest.
         due.sort_unstable_by_key(|&(rows, ..)| Reverse(rows));
-        due.into_par_iter().with_max_len(1).for_each(|(rows, index, table)| {
-            let table = table.get_or_insert_with(|| new(index));
-            table.reserve(rows, &expected);
+        // All of them by one thread: the allocator has a store for each, which gives back to the system what is freed, and
+        // from two stores twice as many pages of fresh memory are touched.
+        for (rows, _, table) in &mut due {
+            table.reserve(*rows, &expected);
+        }
+        due.into_par_iter().with_max_len(1).for_each(|(_, index, table)| {
             for piece in pieces.iter().filter(|piece| piece.rows(index) > 0) {
                 append(table, index, piece);
             }
@@ -87,6 +95,23 @@ impl Tables {
         let taken = pool::run(|| due.into_par_iter().map(taken).collect::<Result<Vec<_>, Error>>());
         Ok(taken?.into_iter().flatten().collect())
     }
+}
+
+/// A table that rows are to be appended to: how many, its index.
+type Due<'a, T> = (usize, usize, &'a mut T);
+
+/// The same tables, those without a row so far begun, on all processors.
+fn begun<'a>(
+    due: Vec<Due<'a, Option<TableBuilder>>>,
+    new: impl Fn(usize) -> TableBuilder + Sync,
+) -> Vec<Due<'a, TableBuilder>> {
+    let begin = |(rows, index, table): Due<'a, Option<TableBuilder>>| {
+        (rows, index, table.get_or_insert_with(|| new(index)))
+    };
+    if due.iter().all(|(.., table)| table.is_some()) {
+        return due.into_iter().map(begin).collect();
+    }
+    due.into_par_iter().with_max_len(1).map(begin).collect()
 }
 
 /// The rows in as few pieces of at most so many as there can be, of about one size; in one if that is 0.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use mavwire_columns::arrow::array::{Array, AsArray, RecordBatch};
 use mavwire_columns::arrow::datatypes::TimestampMicrosecondType;
-use mavwire_columns::dataflash::{Form, Reader, Survey, Wanted, recognise, summary};
+use mavwire_columns::dataflash::{
+    Form, Plan, Reader, Survey, Wanted, Whole, read_whole, recognise, summary,
+};
 use mavwire_columns::error::Error;
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
@@ -19,9 +21,12 @@ use mavwire_core::log::dataflash::{
 use crate::input::Input;
 use crate::logs::any_dataflash;
 use crate::reading::{
-    looks_compressed, on_threads, small_limits, small_steps, source, whole_tables,
+    joined, looks_compressed, on_threads, small_limits, small_steps, source, whole_tables,
 };
 use crate::tables::{numbers, same};
+
+/// All records.
+const EVERYTHING: Wanted = Wanted { names: None, start: f64::NEG_INFINITY, end: f64::INFINITY };
 
 /// What a log says about itself, read in such steps; `None` for something else than a dataflash log.
 pub(crate) fn surveyed(steps: Steps, bytes: &[u8]) -> Option<Arc<Survey>> {
@@ -37,9 +42,8 @@ pub(crate) fn tables_of(
     options: &Options,
     limits: Limits,
 ) -> (BTreeMap<u16, RecordBatch>, u64) {
-    let wanted = Wanted { names: None, start: f64::NEG_INFINITY, end: f64::INFINITY };
     let open = || Ok(source(bytes));
-    let reader = Reader::new(Arc::clone(survey), &open, wanted, options, limits);
+    let reader = Reader::new(Arc::clone(survey), &open, EVERYTHING, options, limits);
     let mut reader = reader.expect("memory does not fail");
     let tables = whole_tables(&mut reader);
     assert_eq!(reader.position(), bytes.len() as u64);
@@ -74,15 +78,33 @@ pub(crate) fn in_any_steps(
     let stepped = on_threads(false, || surveyed(steps, &bytes));
     // The first block alone may not show what kind of log it is, or what stands between values.
     if let Some(stepped) = stepped.filter(|stepped| same_form(&stepped.form, &survey.form)) {
-        assert_eq!(stepped.form.layouts(), survey.form.layouts());
-        assert_eq!(
-            (&stepped.tables, stepped.clock, format!("{:?}", stepped.units)),
-            (&survey.tables, survey.clock, format!("{:?}", survey.units)),
-        );
+        same_survey(&stepped, &survey);
         let tables = on_threads(false, || tables_of(&stepped, &bytes, &options, limits));
         assert_eq!((&tables.0, tables.1), (&found, bad), "steps and threads");
+        let whole = on_threads(false, || in_one_pass(steps, &bytes, &options, limits));
+        same_survey(&whole.survey, &survey);
+        if let Some((batches, junk)) = whole.rows {
+            assert_eq!((&joined(batches), junk), (&found, bad), "one pass");
+        }
     }
     Some(ReadLog { bytes, survey, options, tables: found, bad })
+}
+
+/// The tables of a log that was not surveyed, if one pass does.
+fn in_one_pass(steps: Steps, bytes: &[u8], options: &Options, limits: Limits) -> Whole {
+    let (options, size) = (options.clone(), bytes.len() as u64);
+    let plan = Plan { wanted: EVERYTHING, options, limits, size };
+    let open = || Ok(source(bytes));
+    let whole = read_whole(steps, &open, &plan, || Ok::<_, Error>(()));
+    whole.expect("memory does not fail").expect("a dataflash log")
+}
+
+fn same_survey(one: &Survey, other: &Survey) {
+    assert_eq!(one.form.layouts(), other.form.layouts());
+    assert_eq!(
+        (&one.tables, one.clock, format!("{:?}", one.units)),
+        (&other.tables, other.clock, format!("{:?}", other.units)),
+    );
 }
 
 fn same_form(one: &Form, other: &Form) -> bool {

@@ -57,8 +57,13 @@ pub(crate) fn batches(reader: &mut dyn Decode) -> Vec<Batch> {
 
 /// The tables by index, whatever batches they came in.
 pub(crate) fn whole_tables(reader: &mut dyn Decode) -> BTreeMap<u16, RecordBatch> {
+    joined(batches(reader))
+}
+
+/// The same of batches.
+pub(crate) fn joined(batches: Vec<Batch>) -> BTreeMap<u16, RecordBatch> {
     let mut by_index = BTreeMap::<u16, Vec<RecordBatch>>::new();
-    for batch in batches(reader) {
+    for batch in batches {
         assert!(batch.rows.num_rows() > 0, "an empty batch of {}", batch.message);
         by_index.entry(batch.index).or_default().push(batch.rows);
     }

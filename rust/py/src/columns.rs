@@ -119,7 +119,7 @@ impl LogColumns {
     }
 }
 
-fn table(batch: Batch) -> (String, RecordBatches) {
+pub(crate) fn table(batch: Batch) -> (String, RecordBatches) {
     (batch.message.to_string(), RecordBatches::new(batch.rows.schema(), vec![batch.rows]))
 }
 

@@ -1,10 +1,11 @@
 //! `DataflashTables`: what a dataflash log says about itself, and its records as tables.
 
+use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use mavwire_columns::Error;
-use mavwire_columns::dataflash::{self, Form, Survey, Wanted, table_layout};
+use mavwire_columns::dataflash::{self, Form, Plan, Survey, Wanted, Whole, table_layout};
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
 use mavwire_columns::reader::Decode;
@@ -12,7 +13,7 @@ use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::columns::{LogColumns, Query, Stopped, Teller, count_row, summary_dict};
+use crate::columns::{LogColumns, Query, Stopped, Teller, count_row, summary_dict, table};
 use crate::convert::Converter;
 use crate::source::Source;
 use crate::table::{RecordBatches, columns_error};
@@ -24,10 +25,21 @@ pub(crate) struct DataflashTables {
     survey: Arc<Survey>,
 }
 
+/// Tables and the names of their types.
+type Tables = Vec<(String, RecordBatches)>;
+
+fn is_dataflash(log: &Source) -> io::Result<bool> {
+    Ok(log.framing().is_none() && dataflash::recognise(log.open()?)?)
+}
+
+fn wanted(query: &Query) -> Wanted {
+    let (start, end) = query.span();
+    Wanted { names: query.names.clone(), start, end }
+}
+
 impl DataflashTables {
     fn reader(&self, query: &Query) -> Result<Box<dyn Decode>, Error> {
-        let (start, end) = query.span();
-        let wanted = Wanted { names: query.names.clone(), start, end };
+        let wanted = wanted(query);
         let (open, options) = (|| self.log.open(), query.options());
         let survey = Arc::clone(&self.survey);
         let reader = dataflash::Reader::new(survey, &open, wanted, &options, query.limits())?;
@@ -42,32 +54,50 @@ impl DataflashTables {
     fn open(py: Python<'_>, log: Source) -> PyResult<Option<Self>> {
         let tell = Teller(None);
         let survey = py.detach(|| {
-            let open = || log.open();
-            if log.framing().is_some() {
+            if !is_dataflash(&log).map_err(Error::from)? {
                 return Ok(None);
             }
-            if !dataflash::recognise(open().map_err(Error::from)?).map_err(Error::from)? {
-                return Ok(None);
-            }
-            Survey::read(Steps::default(), &open, || tell.tell(0))
+            Survey::read(Steps::default(), &|| log.open(), || tell.tell(0))
         });
         let survey = survey.map_err(Stopped::into_err)?;
         Ok(survey.map(|survey| Self { log, survey: Arc::new(survey) }))
     }
 
+    /// The same with the tables that `query` asks for; None in their place if they take another run, by `columns`.
+    #[staticmethod]
+    fn read(py: Python<'_>, log: Source, query: Query) -> PyResult<Option<(Self, Option<Tables>)>> {
+        let tell = Teller(None);
+        let (wanted, options, limits) = (wanted(&query), query.options(), query.limits());
+        let whole = py.detach(|| {
+            if !is_dataflash(&log).map_err(Error::from)? {
+                return Ok(None);
+            }
+            let plan = Plan { wanted, options, limits, size: log.size() };
+            dataflash::read_whole(Steps::default(), &|| log.open(), &plan, || tell.tell(0))
+        });
+        let whole = whole.map_err(Stopped::into_err)?;
+        Ok(whole.map(|Whole { survey, rows }| {
+            let tables = rows.map(|(batches, _)| batches.into_iter().map(table).collect());
+            (Self { log, survey: Arc::new(survey) }, tables)
+        }))
+    }
+
     /// Whether a file begins as a dataflash log does.
     #[staticmethod]
     fn recognises(py: Python<'_>, log: Source) -> PyResult<bool> {
-        if log.framing().is_some() {
-            return Ok(false);
-        }
-        Ok(py.detach(|| dataflash::recognise(log.open()?))?)
+        Ok(py.detach(|| is_dataflash(&log))?)
     }
 
     /// Whether it is a binary log; else it is text.
     #[getter]
     fn is_binary(&self) -> bool {
         matches!(self.survey.form, Form::Binary(_))
+    }
+
+    /// The record types that the log describes.
+    #[getter]
+    fn names(&self) -> Vec<&str> {
+        self.survey.tables.iter().map(|name| &**name).collect()
     }
 
     /// The columns of each record type that the log describes, `{name: [column, ...]}`.

@@ -392,17 +392,22 @@ def test_parts_of_a_table(flight):
 def test_a_dataflash_log_is_surveyed_when_it_is_needed(tmp_path, monkeypatch):
     path = sample().write(tmp_path / "flight.BIN")
     surveys = []
-    open_tables = dataflash.open_dataflash
+    open_tables, read_tables = dataflash.open_dataflash, dataflash.read_dataflash
 
-    def counting(log, path):
+    def opening(log, path):
         surveys.append(log)
         return open_tables(log, path)
 
-    monkeypatch.setattr(dataflash, "open_dataflash", counting)
+    def reading(log, path, query):
+        surveys.append(log)
+        return read_tables(log, path, query)
+
+    monkeypatch.setattr(dataflash, "open_dataflash", opening)
+    monkeypatch.setattr(dataflash, "read_dataflash", reading)
     log = mavwire.open_log(path)
     assert surveys == []
     assert len(log["IMU"]) == len(log.read("IMU")["IMU"]) == 3
-    assert surveys == [path]
+    assert "IMU" in log.types and surveys == [path]
 
 
 def test_a_scan_of_one_type_is_a_stream(flight, tmp_path):

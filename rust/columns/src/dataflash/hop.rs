@@ -51,20 +51,21 @@ struct Guess {
     bad: Vec<Range<usize>>,
 }
 
-/// Finds the records of `block`, which stands at `offset` in the log and ends it if `at_end`.
+/// Finds the records of `block` that start before `limit`; it stands at `offset` in the log and ends that if `at_end`.
 pub(super) fn hop(
     block: &[u8],
     offset: u64,
+    limit: usize,
     definitions: &Definitions,
     at_end: bool,
     stretch: usize,
 ) -> Hops {
-    let starts: Vec<usize> = (0..block.len()).step_by(stretch).collect();
+    let starts: Vec<usize> = (0..limit).step_by(stretch).collect();
     let guesses: Vec<Guess> = starts
         .par_iter()
         .with_max_len(1)
         .map(|&start| {
-            let stretch = start..block.len().min(start + stretch);
+            let stretch = start..limit.min(start + stretch);
             guess(block, offset, definitions, at_end, stretch)
         })
         .collect();

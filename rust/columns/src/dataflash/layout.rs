@@ -28,8 +28,22 @@ pub struct TableLayout {
     pub(super) places: HashMap<u16, Places>,
 }
 
+impl TableLayout {
+    /// Whether both have the same columns, in the same places of records.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        let (columns, others) = (&self.layout.columns, &other.layout.columns);
+        let are_same = |(one, other): (&Column, &Column)| {
+            one.source == other.source && one.scale == other.scale
+        };
+        self.places == other.places
+            && self.layout.schema == other.layout.schema
+            && columns.len() == others.len()
+            && columns.iter().zip(others).all(are_same)
+    }
+}
+
 /// Where a layout has the columns of its table.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Places {
     /// Field of each column; `None` for null.
     pub(super) fields: Vec<Option<u16>>,

@@ -1,25 +1,19 @@
-//! What a log says about itself: record types, units, clock. One run over it, or two where records stand in front of what
-//! describes them.
+//! What a log says about itself: record types, units, clock.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::io::{self, Read};
 use std::sync::{Arc, LazyLock};
 
 use mavwire_core::builtin;
-use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions, decode_line, nth_value};
-use mavwire_core::log::dataflash::{
-    Clock, ClockFinder, Definitions, FMT_LAYOUT_LEN, FieldKind, HEAD_LEN, Layout, Units,
-};
+use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions};
+use mavwire_core::log::dataflash::{Clock, Definitions, Layout, Units};
 use mavwire_core::registry::Registry;
 use mavwire_schema::WireVersion;
-use rayon::prelude::*;
 
 use super::headless;
-use super::hop::{Place, hop};
-use super::lines::Lines;
+use super::run::Run;
 use crate::error::Error;
 use crate::input::{Blocks, Steps, decompressed};
-use crate::pool;
 use crate::scan::Framing;
 
 /// Opens the log from its start; a log is read more than once.
@@ -129,22 +123,37 @@ impl Survey {
     pub fn read<E: From<Error>>(
         steps: Steps,
         open: Open<'_>,
-        mut pulse: impl FnMut() -> Result<(), E>,
+        pulse: impl FnMut() -> Result<(), E>,
     ) -> Result<Option<Self>, E> {
-        let (mut blocks, form) = begin(open, steps).map_err(Error::from)?;
+        let (blocks, form) = begin(open, steps).map_err(Error::from)?;
         let Some(form) = form else { return Ok(None) };
-        let mut run = Run::new(form, steps);
-        while pool::a_while(|| run.advance(&mut blocks)).map_err(Error::from)? {
-            pulse()?;
-        }
-        if run.missed {
-            run = Run::new(run.form, steps);
-            let (mut blocks, _) = begin(open, steps).map_err(Error::from)?;
-            while pool::a_while(|| run.advance(&mut blocks)).map_err(Error::from)? {
-                pulse()?;
+        Run::new(form, steps).finish(blocks, open, pulse).map(Some)
+    }
+
+    /// What is known by now of a log of which so many bytes were gone through.
+    pub(super) fn new(
+        form: Form,
+        units: Units,
+        clock: Option<Clock>,
+        bytes: u64,
+        steps: Steps,
+    ) -> Self {
+        let (mut tables, mut known) = (Vec::<Arc<str>>::new(), HashMap::new());
+        let mut table_of = Vec::new();
+        for layout in form.layouts() {
+            if layout.name.len() > MAX_NAME_LEN {
+                table_of.push(NO_TABLE);
+                continue;
             }
+            let next = tables.len() as u16;
+            let (table, layouts) = known.entry(layout.name.as_str()).or_insert((next, 0));
+            if *table == next {
+                tables.push(layout.name.as_str().into());
+            }
+            *layouts += 1;
+            table_of.push(if *layouts > MAX_OF_NAME { NO_TABLE } else { *table });
         }
-        Ok(Some(run.finish()))
+        Self { form, units, clock, tables, table_of, bytes, steps }
     }
 
     /// Index of a table.
@@ -156,6 +165,22 @@ impl Survey {
     pub fn layouts_of(&self, table: usize) -> impl Iterator<Item = (usize, &Arc<Layout>)> {
         let all = self.form.layouts().iter().enumerate();
         all.filter(move |&(index, _)| usize::from(self.table_of[index]) == table)
+    }
+
+    /// The tables about which more is known by `later`, which is of the same log.
+    pub(super) fn changed_by(&self, later: &Self) -> BTreeSet<usize> {
+        let (units, others) = (&self.units, &later.units);
+        let all = units.labels != others.labels || units.multipliers != others.multipliers;
+        let is_changed = |index: usize, layout: &Layout| {
+            let (fields, other_fields) = (&units.fields, &others.fields);
+            all || index >= self.table_of.len()
+                || fields.get(&layout.type_id) != other_fields.get(&layout.type_id)
+        };
+        let layouts = later.form.layouts().iter().zip(&later.table_of).enumerate();
+        layouts
+            .filter(|&(index, (layout, &table))| table != NO_TABLE && is_changed(index, layout))
+            .map(|(_, (_, &table))| table.into())
+            .collect()
     }
 }
 
@@ -175,194 +200,4 @@ pub fn recognise(source: Box<dyn Read + Send>) -> io::Result<bool> {
 
 pub(super) fn begin(open: Open<'_>, steps: Steps) -> io::Result<(Blocks, Option<Form>)> {
     Blocks::of_size(decompressed(open()?)?, steps.block).with_head(Form::of)
-}
-
-/// A run over a log.
-struct Run {
-    form: Form,
-    units: Units,
-    finder: ClockFinder,
-    /// Whether records of a layout say something.
-    telling: Vec<bool>,
-    lines: Lines,
-    offset: u64,
-    /// Bytes behind `offset` that are indexed already.
-    ahead: usize,
-    /// Where in the log the bytes end that were searched for descriptions: none may be taken in twice.
-    searched: u64,
-    /// Some bytes belong to no record as far as was known then.
-    missed: bool,
-    steps: Steps,
-}
-
-impl Run {
-    fn new(form: Form, steps: Steps) -> Self {
-        Self {
-            form,
-            units: Units::default(),
-            finder: ClockFinder::default(),
-            telling: Vec::new(),
-            lines: Lines::default(),
-            offset: 0,
-            ahead: 0,
-            searched: 0,
-            missed: false,
-            steps,
-        }
-    }
-
-    fn advance(&mut self, blocks: &mut Blocks) -> io::Result<bool> {
-        let more = blocks.next(|block, at_end| {
-            let done = match self.form {
-                Form::Binary(_) => self.add_binary(block, at_end),
-                Form::Text(_) => self.add_text(block, at_end),
-            };
-            self.offset += done as u64;
-            (done, ())
-        })?;
-        Ok(more.is_some())
-    }
-
-    fn add_binary(&mut self, block: &[u8], at_end: bool) -> usize {
-        let Form::Binary(definitions) = &mut self.form else { return block.len() };
-        let again = (FMT_LAYOUT_LEN - 1) as u64;
-        let new = self.searched.saturating_sub(again).saturating_sub(self.offset) as usize;
-        definitions.collect(&block[new..], self.offset + new as u64);
-        self.searched = self.offset + block.len() as u64;
-        let teller = &mut Teller {
-            units: &mut self.units,
-            finder: &mut self.finder,
-            telling: &mut self.telling,
-            layouts: definitions.layouts(),
-        };
-        teller.refresh();
-        let from = self.ahead.min(block.len());
-        let place = self.offset + from as u64;
-        let bytes = &block[from..];
-        let hops = hop(bytes, place, definitions, at_end, self.steps.stretch);
-        let telling = &*teller.telling;
-        let is_telling = |place: &&Place| telling[usize::from(place.layout)];
-        let few = hops.stretches.par_iter().flat_map_iter(|some| some.iter().filter(is_telling));
-        for place in few.collect::<Vec<_>>() {
-            let body = &place.of(bytes)[HEAD_LEN..];
-            teller.add(
-                place.layout,
-                |units, layout| _ = units.add(layout, body),
-                |layout, i| layout.number(i, body),
-            );
-        }
-        self.missed |= !hops.bad.is_empty();
-        if at_end {
-            return block.len();
-        }
-        // A description may begin here and end in the next block.
-        let consumed = (from + hops.consumed).min(block.len().saturating_sub(FMT_LAYOUT_LEN - 1));
-        self.ahead = from + hops.consumed - consumed;
-        consumed
-    }
-
-    fn add_text(&mut self, block: &[u8], at_end: bool) -> usize {
-        let Self { form: Form::Text(definitions), lines, missed, .. } = self else {
-            return block.len();
-        };
-        let offset = self.offset;
-        lines.each(block, at_end, |line| {
-            let Some(bytes) = line.bytes.filter(|bytes| !bytes.is_empty()) else { return };
-            let place = offset + line.at as u64;
-            definitions.collect(bytes, place);
-            let Some(layout) = definitions.of_line(bytes, place) else {
-                *missed = true;
-                return;
-            };
-            let delimiter = definitions.delimiter();
-            let teller = &mut Teller {
-                units: &mut self.units,
-                finder: &mut self.finder,
-                telling: &mut self.telling,
-                layouts: definitions.layouts(),
-            };
-            teller.refresh();
-            let value = |i| nth_value(bytes, delimiter, i);
-            let text =
-                |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);
-            teller.add(
-                layout,
-                |units, layout| _ = units.add_values(&layout.name, |name| text(layout, name)),
-                |layout, i| number(value(i)).filter(|_| is_whole(layout, value)),
-            );
-        })
-    }
-
-    fn finish(self) -> Survey {
-        let Self { form, units, finder, offset: bytes, steps, .. } = self;
-        let (mut tables, mut known) = (Vec::<Arc<str>>::new(), HashMap::new());
-        let mut table_of = Vec::new();
-        for layout in form.layouts() {
-            if layout.name.len() > MAX_NAME_LEN {
-                table_of.push(NO_TABLE);
-                continue;
-            }
-            let next = tables.len() as u16;
-            let (table, layouts) = known.entry(layout.name.as_str()).or_insert((next, 0));
-            if *table == next {
-                tables.push(layout.name.as_str().into());
-            }
-            *layouts += 1;
-            table_of.push(if *layouts > MAX_OF_NAME { NO_TABLE } else { *table });
-        }
-        Survey { clock: finder.finish(), units, tables, table_of, bytes, steps, form }
-    }
-}
-
-/// The number in a value of a text log.
-pub(super) fn number(text: Option<&[u8]>) -> Option<f64> {
-    std::str::from_utf8(text?).ok()?.trim().parse().ok()
-}
-
-/// Whether a line has numbers where it should; a GPS record with a word there does not tell when the log began.
-fn is_whole<'a>(layout: &Layout, value: impl Fn(usize) -> Option<&'a [u8]>) -> bool {
-    let is_text = |kind| matches!(kind, FieldKind::Text(_) | FieldKind::Mode | FieldKind::Array);
-    let mut fields = layout.fields.iter().enumerate();
-    !layout.name.starts_with("GPS")
-        || fields.all(|(index, field)| is_text(field.kind) || number(value(index)).is_some())
-}
-
-/// Takes in the records that say something about others.
-struct Teller<'a> {
-    units: &'a mut Units,
-    finder: &'a mut ClockFinder,
-    telling: &'a mut Vec<bool>,
-    layouts: &'a [Arc<Layout>],
-}
-
-impl Teller<'_> {
-    /// Looks at layouts that are new.
-    fn refresh(&mut self) {
-        for layout in &self.layouts[self.telling.len().min(self.layouts.len())..] {
-            self.telling.push(tells(self.finder, layout));
-        }
-    }
-
-    #[inline]
-    fn add(
-        &mut self,
-        layout: u16,
-        units: impl FnOnce(&mut Units, &Layout),
-        number: impl Fn(&Layout, usize) -> Option<f64>,
-    ) {
-        if !self.telling[usize::from(layout)] {
-            return;
-        }
-        let layout = &self.layouts[usize::from(layout)];
-        units(self.units, layout);
-        if self.finder.add(layout, |index| number(layout, index)) {
-            for (telling, layout) in self.telling.iter_mut().zip(self.layouts) {
-                *telling = tells(self.finder, layout);
-            }
-        }
-    }
-}
-
-fn tells(finder: &ClockFinder, layout: &Layout) -> bool {
-    matches!(layout.name.as_str(), "UNIT" | "MULT" | "FMTU") || finder.wants(layout)
 }

@@ -9,7 +9,8 @@ use mavwire_core::log::dataflash::{FieldKind, HEAD_LEN, Layout, TimeRule, whole}
 
 use super::hop::{Hops, Place, hop};
 use super::lines::Lines;
-use super::survey::{Form, Survey, number};
+use super::run::number;
+use super::survey::{Form, Survey};
 use crate::piece::PIECE;
 
 /// Walks through a log.
@@ -34,6 +35,13 @@ pub(super) struct Walked {
     pub(super) consumed: usize,
 }
 
+impl Walked {
+    /// How many bytes belong to no record.
+    pub(super) fn bad_bytes(&self) -> u64 {
+        self.bad.iter().map(|range| range.len() as u64).sum()
+    }
+}
+
 /// Records that follow each other.
 pub(super) struct Stretch {
     places: Vec<Place>,
@@ -44,23 +52,40 @@ pub(super) struct Stretch {
 impl Walk {
     /// At the start of a log.
     pub(super) fn new(survey: Arc<Survey>) -> Self {
-        let rule = |layout| survey.clock.map_or(TimeRule::Before, |clock| clock.rule(layout));
-        let layouts = survey.form.layouts();
-        let rules: Vec<_> = layouts.iter().map(|layout| rule(layout)).collect();
-        let is_binary = matches!(survey.form, Form::Binary(_));
-        let both = layouts.iter().zip(&rules);
-        let micros = both.map(|(one, rule)| micros_at(one, *rule).filter(|_| is_binary)).collect();
+        let (rules, micros, lines) = Default::default();
         let newest = survey.clock.map_or(0, |clock| clock.first);
-        Self { rules, micros, newest, lines: Lines::default(), offset: 0, survey }
+        let mut walk =
+            Self { rules, micros, newest, lines, offset: 0, survey: Arc::clone(&survey) };
+        walk.extend(survey);
+        walk
+    }
+
+    /// Goes on with more layouts, by the same clock.
+    pub(super) fn extend(&mut self, survey: Arc<Survey>) {
+        let is_binary = matches!(survey.form, Form::Binary(_));
+        for layout in &survey.form.layouts()[self.rules.len()..] {
+            let rule = survey.clock.map_or(TimeRule::Before, |clock| clock.rule(layout));
+            self.micros.push(micros_at(layout, rule).filter(|_| is_binary));
+            self.rules.push(rule);
+        }
+        self.survey = survey;
     }
 
     /// Finds the records of a block, which starts where the last one was consumed to.
     pub(super) fn block(&mut self, block: &[u8], at_end: bool) -> Walked {
-        let Hops { stretches, bad, consumed } = match &self.survey.form {
-            Form::Binary(all) => hop(block, self.offset, all, at_end, self.survey.steps.stretch),
+        let hops = match &self.survey.form {
+            Form::Binary(all) => {
+                hop(block, self.offset, block.len(), all, at_end, self.survey.steps.stretch)
+            }
             Form::Text(_) => self.text(block, at_end),
         };
-        self.offset += consumed as u64;
+        self.offset += hops.consumed as u64;
+        self.follow(block, hops)
+    }
+
+    /// Goes on with the next records of a block.
+    pub(super) fn follow(&mut self, block: &[u8], hops: Hops) -> Walked {
+        let Hops { stretches, bad, consumed } = hops;
         let with_time = |places: Vec<Place>| {
             let before = self.newest;
             self.newest = self.newest_of(block, &places);
@@ -289,6 +314,7 @@ mod tests {
             log.extend(fmt(1, len, "A", format, columns));
         }
         let whole = survey(&log, Steps::default());
+        assert_eq!(whole.form.layouts().len(), 4 + 5);
         for block in (100..1400).step_by(90) {
             let found = survey(&log, Steps { block, ..Steps::default() });
             assert_eq!(found.form.layouts(), whole.form.layouts(), "blocks of {block}");

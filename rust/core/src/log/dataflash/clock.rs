@@ -104,6 +104,11 @@ impl ClockFinder {
             || (self.first_ms.is_none() && has("TimeMS"))
     }
 
+    /// Whether a GPS record told when the log began: no later record changes the clock then.
+    pub fn is_settled(&self) -> bool {
+        self.found.is_some()
+    }
+
     /// Takes in a record whose fields `value` gives by their index. True if what is wanted changed.
     pub fn add(&mut self, layout: &Layout, value: impl Fn(usize) -> Option<f64>) -> bool {
         let named = |name: &str| layout.field_index(name).and_then(&value);

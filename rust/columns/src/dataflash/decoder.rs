@@ -1,0 +1,269 @@
+//! Records on their way into tables: sorted by table piece by piece, then gathered field by field.
+
+use std::sync::Arc;
+
+use mavwire_core::log::dataflash::Layout;
+use mavwire_core::log::dataflash::text::{Delimiter, trimmed};
+use rayon::prelude::*;
+
+use super::hop::Place;
+use super::layout::{TableLayout, table_layout};
+use super::survey::{Form, NO_TABLE, Survey};
+use super::walk::{Walk, Walked};
+use crate::error::Error;
+use crate::gather::Rows;
+use crate::layout::{Options, Source};
+use crate::piece::{Chosen, Piece, Side};
+use crate::reader::{Batch, Limits};
+use crate::select::seconds;
+use crate::table::{GROUP, TableBuilder};
+use crate::tables::Tables;
+
+/// Bytes that say where a line starts.
+const LINE_PLACE: usize = size_of::<u32>();
+
+/// How often tables that have rows are laid out anew because the log says more about their fields: a hostile log may do so
+/// again and again.
+const MOST_RENEWALS: usize = 16;
+
+/// Which records are wanted.
+#[derive(Debug, Clone)]
+pub struct Wanted {
+    /// Names of tables; `None` for all.
+    pub names: Option<Vec<String>>,
+    /// Seconds since 1970: the first that is wanted.
+    pub start: f64,
+    /// The first that is not any more.
+    pub end: f64,
+}
+
+impl Wanted {
+    fn has(&self, name: &str) -> bool {
+        self.names.as_ref().is_none_or(|some| some.iter().any(|one| one == name))
+    }
+}
+
+/// The growing tables of a log.
+pub(super) struct Decoder {
+    survey: Arc<Survey>,
+    /// Where it is in the log.
+    pub(super) walk: Walk,
+    /// Of the tables that have had rows.
+    layouts: Vec<Option<TableLayout>>,
+    tables: Tables,
+    is_wanted: Vec<bool>,
+    pieces: Vec<Piece>,
+    /// Bytes of a row of each table while it is laid beside the others.
+    strides: Vec<usize>,
+    wanted: Wanted,
+    options: Options,
+    renewals: usize,
+}
+
+impl Decoder {
+    /// At the start of a log that says this about itself.
+    pub(super) fn new(
+        survey: Arc<Survey>,
+        wanted: Wanted,
+        options: Options,
+        limits: Limits,
+    ) -> Self {
+        let walk = Walk::new(Arc::clone(&survey));
+        let (layouts, is_wanted, pieces, strides) = Default::default();
+        let tables = Tables::new(0, limits);
+        let mut decoder = Self {
+            survey: Arc::clone(&survey),
+            walk,
+            layouts,
+            tables,
+            is_wanted,
+            pieces,
+            strides,
+            wanted,
+            options,
+            renewals: 0,
+        };
+        decoder.adopt(survey);
+        decoder
+    }
+
+    /// What the log says about itself, as far as is known here.
+    pub(super) fn survey(&self) -> &Survey {
+        &self.survey
+    }
+
+    /// Goes on with more that the log says about itself, by the same clock. False if tables that have rows would not be what
+    /// they are.
+    pub(super) fn extend(&mut self, survey: Survey) -> bool {
+        let survey = Arc::new(survey);
+        let changed = self.survey.changed_by(&survey).into_iter();
+        let mut changed = changed
+            .filter_map(|table| Some((table, self.layouts.get(table)?.as_ref()?)))
+            .peekable();
+        self.renewals += usize::from(changed.peek().is_some());
+        let fits = self.survey.clock == survey.clock
+            && self.renewals <= MOST_RENEWALS
+            && changed.all(|(table, layout)| {
+                layout.is_same(&table_layout(&survey, table, &self.options))
+            });
+        if fits {
+            self.walk.extend(Arc::clone(&survey));
+            self.adopt(survey);
+        }
+        fits
+    }
+
+    /// Makes room for the tables that are new.
+    fn adopt(&mut self, survey: Arc<Survey>) {
+        let tables = &survey.tables;
+        let new = tables[self.is_wanted.len()..].iter().map(|name| self.wanted.has(name));
+        self.is_wanted.extend(new);
+        self.layouts.resize_with(tables.len(), || None);
+        self.tables.grow(tables.len());
+        self.strides.clear();
+        self.strides.resize(tables.len(), 0);
+        for (layout, &table) in survey.form.layouts().iter().zip(&survey.table_of) {
+            if table != NO_TABLE {
+                let stride = &mut self.strides[usize::from(table)];
+                *stride = (*stride).max(row_len(&survey.form, layout));
+            }
+        }
+        self.survey = survey;
+    }
+
+    /// Appends the wanted records of a block to their tables; `done` is the share of the log that is dealt with then.
+    pub(super) fn take_in(&mut self, block: &[u8], walked: &Walked, done: f64) {
+        let Self { survey, walk, layouts, tables, is_wanted, pieces, strides, wanted, .. } = self;
+        let sorter = Sorter { walk, survey, wanted, is_wanted, strides };
+        sorter.sort_into(pieces, block, walked);
+        let has_rows = |table| pieces.iter().any(|piece| piece.rows(table) > 0);
+        let new = layouts.iter_mut().enumerate();
+        let new: Vec<_> = new.filter(|(table, one)| one.is_none() && has_rows(*table)).collect();
+        new.into_par_iter().with_max_len(1).for_each(|(table, layout)| {
+            *layout = Some(table_layout(survey, table, &self.options));
+        });
+        let layout = |table: usize| layouts[table].as_ref().expect("it has rows");
+        let new = |table| TableBuilder::new(Arc::clone(&layout(table).layout));
+        let append = |table: &mut TableBuilder, index: usize, piece: &Piece| {
+            let (layout, side) = (layout(index), piece.of(index));
+            match &survey.form {
+                Form::Binary(_) => append_records(table, layout, side),
+                Form::Text(form) => append_lines(table, layout, block, side, form.delimiter()),
+            }
+        };
+        tables.append(pieces, done, new, append);
+    }
+
+    /// The batches that are complete.
+    pub(super) fn complete(&mut self) -> Result<Vec<Batch>, Error> {
+        self.tables.complete()
+    }
+
+    /// What is left at the end; `None` the second time.
+    pub(super) fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error> {
+        self.tables.rest()
+    }
+}
+
+/// Bytes of a record beside others of its table; of a line those of its place.
+fn row_len(form: &Form, layout: &Layout) -> usize {
+    match form {
+        Form::Binary(_) => layout.len.into(),
+        Form::Text(_) => LINE_PLACE,
+    }
+}
+
+/// Lays the wanted records of a block side by side.
+struct Sorter<'a> {
+    walk: &'a Walk,
+    survey: &'a Survey,
+    wanted: &'a Wanted,
+    is_wanted: &'a [bool],
+    strides: &'a [usize],
+}
+
+impl Sorter<'_> {
+    fn sort_into(&self, pieces: &mut Vec<Piece>, block: &[u8], walked: &Walked) {
+        pieces.resize_with(walked.stretches.len(), Piece::default);
+        let is_binary = matches!(self.survey.form, Form::Binary(_));
+        let each = pieces.par_iter_mut().zip(&walked.stretches).with_max_len(1);
+        each.for_each(|(piece, stretch)| {
+            let all = self.walk.timed(block, stretch);
+            let chosen = all.filter_map(|(place, time)| self.choose(place, time));
+            piece.sort(chosen, self.strides, |chosen, row| {
+                if is_binary {
+                    // With what follows a record shorter than others of its table, where no column looks.
+                    let rest = &block[chosen.at as usize..];
+                    let len = row.len().min(rest.len());
+                    row[..len].copy_from_slice(&rest[..len]);
+                } else {
+                    row.copy_from_slice(&chosen.at.to_le_bytes());
+                }
+            });
+        });
+    }
+
+    #[inline]
+    fn choose(&self, place: Place, time: i64) -> Option<Chosen> {
+        let table = self.survey.table_of[usize::from(place.layout)];
+        if table == NO_TABLE || !self.is_wanted[usize::from(table)] {
+            return None;
+        }
+        let Wanted { start, end, .. } = *self.wanted;
+        let any_time = start == f64::NEG_INFINITY && end == f64::INFINITY;
+        let is_in_time =
+            any_time || self.survey.clock.is_none() || (start..end).contains(&seconds(time as f64));
+        is_in_time.then_some(Chosen { table, kind: place.layout, at: place.at, time })
+    }
+}
+
+fn append_records(table: &mut TableBuilder, layout: &TableLayout, side: Side<'_>) {
+    for same in side.runs() {
+        let Some(of_layout) = layout.places.get(&same.kinds[0]) else { continue };
+        let sources: Vec<Option<&Source>> = of_layout.sources().collect();
+        for Side { times, bytes, stride, .. } in same.groups(GROUP) {
+            table.append_from(&Rows { times, bytes, stride }, &sources);
+        }
+    }
+}
+
+fn append_lines(
+    table: &mut TableBuilder,
+    layout: &TableLayout,
+    block: &[u8],
+    side: Side<'_>,
+    delimiter: Delimiter,
+) {
+    let rest_is_one = layout.layout.message == "FMT";
+    let (places, _) = side.bytes.as_chunks::<LINE_PLACE>();
+    for ((place, kind), &time) in places.iter().zip(side.kinds).zip(side.times) {
+        let Some(of_layout) = layout.places.get(kind) else { continue };
+        let values = values(line_at(block, *place), delimiter, rest_is_one);
+        let value = |field: &Option<u16>| values.get(usize::from((*field)?)).copied();
+        table.append_texts(time, of_layout.fields.iter().map(value));
+    }
+}
+
+/// The line that starts at a place.
+fn line_at(block: &[u8], place: [u8; LINE_PLACE]) -> &[u8] {
+    let rest = &block[u32::from_le_bytes(place) as usize..];
+    trimmed(&rest[..memchr::memchr(b'\n', rest).unwrap_or(rest.len())])
+}
+
+/// The values of a line; the last column of FMT has commas in it.
+fn values(line: &[u8], delimiter: Delimiter, rest_is_one: bool) -> Vec<&[u8]> {
+    const FMT_COLUMNS: usize = 5;
+    let separator = delimiter.text().as_bytes();
+    let (mut values, mut start) = (Vec::new(), None);
+    for at in memchr::memmem::find_iter(line, separator) {
+        if let Some(start) = start {
+            if rest_is_one && values.len() + 1 == FMT_COLUMNS {
+                break;
+            }
+            values.push(&line[start..at]);
+        }
+        start = Some(at + separator.len());
+    }
+    values.extend(start.map(|start| &line[start..]));
+    values
+}

@@ -1,0 +1,284 @@
+//! A run over a log that finds what it says about itself. Once more over all of it where records stand in front of what
+//! describes them, between bytes that belonged to no record until then.
+
+use mavwire_core::log::dataflash::text::{decode_line, nth_value};
+use mavwire_core::log::dataflash::{
+    ClockFinder, FMT_LAYOUT_LEN, FieldKind, HEAD_LEN, Layout, Units,
+};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+use super::hop::{Hops, Place, hop};
+use super::lines::Lines;
+use super::survey::{Form, Open, Survey, begin};
+use crate::error::Error;
+use crate::input::{Blocks, Steps};
+use crate::pool;
+
+/// Bytes of a description that may stand in front of the rest of it.
+const CUT_OFF: usize = FMT_LAYOUT_LEN - 1;
+
+/// A run over a log.
+pub(super) struct Run {
+    form: Form,
+    units: Units,
+    finder: ClockFinder,
+    /// Whether records of a layout say something.
+    telling: Vec<bool>,
+    lines: Lines,
+    offset: u64,
+    /// Bytes behind `offset` that are indexed already.
+    ahead: usize,
+    /// Where in the log the bytes end that were searched for descriptions: none may be taken in twice.
+    searched: u64,
+    /// All descriptions are known, from a run before.
+    is_second: bool,
+    /// Some bytes belonged to no record as far as was known then.
+    junk: bool,
+    /// More is known since: they may hold records.
+    missed: bool,
+    steps: Steps,
+}
+
+/// What was found in a block.
+pub(super) struct Seen<'a> {
+    /// The part of a binary log's block in which `hops` are.
+    pub(super) bytes: &'a [u8],
+    /// The records of a binary log.
+    pub(super) hops: Hops,
+    /// Bytes of the block that are dealt with.
+    pub(super) consumed: usize,
+}
+
+impl Run {
+    pub(super) fn new(form: Form, steps: Steps) -> Self {
+        Self {
+            form,
+            units: Units::default(),
+            finder: ClockFinder::default(),
+            telling: Vec::new(),
+            lines: Lines::default(),
+            offset: 0,
+            ahead: 0,
+            searched: 0,
+            is_second: false,
+            junk: false,
+            missed: false,
+            steps,
+        }
+    }
+
+    /// Goes through what is left of the log; twice through all of it if it must be.
+    pub(super) fn finish<E: From<Error>>(
+        mut self,
+        mut blocks: Blocks,
+        open: Open<'_>,
+        mut pulse: impl FnMut() -> Result<(), E>,
+    ) -> Result<Survey, E> {
+        self.go_on(&mut blocks, &mut pulse)?;
+        if self.missed {
+            (blocks, _) = begin(open, self.steps).map_err(Error::from)?;
+            self = Self { is_second: true, ..Self::new(self.form, self.steps) };
+            self.go_on(&mut blocks, &mut pulse)?;
+        }
+        Ok(self.survey())
+    }
+
+    fn go_on<E: From<Error>>(
+        &mut self,
+        blocks: &mut Blocks,
+        pulse: &mut impl FnMut() -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut step = || {
+            let more = blocks.next(|block, at_end| (self.add(block, at_end).consumed, ()))?;
+            Ok::<_, Error>(more.is_some())
+        };
+        while pool::a_while(&mut step)? {
+            pulse()?;
+        }
+        Ok(())
+    }
+
+    /// Takes in the next block, which starts where the last one was consumed to.
+    pub(super) fn add<'a>(&mut self, block: &'a [u8], at_end: bool) -> Seen<'a> {
+        let seen = match self.form {
+            Form::Binary(_) => self.add_binary(block, at_end),
+            Form::Text(_) => {
+                let consumed = self.add_text(block, at_end);
+                Seen { bytes: block, hops: Hops::default(), consumed }
+            }
+        };
+        self.offset += seen.consumed as u64;
+        seen
+    }
+
+    fn add_binary<'a>(&mut self, block: &'a [u8], at_end: bool) -> Seen<'a> {
+        self.describe(block);
+        // A description may begin behind this and end in the next block, and it holds from where it begins.
+        let described = block.len() - if at_end { 0 } else { CUT_OFF.min(block.len()) };
+        let from = self.ahead;
+        let bytes = &block[from..];
+        let hops = self.hop(bytes, from, described.saturating_sub(from), at_end);
+        self.junk |= !hops.bad.is_empty();
+        let done = from + hops.consumed;
+        let consumed = done.min(described);
+        self.ahead = done - consumed;
+        Seen { bytes, hops, consumed }
+    }
+
+    /// Looks for descriptions in a block of a binary log, where it was not searched yet.
+    fn describe(&mut self, block: &[u8]) {
+        let Form::Binary(definitions) = &mut self.form else { return };
+        if self.is_second {
+            return;
+        }
+        let known = definitions.layouts().len();
+        let new = self.searched.saturating_sub(CUT_OFF as u64).saturating_sub(self.offset) as usize;
+        definitions.collect(&block[new..], self.offset + new as u64);
+        self.searched = self.offset + block.len() as u64;
+        self.missed |= self.junk && definitions.layouts().len() > known;
+    }
+
+    /// Finds the records, from so far into a block up to a limit behind that, and takes in those that say something.
+    fn hop(&mut self, bytes: &[u8], from: usize, limit: usize, at_end: bool) -> Hops {
+        let Form::Binary(definitions) = &self.form else { return Hops::default() };
+        let place = self.offset + from as u64;
+        let hops = hop(bytes, place, limit, definitions, at_end, self.steps.stretch);
+        let teller = &mut Teller {
+            units: &mut self.units,
+            finder: &mut self.finder,
+            telling: &mut self.telling,
+            layouts: definitions.layouts(),
+        };
+        teller.refresh();
+        let telling = &*teller.telling;
+        let is_telling = |place: &&Place| telling[usize::from(place.layout)];
+        let few = hops.stretches.par_iter().flat_map_iter(|some| some.iter().filter(is_telling));
+        for place in few.collect::<Vec<_>>() {
+            let body = &place.of(bytes)[HEAD_LEN..];
+            teller.add(
+                place.layout,
+                |units, layout| _ = units.add(layout, body),
+                |layout, i| layout.number(i, body),
+            );
+        }
+        hops
+    }
+
+    fn add_text(&mut self, block: &[u8], at_end: bool) -> usize {
+        let Self { form: Form::Text(definitions), lines, junk, missed, .. } = self else {
+            return block.len();
+        };
+        let (offset, is_second) = (self.offset, self.is_second);
+        lines.each(block, at_end, |line| {
+            let Some(bytes) = line.bytes.filter(|bytes| !bytes.is_empty()) else { return };
+            let place = offset + line.at as u64;
+            if !is_second {
+                let known = definitions.layouts().len();
+                definitions.collect(bytes, place);
+                *missed |= *junk && definitions.layouts().len() > known;
+            }
+            let Some(layout) = definitions.of_line(bytes, place) else {
+                *junk = true;
+                return;
+            };
+            let delimiter = definitions.delimiter();
+            let teller = &mut Teller {
+                units: &mut self.units,
+                finder: &mut self.finder,
+                telling: &mut self.telling,
+                layouts: definitions.layouts(),
+            };
+            teller.refresh();
+            let value = |i| nth_value(bytes, delimiter, i);
+            let text =
+                |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);
+            teller.add(
+                layout,
+                |units, layout| _ = units.add_values(&layout.name, |name| text(layout, name)),
+                |layout, i| number(value(i)).filter(|_| is_whole(layout, value)),
+            );
+        })
+    }
+
+    /// Bytes of the log that are dealt with.
+    pub(super) fn position(&self) -> u64 {
+        self.offset
+    }
+
+    /// Whether records that were found and that would be found now may differ.
+    pub(super) fn has_missed(&self) -> bool {
+        self.missed
+    }
+
+    /// Whether more is known than this says.
+    pub(super) fn knows_more_than(&self, survey: &Survey) -> bool {
+        self.form.layouts().len() != survey.form.layouts().len()
+            || self.units != survey.units
+            || self.finder.clone().finish() != survey.clock
+    }
+
+    /// Whether a GPS record has told when the log began, which no other one changes.
+    pub(super) fn has_settled_clock(&self) -> bool {
+        self.finder.is_settled()
+    }
+
+    /// What is known by now.
+    pub(super) fn survey(&self) -> Survey {
+        let (form, units) = (self.form.clone(), self.units.clone());
+        Survey::new(form, units, self.finder.clone().finish(), self.offset, self.steps)
+    }
+}
+
+/// The number in a value of a text log.
+pub(super) fn number(text: Option<&[u8]>) -> Option<f64> {
+    std::str::from_utf8(text?).ok()?.trim().parse().ok()
+}
+
+/// Whether a line has numbers where it should; a GPS record with a word there does not tell when the log began.
+fn is_whole<'a>(layout: &Layout, value: impl Fn(usize) -> Option<&'a [u8]>) -> bool {
+    let is_text = |kind| matches!(kind, FieldKind::Text(_) | FieldKind::Mode | FieldKind::Array);
+    let mut fields = layout.fields.iter().enumerate();
+    !layout.name.starts_with("GPS")
+        || fields.all(|(index, field)| is_text(field.kind) || number(value(index)).is_some())
+}
+
+/// Takes in the records that say something about others.
+struct Teller<'a> {
+    units: &'a mut Units,
+    finder: &'a mut ClockFinder,
+    telling: &'a mut Vec<bool>,
+    layouts: &'a [Arc<Layout>],
+}
+
+impl Teller<'_> {
+    /// Looks at layouts that are new.
+    fn refresh(&mut self) {
+        for layout in &self.layouts[self.telling.len().min(self.layouts.len())..] {
+            self.telling.push(tells(self.finder, layout));
+        }
+    }
+
+    #[inline]
+    fn add(
+        &mut self,
+        layout: u16,
+        units: impl FnOnce(&mut Units, &Layout),
+        number: impl Fn(&Layout, usize) -> Option<f64>,
+    ) {
+        if !self.telling[usize::from(layout)] {
+            return;
+        }
+        let layout = &self.layouts[usize::from(layout)];
+        units(self.units, layout);
+        if self.finder.add(layout, |index| number(layout, index)) {
+            for (telling, layout) in self.telling.iter_mut().zip(self.layouts) {
+                *telling = tells(self.finder, layout);
+            }
+        }
+    }
+}
+
+fn tells(finder: &ClockFinder, layout: &Layout) -> bool {
+    matches!(layout.name.as_str(), "UNIT" | "MULT" | "FMTU") || finder.wants(layout)
+}

@@ -1,0 +1,122 @@
+//! A whole log in one pass, where the log says about itself what matters before it matters.
+//!
+//! Most do: they describe a type before its first record, and have a GPS fix in the first block. So the records of a block are
+//! decoded by what is known by then, and what later blocks add is taken in if it changes nothing about the rows that are
+//! there already. If it does, these are thrown away, and the pass goes on as a survey alone: nothing was handed out.
+
+use std::sync::Arc;
+
+use super::decoder::{Decoder, Wanted};
+use super::run::Run;
+use super::survey::{Form, Open, Survey, begin};
+use crate::error::Error;
+use crate::input::{Blocks, Steps};
+use crate::layout::Options;
+use crate::pool;
+use crate::reader::{Batch, Limits};
+
+/// How a log is wanted.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Which records.
+    pub wanted: Wanted,
+    /// As which columns.
+    pub options: Options,
+    /// In what batches; they are all there at the end only.
+    pub limits: Limits,
+    /// About how many bytes the log has, decompressed: tables get room for the rows that are to be expected.
+    pub size: u64,
+}
+
+/// A log that was gone through.
+pub struct Whole {
+    /// What it says about itself.
+    pub survey: Survey,
+    /// Its rows, and how many bytes belong to no record; `None` where they take another pass, by what is known now.
+    pub rows: Option<(Vec<Batch>, u64)>,
+}
+
+/// Reads a log in one pass, or surveys it where that does not do; `None` if it is no dataflash log. `pulse` is asked now and
+/// then whether to go on.
+///
+/// # Errors
+/// What reading says, and what `pulse` answers.
+pub fn read_whole<E: From<Error>>(
+    steps: Steps,
+    open: Open<'_>,
+    plan: &Plan,
+    mut pulse: impl FnMut() -> Result<(), E>,
+) -> Result<Option<Whole>, E> {
+    let (mut blocks, form) = begin(open, steps).map_err(Error::from)?;
+    let Some(form) = form else { return Ok(None) };
+    let mut pass = Pass::new(Run::new(form, steps), plan, blocks.is_whole());
+    while pool::a_while(|| pass.advance(&mut blocks))? {
+        pulse()?;
+    }
+    let Pass { run, decoder, mut batches, bad_bytes, .. } = pass;
+    let Some(mut decoder) = decoder else {
+        let survey = run.finish(blocks, open, pulse)?;
+        return Ok(Some(Whole { survey, rows: None }));
+    };
+    batches.extend(decoder.rest()?.unwrap_or_default());
+    Ok(Some(Whole { survey: run.survey(), rows: Some((batches, bad_bytes)) }))
+}
+
+/// A pass over a log.
+struct Pass<'a> {
+    run: Run,
+    plan: &'a Plan,
+    /// Whether the first block is the whole log, as far as can be said.
+    is_short: bool,
+    /// `None` before the first block, and where one pass does not do.
+    decoder: Option<Box<Decoder>>,
+    /// Batches that are held back: there may be other ones in their place.
+    batches: Vec<Batch>,
+    bad_bytes: u64,
+}
+
+impl<'a> Pass<'a> {
+    fn new(run: Run, plan: &'a Plan, is_short: bool) -> Self {
+        Self { run, plan, is_short, decoder: None, batches: Vec::new(), bad_bytes: 0 }
+    }
+
+    /// Takes in another block; false at the end of the log, or where there is no use in going on.
+    fn advance(&mut self, blocks: &mut Blocks) -> Result<bool, Error> {
+        let more = blocks.next(|block, at_end| {
+            let is_first = self.run.position() == 0;
+            let seen = self.run.add(block, at_end);
+            self.decoder = if is_first { self.begin() } else { self.extended() };
+            if let Some(decoder) = &mut self.decoder {
+                let walked = decoder.walk.follow(seen.bytes, seen.hops);
+                let done = self.run.position() as f64 / self.plan.size as f64;
+                decoder.take_in(seen.bytes, &walked, done);
+                self.bad_bytes += walked.bad_bytes();
+            }
+            (seen.consumed, ())
+        })?;
+        let Some(decoder) = &mut self.decoder else {
+            self.batches.clear();
+            return Ok(false);
+        };
+        self.batches.extend(decoder.complete()?);
+        Ok(more.is_some())
+    }
+
+    /// A decoder that starts with what the first block says, if that tells all times.
+    fn begin(&self) -> Option<Box<Decoder>> {
+        let Plan { wanted, options, limits, .. } = self.plan.clone();
+        let survey = self.run.survey();
+        let is_binary = matches!(survey.form, Form::Binary(_));
+        let is_told = self.is_short || self.run.has_settled_clock();
+        let does = is_binary && is_told && survey.clock.is_some();
+        does.then(|| Box::new(Decoder::new(Arc::new(survey), wanted, options, limits)))
+    }
+
+    /// The decoder with what is new in this block, unless that makes other rows of what it has had.
+    fn extended(&mut self) -> Option<Box<Decoder>> {
+        let mut decoder = self.decoder.take()?;
+        let goes_on = !self.run.knows_more_than(decoder.survey())
+            || (!self.run.has_missed() && decoder.extend(self.run.survey()));
+        goes_on.then_some(decoder)
+    }
+}
