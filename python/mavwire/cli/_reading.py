@@ -140,18 +140,14 @@ def _foresee_version(path: str) -> None:
         state.set_wire_protocol("2.0")
 
 
-TEXT_HEAD = 100
-"""First bytes of a dataflash log that are ASCII in a text log alone."""
-
-
 def dataflash_reader(path: str) -> Callable[[str], Any] | None:
     """What reads a dataflash log that mavutil would not take for one by its name."""
-    from mavwire.links.recognise import log_kind, read_head
+    from mavwire.links.recognise import TEXT_LOG_HEAD, begins_as_text_log, log_kind, read_head
     from mavwire.logs.sources import is_dataflash
 
     if not is_dataflash(path):
         return None
-    is_binary = not read_head(path, TEXT_HEAD).isascii()
+    is_binary = not begins_as_text_log(read_head(path, TEXT_LOG_HEAD))
     if log_kind(path, readonly=True) == ("dataflash" if is_binary else "text"):
         return None
     from mavwire.DFReader import DFReader_binary, DFReader_text

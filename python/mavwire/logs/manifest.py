@@ -303,9 +303,8 @@ def _names(paths: list[str], earlier: dict[str, str], taken: set[str]) -> dict[s
         for suffix in (".gz", ".zst", ".tlog", ".BIN", ".bin", ".log"):
             stem = stem.removesuffix(suffix)
         stem = _UNDECODED.sub(_escaped, stem)
-        if not _is_stem(
-            stem
-        ):  # of ".tlog" and "..tlog" nothing is left that a file could be called
+        # Of ".tlog" and "..tlog" nothing is left that a file could be called.
+        if not _is_stem(stem):
             stem = "log"
         # Numbers below the last one are taken.
         name, number = stem, numbers.get(stem, 1)

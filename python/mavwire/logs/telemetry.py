@@ -313,8 +313,9 @@ def no_record(kind: str, path: str) -> LogFormatError:
 
 def begins_described(head: bytes) -> bool:
     """Whether a dataflash log begins with what describes its records."""
-    other = _other_format(head)
-    return other is not None and other[0].startswith("dataflash")
+    from mavwire.links.recognise import DATAFLASH_HEAD, begins_as_text_log
+
+    return head.startswith(DATAFLASH_HEAD) or begins_as_text_log(head)
 
 
 def undescribed(path: str) -> LogFormatError:
@@ -325,12 +326,14 @@ def undescribed(path: str) -> LogFormatError:
 
 def _other_format(head: bytes) -> tuple[str, str] | None:
     """What kind of file begins like this, if it is a known one, and what to do with it."""
+    from mavwire.links.recognise import DATAFLASH_HEAD, begins_as_text_log
+
     from .sources import ZSTD
 
     tables = "open_log and mavwire convert read those"
-    if head.startswith(b"\xa3\x95\x80"):
+    if head.startswith(DATAFLASH_HEAD):
         return "dataflash log", tables
-    if b"FMT," in head[:1000] and head[:100].isascii():
+    if begins_as_text_log(head):
         return "dataflash text log", tables
     again = "copy it again if it should hold one"
     for magic, name, remedy in (

@@ -1,8 +1,8 @@
 //! Dataflash logs as tables, binary and text: one for each record type, by its name.
 //!
-//! A log describes its own records, so reading begins with a [`Survey`]: a run that finds the descriptions, the units and the
-//! clock. [`Reader`] then hops over the records, sorts them by table, and gathers field by field like the reader of telemetry
-//! logs. Values are those of `DFReader`.
+//! A log describes its own records, so a [`Survey`] finds the descriptions, the units and the clock. [`Reader`] then hops
+//! over the records, sorts them by table, and gathers field by field like the reader of telemetry logs. [`read_whole`] does
+//! both in one pass where that gives the same. Values are those of `DFReader`.
 
 mod decoder;
 mod headless;

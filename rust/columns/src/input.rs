@@ -314,9 +314,10 @@ mod tests {
         };
         let mut longest = 0;
         while blocks.next(&mut work).expect("reading").is_some() {
-            longest = longest.max(blocks.now.bytes.len()).max(blocks.next.bytes.len());
+            longest = longest.max(blocks.now.bytes.capacity()).max(blocks.next.bytes.capacity());
         }
         assert_eq!(read, bytes);
-        assert!(longest <= BLOCK + REST.max(HEADROOM), "{longest}");
+        // Vectors double.
+        assert!(longest <= 2 * (HEADROOM + BLOCK), "{longest}");
     }
 }

@@ -233,9 +233,9 @@ impl Scanner {
     fn next_rescan(&mut self, unread: &[u8], registry: &Registry, at_end: bool) -> Found {
         // Nearly always a good frame follows a good frame.
         if !self.window.is_open()
-            && let found @ Found::Frame { len, header, entry: Some(_) } =
+            && !self.looks_behind(unread)
+            && let found @ Found::Frame { len, entry: Some(_), .. } =
                 self.next_skip(unread, registry)
-            && !self.looks_behind(&header)
         {
             self.in_sync = true;
             self.window.consume(len);
@@ -249,18 +249,17 @@ impl Scanner {
         let found = match self.judge(unread, 0, registry, at_end) {
             None => short_or_noise(unread),
             Some(Verdict::Need { total }) => Found::Incomplete { needed: total },
-            Some(Verdict::Accept { len, header, entry }) if self.looks_behind(&header) => {
-                match self.signature(unread, len, registry, at_end) {
-                    Signature::Whole => Found::Frame { len, header, entry },
-                    Signature::Need { total } => Found::Incomplete { needed: total },
-                    Signature::Short { next } => {
-                        let available =
-                            next.saturating_sub(self.log.map_or(0, |log| log.lead)) as u16;
-                        let error = FrameError::Truncated { needed: len as u16, available };
-                        Found::Rejected { len: next, error }
-                    }
+            Some(Verdict::Accept { len, header, entry }) if self.looks_behind(unread) => match self
+                .signature(unread, len, registry, at_end)
+            {
+                Signature::Whole => Found::Frame { len, header, entry },
+                Signature::Need { total } => Found::Incomplete { needed: total },
+                Signature::Short { next } => {
+                    let available = next.saturating_sub(self.log.map_or(0, |log| log.lead)) as u16;
+                    let error = FrameError::Truncated { needed: len as u16, available };
+                    Found::Rejected { len: next, error }
                 }
-            }
+            },
             Some(Verdict::Accept { len, header, entry }) => Found::Frame { len, header, entry },
             Some(Verdict::Reject { error }) => {
                 self.in_sync = false;

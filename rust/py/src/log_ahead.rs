@@ -113,7 +113,9 @@ impl Ahead {
     pub(crate) fn fill(&mut self, mut offset: u64, mut bytes: &[u8], rules: Rules<'_>) {
         self.begin(rules);
         let mut last = bytes;
-        while self.records.len() < self.wanted
+        // One more where the last one may be left out: else a signed record would never be known ahead.
+        let wanted = self.wanted + usize::from(rules.looks_behind_signed);
+        while self.records.len() < wanted
             && let Some(len) = self.check(offset, bytes, rules)
         {
             last = bytes;

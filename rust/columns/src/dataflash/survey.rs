@@ -170,7 +170,7 @@ impl Survey {
     /// The tables about which more is known by `later`, which is of the same log.
     pub(super) fn changed_by(&self, later: &Self) -> BTreeSet<usize> {
         let (units, others) = (&self.units, &later.units);
-        let all = units.labels != others.labels || units.multipliers != others.multipliers;
+        let all = units.labels != others.labels || !units.scales_like(others);
         let is_changed = |index: usize, layout: &Layout| {
             let (fields, other_fields) = (&units.fields, &others.fields);
             all || index >= self.table_of.len()

@@ -24,7 +24,7 @@ pub struct Plan {
     pub options: Options,
     /// In what batches; they are all there at the end only.
     pub limits: Limits,
-    /// About how many bytes the log has, decompressed: tables get room for the rows that are to be expected.
+    /// Bytes of the file; of a log that is not compressed tables get room for the rows that are to be expected.
     pub size: u64,
 }
 

@@ -49,10 +49,12 @@ enum Place {
 }
 
 impl Scanner {
-    /// Whether a frame at the front has to be looked behind before it is taken.
+    /// Whether a frame at the front of `unread` has to be looked behind before it is taken.
     #[inline]
-    pub(super) fn looks_behind(&self, header: &Header) -> bool {
-        self.log.is_some() && header.is_signed() && !self.ignore_checksum
+    pub(super) fn looks_behind(&self, unread: &[u8]) -> bool {
+        self.log.is_some()
+            && !self.ignore_checksum
+            && matches!(unread, [STX_V2, _, flags, ..] if flags & IFLAG_SIGNED != 0)
     }
 
     /// Looks behind the signed frame of `len` bytes at the front.
@@ -66,10 +68,11 @@ impl Scanner {
         let end = len + self.log.map_or(0, |log| log.lead);
         match place(unread, end, registry) {
             Place::Perhaps { from, to, crc_extra } => {
-                self.window.count(to - from);
-                if is_good(x25::checksum(&unread[from..to]), crc_extra, unread, to) {
+                let register = self.window.checksum(unread, from, to);
+                if is_good(register, crc_extra, unread, to) {
                     return Signature::Whole;
                 }
+                self.window.open(unread, end - SIGNATURE_LEN + 1, to);
             }
             Place::Need { total } if !at_end => return Signature::Need { total },
             Place::Nothing | Place::Need { .. } => {}

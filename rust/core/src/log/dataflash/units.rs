@@ -9,7 +9,7 @@ use super::layout::{Layout, log_text};
 const INSTANCE: char = '#';
 
 /// Units and multipliers by their ids, and the ids of each type's fields.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct Units {
     /// Ids of units and their labels, in the order of the log.
     pub labels: Vec<(char, String)>,
@@ -19,7 +19,19 @@ pub struct Units {
     pub fields: BTreeMap<u8, (String, String)>,
 }
 
+impl PartialEq for Units {
+    fn eq(&self, other: &Self) -> bool {
+        self.labels == other.labels && self.fields == other.fields && self.scales_like(other)
+    }
+}
+
 impl Units {
+    /// Whether the multipliers are the same; a NaN, which a log may have for one, is the same as itself.
+    pub fn scales_like(&self, other: &Self) -> bool {
+        let bits = |&(id, factor): &(char, f64)| (id, factor.to_bits());
+        self.multipliers.iter().map(bits).eq(other.multipliers.iter().map(bits))
+    }
+
     /// Takes in a binary record of any type; the type about whose fields it said something new.
     pub fn add(&mut self, layout: &Layout, body: &[u8]) -> Option<u8> {
         self.add_values(&layout.name, |name| match layout.named(name, body)? {
