@@ -147,6 +147,13 @@ def test_damage_in_the_head_alone_is_none_of_it(tmp_path: Path) -> None:
     assert len(mavwire.open_log(path)["ATT"]) == 600
 
 
+def test_zeros_in_place_of_the_first_bytes_make_no_text_log(tmp_path: Path) -> None:
+    path, out = tmp_path / "damaged.BIN", tmp_path / "out.html"
+    path.write_bytes(bytes(200) + bytes(flight(60).data)[200:])
+    assert cli.main(["plot", str(path), "ATT.Roll", "-o", str(out)]) == 0
+    assert out.exists()
+
+
 @pytest.mark.parametrize("framing", ["stamped", "raw"])
 @pytest.mark.parametrize("kept", [0.3, 0.5, 0.9])
 def test_a_damaged_log_of_a_download_stays_telemetry(
