@@ -109,7 +109,9 @@ def tables_of_batch(batch: FrameBatch, units: str | None, enums: str | None) -> 
     return {name: tidy(name, batches) for name, batches in sorted(found.items())}
 
 
-def joined(run: Iterable[list[tuple[str, RecordBatches]]], query: Query) -> dict[str, RecordBatches]:
+def joined(
+    run: Iterable[list[tuple[str, RecordBatches]]], query: Query
+) -> dict[str, RecordBatches]:
     """The whole tables of a run over a log, the columns in the order in which they are wanted."""
     pieces: dict[str, list[RecordBatches]] = {}
     for found in run:
