@@ -4,7 +4,6 @@ mod maker;
 
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
-use std::path::Path;
 use std::sync::Arc;
 
 use maker::{Item, Maker, any_item};
