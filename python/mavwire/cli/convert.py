@@ -9,6 +9,7 @@ pip install 'mavwire[fleet]').
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 from mavwire._signals import ended_in_order
@@ -77,6 +78,9 @@ def main(args: argparse.Namespace) -> int:
         raise CommandError(str(error)) from error
     finally:
         bars.finish()
+    if not _is_fleet(args):
+        for name in _undescribed(rows, options["types"] or []):
+            tell(f"mavwire convert: no record type {name!r} is described by the log")
     failed = 0
     for row in rows:
         if row.error is None and not row.files and not row.skipped:
@@ -92,8 +96,27 @@ def main(args: argparse.Namespace) -> int:
     return 1 if failed else 0
 
 
+def _is_fleet(args: argparse.Namespace) -> bool:
+    return args.workers is not None or args.scheduler is not None
+
+
+def _undescribed(rows: list[Converted], types: list[str]) -> list[str]:
+    """The wanted types that none of some dataflash logs describes; a log may do without those that another has."""
+    from mavwire.logs.reading import described_by
+    from mavwire.logs.sources import is_dataflash
+
+    written = {os.path.dirname(file) for row in rows for file in row.files}
+    missing = [name for name in types if name not in written]
+    paths = [row.path for row in rows]
+    if missing and all(map(is_dataflash, paths)):
+        for described in described_by(paths):
+            missing = [name for name in missing if name not in described]
+        return missing
+    return []
+
+
 def _convert(args: argparse.Namespace, options: dict[str, Any], bars: _Bars) -> list[Converted]:
-    if args.workers is None and args.scheduler is None:
+    if not _is_fleet(args):
         from mavwire.logs.conversion import convert
 
         return convert(args.logs, args.out, progress=bars.update, **options)

@@ -59,7 +59,7 @@ def read_dataflash(source: Source, path: str, query: Query) -> Opened | None:
 
 
 def _check_described(tables: DataflashTables, source: Source, path: str) -> None:
-    if is_headless(source) and not describes(tables):
+    if not describes(tables) and is_headless(source):
         from .telemetry import undescribed
 
         raise undescribed(path)

@@ -106,6 +106,18 @@ def test_an_option_that_names_nothing(flight, tmp_path, capsys, command, option,
     assert not out.exists()
 
 
+@pytest.mark.parametrize("format", ["parquet", "mcap"])
+def test_a_type_that_no_dataflash_log_describes_is_named(tmp_path, capsys, format):
+    log = tmp_path / "flight.BIN"
+    sample().write(log)
+    options = ["-o", str(tmp_path / "out"), "--format", format, "--quiet"]
+    assert cli.main(["convert", str(log), *options, "--types", "IMU,NOPE"]) == 0
+    said = "mavwire convert: no record type 'NOPE' is described by the log\n"
+    assert capsys.readouterr().err == said
+    assert cli.main(["convert", str(log), *options, "--types", "IMU"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_other_units_and_names_are_other_options(flight, tmp_path):
     options: list[dict[str, Any]] = [{}, {"units": "si"}, {"enums": "names"}, {"fields": "type"}]
     for how in options:

@@ -141,16 +141,11 @@ impl Run {
 
     /// Finds the records, from so far into a block up to a limit behind that, and takes in those that say something.
     fn hop(&mut self, bytes: &[u8], from: usize, limit: usize, at_end: bool) -> Hops {
-        let Form::Binary(definitions) = &self.form else { return Hops::default() };
         let place = self.offset + from as u64;
-        let hops = hop(bytes, place, limit, definitions, at_end, self.steps.stretch);
-        let teller = &mut Teller {
-            units: &mut self.units,
-            finder: &mut self.finder,
-            telling: &mut self.telling,
-            layouts: definitions.layouts(),
-        };
-        teller.refresh();
+        let Self { form, units, finder, telling, steps, .. } = self;
+        let Form::Binary(definitions) = form else { return Hops::default() };
+        let hops = hop(bytes, place, limit, definitions, at_end, steps.stretch);
+        let mut teller = Teller::new(units, finder, telling, definitions.layouts());
         let telling = &*teller.telling;
         let is_telling = |place: &&Place| telling[usize::from(place.layout)];
         let few = hops.stretches.par_iter().flat_map_iter(|some| some.iter().filter(is_telling));
@@ -166,10 +161,9 @@ impl Run {
     }
 
     fn add_text(&mut self, block: &[u8], at_end: bool) -> usize {
-        let Self { form: Form::Text(definitions), lines, junk, missed, .. } = self else {
-            return block.len();
-        };
         let (offset, is_second) = (self.offset, self.is_second);
+        let Self { form, units, finder, telling, lines, junk, missed, .. } = self;
+        let Form::Text(definitions) = form else { return block.len() };
         lines.each(block, at_end, |line| {
             let Some(bytes) = line.bytes.filter(|bytes| !bytes.is_empty()) else { return };
             let place = offset + line.at as u64;
@@ -183,13 +177,7 @@ impl Run {
                 return;
             };
             let delimiter = definitions.delimiter();
-            let teller = &mut Teller {
-                units: &mut self.units,
-                finder: &mut self.finder,
-                telling: &mut self.telling,
-                layouts: definitions.layouts(),
-            };
-            teller.refresh();
+            let mut teller = Teller::new(units, finder, telling, definitions.layouts());
             let value = |i| nth_value(bytes, delimiter, i);
             let text =
                 |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);
@@ -251,12 +239,18 @@ struct Teller<'a> {
     layouts: &'a [Arc<Layout>],
 }
 
-impl Teller<'_> {
+impl<'a> Teller<'a> {
     /// Looks at layouts that are new.
-    fn refresh(&mut self) {
-        for layout in &self.layouts[self.telling.len().min(self.layouts.len())..] {
-            self.telling.push(tells(self.finder, layout));
+    fn new(
+        units: &'a mut Units,
+        finder: &'a mut ClockFinder,
+        telling: &'a mut Vec<bool>,
+        layouts: &'a [Arc<Layout>],
+    ) -> Self {
+        for layout in &layouts[telling.len().min(layouts.len())..] {
+            telling.push(tells(finder, layout));
         }
+        Self { units, finder, telling, layouts }
     }
 
     #[inline]

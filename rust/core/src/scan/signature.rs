@@ -4,9 +4,13 @@
 //! would be lost with it. So the signed frames of a log are asked what follows them: usually a good frame of a known message
 //! begins where the next record's should, and that is all. If none does, and one begins a little earlier, within what
 //! the signed frame claims, then the signed frame ends in front of that one and is not whole. Where records have time stamps
-//! it is the stamp that may have lost those bytes: then what stands in front of the frame is no time near this record's.
+//! it is the stamp that may have lost those bytes: then what stands in front of the frame is no time. It is one if it is
+//! near that of the signed record or, since that one's stamp may be damaged too, near that of the record behind the frame.
+//! Where the signed record's time is no date at all, any date is one.
 //!
 //! In a stream nobody is asked: a frame that came is not to wait for the next one.
+
+use std::ops::Range;
 
 use super::{MIN_LOOK, Scanner, is_stx};
 use crate::frame::{Header, IFLAG_SIGNED, SIGNATURE_LEN, STX_V2, claimed_len};
@@ -15,6 +19,9 @@ use crate::x25;
 
 /// Times of records that follow each other are no further apart, as a rule. Microseconds.
 const NEAR: u64 = 3 * 24 * 3600 * 1_000_000;
+
+/// Dates are those from 2000 to 2100, in microseconds since 1970: of bytes that are no time one in thousands is among them.
+const DATES: Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
 
 /// Bytes of a record's time.
 const TIME_LEN: usize = 8;
@@ -43,6 +50,16 @@ enum Place {
     /// One with this `crc_extra` may be there, if the checksum over `from..to` says so.
     Perhaps { from: usize, to: usize, crc_extra: u8 },
     /// None.
+    Nothing,
+    /// More bytes are needed, counted from the front.
+    Need { total: usize },
+}
+
+/// Whether a record's time stands in front of a good frame.
+enum Record {
+    /// It does.
+    Here,
+    /// It does not.
     Nothing,
     /// More bytes are needed, counted from the front.
     Need { total: usize },
@@ -94,8 +111,12 @@ impl Scanner {
                 Place::Perhaps { from, to, crc_extra } => {
                     self.window.open(unread, from, from);
                     let register = self.window.checksum(unread, from, to);
-                    if is_good(register, crc_extra, unread, to) && self.is_record(unread, at) {
-                        return Signature::Short { next: at };
+                    if is_good(register, crc_extra, unread, to) {
+                        match self.record_at(unread, at) {
+                            Record::Here => return Signature::Short { next: at },
+                            Record::Need { total } if !at_end => return Signature::Need { total },
+                            Record::Nothing | Record::Need { .. } => {}
+                        }
                     }
                 }
                 Place::Need { total } if !at_end => return Signature::Need { total },
@@ -105,12 +126,26 @@ impl Scanner {
         Signature::Whole
     }
 
-    /// Whether the frame at a place has the time of a record in front, unless records have none.
-    fn is_record(&self, unread: &[u8], at: usize) -> bool {
-        let Some(time) = self.log.and_then(|log| log.time) else { return true };
-        let stamp = unread[..at].last_chunk::<TIME_LEN>();
-        stamp.is_some_and(|stamp| u64::from_be_bytes(*stamp).abs_diff(time) < NEAR)
+    /// Whether the good frame at a place has the time of a record in front.
+    fn record_at(&self, unread: &[u8], at: usize) -> Record {
+        let Some(signed) = self.log.and_then(|log| log.time) else { return Record::Here };
+        let Some(time) = time_before(unread, at) else { return Record::Nothing };
+        let is_date = |time: u64| DATES.contains(&time);
+        if time.abs_diff(signed) < NEAR || !is_date(signed) && is_date(time) {
+            return Record::Here;
+        }
+        let next = at + claimed_len(&unread[at..]).unwrap_or(MIN_LOOK) + TIME_LEN;
+        match time_before(unread, next) {
+            Some(next) if time.abs_diff(next) < NEAR => Record::Here,
+            Some(_) => Record::Nothing,
+            None => Record::Need { total: next },
+        }
     }
+}
+
+/// The time that ends in front of a place.
+fn time_before(unread: &[u8], at: usize) -> Option<u64> {
+    unread.get(..at)?.last_chunk().map(|stamp: &[u8; TIME_LEN]| u64::from_be_bytes(*stamp))
 }
 
 /// What stands at a place as far as its header tells.
