@@ -189,4 +189,7 @@ def _notes(read: list[LogSeries]) -> list[str]:
             elif not len(one.times):
                 why = f": {one.error}" if one.error else ""
                 notes.append(f"{log.path}: {text}: there are no values{why}")
+            if one.mixed:
+                example = f"write {one.mixed}[n] for one of them"
+                notes.append(f"{log.path}: {text}: all instances are one line: {example}")
     return notes

@@ -39,6 +39,8 @@ class Series:
     """Messages at which it failed or was no number."""
     error: str | None = None
     """How it failed first, or why there is no value."""
+    mixed: str | None = None
+    """A type of which the line has the values of several instances."""
 
 
 @dataclass
@@ -127,19 +129,31 @@ def _tables(
     from mavwire.logs import read
     from mavwire.logs.reading import native_dialect
 
-    classes = native_dialect(dialect)[0].mavlink_map.values()
-    known = {cls.msgname: cls for cls in classes}
+    module, native = native_dialect(dialect)
+    known = {cls.msgname: cls for cls in module.mavlink_map.values()}
     fields = {"type", "autopilot", "base_mode", "custom_mode"}
     for one in plain:
         for name in one.fields() if one.type in known else ():
             if name not in known[one.type].fieldnames:
                 raise ValueError(f"{one.text}: {one.type} has no field {name!r}")
         fields |= one.fields()
+        if one.type in known:
+            fields |= _instance_fields(native, known[one.type].id)
     types = sorted({"HEARTBEAT", *(one.type for one in plain)})
     tables = read(path, types, fields=sorted(fields), dialect=dialect)
     if any(len(t) and bool(_is_nat(t["timestamp"][:1])) for t in tables.values()):
         raise ValueError(f"a raw stream has no times to plot over: {path!r}")
     return tables
+
+
+def _instance_fields(native: Any, msgid: int) -> set[str]:
+    """The field that tells the instances of a message type apart, if it has any."""
+    from mavwire._native import empty_table
+    from mavwire.logs.query import Query
+    from mavwire.logs.table import Table
+
+    name = Table("", empty_table(native, msgid, Query())).instance_field
+    return set() if name is None else {name}
 
 
 def busiest_system(path: str, dialect: str | os.PathLike[str]) -> int | None:
@@ -183,7 +197,10 @@ def _from_table(one: Expression, table: Table, system: int | None) -> Series | N
     times = table["timestamp"][rows].astype("int64") * 1e-6
     good = np.isfinite(values)
     left_out = int(np.count_nonzero(~good))
-    return Series(one, times[good], values[good], left_out, NO_NUMBER if left_out else None)
+    error = NO_NUMBER if left_out else None
+    instances = table[table.instance_field][rows] if table.instance_field else values[:0]
+    mixed = one.type if len(instances) and bool((instances != instances[0]).any()) else None
+    return Series(one, times[good], values[good], left_out, error, mixed)
 
 
 class _InexactError(Exception):
@@ -258,12 +275,17 @@ class _Collector:
         self._values: list[float] = []
         self._failed = 0
         self._error: str | None = None
+        self._instances: dict[str, Any] = {}
+        """The first instance of each type that came."""
+        self._mixed: str | None = None
 
     def take(self, msg: Any, kind: str, messages: dict[str, Any]) -> None:
         """The vehicle has sent a message that the expression names."""
         instance = self.expression.instances.get(kind)
         if instance is not None and not is_instance(msg, instance):
             return
+        if instance is None and self._is_other_instance(kind, instance_of(msg)):
+            self._mixed = kind
         try:
             number = _number(self.expression, messages)
             place = msg._timestamp if self._xaxis is None else _number(self._xaxis, messages)
@@ -280,6 +302,9 @@ class _Collector:
         self._times.append(place)
         self._values.append(number)
 
+    def _is_other_instance(self, kind: str, instance: Any) -> bool:
+        return bool(self._instances.setdefault(kind, instance) != instance)
+
     def series(self, messages: dict[str, Any]) -> Series:
         """What was gathered, or why nothing was: by the newest messages."""
         import numpy as np
@@ -290,7 +315,7 @@ class _Collector:
                 why = why_nothing(self._xaxis.text, messages)
             self._error = why or self._error
         times, values = np.array(self._times, float), np.array(self._values, float)
-        return Series(self.expression, times, values, self._failed, self._error)
+        return Series(self.expression, times, values, self._failed, self._error, self._mixed)
 
 
 def _number(expression: Expression, messages: dict[str, Any]) -> float | None:
@@ -305,6 +330,11 @@ def _number(expression: Expression, messages: dict[str, Any]) -> float | None:
 
 def is_instance(msg: Any, number: int) -> bool:
     """Whether a message is of one instance; True for types without."""
+    return instance_of(msg) in (None, number)
+
+
+def instance_of(msg: Any) -> Any:
+    """Which instance a message is of; None for types without."""
     fmt = getattr(msg, "fmt", None)
     name = fmt.instance_field if fmt is not None else getattr(msg, "_instance_field", None)
-    return name is None or getattr(msg, name, number) == number
+    return None if name is None else getattr(msg, name, None)

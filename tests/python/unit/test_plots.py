@@ -216,6 +216,39 @@ def test_fields_that_a_dataflash_log_does_not_have_are_named(tmp_path):
         plots.plot(path, "IMU.nofield", tmp_path / "x.html")
 
 
+def battery(seq: int, number: int) -> bytes:
+    return pack(mavlink.MAVLink_battery_status_message(number, 0, 0, 0, [1] * 10, 0, 0, 0, 0), seq)
+
+
+@pytest.mark.parametrize("condition", [None, "1"], ids=["columns", "messages"])
+@pytest.mark.parametrize(
+    ("text", "numbers", "is_mixed"),
+    [
+        ("BATTERY_STATUS.battery_remaining", (0, 1), True),
+        ("BATTERY_STATUS.battery_remaining", (1, 1), False),
+        ("BATTERY_STATUS[1].battery_remaining", (0, 1), False),
+        ("ATTITUDE.roll", (0, 1), False),
+    ],
+)
+def test_a_line_of_several_instances_is_named(tmp_path, condition, text, numbers, is_mixed):
+    path = tmp_path / "a.tlog"
+    attitudes(path)
+    with path.open("ab") as file:
+        for seq, number in enumerate(numbers):
+            file.write(record(battery(seq, number), T0 + seq))
+    done = plots.plot(path, text, tmp_path / "a.html", condition=condition)
+    said = f"{path}: {text}: all instances are one line: write BATTERY_STATUS[n] for one of them"
+    assert done.notes == ([said] if is_mixed else [])
+
+
+def test_instances_of_a_dataflash_log_are_named(tmp_path):
+    path = sample().write(tmp_path / "flight.BIN")
+    said = f"{path}: IMU.AccX: all instances are one line: write IMU[n] for one of them"
+    assert plots.plot(path, "IMU.AccX", tmp_path / "x.html").notes[-1] == said
+    one = plots.plot(path, "IMU[1].AccX", tmp_path / "x.html").notes
+    assert not [note for note in one if "instances" in note]
+
+
 @pytest.mark.parametrize("text", ["HEARTBEAT.type", "HEARTBEAT.type%20"])
 def test_a_dialect_may_be_a_path(flight, tmp_path, text):
     path = tmp_path / "own.xml"
