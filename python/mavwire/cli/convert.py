@@ -107,9 +107,8 @@ def _undescribed(rows: list[Converted], types: list[str]) -> list[str]:
 
     written = {os.path.dirname(file) for row in rows for file in row.files}
     missing = [name for name in types if name not in written]
-    paths = [row.path for row in rows]
-    if missing and all(map(is_dataflash, paths)):
-        for described in described_by(paths):
+    if missing and all(row.error is None and is_dataflash(row.path) for row in rows):
+        for described in described_by([row.path for row in rows]):
             missing = [name for name in missing if name not in described]
         return missing
     return []

@@ -126,7 +126,7 @@ def _check_range(path: str, start: int, end: int, size: int) -> None:
         raise ValueError(f"{path} ends {end - size} bytes before the range {start} to {end} does")
 
 
-HEAD = 64 << 10
+HEAD = 256 << 10
 """First bytes of a log, which tell what it is."""
 
 

@@ -19,9 +19,10 @@ FMT_LEN = 89
 # The head of the FMT record that describes FMT itself, which dataflash logs begin with.
 DATAFLASH_HEAD = b"\xa3\x95\x80"
 TEXT_LOG_PROBE = 8000
-# First bytes of a dataflash text log, in which a description stands, and those of them that are ASCII.
+# First bytes of a dataflash text log, in which a description stands; of so many of them one at most is no text.
 TEXT_LOG_HEAD = 1000
-TEXT_LOG_ASCII = 100
+TEXT_SHARE = 8
+TEXT = bytes(range(0x20, 0x7F)) + b"\t\r\n"
 # Records of a telemetry log that have to follow each other for the file to be one.
 TLOG_RECORDS = 3
 STAMP_LEN = 8
@@ -32,7 +33,8 @@ LENGTH_HEAD = 3
 
 def begins_as_text_log(head: bytes) -> bool:
     """Whether a dataflash text log begins like this."""
-    return b"FMT," in head[:TEXT_LOG_HEAD] and head[:TEXT_LOG_ASCII].isascii()
+    head = head[:TEXT_LOG_HEAD]
+    return b"FMT," in head and len(head.translate(None, TEXT)) * TEXT_SHARE <= len(head)
 
 
 def read_head(path: str, size: int) -> bytes:

@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use mavwire_core::registry::Registry;
 
 use crate::gzip::Members;
+use crate::head;
 use crate::pool;
 use crate::scan::{Framing, STRETCH};
 
@@ -20,9 +21,6 @@ const HEADROOM: usize = 4096;
 
 /// Bytes that tell how a log is compressed.
 const MAGIC: usize = 4;
-
-/// Bytes that tell what kind of log it is.
-const PROBE: usize = 64 << 10;
 
 /// In what steps a log is gone through. They change nothing about what is found, once the first block shows what kind of log
 /// it is; tests make a small log long by small ones.
@@ -71,9 +69,7 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
 /// # Errors
 /// What reading says.
 pub fn framing_of(source: Box<dyn Read + Send>, registry: &Registry) -> io::Result<Framing> {
-    let mut head = Vec::with_capacity(PROBE);
-    source.take(PROBE as u64).read_to_end(&mut head)?;
-    Ok(Framing::of(&head, registry))
+    Ok(Framing::of(head::telling(&head::read(source)?), registry))
 }
 
 /// A block that was read, behind its headroom.
@@ -185,15 +181,14 @@ impl Blocks {
         self.with_head(|head| Framing::of(head, registry))
     }
 
-    /// Lets `look` see the first bytes, which tell what kind of log it is.
+    /// Lets `look` see the bytes that tell what kind of log it is: the first ones, but for what damage put in front.
     ///
     /// # Errors
     /// What reading says.
     pub fn with_head<T>(mut self, look: impl FnOnce(&[u8]) -> T) -> io::Result<(Self, T)> {
         let filled = self.next.read(&mut self.source, self.block);
         self.ahead = Some(Ok(self.judge(filled)?));
-        let head = self.next.unread();
-        let seen = look(&head[..head.len().min(PROBE)]);
+        let seen = look(head::telling(self.next.unread()));
         Ok((self, seen))
     }
 

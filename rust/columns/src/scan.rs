@@ -9,16 +9,13 @@ use std::sync::Arc;
 
 use mavwire_core::frame::Header;
 use mavwire_core::log::tlog::{
-    FoundRecord, Located, RecordScanner, Runs, STAMP_LEN, Stamp, find_runs,
+    Before, FoundRecord, Located, RecordScanner, Runs, STAMP_LEN, Stamp, find_runs, is_date,
 };
 use mavwire_core::registry::Registry;
 use rayon::prelude::*;
 
 /// Bytes that are searched in one go: few enough for the last processor not to be waited for long.
 pub(crate) const STRETCH: usize = 256 << 10;
-
-/// After damage, a time stamp further than this from the last good one is not believed. Microseconds.
-const MAX_JUMP: u64 = 3 * 24 * 3600 * 1_000_000;
 
 /// Good records in a row that no other kind of log has.
 const SURE_RECORDS: usize = 3;
@@ -44,15 +41,17 @@ impl Framing {
         }
     }
 
-    /// What a log is that begins with these bytes: the way in which more records follow each other, or failing that the
-    /// one in which the first record is good.
+    /// What a log is that begins with these bytes. Frames that follow each other speak for a raw stream, records that do, and
+    /// frames behind a date, for a log. Failing that, it is the one in which the first record is good, or has no date.
     pub fn of(head: &[u8], registry: &Registry) -> Self {
-        let evidence = |framing: Self| {
-            let found = find_runs(head, 0..head.len(), framing.lead(), registry);
-            let begins = found.runs.first().is_some_and(|run| run.bytes.start == 0);
-            (found.records.len() - found.runs.len(), begins)
-        };
-        if evidence(Self::Raw) > evidence(Self::Stamped) { Self::Raw } else { Self::Stamped }
+        let find = |framing: Self| find_runs(head, 0..head.len(), framing.lead(), registry);
+        let (stamped, raw) = (find(Self::Stamped), find(Self::Raw));
+        let following = |found: &Runs| found.records.len() - found.runs.len();
+        let begins = |found: &Runs| found.runs.first().is_some_and(|run| run.bytes.start == 0);
+        let dated = stamped.records.iter().filter(|record| is_date(stamp_at(head, record.at)));
+        let for_stamped = (following(&stamped).max(dated.count()), begins(&stamped), false);
+        let for_raw = (following(&raw), begins(&raw), !raw.records.is_empty());
+        if for_raw > for_stamped { Self::Raw } else { Self::Stamped }
     }
 
     /// Whether these bytes have good records one behind the other in either form: chance makes no three of them.
@@ -91,7 +90,7 @@ pub struct Scanned {
 pub struct LogScanner {
     registry: Arc<Registry>,
     scanner: RecordScanner,
-    last_good: Option<u64>,
+    before: Option<Before>,
     after_damage: bool,
     stretch: usize,
 }
@@ -103,7 +102,7 @@ impl LogScanner {
             Framing::Stamped => RecordScanner::new(),
             Framing::Raw => RecordScanner::unstamped(),
         };
-        Self { registry, scanner, last_good: None, after_damage: false, stretch: STRETCH }
+        Self { registry, scanner, before: None, after_damage: false, stretch: STRETCH }
     }
 
     /// Searches in stretches of another size.
@@ -187,17 +186,17 @@ impl LogScanner {
         if self.lead() == 0 {
             return; // a raw stream has no times to believe
         }
-        let stamp = |record: &Located| stamp_at(block, record.at);
-        let mut time = stamp(first);
+        let mut before = Before::of(stamp_at(block, first.at));
         if self.after_damage
-            && let Some(good) = self.last_good
-            && time.abs_diff(good) >= MAX_JUMP
+            && let Some(good) = self.before
+            && !good.believes(before.stamp)
         {
-            out.distrusted.push((first.at, good));
-            time = good;
+            out.distrusted.push((first.at, good.time));
+            before.time = good.time;
         }
         self.after_damage = false;
-        self.last_good = Some(if records.len() > 1 { stamp(last) } else { time });
+        self.before =
+            Some(if records.len() > 1 { Before::of(stamp_at(block, last.at)) } else { before });
     }
 }
 

@@ -11,6 +11,10 @@ use mavwire_core::log::tlog::{FoundRecord, RecordScanner};
 use mavwire_core::registry::Registry;
 use proptest::prelude::*;
 
+/// As in `mavwire_core::log::tlog::Before`.
+const BELIEVED: u64 = 3 * 24 * 3600 * 1_000_000;
+const DATES: Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
+
 /// Place and message index of each record, places of bad bytes, times that are not believed.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Outcome {
@@ -35,19 +39,20 @@ fn sequential(bytes: &[u8], registry: &Registry, framing: Framing) -> Outcome {
         Framing::Raw => RecordScanner::unstamped(),
     };
     let (mut out, mut at) = (Outcome::default(), 0);
-    let (mut last_good, mut after_damage) = (None, false);
+    let (mut before, mut after_damage) = (None::<(u64, u64)>, false);
     loop {
         match scanner.next(&bytes[at..], registry, true) {
             FoundRecord::Record { len, stamp, entry, .. } => {
                 out.records.push((at, entry.map_or(UNKNOWN, |entry| entry.index)));
-                let mut time = stamp.micros();
-                if let Some(good) = last_good.filter(|_| after_damage && framing.lead() > 0)
-                    && time.abs_diff(good) >= 3 * 24 * 3600 * 1_000_000
+                let (stamp, mut time) = (stamp.micros(), stamp.micros());
+                if let Some((good, said)) = before.filter(|_| after_damage && framing.lead() > 0)
+                    && [good, said].iter().all(|one| stamp.abs_diff(*one) >= BELIEVED)
+                    && (DATES.contains(&good) || !DATES.contains(&stamp))
                 {
                     out.distrusted.push((at, good));
                     time = good;
                 }
-                (last_good, after_damage) = (Some(time), false);
+                (before, after_damage) = (Some((time, stamp)), false);
                 at += len;
             }
             FoundRecord::Junk { len } => {

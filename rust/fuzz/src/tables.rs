@@ -1,6 +1,7 @@
 //! Telemetry logs as tables: they hold what one scanner finds and the codec reads, record by record.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use mavwire_columns::arrow::array::{Array, AsArray, RecordBatch};
@@ -27,8 +28,11 @@ use crate::reading::{
     looks_compressed, on_threads, small_limits, small_steps, source, whole_tables,
 };
 
-/// Behind damage, a time further than this from the one before it is not believed.
+/// Behind damage, a time further than this from the one before it, and from what its stamp said, is not believed,
 const BELIEVED: u64 = 3 * 24 * 3600 * 1_000_000;
+
+/// but for one from 2000 to 2100 where the one before is none.
+const DATES: Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
 
 /// A record, as the way of messages has it.
 pub(crate) struct Record {
@@ -52,19 +56,20 @@ pub(crate) fn one_by_one(bytes: &[u8], framing: Framing) -> (Vec<Record>, u64) {
         Framing::Raw => RecordScanner::unstamped(),
     };
     let (mut records, mut bad, mut at) = (Vec::<Record>::new(), 0, 0);
-    let mut after_damage = false;
+    let (mut after_damage, mut said) = (false, 0);
     loop {
         match scanner.next(&bytes[at..], &ALL, true) {
             FoundRecord::Record { len, stamp, header, entry } => {
                 let frame =
                     FrameRef::parse(&bytes[at + framing.lead()..at + len]).expect("a frame");
-                let mut time = stamp.micros();
+                let (stamp, mut time) = (stamp.micros(), stamp.micros());
                 if let Some(last) = records.last().filter(|_| after_damage)
-                    && time.abs_diff(last.time) >= BELIEVED
+                    && [last.time, said].iter().all(|one| stamp.abs_diff(*one) >= BELIEVED)
+                    && (DATES.contains(&last.time) || !DATES.contains(&stamp))
                 {
                     time = last.time;
                 }
-                after_damage = false;
+                (after_damage, said) = (false, stamp);
                 let (frame, index) = (frame.bytes().to_vec(), entry.map(|entry| entry.index));
                 records.push(Record { time, header, frame, index });
                 at += len;

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mavwire_core::frame::MAX_FRAME_LEN;
-use mavwire_core::log::tlog::{STAMP_LEN, Stamp};
+use mavwire_core::log::tlog::{Before, STAMP_LEN, Stamp};
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::Resync;
 use mavwire_link::records::{AtOffset, RecordFinder};
@@ -45,6 +45,8 @@ pub(crate) struct LogReader {
     after_damage: bool,
     /// Time of the last message that was not.
     pub(crate) last_good: Option<f64>,
+    /// What the stamp of that one said if it was not believed, and the time that it was given.
+    distrusted: Option<(u64, f64)>,
     /// Number of the link that the record came from.
     pub(crate) link: u8,
     /// Time of the record.
@@ -77,6 +79,7 @@ impl LogReader {
             in_record: false,
             after_damage: false,
             last_good: None,
+            distrusted: None,
             link: 0,
             time: if stamped { now } else { 0.0 },
         })
@@ -289,7 +292,8 @@ impl LogReader {
         match found {
             AtOffset::Record { len, stamp, .. } => {
                 self.offset += len as u64;
-                self.stamp(stamp);
+                let is_believed = self.stamp(stamp);
+                self.distrusted = (!is_believed).then_some((stamp.micros(), self.time));
                 self.end_record(false);
             }
             AtOffset::Junk { len } => {
@@ -311,14 +315,22 @@ impl LogReader {
         bytes.get(..len).ok_or_else(|| io::ErrorKind::UnexpectedEof.into())
     }
 
-    /// Takes over the time stamp of a good record. Behind damage one far from the last good one is not believed.
-    fn stamp(&mut self, stamp: Stamp) {
-        let time = seconds(stamp);
+    /// Takes over the time stamp of a record if it is believed, else the time of the last good one.
+    fn stamp(&mut self, stamp: Stamp) -> bool {
         self.link = stamp.link();
-        self.time = match self.last_good {
-            Some(last) if self.after_damage && (time - last).abs() >= MAX_JUMP_SECONDS => last,
-            _ => time,
-        };
+        let doubted = self
+            .last_good
+            .filter(|&last| self.after_damage && !self.before(last).believes(stamp.micros()));
+        self.time = doubted.unwrap_or_else(|| seconds(stamp));
+        doubted.is_none()
+    }
+
+    /// What the last good record says about the stamp of one behind damage.
+    fn before(&self, last: f64) -> Before {
+        let time = (last * 1e6).round() as u64;
+        // Others may have come since the one that was not believed.
+        let said = self.distrusted.filter(|&(_, given)| given == last);
+        Before { time, stamp: said.map_or(time, |(stamp, _)| stamp) }
     }
 
     /// Goes back over what was read under `Skip` and not used.

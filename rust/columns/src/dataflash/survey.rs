@@ -2,27 +2,27 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::{self, Read};
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
-use mavwire_core::builtin;
 use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions};
 use mavwire_core::log::dataflash::{Clock, Definitions, Layout, Units};
-use mavwire_core::registry::Registry;
-use mavwire_schema::WireVersion;
 
 use super::headless;
 use super::run::Run;
 use crate::error::Error;
+use crate::head::{self, TELEMETRY};
 use crate::input::{Blocks, Steps, decompressed};
 use crate::scan::Framing;
 
 /// Opens the log from its start; a log is read more than once.
 pub type Open<'a> = &'a (dyn Fn() -> io::Result<Box<dyn Read + Send>> + 'a);
 
-/// Bytes that show whether it is a dataflash log.
-const HEAD: u64 = 64 << 10;
 /// Bytes of a text log that show what it is and how values are separated.
 const PROBE: usize = 8000;
+/// Bytes of it among which a description stands.
+const TEXT_START: usize = 1000;
+/// Of so many of these one at most is no text: damage, or a mark of the encoding.
+const TEXT_SHARE: usize = 8;
 /// How binary logs begin.
 const BINARY: &[u8] = b"\xA3\x95\x80";
 /// What describes a record in a text log.
@@ -34,11 +34,6 @@ const MAX_NAME_LEN: usize = 64;
 
 /// Descriptions of one name that have rows in its table, as many as a type has: whoever makes a log chooses the names.
 const MAX_OF_NAME: usize = 16;
-
-/// What tells a telemetry log from a dataflash log that lacks its first bytes.
-static TELEMETRY: LazyLock<Registry> = LazyLock::new(|| {
-    Registry::new(builtin::dialect("all", WireVersion::V2).expect("it comes with the crate"))
-});
 
 /// [`Survey::table_of`] a layout that has no table.
 pub(super) const NO_TABLE: u16 = u16::MAX;
@@ -55,6 +50,12 @@ pub enum Form {
 /// Whether a log that begins like this ends before that is over.
 fn is_cut_off_in(log: &[u8], start: &[u8]) -> bool {
     !log.is_empty() && log.len() < start.len() && start.starts_with(log)
+}
+
+/// Whether hardly any bytes are none of a text.
+fn is_mostly_text(bytes: &[u8]) -> bool {
+    let is_other = |byte: &&u8| !matches!(byte, b' '..=b'~' | b'\t' | b'\r' | b'\n');
+    bytes.iter().filter(is_other).count() * TEXT_SHARE <= bytes.len()
 }
 
 impl Form {
@@ -81,9 +82,9 @@ impl Form {
             return Some(Self::Binary(Box::default()));
         }
         let head = &head[..head.len().min(PROBE)];
-        let text = memchr::memmem::find(head, TEXT).is_some_and(|at| at < 1000)
-            && head[..head.len().min(100)].is_ascii();
-        text.then(|| Self::Text(TextDefinitions::new(Delimiter::of(head))))
+        let start = &head[..head.len().min(TEXT_START)];
+        let is_text = memchr::memmem::find(start, TEXT).is_some() && is_mostly_text(start);
+        is_text.then(|| Self::Text(TextDefinitions::new(Delimiter::of(head))))
     }
 
     /// The layouts of the records.
@@ -189,12 +190,10 @@ impl Survey {
 /// # Errors
 /// What reading says.
 pub fn recognise(source: Box<dyn Read + Send>) -> io::Result<bool> {
-    let mut head = Vec::new();
-    // What is damaged further on is still what it is.
-    let read = decompressed(source)?.take(HEAD).read_to_end(&mut head);
-    match read {
-        Err(error) if head.is_empty() && error.raw_os_error().is_some() => Err(error),
-        _ => Ok(Form::of(&head).is_some()),
+    match head::read(decompressed(source)?) {
+        Err(error) if error.raw_os_error().is_some() => Err(error),
+        // What is damaged further on is still what it is.
+        read => Ok(Form::of(head::telling(&read.unwrap_or_default())).is_some()),
     }
 }
 

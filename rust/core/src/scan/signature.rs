@@ -10,21 +10,11 @@
 //!
 //! In a stream nobody is asked: a frame that came is not to wait for the next one.
 
-use std::ops::Range;
-
 use super::{MIN_LOOK, Scanner, is_stx};
 use crate::frame::{Header, IFLAG_SIGNED, SIGNATURE_LEN, STX_V2, claimed_len};
+use crate::log::tlog::{STAMP_LEN, are_near, is_date};
 use crate::registry::Registry;
 use crate::x25;
-
-/// Times of records that follow each other are no further apart, as a rule. Microseconds.
-const NEAR: u64 = 3 * 24 * 3600 * 1_000_000;
-
-/// Dates are those from 2000 to 2100, in microseconds since 1970: of bytes that are no time one in thousands is among them.
-const DATES: Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
-
-/// Bytes of a record's time.
-const TIME_LEN: usize = 8;
 
 /// What a scanner knows of the log around its frames.
 #[derive(Debug, Clone, Copy)]
@@ -130,13 +120,12 @@ impl Scanner {
     fn record_at(&self, unread: &[u8], at: usize) -> Record {
         let Some(signed) = self.log.and_then(|log| log.time) else { return Record::Here };
         let Some(time) = time_before(unread, at) else { return Record::Nothing };
-        let is_date = |time: u64| DATES.contains(&time);
-        if time.abs_diff(signed) < NEAR || !is_date(signed) && is_date(time) {
+        if are_near(time, signed) || !is_date(signed) && is_date(time) {
             return Record::Here;
         }
-        let next = at + claimed_len(&unread[at..]).unwrap_or(MIN_LOOK) + TIME_LEN;
+        let next = at + claimed_len(&unread[at..]).unwrap_or(MIN_LOOK) + STAMP_LEN;
         match time_before(unread, next) {
-            Some(next) if time.abs_diff(next) < NEAR => Record::Here,
+            Some(next) if are_near(time, next) => Record::Here,
             Some(_) => Record::Nothing,
             None => Record::Need { total: next },
         }
@@ -145,7 +134,7 @@ impl Scanner {
 
 /// The time that ends in front of a place.
 fn time_before(unread: &[u8], at: usize) -> Option<u64> {
-    unread.get(..at)?.last_chunk().map(|stamp: &[u8; TIME_LEN]| u64::from_be_bytes(*stamp))
+    unread.get(..at)?.last_chunk().map(|stamp: &[u8; STAMP_LEN]| u64::from_be_bytes(*stamp))
 }
 
 /// What stands at a place as far as its header tells.
