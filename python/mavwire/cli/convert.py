@@ -9,6 +9,7 @@ pip install 'mavwire[fleet]').
 
 from __future__ import annotations
 
+import glob
 import os
 from typing import TYPE_CHECKING
 
@@ -87,7 +88,8 @@ def main(args: argparse.Namespace) -> int:
             warn_if_barren("convert", row.path, args.dialect)
         if row.error is not None:
             failed += not row.skipped  # what is damaged is damaged for ever
-            tell(f"mavwire convert: {row.path}: {row.error}")
+            hint = "" if _is_fleet(args) else _hint(row.path, args.logs)
+            tell(f"mavwire convert: {row.path}: {row.error}{hint}")
         if not args.quiet and (row.error is None or row.files):
             done = "converted before" if row.skipped else "converted"
             left = f", without {row.bad_bytes:,} bytes of no record" if row.bad_bytes else ""
@@ -100,6 +102,14 @@ def _is_fleet(args: argparse.Namespace) -> bool:
     return args.workers is not None or args.scheduler is not None
 
 
+def _hint(path: str, logs: list[str]) -> str:
+    """What to do about a pattern that was taken for the name of a log, which is missing."""
+    patterns = {os.path.abspath(log) for log in logs if glob.has_magic(log)}
+    if path not in patterns or os.path.lexists(path):
+        return ""
+    return "; patterns are taken with --workers or --scheduler"
+
+
 def _undescribed(rows: list[Converted], types: list[str]) -> list[str]:
     """The wanted types that none of some dataflash logs describes; a log may do without those that another has."""
     from mavwire.logs.reading import described_by
@@ -110,6 +120,8 @@ def _undescribed(rows: list[Converted], types: list[str]) -> list[str]:
     if missing and all(row.error is None and is_dataflash(row.path) for row in rows):
         for described in described_by([row.path for row in rows]):
             missing = [name for name in missing if name not in described]
+            if not missing:
+                break
         return missing
     return []
 

@@ -39,8 +39,9 @@ def dask_frame(
 
     Needs dask, pandas and pyarrow. A partition is some `task_bytes` of logs: several small ones, or
     a part of a large one. `columns` are the names of those that are wanted; the other arguments are
-    those of `mavwire.read`. Nothing but large logs is read before the frame is computed. A log that
-    is missing raises OSError here.
+    those of `mavwire.read`. Integers of dataflash logs are pandas' nullable ones: another log may
+    lack them. Nothing but large logs is read before the frame is computed. A log that is missing
+    raises OSError here.
     """
     with extra("fleet"):
         import dask
@@ -62,47 +63,52 @@ def dask_frame(
             sources += [((path, one), one[1] - one[0]) for one in ranges]
         else:
             sources.append(((path, None), size))
-    empty = _empty([source for source, _ in sources], how)
-    load = partial(_load, how=how, empty=empty)
-    meta = _frame(empty)
+    empty, nullable = _empty([source for source, _ in sources], how)
+    load = partial(_load, how=how, empty=empty, nullable=nullable)
+    meta = _frame(empty, nullable)
     with dask.config.set({"dataframe.convert-string": False}):  # lists are no texts
         return dd.from_map(load, grouped(sources, task_bytes) or [[]], meta=meta)
 
 
-def _empty(sources: list[Source], how: dict[str, Any]) -> Table:
-    """A table without rows. The dialect tells its columns; of a type of dataflash logs, the
-    first log that has it.
+def _empty(sources: list[Source], how: dict[str, Any]) -> tuple[Table, bool]:
+    """A table without rows, and whether some logs may have no values for its columns. The dialect
+    tells them; of a type of dataflash logs, the first log that has it.
     """
     try:
-        return decode(os.devnull, **how)[how["types"]]
+        return decode(os.devnull, **how)[how["types"]], False
     except ValueError:
         for path, byte_range in sources:
             table = decode_as(path, byte_range, **how, lenient=True).get(how["types"])
             # One that lacks a column does not tell its type: another log may.
             if table is not None and set(how["columns"] or ()) <= set(table.columns):
-                return table.slice(0, 0)
+                return table.slice(0, 0), True
         raise
 
 
-def _load(sources: list[Source], how: dict[str, Any], empty: Table) -> Any:
+def _load(sources: list[Source], how: dict[str, Any], empty: Table, nullable: bool) -> Any:
     """Some logs, one behind the other, as a pandas data frame with the columns of `empty`."""
     import pandas as pd
 
     found = [decode_as(path, byte_range, **how, lenient=True) for path, byte_range in sources]
     tables = [tables.get(how["types"]) for tables in found]
     # Another description of a type may have other columns.
-    frames = [
-        _frame(empty if table is None else Table(table.name, table._batches.fitted(empty._batches)))
+    fitted = [
+        empty if table is None else Table(table.name, table._batches.fitted(empty._batches))
         for table in tables
     ]
+    frames = [_frame(table, nullable) for table in fitted or [empty]]
     if len(frames) == 1:
         return frames[0]
-    return pd.concat(frames or [_frame(empty)], ignore_index=True)
+    return pd.concat(frames, ignore_index=True)
 
 
-def _frame(table: Table) -> Any:
-    """A table as a pandas data frame. Each log would have categories of its own: texts instead."""
-    frame = table.to_pandas()
+def _frame(table: Table, nullable: bool) -> Any:
+    """A table as a pandas data frame, whose columns have the same types in each log.
+
+    Each log would have categories of its own: texts instead.
+    """
+    frame = table.to_pandas(nullable=nullable)
     for column in frame.select_dtypes("category"):
         frame[column] = frame[column].astype(object)
-    return frame
+    single = [column for column, kind in table.dtypes.items() if kind == "Float32"]
+    return frame.astype(dict.fromkeys(single, "float32"))  # rows without values make it float64

@@ -20,9 +20,16 @@ from mavwire._wording import in_words
 from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest
-from .query import Query, check_tables
-from .reading import absolute, allow_described, check_readable, native_dialect, paths_of
-from .sources import file_status, is_dataflash, open_converter
+from .query import Query
+from .reading import (
+    absolute,
+    allow_described,
+    check_fields,
+    check_readable,
+    native_dialect,
+    paths_of,
+)
+from .sources import file_status, open_converter
 from .staging import remove_left
 from .store import Store
 from .telemetry import check_run
@@ -81,7 +88,7 @@ def convert(
     logs = [absolute(path) for path in logs]
     compression, native, query, how = prepare(
         format, compression, types, systems, fields, start, end, dialect,
-        units=units, enums=enums, first=next(iter(logs), None),
+        units=units, enums=enums, logs=logs,
     )  # fmt: skip
     allow_described(logs, query)
     out = os.fsdecode(out)
@@ -118,11 +125,11 @@ def prepare(
     *,
     units: str | None = None,
     enums: str | None = None,
-    first: str | None = None,
+    logs: Iterable[str] = (),
 ) -> tuple[str, Any, Query, dict[str, Any]]:
     """The compression, the native dialect, what to read, and the options that a manifest keeps.
 
-    `first` is the first log: the fields of a dataflash log are known by the log alone.
+    `logs` tell what fields there are: those of a dataflash log are known by the log alone.
     ValueError for an argument that makes no sense.
     """
     if format not in FORMATS:
@@ -135,8 +142,8 @@ def prepare(
     if format in ONE_FILE and (units is not None or enums is not None):
         raise ValueError(f"{format} has values as they are sent: leave units and enums out")
     query = Query.of(module, types, systems, fields, start, end, units, enums)
-    if query.foreign is None and (first is None or not is_dataflash(first)):
-        check_tables(module, native, query, fields)
+    if query.foreign is None:
+        check_fields(list(logs), module, native, query, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
     query.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS
     query.batch_bytes = BATCH_BYTES

@@ -6,6 +6,7 @@ Messages come from `DFReader`, tables from the native reader of tables; both say
 from __future__ import annotations
 
 import os
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables
@@ -98,7 +99,8 @@ class DataflashLog(Log):
         """The messages of some types with `start <= time < end`, as DFReader gives them.
 
         `types`: names of record types. Times are seconds since 1970 or datetimes; `_timestamp` of a
-        message is such a time where the log has a GPS fix, else seconds since the autopilot's start.
+        message is such a time where the log has a GPS fix, else seconds since the autopilot's start;
+        where a text log has no finite number for it, it is that of the message before.
         `systems` is there for `TelemetryLog`; ValueError for anything but None.
         """
         query = Query.of_dataflash(types, systems, None, start, end)
@@ -115,8 +117,14 @@ class DataflashLog(Log):
         end = float("inf") if query.end is None else query.end
         reader_class = DFReader_binary if self._is_binary() else DFReader_text
         with reader_class(self.path) as reader:
+            first = reader.clock.timestamp
+            newest = first if isfinite(first) else reader.clock.timebase
             while (msg := reader.recv_match(type=query.names, strict=True)) is not None:
-                if start <= msg._timestamp < end:
+                if isfinite(msg._timestamp):
+                    newest = msg._timestamp
+                else:
+                    msg._timestamp = newest
+                if start <= newest < end:
                     yield msg
 
     def _is_binary(self) -> bool:

@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import empty_table
 
-from .selection import UNKNOWN, Selection, several, types_of
+from .selection import UNKNOWN, Selection, no_message, several, types_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from datetime import datetime
 
-DATAFLASH_NAME_LEN = 4
-"""Characters of the name of a dataflash record type at most."""
 HEADER = ("timestamp", "sysid", "compid", "seq")
 """The columns in front of the fields."""
 
@@ -121,9 +119,9 @@ def _telemetry_types(
     known: list[Any] = []
     foreign: dict[str, str] = {}
     for one in types:
-        short = isinstance(one, str) and len(one) <= DATAFLASH_NAME_LEN
-        if short and not hasattr(dialect, f"MAVLINK_MSG_ID_{one}"):
-            foreign[one] = f"the dialect {dialect.DIALECT} has no message {one!r}"
+        is_known = not isinstance(one, str) or one.startswith(UNKNOWN)
+        if not is_known and not hasattr(dialect, f"MAVLINK_MSG_ID_{one}"):
+            foreign[one] = no_message(dialect, one)
         else:
             known.append(one)
     return known, foreign or None

@@ -272,6 +272,29 @@ def check_beside(
         check_tables(module, native, query, rest or None)
 
 
+def check_fields(
+    paths: list[str],
+    module: Any,
+    native: Any,
+    query: Query,
+    fields: str | Iterable[str] | None,
+) -> None:
+    """Raise ValueError for fields that none of some logs can have, of which the first is looked at if
+    none are asked for.
+    """
+    if not all(map(is_dataflash, paths[:1] if fields is None else paths)) or not paths:
+        check_beside(paths, module, native, query, fields)
+        return
+    missing = [] if fields is None else names_of(fields)
+    for types in described_by(paths) if missing else ():
+        columns = {one for name in query.names or types for one in types.get(name, ())}
+        missing = [name for name in missing if name not in columns]
+        if not missing:
+            return
+    if missing:
+        raise ValueError(f"no wanted type has a field {missing[0]!r}")
+
+
 def allow_described(paths: list[str], query: Query) -> None:
     """Types that a dataflash log among others describes are no error where those are read."""
     if query.foreign is None or all(map(is_dataflash, paths)):

@@ -231,6 +231,7 @@ class Table:
             import pandas as pd
 
         kinds = self.dtypes
+        texts = pd.Series([""]).dtype  # where there is no text pandas takes them for objects
         columns: dict[str, Any] = {}
         for column in self.columns:
             if kinds[column].startswith("Dictionary"):
@@ -239,7 +240,11 @@ class Table:
                 columns[column] = self._nullable(column)
             else:
                 values = self[column]
-                columns[column] = list(values) if values.ndim > 1 else values
+                if values.ndim > 1:
+                    values = pd.Series(list(values), dtype=object)
+                elif kinds[column] == "Utf8":
+                    values = pd.Series(values, dtype=texts)
+                columns[column] = values
         frame = pd.DataFrame(columns, copy=copy)
         if "timestamp" in frame:
             frame["timestamp"] = frame["timestamp"].dt.tz_localize("UTC")

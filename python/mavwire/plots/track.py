@@ -161,11 +161,14 @@ def _positions(table: Table, system: int | None) -> tuple[Any, Any, Any, Any]:
 
 def _mission(tables: dict[str, Table], system: int | None) -> dict[int, Place]:
     """The items of the vehicle's mission as it was last sent or fetched."""
+    import numpy as np
+
     events = []
     for name in ("MISSION_COUNT", "MISSION_ITEM", "MISSION_ITEM_INT"):
         table = tables[name]
         ours = (table["sysid"] == system) | (table["target_system"] == system)
         ours &= table["mission_type"] == MISSION
+        ours &= ~np.isnat(table["timestamp"])  # in a raw stream nothing tells which came last
         stamps = table["timestamp"].astype("int64")
         events += [(int(stamps[row]), name, int(row)) for row in ours.nonzero()[0]]
     items: dict[int, Place] = {}

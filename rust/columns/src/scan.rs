@@ -20,6 +20,9 @@ pub(crate) const STRETCH: usize = 256 << 10;
 /// Good records in a row that no other kind of log has.
 const SURE_RECORDS: usize = 3;
 
+/// Of so many dates one at most goes back.
+const DATES_BACK: usize = 8;
+
 /// [`Located::index`] of ids that the dialect does not know.
 pub const UNKNOWN: u16 = u16::MAX;
 
@@ -41,16 +44,16 @@ impl Framing {
         }
     }
 
-    /// What a log is that begins with these bytes. Frames that follow each other speak for a raw stream, records that do, and
-    /// frames behind a date, for a log. Failing that, it is the one in which the first record is good, or has no date.
+    /// What a log is that begins with these bytes: the way in which more records follow each other, or failing that the one in
+    /// which the first record is good, or the one of which frames have dates in front, in their order, or none.
     pub fn of(head: &[u8], registry: &Registry) -> Self {
         let find = |framing: Self| find_runs(head, 0..head.len(), framing.lead(), registry);
         let (stamped, raw) = (find(Self::Stamped), find(Self::Raw));
         let following = |found: &Runs| found.records.len() - found.runs.len();
         let begins = |found: &Runs| found.runs.first().is_some_and(|run| run.bytes.start == 0);
-        let dated = stamped.records.iter().filter(|record| is_date(stamp_at(head, record.at)));
-        let for_stamped = (following(&stamped).max(dated.count()), begins(&stamped), false);
-        let for_raw = (following(&raw), begins(&raw), !raw.records.is_empty());
+        let is_dated = are_dated(stamped.records.iter().map(|record| stamp_at(head, record.at)));
+        let for_stamped = (following(&stamped), begins(&stamped), is_dated);
+        let for_raw = (following(&raw), begins(&raw), !raw.records.is_empty() && !is_dated);
         if for_raw > for_stamped { Self::Raw } else { Self::Stamped }
     }
 
@@ -70,6 +73,21 @@ impl Framing {
         };
         bytes(Self::Stamped).max(bytes(Self::Raw))
     }
+}
+
+/// Whether most of what stands in front of frames are dates, of which hardly one goes back: the ends of HEARTBEATs, which look
+/// like dates as well, do half of the time.
+fn are_dated(stamps: impl Iterator<Item = u64>) -> bool {
+    let (mut frames, mut dates, mut back, mut last) = (0, 0, 0, 0);
+    for stamp in stamps {
+        frames += 1;
+        if is_date(stamp) {
+            dates += 1;
+            back += usize::from(stamp < last);
+            last = stamp;
+        }
+    }
+    2 * dates > frames && DATES_BACK * back <= dates
 }
 
 /// The records of a block. Positions are counted from its start.

@@ -3,9 +3,9 @@
 //! What a message's fields are is told by their units and names in the definitions. Messages that carry bytes of any
 //! meaning are left out, and so are those that the dialect does not have: nobody can say what is in them.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 
-use mavwire_schema::{Dialect, Field, FieldType, Message, WireVersion};
+use mavwire_schema::{Dialect, EnumEntry, Field, FieldType, Message, WireVersion};
 
 use crate::codec::{read, text_bytes};
 use crate::frame::{self, Header, IFLAG_SIGNED};
@@ -87,6 +87,32 @@ const NAMED: &[&str] = &["AIS_VESSEL", "VIDEO_STREAM_INFORMATION"];
 /// Frames of `MAV_FRAME` whose x and y are latitude and longitude.
 const GLOBAL_FRAMES: [u8; 6] = [0, 3, 5, 6, 10, 11];
 
+/// Words of the names of parameters that are identifiers or secrets; those with STA are of Wi-Fi bridges.
+const IDENTIFYING_WORDS: &[&str] = &[
+    "CALLSIGN",
+    "DEVID",
+    "GATEWAYSTA",
+    "GWADDR",
+    "ICAO",
+    "IP",
+    "IPADDR",
+    "IPADDRESS",
+    "IPSTA",
+    "MACADDR",
+    "PASSWORD",
+    "PWDSTA",
+    "SQUAWK",
+    "SSID",
+    "SSIDSTA",
+];
+/// Two words of such names, one behind the other.
+const IDENTIFYING_PAIRS: &[[&str; 2]] = &[["DEV", "ID"], ["SERIAL", "NUM"], ["SERIAL", "NUMBER"]];
+
+/// First words of the names of parameters of sensors: they hold the sensor's id,
+const SENSORS: &[&str] = &["CAL", "COMPASS", "INS", "TC"];
+/// where the last word is one of these.
+const SENSOR_IDS: &[&str] = &["ID", "PRIME"];
+
 /// Hexadecimal digits in a row that make an identifier of a word.
 const IDENTIFIER_DIGITS: usize = 8;
 
@@ -115,12 +141,12 @@ enum Edit {
     Empty(Field),
     /// A text in which somebody may have written one.
     Mask(Field),
-    /// The value of a parameter (first), if its name (second) says that it is an identifier or a position.
-    Parameter(Field, Field),
+    /// Values of a parameter (first), if its name (second) says that it is an identifier or a position.
+    Parameter(Vec<Field>, Field),
     /// x and y of a mission item or command, where the frame (last) is global; so many units to the degree.
-    Item([Field; 3], f64),
-    /// The 5th and 6th parameter of a command (last), where it has a location.
-    Command([Field; 3]),
+    Item(Box<[Field; 3]>, f64),
+    /// The parameters of a command (last), with their numbers: those that are coordinates.
+    Command(Vec<(u8, Field)>, Field),
 }
 
 /// What to do with messages of a type.
@@ -135,7 +161,8 @@ enum Plan {
 pub struct Anonymizer {
     /// By message index.
     plans: Vec<Plan>,
-    with_location: HashSet<u32>,
+    /// Which parameters of a command are coordinates, by their numbers.
+    coordinates: HashMap<u32, Vec<(u8, Axis)>>,
     shift: Shift,
 }
 
@@ -145,11 +172,10 @@ impl Anonymizer {
         let plans = dialect.messages.iter().map(plan).collect();
         let commands = dialect.enums.iter().find(|one| one.name == "MAV_CMD");
         let entries = commands.iter().flat_map(|commands| &commands.entries);
-        let with_location = entries
-            .filter(|entry| entry.has_location)
-            .filter_map(|entry| u32::try_from(entry.value).ok())
+        let coordinates = entries
+            .filter_map(|entry| Some((u32::try_from(entry.value).ok()?, coordinates_of(entry))))
             .collect();
-        Self { plans, with_location, shift }
+        Self { plans, coordinates, shift }
     }
 
     /// Appends what may be left of a whole, good frame; false if that is nothing.
@@ -191,22 +217,27 @@ impl Anonymizer {
             Edit::Move(field, axis, units) => self.shift_field(field, *axis, *units, payload),
             Edit::Empty(field) => bytes_of(field, payload).fill(0),
             Edit::Mask(field) => mask(bytes_of(field, payload)),
-            Edit::Parameter(value, name) => {
+            Edit::Parameter(values, name) => {
                 if tells(text_bytes(name, payload)) {
-                    bytes_of(value, payload).fill(0);
+                    for value in values {
+                        bytes_of(value, payload).fill(0);
+                    }
                 }
             }
-            Edit::Item([x, y, frame], units) => {
+            Edit::Item(fields, units) => {
+                let [x, y, frame] = &**fields;
                 if GLOBAL_FRAMES.contains(&payload[usize::from(frame.offset)]) {
                     self.shift_field(x, Axis::Latitude, *units, payload);
                     self.shift_field(y, Axis::Longitude, *units, payload);
                 }
             }
-            Edit::Command([x, y, command]) => {
+            Edit::Command(parameters, command) => {
                 let command = u16::from_le_bytes(read(payload, command.offset.into()));
-                if self.with_location.contains(&u32::from(command)) {
-                    self.shift_field(x, Axis::Latitude, 1.0, payload);
-                    self.shift_field(y, Axis::Longitude, 1.0, payload);
+                let coordinates = self.coordinates.get(&command.into()).map_or(&[][..], |all| all);
+                for (number, field) in parameters {
+                    for (_, axis) in coordinates.iter().filter(|(one, _)| one == number) {
+                        self.shift_field(field, *axis, 1.0, payload);
+                    }
                 }
             }
         }
@@ -228,6 +259,9 @@ impl Anonymizer {
             {
                 continue;
             }
+            // Commands and items have degrees or, as definitions and senders differ, degE7 in such a field.
+            let is_scaled = kind == FieldType::F32 && here.abs() > 360.0;
+            let units = if is_scaled { 1e7 } else { units };
             let there = self.shifted(here / units, axis) * units;
             match kind {
                 FieldType::I32 => bytes.copy_from_slice(&(there.round() as i32).to_le_bytes()),
@@ -245,6 +279,24 @@ impl Anonymizer {
     }
 }
 
+/// Which parameters of a command are coordinates: those that are called so, and of one that has a location the 5th and
+/// 6th, which not all definitions name, unless they are in a local frame.
+fn coordinates_of(command: &EnumEntry) -> Vec<(u8, Axis)> {
+    let located = |number: u8| match number {
+        5 if command.has_location => Some(Axis::Latitude),
+        6 if command.has_location => Some(Axis::Longitude),
+        _ => None,
+    };
+    let coordinate = |number: u8| {
+        let param = command.params.iter().find(|param| param.index == number);
+        let label = param.and_then(|param| param.label.as_deref()).unwrap_or_default();
+        let is_local = param.is_some_and(|param| param.units.as_deref() == Some("m"));
+        let named = axis_of(&label.replace([' ', '/'], "_"));
+        Some((number, named.or(located(number)).filter(|_| !is_local)?))
+    };
+    (1..=7).filter_map(coordinate).collect()
+}
+
 fn plan(message: &Message) -> Plan {
     let name = message.name.as_str();
     if LEFT_OUT.contains(&name) || name.starts_with(LEFT_OUT_PREFIX) {
@@ -253,25 +305,32 @@ fn plan(message: &Message) -> Plan {
     let field = |name: &str| message.fields.iter().find(|field| field.name == name).cloned();
     let three = |names: [&str; 3]| {
         let [one, two, three] = names;
-        Some([field(one)?, field(two)?, field(three)?])
+        Some(Box::new([field(one)?, field(two)?, field(three)?]))
     };
     let in_frame = three(["x", "y", "frame"]).or_else(|| three(["x", "y", "coordinate_frame"]));
     let special = match name {
         "MISSION_ITEM" => in_frame.map(|fields| Edit::Item(fields, 1.0)),
-        "COMMAND_LONG" => three(["param5", "param6", "command"]).map(Edit::Command),
-        "PARAM_VALUE" | "PARAM_SET" => {
-            let fields = field("param_value").zip(field("param_id"));
-            fields.map(|(value, name)| Edit::Parameter(value, name))
-        }
         "STATUSTEXT" | "STATUSTEXT_LONG" => field("text").map(Edit::Mask),
         "NAMED_VALUE_STRING" => field("value").map(Edit::Mask),
         name if NAMED.contains(&name) => field("name").map(Edit::Empty),
         _ => in_frame
-            .filter(|[x, ..]| x.field_type == FieldType::I32)
+            .filter(|fields| fields[0].field_type == FieldType::I32)
             .map(|fields| Edit::Item(fields, 1e7)),
     };
     let mut edits: Vec<Edit> = message.fields.iter().filter_map(edit_of).collect();
     edits.extend(special);
+    let parameters = (1..=7).filter_map(|number| Some((number, field(&format!("param{number}"))?)));
+    let parameters: Vec<_> = parameters.collect();
+    let command = field("command").filter(|command| command.field_type == FieldType::U16);
+    if let Some(command) = command.filter(|_| !parameters.is_empty()) {
+        edits.push(Edit::Command(parameters, command));
+    }
+    // PARAM_MAP_RC has several.
+    let values = message.fields.iter().filter(|field| field.name.starts_with("param_value"));
+    let values: Vec<Field> = values.cloned().collect();
+    if let Some(name) = field("param_id").filter(|_| !values.is_empty()) {
+        edits.push(Edit::Parameter(values, name));
+    }
     Plan::Edit(edits)
 }
 
@@ -310,14 +369,18 @@ fn bytes_of<'a>(field: &Field, payload: &'a mut [u8]) -> &'a mut [u8] {
     &mut payload[start..end]
 }
 
-/// Whether a parameter of this name tells who or where a vehicle is.
+/// Whether a parameter of this name tells who or where a vehicle is. Words are compared without the numbers behind them:
+/// parts of words would be found in names of anything.
 fn tells(name: &[u8]) -> bool {
+    // Some senders leave what was there before behind the end.
+    let name = name.split(|byte| *byte == 0).next().unwrap_or_default();
     let name = String::from_utf8_lossy(name).to_ascii_uppercase();
-    let identifies = ["DEVID", "DEV_ID", "SERIAL_NUM", "ICAO", "CALLSIGN"];
-    let sensor = (name.starts_with("INS_") || name.starts_with("CAL_")) && name.ends_with("_ID");
-    sensor
-        || identifies.iter().any(|part| name.contains(part))
-        || ["_LAT", "_LNG", "_LON"].iter().any(|end| name.ends_with(end))
+    let words: Vec<&str> =
+        name.split('_').map(|word| word.trim_end_matches(|c: char| c.is_ascii_digit())).collect();
+    let is_sensor_id = SENSORS.contains(&words[0]) && SENSOR_IDS.contains(&words[words.len() - 1]);
+    is_sensor_id
+        || words.iter().any(|word| IDENTIFYING_WORDS.contains(word) || axis_of(word).is_some())
+        || words.windows(2).any(|pair| IDENTIFYING_PAIRS.iter().any(|one| one == pair))
 }
 
 /// Overwrites words of many hexadecimal digits.
@@ -377,6 +440,10 @@ mod tests {
         read(&made.1, field.offset.into())
     }
 
+    fn float(made: &(Message, Vec<u8>), name: &str) -> i32 {
+        f32::from_le_bytes(value(made, name)).round() as i32
+    }
+
     #[test]
     fn positions_are_shifted_together() {
         for version in [V1, V2] {
@@ -400,12 +467,25 @@ mod tests {
             let made = anonymous("MISSION_ITEM_INT", V2, &[("x", &x), ("frame", &[frame])]);
             assert_eq!(i32::from_le_bytes(value(&made.expect("a message"), "x")), expected);
         }
-        for (command, expected) in [(16_u16, 15.0_f32), (400, 5.0)] {
+        // Waypoints, a location without labels, arming, and landing at a place in metres.
+        for (command, expected) in [(16_u16, 15), (31_000, 15), (201, 15), (400, 5), (23, 5)] {
             let fields =
                 [("param5", &5.0_f32.to_le_bytes()[..]), ("command", &command.to_le_bytes())];
-            let made = anonymous("COMMAND_LONG", V2, &fields).expect("a message");
-            assert_eq!(f32::from_le_bytes(value(&made, "param5")).to_bits(), expected.to_bits());
+            for name in ["COMMAND_LONG", "COMMAND_LONG_STAMPED"] {
+                let made = anonymous(name, V2, &fields).expect("a message");
+                assert_eq!(float(&made, "param5"), expected, "{name} {command}");
+            }
         }
+        // Degrees in 1e-7 of them.
+        let fields = [
+            ("param5", &473_977_418.0_f32.to_le_bytes()[..]),
+            ("param6", &85_455_938.0_f32.to_le_bytes()),
+            ("command", &30_001_u16.to_le_bytes()),
+        ];
+        let made = anonymous("COMMAND_LONG", V2, &fields).expect("a message");
+        let made = |field| f64::from(f32::from_le_bytes(value(&made, field))) / 1e7;
+        assert!((made("param5") - 57.397_741_8).abs() < 1e-5);
+        assert!((made("param6") + 91.454_406_2).abs() < 1e-5);
     }
 
     #[test]
@@ -421,6 +501,53 @@ mod tests {
         let made = made.expect("a message");
         assert_eq!(i32::from_le_bytes(value(&made, "gpsLat")), 573_977_418);
         assert_eq!(i32::from_le_bytes(value(&made, "gpsLon")), 85_455_938 - 1_000_000_000);
+    }
+
+    #[test]
+    fn coordinates_among_the_first_parameters_are_shifted() {
+        for (command, expected) in [(42_006_u16, [3, 14, -95]), (42_004, [3, 4, 5])] {
+            let fields = [
+                ("param2", &3.0_f32.to_le_bytes()[..]),
+                ("param3", &4.0_f32.to_le_bytes()),
+                ("param4", &5.0_f32.to_le_bytes()),
+                ("command", &command.to_le_bytes()),
+            ];
+            for name in [
+                "COMMAND_INT",
+                "COMMAND_INT_STAMPED",
+                "COMMAND_LONG",
+                "COMMAND_LONG_STAMPED",
+                "MISSION_ITEM",
+                "MISSION_ITEM_INT",
+            ] {
+                let made = anonymous(name, V2, &fields).expect("a message");
+                let made = ["param2", "param3", "param4"].map(|field| float(&made, field));
+                assert_eq!(made, expected, "{name} {command}");
+            }
+        }
+    }
+
+    #[test]
+    fn commands_have_no_coordinates_but_the_known_ones() {
+        let dialect = builtin::dialect("all", V2).expect("the dialect");
+        let commands = dialect.enums.iter().find(|one| one.name == "MAV_CMD").expect("commands");
+        for command in &commands.entries {
+            let found = coordinates_of(command);
+            let expected: &[u8] = match command.name.as_str() {
+                "MAV_CMD_FIXED_MAG_CAL_YAW" => &[3, 4],
+                "MAV_CMD_NAV_LAND_LOCAL" | "MAV_CMD_NAV_TAKEOFF_LOCAL" => &[],
+                _ if command.has_location => &[5, 6],
+                _ => &[],
+            };
+            let numbers: Vec<u8> = found.iter().map(|(number, _)| *number).collect();
+            assert_eq!(numbers, expected, "{}", command.name);
+            let axes = [Axis::Latitude, Axis::Longitude];
+            assert!(
+                found.iter().map(|(_, axis)| axis).eq(&axes[..found.len()]),
+                "{}",
+                command.name
+            );
+        }
     }
 
     /// Fields of bytes that stay: what they say is the same for every vehicle of a kind, or is measured.
@@ -472,10 +599,9 @@ mod tests {
         let Plan::Edit(edits) = plan(message) else { return true };
         edits.iter().any(|edit| match edit {
             Edit::Move(one, ..) | Edit::Empty(one) | Edit::Mask(one) => one.name == field.name,
-            Edit::Parameter(value, _) => value.name == field.name,
-            Edit::Item([x, y, _], _) | Edit::Command([x, y, _]) => {
-                [&x.name, &y.name].contains(&&field.name)
-            }
+            Edit::Parameter(values, _) => values.iter().any(|one| one.name == field.name),
+            Edit::Item(all, _) => all[..2].iter().any(|one| one.name == field.name),
+            Edit::Command(all, _) => all.iter().any(|(_, one)| one.name == field.name),
         })
     }
 
@@ -496,7 +622,9 @@ mod tests {
                 let is_known = KEPT.contains(&name.as_str())
                     || KEPT_ANYWHERE.contains(&field.name.as_str())
                     || message.name.contains("TEST");
-                if is_place || is_angle || is_bytes && !is_known {
+                let is_parameter = field.name.starts_with("param_value")
+                    || (1..=7).any(|number| field.name == format!("param{number}"));
+                if is_place || is_angle || is_parameter || is_bytes && !is_known {
                     unknown.push(name);
                 }
             }
@@ -525,12 +653,86 @@ mod tests {
         let text = b"Cube 0032001F 34375108 ok";
         let made = anonymous("STATUSTEXT", V2, &[("text", text)]).expect("a message");
         assert_eq!(&value::<25>(&made, "text"), b"Cube xxxxxxxx xxxxxxxx ok");
-        for (name, expected) in
-            [("COMPASS_DEV_ID2", 0), ("INS_ACC_ID", 0), ("SIM_OPOS_LAT", 0), ("RC1_MIN", 5)]
-        {
-            let fields = [("param_id", name.as_bytes()), ("param_value", &[5, 0, 0, 0][..])];
-            let made = anonymous("PARAM_VALUE", V2, &fields).expect("a message");
-            assert_eq!(value::<4>(&made, "param_value"), [expected, 0, 0, 0], "{name}");
+        let telling = [
+            "ADSB_CALLSIGN_1",
+            "ADSB_ICAO_ID",
+            "ADSB_SQUAWK",
+            "AHRS_ORIG_LAT",
+            "BARO1_DEVID",
+            "BATT_SERIAL_NUM",
+            "BCN_LATITUDE",
+            "BCN_LONGITUDE",
+            "BRD_SERIAL_NUM",
+            "CAL_ACC0_ID",
+            "CAL_ACC1_ID\0old",
+            "CAL_GYRO_PRIME",
+            "CAL_MAG_PRIME",
+            "COMPASS_DEV_ID",
+            "COMPASS_DEV_ID2",
+            "COMPASS_PRIO1_ID",
+            "INS4_ACC_ID",
+            "INS_ACC_ID",
+            "LPE_LON",
+            "NET2_IPADDR1",
+            "NET_GWADDR3",
+            "NET_IPADDR0",
+            "NET_MACADDR5",
+            "NET_P1_IP0",
+            "NET_P1_MACADDR10",
+            "SIH_LOC_LAT0",
+            "SIH_LOC_LON0",
+            "SIM_OPOS_LAT",
+            "SIM_OPOS_LNG",
+            "TC_A0_ID",
+            "UXRCE_DDS_AG_IP",
+            "WIFI_GATEWAYSTA",
+            "WIFI_IPADDRESS",
+            "WIFI_IPSTA",
+            "WIFI_PASSWORD1",
+            "WIFI_PWDSTA4",
+            "WIFI_SSID1",
+            "WIFI_SSIDSTA2",
+        ];
+        let others = [
+            "ADSB_EMIT_TYPE",
+            "CAL_MAG0_PRIO",
+            "CLONE_X",
+            "COMPASS_OFS_X",
+            "COMPASS_PRIMARY",
+            "FLTMODE1",
+            "FRAME_CLASS",
+            "INS_GYR_CAL",
+            "LATENCY",
+            "MAV_SYS_ID",
+            "NET_DHCP",
+            "PLATFORM",
+            "PLND_LAG",
+            "RC1_MIN",
+            "RLL2SRV_TCONST",
+            "RLL_RATE_P",
+            "SERIAL1_BAUD",
+            "SERIAL_PASS2",
+            "SLIP_RATIO",
+            "SYSID_THISMAV",
+            "TELEM_DELAY",
+            "TIP_ICAOS",
+            "WIFI_CHANNEL",
+            "WPNAV_SPEED",
+        ];
+        let telling = telling.into_iter().map(|name| (name, 0));
+        for (name, expected) in telling.chain(others.into_iter().map(|name| (name, 5))) {
+            for (message, values) in [
+                ("PARAM_VALUE", &["param_value"][..]),
+                ("PARAM_SET", &["param_value"]),
+                ("PARAM_MAP_RC", &["param_value0", "param_value_min", "param_value_max"]),
+            ] {
+                let mut fields = vec![("param_id", name.as_bytes())];
+                fields.extend(values.iter().map(|value| (*value, &[5, 0, 0, 0][..])));
+                let made = anonymous(message, V2, &fields).expect("a message");
+                for field in values {
+                    assert_eq!(value(&made, field), [expected, 0, 0, 0], "{message} {name}");
+                }
+            }
         }
     }
 

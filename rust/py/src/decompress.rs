@@ -34,7 +34,7 @@ pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> PyResul
     done.map_err(Stopped::into_err)
 }
 
-/// The first bytes of a log, `size` of them and no more than are whole of a compressed one, behind what damage put in front.
+/// The first bytes of a log, `size` of them and no more than are whole of a compressed one, behind what damage put in front, if that is short.
 #[pyfunction]
 pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow<'static, [u8]>> {
     let head = py.detach(|| {

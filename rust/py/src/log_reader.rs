@@ -329,7 +329,7 @@ impl LogReader {
     fn before(&self, last: f64) -> Before {
         let time = (last * 1e6).round() as u64;
         // Others may have come since the one that was not believed.
-        let said = self.distrusted.filter(|&(_, given)| given == last);
+        let said = self.distrusted.filter(|&(_, given)| given.to_bits() == last.to_bits());
         Before { time, stamp: said.map_or(time, |(stamp, _)| stamp) }
     }
 

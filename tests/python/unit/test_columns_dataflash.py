@@ -335,10 +335,10 @@ def test_logs_that_describe_a_column_otherwise(tmp_path, kind, other, values, ex
     from mavwire.fleet import dask_frame
 
     lazy = dask_frame(paths, "TST")
-    found = lazy.compute(scheduler="sync")["X"].tolist()[len(first) :]
-    assert [None if one != one else one for one in found] == expected
-    if None not in expected:
-        assert lazy.compute(scheduler="sync").dtypes["X"] == lazy.dtypes["X"]
+    frame = lazy.compute(scheduler="sync")
+    found = frame["X"].astype(object)[len(first) :]
+    assert found.where(found.notna(), None).tolist() == expected
+    assert frame.dtypes.equals(lazy.dtypes)
 
 
 def text_of(path: str) -> str:
@@ -389,6 +389,30 @@ def test_a_time_that_is_no_number_is_that_of_the_record_in_front(tmp_path, damag
     table = mavwire.read(path)["X"]
     assert table["timestamp"].astype("int64").tolist() == [5, 5, 7]
     assert table["A"].tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize("kind", ["Q", "f"])
+@pytest.mark.parametrize("damaged", ["3E49293", "nan", "inf", "-inf"])
+@pytest.mark.parametrize("place", range(3))
+def test_a_message_whose_time_is_no_number_is_read_as_its_row(tmp_path, kind, damaged, place):
+    """DFReader gives the messages with a time that is in no stretch."""
+    path, times = tmp_path / "odd.log", ["5", "6", "8"]
+    times[place] = damaged
+    lines = ["FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns",
+             f"FMT, 9, 20, X, {kind}B, TimeUS,A", "FMT, 10, 20, Y, BB, B,A"]  # fmt: skip
+    lines += [line for time in times for line in (f"X, {time}, 1", "Y, 1, 2")]
+    path.write_text("\n".join(lines) + "\n")
+    log = mavwire.open_log(path)
+    assert len(list(log)) == log.info().messages == 9
+    stretches: list[dict[str, float]] = [{}, {"start": 0}, {"end": 1}, {"start": 5.5e-6}]
+    for choice in [*stretches, {"start": 0, "end": 5.5e-6}]:
+        rows = log.read(**choice)
+        for name in ("X", "Y"):
+            stamps = [msg._timestamp for msg in log.messages(**choice) if msg.get_type() == name]
+            found = rows[name]["timestamp"].astype("int64") if name in rows else []
+            np.testing.assert_array_equal(np.round(np.array(stamps) * 1e6), found)
+        only = [msg._timestamp for msg in log.messages("X", **choice)]
+        assert len(only) == len(log.read("X", **choice)["X"])
 
 
 def test_compressed(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import gzip
 import json
 import os
@@ -104,6 +105,15 @@ def test_an_option_that_names_nothing(flight, tmp_path, capsys, command, option,
     assert cli.main([command, str(flight), "-o", str(out), option, nothing]) == 1
     assert f"{option} names nothing" in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_fields_are_those_of_any_log(flight, tmp_path):
+    onboard = sample().write(tmp_path / "flight.BIN")
+    for logs in ([flight, onboard], [onboard, flight], [onboard]):
+        rows = convert(logs, tmp_path / "out", fields="AccX")
+        assert [row.error for row in rows] == [None] * len(logs)
+        with pytest.raises(ValueError, match="has a field 'nope'"):
+            convert(logs, tmp_path / "out", fields=["AccX", "nope"])
 
 
 @pytest.mark.parametrize("format", ["parquet", "mcap"])
@@ -236,3 +246,18 @@ def test_info_of_a_raw_stream_says_that_it_has_no_times(flight, tmp_path, capsys
     raw.write_bytes(b"".join(msg.get_msgbuf() for msg in mavwire.open_log(flight)))
     assert cli.main(["info", str(raw)]) == 0
     assert "time     none, a log without times" in capsys.readouterr().out
+
+
+def test_a_pattern_in_quotes_is_told_where_patterns_are_taken(flight, tmp_path, capsys):
+    """As names of logs are taken as they are, a missing one may be meant as a pattern."""
+    odd = tmp_path / "odd[1].tlog"
+    shutil.copy(flight, odd)
+    gone = [
+        tmp_path / "in" / name for name in ("*", "flight?.tlog", "flight[12].tlog", "none.tlog")
+    ]
+    command = ["convert", str(odd), *map(str, gone), "-o", str(tmp_path / "out"), "--quiet"]
+    assert cli.main(command) == 1
+    hint = "; patterns are taken with --workers or --scheduler"
+    told = capsys.readouterr().err.splitlines()
+    missing = [f"mavwire convert: {path}: {os.strerror(errno.ENOENT)}" for path in gone]
+    assert told == [*(line + hint for line in missing[:3]), missing[3]]

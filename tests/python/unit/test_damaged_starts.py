@@ -10,7 +10,8 @@ import pytest
 from dataflash_writer import sample
 from mavwire import cli, fleet, mavutil
 from mavwire.DFReader import DFReader_binary, DFReader_text
-from unit.link_tools import T0, drain, heartbeat, record
+from mavwire.dialects.v20 import all as mavlink
+from unit.link_tools import T0, drain, heartbeat, pack, record
 
 COUNT = 200
 FRONTS = {
@@ -80,6 +81,16 @@ def test_readers_of_pymavlink_find_the_same(tmp_path):
         assert {found} == counted(path), name
 
 
+def test_a_type_of_a_text_log_may_have_a_long_name(tmp_path):
+    path = tmp_path / "flight.log"
+    path.write_bytes(lines().replace(b"GAP", b"LONGNAME"))
+    with mavwire.open_log(path) as log:
+        expected = log["LONGNAME"]["Number"].tolist()
+    assert mavwire.read(path, "LONGNAME")["LONGNAME"]["Number"].tolist() == expected
+    (batch,) = mavwire.scan(path, "LONGNAME")
+    assert batch["Number"].tolist() == expected
+
+
 def damaged(frames: list[bytes], seed: int) -> bytes:
     """Every frame by itself: the one behind it has lost its checksum."""
     random = Random(seed)
@@ -88,12 +99,16 @@ def damaged(frames: list[bytes], seed: int) -> bytes:
     )
 
 
+@pytest.mark.parametrize("vehicle", [2, 6, 13])
 @pytest.mark.parametrize("seed", range(20))
-def test_frames_of_which_none_follows_another(tmp_path, seed):
+def test_frames_of_which_none_follows_another(tmp_path, seed, vehicle):
+    """The end of a HEARTBEAT of some vehicles looks like a date."""
     path = tmp_path / "flight"
-    path.write_bytes(damaged([heartbeat(n) for n in range(20)], seed))
+    message = mavlink.MAVLink_heartbeat_message(vehicle, 3, 81, 4, 4, 3)
+    frames = [pack(message, seq) for seq in range(40)]
+    path.write_bytes(damaged(frames, seed))
     assert not mavwire.open_log(path).info().stamped
-    path.write_bytes(damaged([record(heartbeat(n), T0 + n) for n in range(20)], seed))
+    path.write_bytes(damaged([record(one, T0 + n) for n, one in enumerate(frames)], seed))
     assert mavwire.open_log(path).info().stamped
 
 

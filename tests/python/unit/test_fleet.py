@@ -18,7 +18,7 @@ from typing import Any
 import mavwire
 import numpy as np
 import pytest
-from dataflash_writer import sample
+from dataflash_writer import Log, sample
 from mavwire import cli, traffic
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.fleet import convert, dask_frame, decode, running, to_parquet
@@ -236,12 +236,56 @@ def test_a_data_frame_of_many_logs(small):
     assert found["sysid"].tolist() == [one for t in tables for one in t["sysid"].tolist()]
     voltages = [one.tolist() for one in found["voltages"]]
     assert voltages == [one for t in tables for one in t["voltages"].tolist()]
+    assert found.dtypes.equals(frame.dtypes)
     text = dask_frame(small[0], "STATUSTEXT").compute(scheduler="sync")
     assert text["text"].tolist() == mavwire.open_log(small[0])["STATUSTEXT"]["text"].tolist()
     with pytest.raises(ValueError, match="'rol'"):
         dask_frame(small, "ATTITUDE", "rol")
     with pytest.raises(FileNotFoundError):
         dask_frame("none.tlog", "ATTITUDE")
+
+
+@pytest.mark.parametrize("enums", [None, "names"])
+@pytest.mark.parametrize("units", [None, "si"])
+def test_a_data_frame_has_the_types_and_columns_that_it_tells(small, units, enums):
+    """HEARTBEAT has enums, PARAM_VALUE texts, BATTERY_STATUS arrays, GPS_RAW_INT invalid values."""
+    pytest.importorskip("dask.dataframe")
+    types = sorted(mavwire.read(small[0]))
+    assert {"BATTERY_STATUS", "GPS_RAW_INT", "HEARTBEAT", "PARAM_VALUE"} < set(types)
+    for name in types:
+        frame = dask_frame(small[:2], name, units=units, enums=enums)
+        found = frame.compute(scheduler="sync")
+        assert list(found.dtypes.items()) == list(frame.dtypes.items()), name
+    columns = ["voltages", "current_battery", "sysid"]
+    frame = dask_frame(small, "BATTERY_STATUS", columns, units=units, enums=enums, task_bytes=1)
+    found = frame.compute(scheduler="sync")
+    assert list(frame.columns) == list(found.columns) == columns
+    assert found.dtypes.equals(frame.dtypes) and found.dtypes["voltages"] == "object"
+
+
+@pytest.mark.parametrize("task_bytes", [1, 1 << 20])
+def test_a_data_frame_of_dataflash_logs_has_the_types_that_it_tells(tmp_path, task_bytes):
+    """A binary log tells the columns; in a text one values are missing, and in another columns."""
+    pytest.importorskip("dask.dataframe")
+    columns = "TimeUS,Count,Half,Text,Many"
+    whole = (
+        Log().define("TST", "QIfZa", columns, 1).add("TST", 1, 2**32 - 1, 0.1, b"text", bytes(64))
+    )
+    head = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+    text = tmp_path / "1.log"
+    text.write_text(
+        f"{head}FMT, 9, 150, TST, QIfZ, TimeUS,Count,Half,Text\nTST, x, word, word, b\n"
+    )
+    fewer = Log().define("TST", "Q", "TimeUS", 1).add("TST", 3).write(tmp_path / "2.BIN")
+    logs = [whole.write(tmp_path / "0.BIN"), text, fewer]
+    frame = dask_frame(logs, "TST", task_bytes=task_bytes)
+    found = frame.compute(scheduler="sync")
+    assert list(found.dtypes.items()) == list(frame.dtypes.items())
+    assert found["Count"].isna().tolist() == [False, True, True]
+    assert found["Count"].iloc[0] == 2**32 - 1
+    for name in ("FMT", "TST"):
+        frame = dask_frame(text, name)
+        assert frame.compute(scheduler="sync").dtypes.equals(frame.dtypes)
 
 
 def test_a_data_frame_of_a_large_log(large):

@@ -108,6 +108,17 @@ def test_a_shorter_mission_replaces_a_longer_one(tmp_path):
     track = read_track(str(write(tmp_path / "a.tlog", messages)))
     assert [(place.name, place.lat) for place in track.waypoints] == [("1", 30.0)]
     assert track.home == Place("home", 10.0, 20.0, 20.0)
+    # Nothing tells the order of messages of several types in a raw stream.
+    records, at = Path(tmp_path / "a.tlog").read_bytes(), 0
+    frames = b""
+    while at < len(records):
+        length = 12 + records[at + 9]
+        frames += records[at + 8 : at + 8 + length]
+        at += 8 + length
+    raw = tmp_path / "a.raw"
+    raw.write_bytes(frames)
+    track = read_track(str(raw))
+    assert len(track.lat) and not track.waypoints
 
 
 def test_many_counts_of_a_long_mission_take_no_longer_than_they_are(tmp_path):

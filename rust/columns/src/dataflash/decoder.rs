@@ -251,7 +251,7 @@ fn line_at(block: &[u8], place: [u8; LINE_PLACE]) -> &[u8] {
 }
 
 /// The values of a line; the last column of FMT has commas in it.
-fn values(line: &[u8], delimiter: Delimiter, rest_is_one: bool) -> Vec<&[u8]> {
+pub(super) fn values(line: &[u8], delimiter: Delimiter, rest_is_one: bool) -> Vec<&[u8]> {
     const FMT_COLUMNS: usize = 5;
     let separator = delimiter.text().as_bytes();
     let (mut values, mut start) = (Vec::new(), None);

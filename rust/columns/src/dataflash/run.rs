@@ -1,13 +1,16 @@
 //! A run over a log that finds what it says about itself. Once more over all of it where records stand in front of what
 //! describes them, between bytes that belonged to no record until then.
 
-use mavwire_core::log::dataflash::text::{decode_line, nth_value};
+use std::cell::{LazyCell, OnceCell};
+
+use mavwire_core::log::dataflash::text::decode_line;
 use mavwire_core::log::dataflash::{
     ClockFinder, FMT_LAYOUT_LEN, FieldKind, HEAD_LEN, Layout, Units,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
 
+use super::decoder::values;
 use super::hop::{Hops, Place, hop};
 use super::lines::Lines;
 use super::survey::{Form, Open, Survey, begin};
@@ -178,13 +181,18 @@ impl Run {
             };
             let delimiter = definitions.delimiter();
             let mut teller = Teller::new(units, finder, telling, definitions.layouts());
-            let value = |i| nth_value(bytes, delimiter, i);
+            // Split once, and only where a line tells something.
+            let values = LazyCell::new(|| values(bytes, delimiter, false));
+            let value = |i: usize| values.get(i).copied();
             let text =
                 |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);
+            let whole = OnceCell::new();
             teller.add(
                 layout,
                 |units, layout| _ = units.add_values(&layout.name, |name| text(layout, name)),
-                |layout, i| number(value(i)).filter(|_| is_whole(layout, value)),
+                |layout, i| {
+                    number(value(i)).filter(|_| *whole.get_or_init(|| is_whole(layout, value)))
+                },
             );
         })
     }

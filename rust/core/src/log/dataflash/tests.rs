@@ -211,3 +211,22 @@ fn lines() {
     assert_eq!(nth_value(b"IMU, 1, 2, a,b", delimiter, 2), Some(&b"a,b"[..]));
     assert_eq!(nth_value(b"IMU, 1", delimiter, 1), None);
 }
+
+/// Lines are long, and what is kept of a line is kept for each column.
+#[test]
+fn units_and_columns_of_a_text_log_are_bounded() {
+    use text::{Delimiter, layout};
+    for (len, is_kept) in [(64, true), (65, false)] {
+        let mut units = Units::default();
+        let label = "m".repeat(len);
+        units.add_values("UNIT", |name| {
+            Some(if name == "Id" { "110".into() } else { label.clone() })
+        });
+        assert_eq!(units.labels.len(), usize::from(is_kept), "{len}");
+    }
+    for (columns, is_layout) in [(255, true), (256, false)] {
+        let names = vec!["a"; columns].join(",");
+        let line = format!("FMT, 130, 255, GAP, {}, {names}", "B".repeat(200));
+        assert_eq!(layout(&line, Delimiter::CommaSpace).is_ok(), is_layout, "{columns}");
+    }
+}

@@ -45,13 +45,16 @@ pub fn decode_line(line: &[u8]) -> String {
     }
 }
 
+/// Columns of a type at most: no binary record has room for more.
+const MAX_COLUMNS: usize = 255;
+
 /// A line without the white space at its end.
 pub fn trimmed(line: &[u8]) -> &[u8] {
     let end = line.iter().rposition(|byte| !byte.is_ascii_whitespace());
     &line[..end.map_or(0, |end| end + 1)]
 }
 
-/// The values of a line behind its name, for a type with so many columns; `None` where there are fewer values.
+/// The values of a line behind its name.
 ///
 /// The last column of FMT has the rest of the line.
 pub fn values<'a>(line: &'a str, delimiter: Delimiter, name: &str) -> Vec<&'a str> {
@@ -98,6 +101,9 @@ pub fn layout(line: &str, delimiter: Delimiter) -> Result<Layout, LayoutError> {
     }
     // The length is that of the binary record; here it binds nothing.
     let columns = split_columns(columns);
+    if columns.len() > MAX_COLUMNS {
+        return Err(LayoutError::Malformed);
+    }
     let mut layout = Layout::new(type_id, 0, name.to_owned(), format.to_owned(), columns)?;
     layout.len = len;
     Ok(layout)

@@ -25,6 +25,9 @@ impl PartialEq for Units {
     }
 }
 
+/// Bytes of a unit at most: those of a binary record. Each column that is measured in it has a copy.
+const MAX_LABEL_LEN: usize = 64;
+
 impl Units {
     /// Whether the multipliers are the same; a NaN, which a log may have for one, is the same as itself.
     pub fn scales_like(&self, other: &Self) -> bool {
@@ -48,7 +51,10 @@ impl Units {
         let id = || Some(char::from(value("Id")?.trim().parse::<u8>().ok()?));
         match name {
             "UNIT" => {
-                put(&mut self.labels, id().zip(value("Label")));
+                put(
+                    &mut self.labels,
+                    id().zip(value("Label").filter(|label| label.len() <= MAX_LABEL_LEN)),
+                );
                 None
             }
             "MULT" => {
