@@ -70,10 +70,6 @@ class LogColumns:
     def damage(self) -> str | None:
         """What is wrong with the compressed file."""
 
-    @property
-    def stamped(self) -> bool:
-        """Whether records have times."""
-
 @final
 class RecordBatches:
     """A table: a schema and batches of rows."""
@@ -93,10 +89,6 @@ class RecordBatches:
     @property
     def num_rows(self) -> int:
         """Rows of all batches."""
-
-    @property
-    def num_batches(self) -> int:
-        """How many batches there are."""
 
     @property
     def nbytes(self) -> int:
@@ -149,15 +141,11 @@ class ColumnView(Buffer):
         """Whether the buffer protocol shows it."""
 
     @property
-    def null_count(self) -> int:
-        """Rows without a value."""
-
-    @property
     def is_time(self) -> bool:
         """Whether its numbers are microseconds since 1970."""
 
-    def valid(self) -> list[bool] | None:
-        """For each row, whether there is a value; None where all rows have one."""
+    def valid(self) -> bytes | None:
+        """A byte for each row, 1 where there is a value; None where all rows have one."""
 
     def to_list(self) -> list[Any]:
         """The texts or bytes, None for rows without; BufferError for numbers."""
@@ -299,6 +287,9 @@ def decompress(path: str | PathLike[str], out: str | PathLike[str]) -> str | Non
 
 def log_head(log: _Log, size: int) -> bytes:
     """The first bytes of a log, `size` of them and no more than are whole of a compressed one."""
+
+def begins_as_text_log(head: bytes) -> bool:
+    """Whether a dataflash text log begins like this."""
 
 def empty_table(dialect: Dialect, msgid: int, query: _Query) -> RecordBatches:
     """A table without rows of a message; ValueError if there is none of that id."""

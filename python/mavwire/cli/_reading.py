@@ -142,12 +142,13 @@ def _foresee_version(path: str) -> None:
 
 def dataflash_reader(path: str) -> Callable[[str], Any] | None:
     """What reads a dataflash log that mavutil would not take for one by its name."""
-    from mavwire.links.recognise import TEXT_LOG_HEAD, begins_as_text_log, log_kind, read_head
+    from mavwire._native import begins_as_text_log
+    from mavwire.links.recognise import TEXT_LOG_PROBE, log_kind, read_head
     from mavwire.logs.sources import is_dataflash
 
     if not is_dataflash(path):
         return None
-    is_binary = not begins_as_text_log(read_head(path, TEXT_LOG_HEAD))
+    is_binary = not begins_as_text_log(read_head(path, TEXT_LOG_PROBE))
     if log_kind(path, readonly=True) == ("dataflash" if is_binary else "text"):
         return None
     from mavwire.DFReader import DFReader_binary, DFReader_text

@@ -19,22 +19,12 @@ FMT_LEN = 89
 # The head of the FMT record that describes FMT itself, which dataflash logs begin with.
 DATAFLASH_HEAD = b"\xa3\x95\x80"
 TEXT_LOG_PROBE = 8000
-# First bytes of a dataflash text log, in which a description stands; of so many of them one at most is no text.
-TEXT_LOG_HEAD = 1000
-TEXT_SHARE = 8
-TEXT = bytes(range(0x20, 0x7F)) + b"\t\r\n"
 # Records of a telemetry log that have to follow each other for the file to be one.
 TLOG_RECORDS = 3
 STAMP_LEN = 8
 TLOG_PROBE = TLOG_RECORDS * (STAMP_LEN + 280) + 9
 # Bytes of a frame that say how long it is.
 LENGTH_HEAD = 3
-
-
-def begins_as_text_log(head: bytes) -> bool:
-    """Whether a dataflash text log begins like this."""
-    head = head[:TEXT_LOG_HEAD]
-    return b"FMT," in head and len(head.translate(None, TEXT)) * TEXT_SHARE <= len(head)
 
 
 def read_head(path: str, size: int) -> bytes:

@@ -116,6 +116,9 @@ class Table:
             return self._sliced(what)
         if isinstance(what, list):
             return self.select(what)
+        if not isinstance(what, str):
+            remedy = "a column by its name, columns by a list of names, or rows by a slice"
+            raise TypeError(f"a table gives {remedy}, not by {what!r}")
         view = self._batches.column(what)
         if not view.is_numeric:
             array = np.empty(len(view), dtype=object)
@@ -127,7 +130,7 @@ class Table:
         valid = view.valid()
         if valid is not None:
             array = array.astype(array.dtype if view.is_time else "float64")
-            array[~np.asarray(valid, dtype=bool)] = "NaT" if view.is_time else "nan"
+            array[~np.frombuffer(valid, bool)] = "NaT" if view.is_time else "nan"
         return array
 
     def __iter__(self) -> Iterator[str]:
@@ -245,7 +248,7 @@ class Table:
                 elif kinds[column] == "Utf8":
                     values = pd.Series(values, dtype=texts)
                 columns[column] = values
-        frame = pd.DataFrame(columns, copy=copy)
+        frame = pd.DataFrame(columns, index=pd.RangeIndex(len(self)), copy=copy)
         if "timestamp" in frame:
             frame["timestamp"] = frame["timestamp"].dt.tz_localize("UTC")
         return frame
@@ -258,7 +261,7 @@ class Table:
 
         view = self._batches.column(column)
         values, valid = np.array(view), view.valid()
-        missing = np.zeros(len(values), bool) if valid is None else ~np.asarray(valid, dtype=bool)
+        missing = np.zeros(len(values), bool) if valid is None else ~np.frombuffer(valid, bool)
         return pd.arrays.IntegerArray(values, missing)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:

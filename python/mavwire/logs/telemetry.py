@@ -313,7 +313,8 @@ def no_record(kind: str, path: str) -> LogFormatError:
 
 def begins_described(head: bytes) -> bool:
     """Whether a dataflash log begins with what describes its records."""
-    from mavwire.links.recognise import DATAFLASH_HEAD, begins_as_text_log
+    from mavwire._native import begins_as_text_log
+    from mavwire.links.recognise import DATAFLASH_HEAD
 
     return head.startswith(DATAFLASH_HEAD) or begins_as_text_log(head)
 
@@ -326,7 +327,8 @@ def undescribed(path: str) -> LogFormatError:
 
 def _other_format(head: bytes) -> tuple[str, str] | None:
     """What kind of file begins like this, if it is a known one, and what to do with it."""
-    from mavwire.links.recognise import DATAFLASH_HEAD, begins_as_text_log
+    from mavwire._native import begins_as_text_log
+    from mavwire.links.recognise import DATAFLASH_HEAD
 
     from .sources import ZSTD
 

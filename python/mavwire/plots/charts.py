@@ -91,23 +91,8 @@ def plot(
     paths = [os.fspath(one) for one in ([logs] if isinstance(logs, str | os.PathLike) else logs)]
     texts = [expressions] if isinstance(expressions, str) else list(expressions)
     out = os.fspath(out)
-    suffix = os.path.splitext(out)[1].lower()
-    if suffix not in IMAGES + PAGES:
-        raise ValueError(f"plots are {', '.join(IMAGES + PAGES)}, which {out!r} does not end in")
-    if not paths or not texts:
-        raise ValueError("a plot needs a log and an expression")
-    if labels is not None and len(labels) != len(texts):
-        raise ValueError(f"{len(texts)} expressions have {len(labels)} labels")
-    if flightmode is not None and flightmode not in AUTOPILOTS:
-        raise ValueError(f"flightmode is one of {', '.join(AUTOPILOTS)}, not {flightmode!r}")
-    try:
-        is_number = math.isfinite(timeshift)
-    except (TypeError, OverflowError):
-        is_number = False
-    if not is_number:
-        raise ValueError(f"timeshift is a number of seconds, not {timeshift!r}")
-    if xaxis is not None and (relative or timeshift):
-        raise ValueError("over xaxis there are no times: leave relative and timeshift out")
+    _check(paths, texts, out, labels, flightmode)
+    _check_times(timeshift, xaxis is not None, relative)
     parsed = [parse(text) for text in texts]
     across = None if xaxis is None else parse(xaxis)
     read = [
@@ -129,16 +114,50 @@ def plot(
     if not points:
         lacks = [f"{said}: {path!r}" for path in paths if (said := lacking(path, dialect))]
         raise ValueError("; ".join(lacks if len(lacks) == len(paths) else lacks + notes))
+    write_file(file_to_write(out), _drawn(chart, _suffix(out)))
+    return Plotted(out, points, notes)
+
+
+def _suffix(out: str) -> str:
+    return os.path.splitext(out)[1].lower()
+
+
+def _check(
+    paths: list[str],
+    texts: list[str],
+    out: str,
+    labels: Sequence[str] | None,
+    flightmode: str | None,
+) -> None:
+    if _suffix(out) not in IMAGES + PAGES:
+        raise ValueError(f"plots are {', '.join(IMAGES + PAGES)}, which {out!r} does not end in")
+    if not paths or not texts:
+        raise ValueError("a plot needs a log and an expression")
+    if labels is not None and len(labels) != len(texts):
+        raise ValueError(f"{len(texts)} expressions have {len(labels)} labels")
+    if flightmode is not None and flightmode not in AUTOPILOTS:
+        raise ValueError(f"flightmode is one of {', '.join(AUTOPILOTS)}, not {flightmode!r}")
+
+
+def _check_times(timeshift: float, is_over_values: bool, relative: bool) -> None:
+    try:
+        is_number = math.isfinite(timeshift)
+    except (TypeError, OverflowError):
+        is_number = False
+    if not is_number:
+        raise ValueError(f"timeshift is a number of seconds, not {timeshift!r}")
+    if is_over_values and (relative or timeshift):
+        raise ValueError("over xaxis there are no times: leave relative and timeshift out")
+
+
+def _drawn(chart: Chart, suffix: str) -> bytes:
     if suffix in PAGES:
         from .pages import chart_page
 
-        content = chart_page(chart)
-    else:
-        from .images import chart_image
+        return chart_page(chart)
+    from .images import chart_image
 
-        content = chart_image(chart, suffix.removeprefix("."))
-    write_file(file_to_write(out), content)
-    return Plotted(out, points, notes)
+    return chart_image(chart, suffix.removeprefix("."))
 
 
 def _chart(

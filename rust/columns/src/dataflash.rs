@@ -20,5 +20,5 @@ pub use decoder::Wanted;
 pub use layout::{TableLayout, table_layout};
 pub use reader::Reader;
 pub use summary::summary;
-pub use survey::{Form, Open, Survey, recognise};
+pub use survey::{Form, Open, Survey, begins_as_text, recognise};
 pub use whole::{Plan, Whole, read_whole};

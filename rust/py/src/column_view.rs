@@ -1,5 +1,6 @@
 //! One column as a buffer, which NumPy takes without a copy, or as a list where its values are texts.
 
+use std::borrow::Cow;
 use std::ffi::{CStr, c_int, c_void};
 
 use mavwire_columns::arrow::array::{
@@ -93,23 +94,16 @@ impl ColumnView {
         self.numbers.is_some()
     }
 
-    #[getter]
-    fn null_count(&self) -> usize {
-        self.values.null_count()
-    }
-
     /// Whether it is a column of times, microseconds since 1970.
     #[getter]
     fn is_time(&self) -> bool {
         matches!(self.values.data_type(), DataType::Timestamp(..))
     }
 
-    /// For each row, whether there is a value; `None` where all rows have one.
-    fn valid<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyList>>> {
-        if self.values.null_count() == 0 {
-            return Ok(None);
-        }
-        list_of(py, (0..self.values.len()).map(|row| self.values.is_valid(row))).map(Some)
+    /// A byte for each row, 1 where there is a value; `None` where all rows have one.
+    fn valid(&self) -> Option<Cow<'static, [u8]>> {
+        let nulls = self.values.nulls().filter(|nulls| nulls.null_count() > 0)?;
+        Some(Cow::Owned(nulls.iter().map(u8::from).collect()))
     }
 
     /// The texts or bytes; `None` for rows without.

@@ -159,12 +159,6 @@ impl LogColumns {
     fn damage(&self, py: Python<'_>) -> Option<String> {
         py.detach(|| self.with(|reader| reader.damage().map(str::to_owned)))
     }
-
-    /// Whether records have times.
-    #[getter]
-    fn stamped(&self, py: Python<'_>) -> bool {
-        py.detach(|| self.with(|reader| reader.has_times()))
-    }
 }
 
 /// A table without rows of a message, with the columns that `query` asks for.

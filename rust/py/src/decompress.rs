@@ -7,6 +7,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use mavwire_columns::Error;
+use mavwire_columns::dataflash::begins_as_text;
 use mavwire_columns::input::{Blocks, decompressed};
 use mavwire_link::files::{self, Draft};
 use pyo3::prelude::*;
@@ -34,7 +35,7 @@ pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> PyResul
     done.map_err(Stopped::into_err)
 }
 
-/// The first bytes of a log, `size` of them and no more than are whole of a compressed one, behind what damage put in front, if that is short.
+/// The first bytes of a log, `size` of them and no more than are whole of a compressed one.
 #[pyfunction]
 pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow<'static, [u8]>> {
     let head = py.detach(|| {
@@ -42,6 +43,12 @@ pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow
         blocks.with_head(<[u8]>::to_vec)
     });
     Ok(Cow::Owned(head?.1))
+}
+
+/// Whether a dataflash text log begins like this.
+#[pyfunction]
+pub(crate) fn begins_as_text_log(head: &[u8]) -> bool {
+    begins_as_text(head)
 }
 
 /// What the name of a file begins with until it is complete: its own name, or one made of it where that is long.

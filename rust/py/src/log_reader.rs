@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mavwire_core::frame::MAX_FRAME_LEN;
-use mavwire_core::log::tlog::{Before, STAMP_LEN, Stamp};
+use mavwire_core::log::tlog::{Before, MAX_JUMP, STAMP_LEN, Stamp};
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::Resync;
 use mavwire_link::records::{AtOffset, RecordFinder};
@@ -21,7 +21,7 @@ use crate::log_ahead::{Ahead, Checked, Rules};
 use crate::parse::{Parser, Step};
 
 /// After damage, a time stamp further than this from the last good one is not believed.
-const MAX_JUMP_SECONDS: f64 = 3.0 * 24.0 * 3600.0;
+const MAX_JUMP_SECONDS: f64 = MAX_JUMP as f64 / 1e6;
 
 /// Seconds of a time stamp, rounded as pymavlink rounds.
 pub(crate) fn seconds(stamp: Stamp) -> f64 {

@@ -116,11 +116,6 @@ impl RecordBatches {
         self.batches.iter().map(RecordBatch::num_rows).sum()
     }
 
-    #[getter]
-    fn num_batches(&self) -> usize {
-        self.batches.len()
-    }
-
     /// Bytes of the values.
     #[getter]
     fn nbytes(&self) -> usize {

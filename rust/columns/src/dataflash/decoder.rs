@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::Layout;
-use mavwire_core::log::dataflash::text::{Delimiter, trimmed};
+use mavwire_core::log::dataflash::text::{Delimiter, trimmed, values};
 use rayon::prelude::*;
 
 use super::hop::Place;
@@ -234,11 +234,11 @@ fn append_lines(
     side: Side<'_>,
     delimiter: Delimiter,
 ) {
-    let rest_is_one = layout.layout.message == "FMT";
+    let name = &layout.layout.message;
     let (places, _) = side.bytes.as_chunks::<LINE_PLACE>();
     for ((place, kind), &time) in places.iter().zip(side.kinds).zip(side.times) {
         let Some(of_layout) = layout.places.get(kind) else { continue };
-        let values = values(line_at(block, *place), delimiter, rest_is_one);
+        let values = values(line_at(block, *place), delimiter, name);
         let value = |field: &Option<u16>| values.get(usize::from((*field)?)).copied();
         table.append_texts(time, of_layout.fields.iter().map(value));
     }
@@ -248,22 +248,4 @@ fn append_lines(
 fn line_at(block: &[u8], place: [u8; LINE_PLACE]) -> &[u8] {
     let rest = &block[u32::from_le_bytes(place) as usize..];
     trimmed(&rest[..memchr::memchr(b'\n', rest).unwrap_or(rest.len())])
-}
-
-/// The values of a line; the last column of FMT has commas in it.
-pub(super) fn values(line: &[u8], delimiter: Delimiter, rest_is_one: bool) -> Vec<&[u8]> {
-    const FMT_COLUMNS: usize = 5;
-    let separator = delimiter.text().as_bytes();
-    let (mut values, mut start) = (Vec::new(), None);
-    for at in memchr::memmem::find_iter(line, separator) {
-        if let Some(start) = start {
-            if rest_is_one && values.len() + 1 == FMT_COLUMNS {
-                break;
-            }
-            values.push(&line[start..at]);
-        }
-        start = Some(at + separator.len());
-    }
-    values.extend(start.map(|start| &line[start..]));
-    values
 }

@@ -3,14 +3,13 @@
 
 use std::cell::{LazyCell, OnceCell};
 
-use mavwire_core::log::dataflash::text::decode_line;
+use mavwire_core::log::dataflash::text::{decode_line, values};
 use mavwire_core::log::dataflash::{
     ClockFinder, FMT_LAYOUT_LEN, FieldKind, HEAD_LEN, Layout, Units,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
 
-use super::decoder::values;
 use super::hop::{Hops, Place, hop};
 use super::lines::Lines;
 use super::survey::{Form, Open, Survey, begin};
@@ -148,7 +147,8 @@ impl Run {
         let Self { form, units, finder, telling, steps, .. } = self;
         let Form::Binary(definitions) = form else { return Hops::default() };
         let hops = hop(bytes, place, limit, definitions, at_end, steps.stretch);
-        let mut teller = Teller::new(units, finder, telling, definitions.layouts());
+        let layouts = definitions.layouts();
+            let mut teller = Teller::new(units, finder, telling, layouts);
         let telling = &*teller.telling;
         let is_telling = |place: &&Place| telling[usize::from(place.layout)];
         let few = hops.stretches.par_iter().flat_map_iter(|some| some.iter().filter(is_telling));
@@ -180,9 +180,10 @@ impl Run {
                 return;
             };
             let delimiter = definitions.delimiter();
-            let mut teller = Teller::new(units, finder, telling, definitions.layouts());
+            let layouts = definitions.layouts();
+            let mut teller = Teller::new(units, finder, telling, layouts);
             // Split once, and only where a line tells something.
-            let values = LazyCell::new(|| values(bytes, delimiter, false));
+            let values = LazyCell::new(|| values(bytes, delimiter, &layouts[usize::from(layout)].name));
             let value = |i: usize| values.get(i).copied();
             let text =
                 |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);

@@ -52,10 +52,12 @@ fn is_cut_off_in(log: &[u8], start: &[u8]) -> bool {
     !log.is_empty() && log.len() < start.len() && start.starts_with(log)
 }
 
-/// Whether hardly any bytes are none of a text.
-fn is_mostly_text(bytes: &[u8]) -> bool {
+/// Whether a text log begins with these bytes: a description is in the first of them, and hardly any are none of a text.
+pub fn begins_as_text(head: &[u8]) -> bool {
+    let start = &head[..head.len().min(TEXT_START)];
     let is_other = |byte: &&u8| !matches!(byte, b' '..=b'~' | b'\t' | b'\r' | b'\n');
-    bytes.iter().filter(is_other).count() * TEXT_SHARE <= bytes.len()
+    let others = start.iter().filter(is_other).count();
+    memchr::memmem::find(start, TEXT).is_some() && others * TEXT_SHARE <= start.len()
 }
 
 impl Form {
@@ -82,9 +84,7 @@ impl Form {
             return Some(Self::Binary(Box::default()));
         }
         let head = &head[..head.len().min(PROBE)];
-        let start = &head[..head.len().min(TEXT_START)];
-        let is_text = memchr::memmem::find(start, TEXT).is_some() && is_mostly_text(start);
-        is_text.then(|| Self::Text(TextDefinitions::new(Delimiter::of(head))))
+        begins_as_text(head).then(|| Self::Text(TextDefinitions::new(Delimiter::of(head))))
     }
 
     /// The layouts of the records.

@@ -12,7 +12,7 @@ mod times;
 pub use recordable::recordable;
 pub use records::{FoundRecord, RecordScanner};
 pub use runs::{Located, Run, Runs, find_runs};
-pub use times::{Before, are_near, is_date};
+pub use times::{Before, MAX_JUMP, are_near, is_date};
 
 /// Bytes of the time stamp in front of each frame.
 pub const STAMP_LEN: usize = 8;

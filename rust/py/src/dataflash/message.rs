@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::decode_line;
-use mavwire_core::log::dataflash::text::{Delimiter, values};
+use mavwire_core::log::dataflash::text::{Delimiter, text_values};
 use pyo3::exceptions::{PyAttributeError, PyIndexError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
@@ -125,7 +125,7 @@ impl DFMessage {
             }
             Origin::Line(delimiter) => {
                 let line = decode_line(&self.bytes);
-                for value in values(&line, delimiter, &self.names.layout.name) {
+                for value in text_values(&line, delimiter, &self.names.layout.name) {
                     list.append(value)?;
                 }
             }

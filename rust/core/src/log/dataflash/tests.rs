@@ -199,7 +199,7 @@ fn half_precision() {
 
 #[test]
 fn lines() {
-    use text::{Delimiter, layout, nth_value, values};
+    use text::{Delimiter, layout, nth_value, text_values};
     let delimiter = Delimiter::of(b"junk\nFMT, 128, 89, FMT, BBnNZ, Type\n");
     assert_eq!(delimiter, Delimiter::CommaSpace);
     assert_eq!(Delimiter::of(b"FMT,128"), Delimiter::Comma);
@@ -207,7 +207,7 @@ fn lines() {
     assert_eq!((found.len, found.fields.len(), found.time), (18, 3, Some((0, TimeUnit::Micros))));
     assert!(layout("FMT, 162, 18", delimiter).is_err());
     assert!(layout("FMT, x, 18, IMU, QBf, TimeUS", delimiter).is_err());
-    assert_eq!(values("IMU, 1, 2, a,b", delimiter, "IMU"), ["1", "2", "a,b"]);
+    assert_eq!(text_values("IMU, 1, 2, a,b", delimiter, "IMU"), ["1", "2", "a,b"]);
     assert_eq!(nth_value(b"IMU, 1, 2, a,b", delimiter, 2), Some(&b"a,b"[..]));
     assert_eq!(nth_value(b"IMU, 1", delimiter, 1), None);
 }

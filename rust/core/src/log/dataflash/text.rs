@@ -1,6 +1,7 @@
 //! The text form of a dataflash log: a line for each record, `NAME, VALUE, VALUE`.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::definitions::MAX_DEFINITIONS;
@@ -9,7 +10,7 @@ use super::layout::{Layout, LayoutError, split_columns};
 /// Bytes of the longest line that is looked at; whatever is longer is no record.
 pub const MAX_LINE_LEN: usize = 64 * 1024;
 
-/// The fields of a FMT line before the names of its columns, which have commas between them.
+/// The values of a FMT line; the last are the names of its columns, which have commas between them.
 const FMT_FIELDS: usize = 5;
 
 /// What stands between values: a comma and a space, or a comma alone.
@@ -54,14 +55,34 @@ pub fn trimmed(line: &[u8]) -> &[u8] {
     &line[..end.map_or(0, |end| end + 1)]
 }
 
-/// The values of a line behind its name.
+/// Where the values of a line stand, behind its name.
 ///
 /// The last column of FMT has the rest of the line.
-pub fn values<'a>(line: &'a str, delimiter: Delimiter, name: &str) -> Vec<&'a str> {
-    if name == "FMT" {
-        return line.splitn(FMT_FIELDS + 1, delimiter.text()).skip(1).collect();
-    }
-    line.split(delimiter.text()).skip(1).collect()
+fn value_places(
+    line: &[u8],
+    delimiter: Delimiter,
+    name: &str,
+) -> impl Iterator<Item = Range<usize>> {
+    let separator = delimiter.text().as_bytes();
+    let most = if name == "FMT" { FMT_FIELDS } else { usize::MAX };
+    let mut found = memchr::memmem::find_iter(line, separator);
+    let mut start = found.next().map(|at| at + separator.len());
+    (1..=most).map_while(move |number| {
+        let from = start?;
+        let end = if number == most { None } else { found.next() };
+        start = end.map(|at| at + separator.len());
+        Some(from..end.unwrap_or(line.len()))
+    })
+}
+
+/// The values of a line.
+pub fn values<'a>(line: &'a [u8], delimiter: Delimiter, name: &str) -> Vec<&'a [u8]> {
+    value_places(line, delimiter, name).map(|place| &line[place]).collect()
+}
+
+/// The values of a line that is text.
+pub fn text_values<'a>(line: &'a str, delimiter: Delimiter, name: &str) -> Vec<&'a str> {
+    value_places(line.as_bytes(), delimiter, name).map(|place| &line[place]).collect()
 }
 
 /// The name in front of a line.
@@ -87,7 +108,7 @@ pub fn nth_value(line: &[u8], delimiter: Delimiter, index: usize) -> Option<&[u8
 /// # Errors
 /// What makes it no description of a type.
 pub fn layout(line: &str, delimiter: Delimiter) -> Result<Layout, LayoutError> {
-    let values = values(line, delimiter, "FMT");
+    let values = text_values(line, delimiter, "FMT");
     let &[type_id, len, name, format, columns] = values.as_slice() else {
         return Err(LayoutError::Malformed);
     };

@@ -253,7 +253,7 @@ fn false_frames_behind_signed_ones_cost_linear_work() {
 
 proptest::proptest! {
     #[test]
-    fn runs_and_chunks_change_nothing_about_signed_logs(
+    fn chunks_change_nothing_about_signed_logs(
         cuts in proptest::collection::vec((0usize..3000, 1usize..14, proptest::num::u8::ANY), 0..8),
         chunk in 1usize..600,
     ) {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 /// Times of records that follow each other are no further apart, as a rule. Microseconds.
-const MAX_JUMP: u64 = 3 * 24 * 3600 * 1_000_000;
+pub const MAX_JUMP: u64 = 3 * 24 * 3600 * 1_000_000;
 
 /// From 2000 to 2100, in microseconds since 1970: of bytes that are no time one in thousands is among them.
 const DATES: Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
