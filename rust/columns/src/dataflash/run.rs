@@ -148,7 +148,7 @@ impl Run {
         let Form::Binary(definitions) = form else { return Hops::default() };
         let hops = hop(bytes, place, limit, definitions, at_end, steps.stretch);
         let layouts = definitions.layouts();
-            let mut teller = Teller::new(units, finder, telling, layouts);
+        let mut teller = Teller::new(units, finder, telling, layouts);
         let telling = &*teller.telling;
         let is_telling = |place: &&Place| telling[usize::from(place.layout)];
         let few = hops.stretches.par_iter().flat_map_iter(|some| some.iter().filter(is_telling));
@@ -183,7 +183,8 @@ impl Run {
             let layouts = definitions.layouts();
             let mut teller = Teller::new(units, finder, telling, layouts);
             // Split once, and only where a line tells something.
-            let values = LazyCell::new(|| values(bytes, delimiter, &layouts[usize::from(layout)].name));
+            let values =
+                LazyCell::new(|| values(bytes, delimiter, &layouts[usize::from(layout)].name));
             let value = |i: usize| values.get(i).copied();
             let text =
                 |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);

@@ -1,0 +1,190 @@
+//! What is changed in the messages of each type, by names and units of their fields.
+
+use mavwire_schema::{EnumEntry, Field, FieldType, Message};
+
+/// Messages that are left out.
+const LEFT_OUT: &[&str] = &[
+    "AUTH_KEY",
+    "CANFD_FRAME",
+    "CAN_FRAME",
+    "DATA16",
+    "DATA32",
+    "DATA64",
+    "DATA96",
+    "DEVICE_OP_READ_REPLY",
+    "DEVICE_OP_WRITE",
+    "ENCAPSULATED_DATA",
+    "FILE_TRANSFER_PROTOCOL",
+    "FRSKY_PASSTHROUGH_ARRAY",
+    "GPS_INJECT_DATA",
+    "GPS_RTCM_DATA",
+    "LOGGING_DATA",
+    "LOGGING_DATA_ACKED",
+    "LOG_DATA",
+    "MEMORY_VECT",
+    "PARAM_EXT_ACK",
+    "PARAM_EXT_SET",
+    "PARAM_EXT_VALUE",
+    "PARAM_VALUE_ARRAY",
+    "REMOTE_LOG_DATA_BLOCK",
+    "RESOURCE_REQUEST",
+    "SECURE_COMMAND",
+    "SECURE_COMMAND_REPLY",
+    "SERIAL_CONTROL",
+    "SETUP_SIGNING",
+    "TUNNEL",
+    "V2_EXTENSION",
+];
+const LEFT_OUT_PREFIX: &str = "OPEN_DRONE_ID_";
+
+/// Fields that are emptied.
+const IDENTIFIERS: &[&str] = &[
+    "ICAO",
+    "ICAO_address",
+    "MMSI",
+    "apn",
+    "callsign",
+    "cam_definition_uri",
+    "custom_name",
+    "file_url",
+    "flight_id",
+    "flight_uuid",
+    "hw_unique_id",
+    "lac",
+    "login",
+    "mcc",
+    "mnc",
+    "new_pin",
+    "passkey",
+    "password",
+    "pin",
+    "puk",
+    "registration",
+    "serial",
+    "serial_number",
+    "serialnumber",
+    "squawk",
+    "ssid",
+    "uas_id",
+    "uid",
+    "uid2",
+    "uri",
+];
+
+/// Messages whose field `name` is one as well: elsewhere it tells what a value means.
+const NAMED: &[&str] = &["AIS_VESSEL", "VIDEO_STREAM_INFORMATION"];
+
+/// A coordinate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Axis {
+    Latitude,
+    Longitude,
+}
+
+/// What to do with a field.
+#[derive(Debug, Clone)]
+pub(super) enum Edit {
+    /// A position, so many units to the degree.
+    Move(Field, Axis, f64),
+    /// An identifier.
+    Empty(Field),
+    /// A text in which somebody may have written one.
+    Mask(Field),
+    /// Values of a parameter (first), if its name (second) says that it is an identifier or a position.
+    Parameter(Vec<Field>, Field),
+    /// x and y of a mission item or command, where the frame (last) is global; so many units to the degree.
+    Item(Box<[Field; 3]>, f64),
+    /// The parameters of a command (last), with their numbers: those that are coordinates.
+    Command(Vec<(u8, Field)>, Field),
+}
+
+/// What to do with messages of a type.
+#[derive(Debug, Clone)]
+pub(super) enum Plan {
+    LeaveOut,
+    Edit(Vec<Edit>),
+}
+
+/// Which parameters of a command are coordinates: those that are called so, and of one that has a location the 5th and
+/// 6th, which not all definitions name, unless they are in a local frame.
+pub(super) fn coordinates_of(command: &EnumEntry) -> Vec<(u8, Axis)> {
+    let located = |number: u8| match number {
+        5 if command.has_location => Some(Axis::Latitude),
+        6 if command.has_location => Some(Axis::Longitude),
+        _ => None,
+    };
+    let coordinate = |number: u8| {
+        let param = command.params.iter().find(|param| param.index == number);
+        let label = param.and_then(|param| param.label.as_deref()).unwrap_or_default();
+        let is_local = param.is_some_and(|param| param.units.as_deref() == Some("m"));
+        let named = axis_of(&label.replace([' ', '/'], "_"));
+        Some((number, named.or(located(number)).filter(|_| !is_local)?))
+    };
+    (1..=7).filter_map(coordinate).collect()
+}
+
+pub(super) fn plan(message: &Message) -> Plan {
+    let name = message.name.as_str();
+    if LEFT_OUT.contains(&name) || name.starts_with(LEFT_OUT_PREFIX) {
+        return Plan::LeaveOut;
+    }
+    let field = |name: &str| message.fields.iter().find(|field| field.name == name).cloned();
+    let three = |names: [&str; 3]| {
+        let [one, two, three] = names;
+        Some(Box::new([field(one)?, field(two)?, field(three)?]))
+    };
+    let in_frame = three(["x", "y", "frame"]).or_else(|| three(["x", "y", "coordinate_frame"]));
+    let special = match name {
+        "MISSION_ITEM" => in_frame.map(|fields| Edit::Item(fields, 1.0)),
+        "STATUSTEXT" | "STATUSTEXT_LONG" => field("text").map(Edit::Mask),
+        "NAMED_VALUE_STRING" => field("value").map(Edit::Mask),
+        name if NAMED.contains(&name) => field("name").map(Edit::Empty),
+        _ => in_frame
+            .filter(|fields| fields[0].field_type == FieldType::I32)
+            .map(|fields| Edit::Item(fields, 1e7)),
+    };
+    let mut edits: Vec<Edit> = message.fields.iter().filter_map(edit_of).collect();
+    edits.extend(special);
+    let parameters = (1..=7).filter_map(|number| Some((number, field(&format!("param{number}"))?)));
+    let parameters: Vec<_> = parameters.collect();
+    let command = field("command").filter(|command| command.field_type == FieldType::U16);
+    if let Some(command) = command.filter(|_| !parameters.is_empty()) {
+        edits.push(Edit::Command(parameters, command));
+    }
+    // PARAM_MAP_RC has several.
+    let values = message.fields.iter().filter(|field| field.name.starts_with("param_value"));
+    let values: Vec<Field> = values.cloned().collect();
+    if let Some(name) = field("param_id").filter(|_| !values.is_empty()) {
+        edits.push(Edit::Parameter(values, name));
+    }
+    Plan::Edit(edits)
+}
+
+/// What to do with a field whatever message it is in.
+fn edit_of(field: &Field) -> Option<Edit> {
+    if IDENTIFIERS.contains(&field.name.as_str()) {
+        return Some(Edit::Empty(field.clone()));
+    }
+    let units = match field.units.as_deref()? {
+        "degE7" => 1e7,
+        "degE5" => 1e5,
+        "deg" => 1.0,
+        _ => return None,
+    };
+    Some(Edit::Move(field.clone(), axis_of(&field.name)?, units))
+}
+
+/// The coordinate that a name has among its words, as in `next_lat` and `gpsLon`.
+pub(super) fn axis_of(name: &str) -> Option<Axis> {
+    let mut words = name.as_bytes().chunk_by(|before, letter| {
+        *before != b'_' && !(before.is_ascii_lowercase() && letter.is_ascii_uppercase())
+    });
+    words.find_map(|word| {
+        let word = word.to_ascii_lowercase();
+        match word.strip_suffix(b"_").unwrap_or(&word) {
+            b"lat" | b"latitude" => Some(Axis::Latitude),
+            b"lon" | b"lng" | b"longitude" => Some(Axis::Longitude),
+            _ => None,
+        }
+    })
+}
