@@ -40,16 +40,23 @@ _VEHICLE_TEXTS = (
 _VEHICLE_BUILDS = {1: 10, 2: 2, 3: 1, 4: 5, 7: 12, 12: 7, 13: 4}
 # Types that tell the time, and PARM, which is to be known early.
 _TIME_TYPES = (*GPS_TYPES, "TIME", "PARM")
+_TIME_COLUMNS = ("TimeUS", "GWk", "GMS", "T", "Week", "TimeMS", "GPSTime", "StartTime")
+
+
+# What reckoning with the value of a column raises: a log may describe a time as a text or a list, and a
+# line of a text log may have anything in it.
+_NO_NUMBER = (ValueError, TypeError, OverflowError)
 
 
 def _has_numbers(m: Any, columns: Iterable[str]) -> bool:
-    """Whether all columns can be read; a line of a text log may have anything in them."""
+    """Whether all columns can be read, and those that tell the time are numbers."""
     try:
-        for column in columns:
-            getattr(m, column)
+        return all(
+            isinstance(getattr(m, column), int | float) or column not in _TIME_COLUMNS
+            for column in columns
+        )
     except ValueError:
         return False
-    return True
 
 
 class DFReader(_native.DataflashReader):
@@ -178,15 +185,15 @@ class DFReader(_native.DataflashReader):
         if self._clock is None:
             m._timestamp = 0
             return
-        with suppress(ValueError):  # a text log may have a word in the place of a number
+        with suppress(*_NO_NUMBER):
             self._clock.message_arrived(m)
         self._stamp(m)
 
     def _stamp(self, m: Any) -> None:
-        """Let the clock set a message's time; a word in its place counts as none."""
+        """Let the clock set a message's time; what is no number counts as none."""
         try:
             self._clock.set_message_timestamp(m)
-        except ValueError:
+        except _NO_NUMBER:
             m._timestamp = self._clock.timestamp
 
     def init_clock(self) -> None:
@@ -215,7 +222,7 @@ class DFReader(_native.DataflashReader):
         px4_time = None
         while (m := self.recv_match(type=_TIME_TYPES, strict=True)) is not None:
             kind, names = m.get_type(), m.get_fieldnames()
-            if kind == "TIME" and "StartTime" in names:
+            if kind == "TIME" and "StartTime" in names and _has_numbers(m, ["StartTime"]):
                 px4_time = m
             if kind not in GPS_TYPES:
                 continue
@@ -226,8 +233,9 @@ class DFReader(_native.DataflashReader):
                     self._use_usec(m)
                     return True
             elif {"T", "Week", "TimeMS"}.issubset(names):
-                self._use_msec(m)
-                return True
+                if m.Week:
+                    self._use_msec(m)
+                    return True
             elif "GPSTime" in names and px4_time is not None and m.GPSTime:
                 self.init_clock_px4(px4_time, m)
                 return True
@@ -248,9 +256,11 @@ class DFReader(_native.DataflashReader):
         self._rewind(keep_messages=True)
         types = {fmt.name for fmt in self._layouts if column in fmt.colhash}
         while types and (m := self.recv_match(type=types, strict=True)) is not None:
-            with suppress(ValueError):  # a text log may have a word there
-                value: float = getattr(m, column)
-                return value
+            # Another type of the same name may lack the column.
+            with suppress(ValueError, AttributeError):
+                value = getattr(m, column)
+                if isinstance(value, int | float):
+                    return value
         return None
 
     def _use_usec(self, gps: Any) -> None:
@@ -301,7 +311,7 @@ class DFReader(_native.DataflashReader):
             return
         try:
             take(self, m)
-        except (ValueError, OverflowError, TypeError):  # a mode may be infinite, a text a number
+        except _NO_NUMBER:  # a mode may be infinite
             pass
 
     # For programs that feed messages into a reader.

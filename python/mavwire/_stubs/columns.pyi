@@ -147,8 +147,12 @@ class ColumnView(Buffer):
     def valid(self) -> bytes | None:
         """A byte for each row, 1 where there is a value; None where all rows have one."""
 
+    @property
+    def elements(self) -> int | None:
+        """How many elements its lists have; None where its values are no lists."""
+
     def to_list(self) -> list[Any]:
-        """The texts or bytes, None for rows without; BufferError for numbers."""
+        """The texts or bytes, those of lists one by one, None for rows without; BufferError for numbers."""
 
     def __len__(self) -> int: ...
 

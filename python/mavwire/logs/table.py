@@ -121,9 +121,10 @@ class Table:
             raise TypeError(f"a table gives {remedy}, not by {what!r}")
         view = self._batches.column(what)
         if not view.is_numeric:
-            array = np.empty(len(view), dtype=object)
-            array[:] = view.to_list()
-            return array
+            values = view.to_list()
+            array = np.empty(len(values), dtype=object)
+            array[:] = values
+            return array if view.elements is None else array.reshape(len(view), view.elements)
         array = np.asarray(view)
         if view.is_time:
             array = array.view("datetime64[us]")

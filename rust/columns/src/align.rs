@@ -22,7 +22,7 @@ pub enum Method {
     Linear,
 }
 
-/// The rows of a table in the order of their times.
+/// The rows of a table in the order of their times, of those of one time the last.
 struct Ordered {
     times: Vec<i64>,
     rows: Vec<u64>,
@@ -33,8 +33,16 @@ impl Ordered {
         let times = times_of(table)?;
         let mut rows: Vec<u64> =
             (0..times.len() as u64).filter(|&row| times.is_valid(row as usize)).collect();
-        rows.sort_by_key(|&row| times.value(row as usize));
-        let times = rows.iter().map(|&row| times.value(row as usize)).collect();
+        let time_of = |row: u64| times.value(row as usize);
+        rows.sort_by_key(|&row| time_of(row));
+        rows.dedup_by(|later, kept| {
+            let is_same = time_of(*later) == time_of(*kept);
+            if is_same {
+                *kept = *later;
+            }
+            is_same
+        });
+        let times = rows.iter().map(|&row| time_of(row)).collect();
         Ok(Self { times, rows })
     }
 
@@ -74,9 +82,7 @@ fn times_of(table: &RecordBatch) -> Result<&TimestampMicrosecondArray, ArrowErro
 pub fn clock_of(table: &RecordBatch) -> Result<Vec<i64>, ArrowError> {
     let ordered = Ordered::of(table)?;
     check_times(&ordered, table, "the clock")?;
-    let mut times = ordered.times;
-    times.dedup();
-    Ok(times)
+    Ok(ordered.times)
 }
 
 /// Rows that belong to no time cannot be put beside others.

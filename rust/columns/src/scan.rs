@@ -47,32 +47,57 @@ impl Framing {
     /// What a log is that begins with these bytes: the way in which more records follow each other, or failing that the one in
     /// which the first record is good, or the one of which frames have dates in front, in their order, or none.
     pub fn of(head: &[u8], registry: &Registry) -> Self {
-        let find = |framing: Self| find_runs(head, 0..head.len(), framing.lead(), registry);
-        let (stamped, raw) = (find(Self::Stamped), find(Self::Raw));
-        let following = |found: &Runs| found.records.len() - found.runs.len();
-        let begins = |found: &Runs| found.runs.first().is_some_and(|run| run.bytes.start == 0);
-        let is_dated = are_dated(stamped.records.iter().map(|record| stamp_at(head, record.at)));
-        let for_stamped = (following(&stamped), begins(&stamped), is_dated);
-        let for_raw = (following(&raw), begins(&raw), !raw.records.is_empty() && !is_dated);
+        let (stamped, raw) =
+            (Self::Stamped.records(head, registry), Self::Raw.records(head, registry));
+        let begins = |found: &[Range<usize>]| found.first().is_some_and(|first| first.start == 0);
+        let is_dated = are_dated(stamped.iter().map(|record| stamp_at(head, record.start as u32)));
+        let for_stamped = (following(&stamped).count(), begins(&stamped), is_dated);
+        let for_raw = (following(&raw).count(), begins(&raw), !raw.is_empty() && !is_dated);
         if for_raw > for_stamped { Self::Raw } else { Self::Stamped }
     }
 
     /// Whether these bytes have good records one behind the other in either form: chance makes no three of them.
     pub fn is_in(head: &[u8], registry: &Registry) -> bool {
         [Self::Stamped, Self::Raw].into_iter().any(|framing| {
-            let found = find_runs(head, 0..head.len(), framing.lead(), registry);
-            found.runs.iter().any(|run| run.records.len() >= SURE_RECORDS)
+            let found = framing.records(head, registry);
+            let is_run = |few: &[Range<usize>]| following(few).count() + 1 == SURE_RECORDS;
+            found.windows(SURE_RECORDS).any(is_run)
         })
     }
 
     /// Bytes that good records have in the form that gives more of them.
     pub(crate) fn bytes_in(head: &[u8], registry: &Registry) -> usize {
-        let bytes = |framing: Self| -> usize {
-            let found = find_runs(head, 0..head.len(), framing.lead(), registry);
-            found.runs.iter().map(|run| run.bytes.len()).sum()
-        };
+        let bytes =
+            |framing: Self| framing.records(head, registry).iter().map(Range::len).sum::<usize>();
         bytes(Self::Stamped).max(bytes(Self::Raw))
     }
+
+    /// Where the good records of known messages are in these bytes.
+    fn records(self, head: &[u8], registry: &Registry) -> Vec<Range<usize>> {
+        let (mut scanner, mut found, mut at) = (self.scanner(), Vec::new(), 0);
+        loop {
+            match scanner.next(&head[at..], registry, true) {
+                FoundRecord::Record { len, entry, .. } => {
+                    found.extend(entry.map(|_| at..at + len));
+                    at += len;
+                }
+                FoundRecord::Junk { len } => at += len,
+                FoundRecord::Incomplete { .. } => return found,
+            }
+        }
+    }
+
+    fn scanner(self) -> RecordScanner {
+        match self {
+            Self::Stamped => RecordScanner::new(),
+            Self::Raw => RecordScanner::unstamped(),
+        }
+    }
+}
+
+/// The records that begin where the one in front of them ends.
+fn following(records: &[Range<usize>]) -> impl Iterator<Item = &Range<usize>> {
+    records.windows(2).filter(|two| two[0].end == two[1].start).map(|two| &two[1])
 }
 
 /// Whether most of what stands in front of frames are dates, of which hardly one goes back: the ends of HEARTBEATs, which look
@@ -116,10 +141,7 @@ pub struct LogScanner {
 impl LogScanner {
     /// A scanner at the start of a log.
     pub fn new(registry: Arc<Registry>, framing: Framing) -> Self {
-        let scanner = match framing {
-            Framing::Stamped => RecordScanner::new(),
-            Framing::Raw => RecordScanner::unstamped(),
-        };
+        let scanner = framing.scanner();
         Self { registry, scanner, before: None, after_damage: false, stretch: STRETCH }
     }
 

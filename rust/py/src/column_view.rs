@@ -78,10 +78,10 @@ impl ColumnView {
             None => Numbers::new(array, array.len(), None),
         };
         let shown = numbers.is_some()
-            || matches!(
-                array.data_type(),
-                DataType::Utf8 | DataType::Binary | DataType::Dictionary(..)
-            );
+            || match array.data_type() {
+                DataType::FixedSizeList(item, _) => is_text(item.data_type()),
+                other => is_text(other),
+            };
         shown.then(|| Self { values: array.clone(), numbers })
     }
 }
@@ -106,7 +106,16 @@ impl ColumnView {
         Some(Cow::Owned(nulls.iter().map(u8::from).collect()))
     }
 
-    /// The texts or bytes; `None` for rows without.
+    /// How many elements the lists of a column have; `None` where its values are no lists.
+    #[getter]
+    fn elements(&self) -> Option<i32> {
+        match self.values.data_type() {
+            DataType::FixedSizeList(_, elements) => Some(*elements),
+            _ => None,
+        }
+    }
+
+    /// The texts or bytes, those of lists one by one; `None` for rows without.
     fn to_list<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let any = self.values.as_any();
         if let Some(texts) = any.downcast_ref::<StringArray>() {
@@ -120,6 +129,20 @@ impl ColumnView {
             && let Some(texts) = keyed.downcast_dict::<StringArray>()
         {
             return list_of(py, texts.into_iter());
+        }
+        if let Some(lists) = any.downcast_ref::<FixedSizeListArray>()
+            && let Some(keyed) =
+                lists.values().as_any().downcast_ref::<DictionaryArray<Int32Type>>()
+            && let Some(texts) = keyed.downcast_dict::<StringArray>()
+        {
+            let elements = lists.value_length() as usize;
+            let texts: Vec<Option<&str>> = texts.into_iter().collect();
+            let of_row = |row: usize| {
+                let first = lists.value_offset_at(row) as usize;
+                let shown = texts[first..first + elements].iter();
+                shown.map(move |text| text.filter(|_| lists.is_valid(row)))
+            };
+            return list_of(py, (0..lists.len()).flat_map(of_row));
         }
         Err(PyBufferError::new_err("a column of numbers is read through its buffer"))
     }
@@ -171,4 +194,9 @@ impl ColumnView {
     unsafe fn __releasebuffer__(&self, view: *mut ffi::Py_buffer) {
         let _ = view;
     }
+}
+
+/// Whether values of a type are shown as a list of texts or bytes.
+fn is_text(kind: &DataType) -> bool {
+    matches!(kind, DataType::Utf8 | DataType::Binary | DataType::Dictionary(..))
 }

@@ -21,8 +21,9 @@ pub type Open<'a> = &'a (dyn Fn() -> io::Result<Box<dyn Read + Send>> + 'a);
 const PROBE: usize = 8000;
 /// Bytes of it among which a description stands.
 const TEXT_START: usize = 1000;
-/// Of so many of these one at most is no text: damage, or a mark of the encoding.
-const TEXT_SHARE: usize = 8;
+/// Of so many of these one at most is no text: damage, or a mark of the encoding. A log that begins with a description is
+/// one whatever follows.
+const TEXT_SHARE: usize = 2;
 /// How binary logs begin.
 const BINARY: &[u8] = b"\xA3\x95\x80";
 /// What describes a record in a text log.
@@ -52,12 +53,13 @@ fn is_cut_off_in(log: &[u8], start: &[u8]) -> bool {
     !log.is_empty() && log.len() < start.len() && start.starts_with(log)
 }
 
-/// Whether a text log begins with these bytes: a description is in the first of them, and hardly any are none of a text.
+/// Whether a text log begins with these bytes: with a description, or with text in which one is.
 pub fn begins_as_text(head: &[u8]) -> bool {
     let start = &head[..head.len().min(TEXT_START)];
     let is_other = |byte: &&u8| !matches!(byte, b' '..=b'~' | b'\t' | b'\r' | b'\n');
     let others = start.iter().filter(is_other).count();
-    memchr::memmem::find(start, TEXT).is_some() && others * TEXT_SHARE <= start.len()
+    start.starts_with(TEXT)
+        || memchr::memmem::find(start, TEXT).is_some() && others * TEXT_SHARE <= start.len()
 }
 
 impl Form {

@@ -135,6 +135,7 @@ impl ClockFinder {
             return Some((Unit::Micros, zero("GWk", "GMS", named("TimeUS")?)?));
         }
         if has("T") && has("Week") && has("TimeMS") {
+            named("Week").filter(|&week| week != 0.0)?;
             return Some((Unit::Millis, zero("Week", "TimeMS", named("T")? * 1e3)?));
         }
         let time = named("GPSTime").filter(|&time| time != 0.0)?;
