@@ -19,7 +19,9 @@ from mavwire.tools._arguments import add_condition
 if TYPE_CHECKING:
     import argparse
 
-LOG_SUFFIXES = (".tlog", ".bin", ".log", ".px4log", ".csv", ".raw", ".mavlink", ".gz", ".zst")
+LOG_SUFFIXES = (".tlog", ".bin", ".log", ".px4log", ".csv", ".raw", ".mavlink")
+PACKED = (".gz", ".zst")
+"""What may stand behind them. By itself it may be a field: XKF1.GZ."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -92,4 +94,6 @@ def main(args: argparse.Namespace) -> int:
 
 def is_log(name: str) -> bool:
     """Whether an argument is a file, or can only mean one."""
-    return os.path.exists(name) or name.lower().endswith(LOG_SUFFIXES)
+    stem, suffix = os.path.splitext(name.lower())
+    plain = stem if suffix in PACKED else stem + suffix
+    return os.path.exists(name) or plain.endswith(LOG_SUFFIXES)

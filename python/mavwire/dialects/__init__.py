@@ -79,17 +79,24 @@ def load(
 
     ``path`` names the file; its includes are looked for beside it and among the built-in dialects. A text that starts
     with ``<`` is taken as XML itself. The module is entered in ``sys.modules`` under ``mavwire.dialects.loaded.<name>``
-    so that its messages can be pickled within the process; loading the same name again replaces it there.
+    so that its messages can be pickled within the process; loading the same name again replaces it there. Raises
+    ``OSError`` for a file that cannot be read and ``DefinitionError`` naming file, line and reason.
     """
     import sys
     from types import ModuleType
 
+    from mavwire._native import DefinitionError
     from mavwire.dialects import _sources
 
     main, sources = _sources.collect(path, name)
     module = ModuleType(
         f"mavwire.dialects.loaded.{main}", f"MAVLink dialect {main}, loaded at run time."
     )
-    populate(module.__dict__, name=main, wire_protocol=wire_protocol, sources=sources, main=main)
+    try:
+        populate(
+            module.__dict__, name=main, wire_protocol=wire_protocol, sources=sources, main=main
+        )
+    except DefinitionError as error:
+        raise DefinitionError(_sources.told_of(error, path, main)) from None
     sys.modules[module.__name__] = module
     return module

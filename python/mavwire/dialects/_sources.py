@@ -35,6 +35,17 @@ def collect(path: str | os.PathLike[str], name: str | None) -> tuple[str, dict[s
     return main, sources
 
 
+def told_of(error: Exception, path: str | os.PathLike[str], main: str) -> str:
+    """What is wrong with a dialect. The native side knows its texts by base names and calls each a ``.xml``: the main
+    one gets the name that it was given by, which may end in something else.
+    """
+    said, text = str(error), os.fspath(path)
+    file = f"{main}.xml:"
+    if text.lstrip()[:1] == "<" or not said.startswith(file):
+        return said
+    return f"{text}:{said.removeprefix(file)}"
+
+
 def _add_includes(folder: Path, text: str, sources: dict[str, str]) -> None:
     pending = [(folder, include) for include in _includes(text)]
     while pending:

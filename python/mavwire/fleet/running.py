@@ -81,7 +81,7 @@ def convert(
     logs = expand(paths, storage_options)
     compression, _, query, how = prepare(
         format, compression, types, systems, fields, start, end, dialect,
-        units=units, enums=enums, logs=logs[:1],
+        units=units, enums=enums, logs=logs,
     )  # fmt: skip
     for name, number in (("workers", workers), ("task_bytes", task_bytes)):
         if number is not None and number < 1:

@@ -20,6 +20,7 @@ from mavwire._wording import in_words
 from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest
+from .open_files import many_open_files
 from .query import Query
 from .reading import (
     absolute,
@@ -46,7 +47,7 @@ BATCH_BYTES = 32 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
 OUTPUT = 1
 """To be raised when the same options come to give other files: those of before are made anew."""
-INTERNAL = ("untimed", "batch_rows", "batch_bytes", "foreign")
+INTERNAL = ("unknown", "untimed", "batch_rows", "batch_bytes", "foreign")
 """What of a query makes no difference to files."""
 
 
@@ -193,7 +194,8 @@ class Job:
             if source is None:
                 check_readable(path)
                 row.size, row.mtime_ns = file_status(path)
-            self._convert(path if source is None else source, row)
+            with many_open_files():
+                self._convert(path if source is None else source, row)
         except (OSError, ValueError, MemoryError) as error:
             if isinstance(error, OSError):
                 self._name_place(error)

@@ -22,6 +22,8 @@ class Query:
     """The attributes that `LogColumns` and `Converter` read; None stands for all."""
 
     types: list[int] | None = None
+    unknown: list[int] | None = None
+    """Ids that the dialect lacks, for logs that are rewritten: they have no table."""
     names: list[str] | None = None
     """Record types of dataflash logs."""
     systems: list[int] | None = None
@@ -61,6 +63,7 @@ class Query:
         selection = Selection.of(dialect, known, systems, start, end)
         return cls(
             types=selection.types,
+            unknown=selection.unknown,
             names=None if wanted is None else [_name_of(one) for one in wanted],
             systems=selection.systems,
             start=selection.start,

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 BATCH_ROWS = 65_536
 BATCH_BYTES = 64 << 20
 """What `scan` holds at most of rows that are not yet a batch."""
+LOOKED_AT = 1000
+"""Logs that are looked at for the fields that are asked for, before any is converted."""
 
 
 def native_dialect(dialect: str | os.PathLike[str] | ModuleType) -> tuple[Any, Any]:
@@ -280,19 +282,44 @@ def check_fields(
     fields: str | Iterable[str] | None,
 ) -> None:
     """Raise ValueError for fields that none of some logs can have, of which the first is looked at if
-    none are asked for.
+    none are asked for. A log that cannot be read here, and one beyond the first `LOOKED_AT`, may
+    have any.
     """
-    if not all(map(is_dataflash, paths[:1] if fields is None else paths)) or not paths:
-        check_beside(paths, module, native, query, fields)
+    if fields is None:
+        if not paths or not is_dataflash(paths[0]):
+            check_beside(paths, module, native, query)
         return
-    missing = [] if fields is None else names_of(fields)
-    for types in described_by(paths) if missing else ():
-        columns = {one for name in query.names or types for one in types.get(name, ())}
-        missing = [name for name in missing if name not in columns]
+    missing, is_telemetry = names_of(fields), not paths
+    for path in paths[:LOOKED_AT]:
+        try:
+            check_readable(path)
+            tables = open_dataflash(path, path)
+        except (OSError, ValueError, MemoryError):  # as its row will say
+            return
+        if tables is not None:
+            types = tables.types()
+            columns = {one for name in query.names or types for one in types.get(name, ())}
+            missing = [name for name in missing if name not in columns]
+        elif not is_telemetry:
+            is_telemetry = True
+            missing = [name for name in missing if not _has_field(module, native, query, name)]
         if not missing:
             return
-    if missing:
+    if len(paths) > LOOKED_AT:
+        return
+    if is_telemetry:
+        check_tables(module, native, query, missing)
+    else:
         raise ValueError(f"no wanted type has a field {missing[0]!r}")
+
+
+def _has_field(module: Any, native: Any, query: Query, name: str) -> bool:
+    """Whether a telemetry log can have a field."""
+    try:
+        check_tables(module, native, query, [name])
+    except ValueError:
+        return False
+    return True
 
 
 def allow_described(paths: list[str], query: Query) -> None:

@@ -161,10 +161,17 @@ class Table:
         return self.slice(start, max(0, stop - start))
 
     def sender(self, sysid: int, compid: int | None = None) -> Table:
-        """The rows of one system, or of one of its components."""
+        """The rows of one system, or of one of its components. ValueError for a table that does not
+        tell who sent its rows.
+        """
         rows = self._batches
         for column, wanted in (("sysid", sysid), ("compid", compid)):
             if wanted is not None:
+                if column not in rows.names:
+                    raise ValueError(
+                        f"{self.name} has no column {column!r}: a dataflash log is of one system,"
+                        " and in tables of other logs it was left out"
+                    )
                 rows = dict(rows.split(column)).get(str(wanted), rows.slice(0, 0))
         return Table(self.name, rows, self.path)
 

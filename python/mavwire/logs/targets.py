@@ -15,7 +15,8 @@ OPEN_ALREADY = ("/dev/std", "/dev/fd/", "/proc/")
 
 def file_to_write(path: str | os.PathLike[str]) -> str:
     """The file behind a name, links followed. ValueError for a device or a pipe, whose place a file
-    would take, and for a folder; FileNotFoundError where the folder for it is not there.
+    would take, and for a folder; FileNotFoundError where the folder for it is not there;
+    PermissionError for a file that is not to be written, as taking its place asks nobody.
     """
     path = os.fsdecode(path)
     try:
@@ -30,4 +31,6 @@ def file_to_write(path: str | os.PathLike[str]) -> str:
         raise ValueError(f"{path!r} is a folder: name the file to write")
     if not stat.S_ISREG(mode) or path.startswith(OPEN_ALREADY):
         raise ValueError(f"{path!r} is a device or a pipe: name a file to write")
+    if not os.access(path, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
     return os.path.realpath(path) if os.path.islink(path) else path

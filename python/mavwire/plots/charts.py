@@ -93,6 +93,7 @@ def plot(
     out = os.fspath(out)
     _check(paths, texts, out, labels, flightmode)
     _check_times(timeshift, xaxis is not None, relative)
+    target = file_to_write(out)
     parsed = [parse(text) for text in texts]
     across = None if xaxis is None else parse(xaxis)
     read = [
@@ -114,7 +115,7 @@ def plot(
     if not points:
         lacks = [f"{said}: {path!r}" for path in paths if (said := lacking(path, dialect))]
         raise ValueError("; ".join(lacks if len(lacks) == len(paths) else lacks + notes))
-    write_file(file_to_write(out), _drawn(chart, _suffix(out)))
+    write_file(target, _drawn(chart, _suffix(out)))
     return Plotted(out, points, notes)
 
 

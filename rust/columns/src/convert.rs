@@ -26,6 +26,11 @@ const SHOWN_MICROS: (i64, i64) = (-8_334_601_228_800_000_000, 8_210_266_876_799_
 /// How times stand in texts: all with as many digits, else readers that look at some of them take others for no times.
 const TIME_TEXT: &str = "%Y-%m-%dT%H:%M:%S%.6fZ";
 
+const ZSTD_LEVEL: i32 = 1;
+
+/// Of the bytes in which repetitions are looked for: a conversion has a file open for each of hundreds of types.
+const ZSTD_WINDOW_LOG: u32 = 16;
+
 /// Rows that become text in one go.
 const TEXT_ROWS: usize = 4096;
 
@@ -115,6 +120,15 @@ impl<W: Write + Send> Sink<W> {
             }
         };
         Ok(Self { writer, rows: 0 })
+    }
+
+    /// Says how many rows the file will have, which tells better than its first batch how its columns are best written.
+    #[must_use]
+    pub fn with_rows(mut self, rows: usize) -> Self {
+        if let Writer::Parquet(writer) = &mut self.writer {
+            writer.expect(rows);
+        }
+        self
     }
 
     /// Rows so far.
@@ -297,7 +311,11 @@ impl<W: Write> Squeeze<W> {
     fn new(out: W, compression: Compression) -> io::Result<Self> {
         Ok(match compression {
             Compression::Gzip => Self::Gzip(GzEncoder::new(out, flate2::Compression::fast())),
-            Compression::Zstd => Self::Zstd(zstd::stream::write::Encoder::new(out, 1)?),
+            Compression::Zstd => {
+                let mut encoder = zstd::stream::write::Encoder::new(out, ZSTD_LEVEL)?;
+                encoder.window_log(ZSTD_WINDOW_LOG)?;
+                Self::Zstd(encoder)
+            }
             Compression::None | Compression::Snappy | Compression::Lz4 => Self::Plain(out),
         })
     }

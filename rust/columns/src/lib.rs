@@ -12,6 +12,7 @@ pub mod align;
 pub mod column;
 pub mod convert;
 pub mod dataflash;
+mod decoder;
 pub mod enums;
 pub mod error;
 pub mod fit;

@@ -4,9 +4,54 @@
 //! table by table took a third of the time that a log takes. So they are copied once, in the order of the log.
 
 use std::ops::Range;
+use std::vec::IntoIter;
 
 /// Records of a piece: few enough to stay in the second cache, enough for most tables to have some.
 pub(crate) const PIECE: usize = 8192;
+
+/// Bytes of rows that are made of a block in one go. A block of very short records may make hundreds of times its own size.
+const PORTION: usize = 64 << 20;
+
+/// The ranges of parts of a block that are taken in one after the other; `rows_len` says how many bytes the rows of a part
+/// take.
+pub(crate) fn portions<T>(parts: &[T], rows_len: impl Fn(&T) -> usize) -> Vec<Range<usize>> {
+    let (mut portions, mut bytes) = (Vec::new(), 0);
+    let mut first = 0;
+    for (number, part) in parts.iter().enumerate() {
+        let more = rows_len(part);
+        if number > first && bytes + more > PORTION {
+            portions.push(first..number);
+            (first, bytes) = (number, 0);
+        }
+        bytes += more;
+    }
+    if first < parts.len() {
+        portions.push(first..parts.len());
+    }
+    portions
+}
+
+/// What is left of a block of which a portion was taken in; the batches of that one come first.
+pub(crate) struct Rest<T> {
+    pub(crate) block: Vec<u8>,
+    /// Where its records are.
+    pub(crate) found: T,
+    pub(crate) portions: IntoIter<Range<usize>>,
+    /// The share of the log that is dealt with behind the block.
+    pub(crate) done: f64,
+}
+
+impl<T> Rest<T> {
+    /// A copy of the block, if there is anything left of it.
+    pub(crate) fn of(
+        block: &[u8],
+        found: T,
+        portions: IntoIter<Range<usize>>,
+        done: f64,
+    ) -> Option<Self> {
+        (portions.len() > 0).then(|| Self { block: block.to_vec(), found, portions, done })
+    }
+}
 
 /// A record on its way to its table.
 #[derive(Debug, Clone, Copy)]

@@ -4,21 +4,17 @@ use std::io::Read;
 use std::sync::Arc;
 
 use arrow::array::RecordBatch;
-use mavwire_core::frame::Header;
-use mavwire_core::log::tlog::Located;
 use mavwire_core::registry::Registry;
-use rayon::prelude::*;
 
+use crate::decoder::Decoder;
 use crate::error::Error;
-use crate::gather::{PAYLOAD, Rows};
 use crate::input::{Blocks, Steps};
-use crate::layout::{Layout, Options};
-use crate::piece::{Chosen, PIECE, Piece};
+use crate::layout::Options;
+use crate::piece::Rest;
 use crate::pool;
 use crate::scan::{Framing, LogScanner, Scanned};
 use crate::select::Wanted;
-use crate::table::{Expected, GROUP, TableBuilder};
-use crate::tables::Tables;
+use crate::table::Expected;
 
 /// When a table's rows become a record batch.
 #[derive(Debug, Clone, Copy)]
@@ -93,12 +89,8 @@ pub struct Reader {
     blocks: Blocks,
     scanner: LogScanner,
     framing: Framing,
-    wanted: Wanted,
-    options: Options,
-    tables: Tables,
-    pieces: Vec<Piece>,
-    /// Bytes of a row of each table while it is laid beside the others.
-    strides: Vec<usize>,
+    decoder: Decoder,
+    rest: Option<Rest<Scanned>>,
     /// Bytes of the log, decompressed, that are dealt with.
     position: u64,
     bad_bytes: u64,
@@ -120,23 +112,10 @@ impl Reader {
         limits: Limits,
     ) -> Result<Self, Error> {
         let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
-        let messages = &registry.dialect().messages;
-        let tables = Tables::new(messages.len(), limits);
-        let strides = messages.iter().map(|one| PAYLOAD + usize::from(one.max_len)).collect();
+        let decoder = Decoder::new(Arc::clone(&registry), framing, wanted, options, limits);
         let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
-        Ok(Self {
-            blocks,
-            scanner,
-            framing,
-            wanted,
-            options,
-            tables,
-            pieces: Vec::new(),
-            strides,
-            position: 0,
-            bad_bytes: 0,
-            size: 0,
-        })
+        let (rest, position, bad_bytes, size) = Default::default();
+        Ok(Self { blocks, scanner, framing, decoder, rest, position, bad_bytes, size })
     }
 
     /// Says how many bytes the log has, or may have: tables get room for the rows that are to be expected.
@@ -144,47 +123,6 @@ impl Reader {
     pub fn with_size(mut self, bytes: u64) -> Self {
         self.size = bytes;
         self
-    }
-}
-
-/// Lays the wanted records of a block side by side, piece by piece.
-fn sort_into(
-    pieces: &mut Vec<Piece>,
-    strides: &[usize],
-    block: &[u8],
-    framing: Framing,
-    scanned: &Scanned,
-    wanted: &Wanted,
-) {
-    let lead = framing.lead();
-    let wants = |record: &&Located| wanted.wants_row(block, lead, scanned, **record);
-    pieces.resize_with(scanned.records.len().div_ceil(PIECE), Piece::default);
-    let each = pieces.par_iter_mut().zip(scanned.records.par_chunks(PIECE)).with_max_len(1);
-    each.for_each(|(piece, records)| {
-        let chosen = records.iter().filter(wants).map(|&Located { at, index }| {
-            let time = if lead == 0 { 0 } else { scanned.time(block, at) };
-            let time = i64::try_from(time).unwrap_or(i64::MAX);
-            Chosen { table: index, kind: 0, at, time }
-        });
-        piece.sort(chosen, strides, |record, row| fill(row, &block[record.at as usize + lead..]));
-    });
-}
-
-/// Who sent a frame, and its payload as far as the message goes.
-fn fill(row: &mut [u8], frame: &[u8]) {
-    let Some(header) = Header::parse(frame) else { return row.fill(0) };
-    (row[0], row[1], row[2]) = (header.sysid, header.compid, header.seq);
-    let sent = &frame[header.len()..][..usize::from(header.payload_len)];
-    let kept = sent.len().min(row.len() - PAYLOAD);
-    let (there, cut) = row[PAYLOAD..].split_at_mut(kept);
-    there.copy_from_slice(&sent[..kept]);
-    cut.fill(0);
-}
-
-/// Appends the records of a type in a piece to its table.
-fn append(table: &mut TableBuilder, index: usize, piece: &Piece) {
-    for side in piece.of(index).groups(GROUP) {
-        table.append(&Rows { times: side.times, bytes: side.bytes, stride: side.stride });
     }
 }
 
@@ -206,23 +144,30 @@ impl Decode for Reader {
     }
 
     fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error> {
-        let Self { blocks, scanner, framing, wanted, options, tables, pieces, strides, .. } = self;
+        if let Some(mut rest) = self.rest.take()
+            && let Some(some) = rest.portions.next()
+        {
+            let batches = self.decoder.take_in(&rest.block, &rest.found, some, rest.done);
+            self.rest = Some(rest);
+            return batches.map(Some);
+        }
+        let Self { blocks, scanner, decoder, rest, .. } = self;
         let (position, size) = (self.position, self.size);
         let read = blocks.next(|block, at_end| {
             let scanned = scanner.scan(block, at_end);
-            sort_into(pieces, strides, block, *framing, &scanned, wanted);
-            let new = |index| {
-                let layout = Layout::new(scanner.registry(), index as u16, *framing, options);
-                TableBuilder::new(Arc::new(layout))
-            };
-            let done = (position + scanned.consumed as u64) as f64 / size as f64;
-            tables.append(pieces, done, new, append);
+            let consumed = scanned.consumed;
+            let done = (position + consumed as u64) as f64 / size as f64;
+            let mut portions = decoder.portions(&scanned);
+            let first = portions.next();
+            let batches =
+                first.map_or(Ok(Vec::new()), |some| decoder.take_in(block, &scanned, some, done));
             let bad: usize = scanned.bad.iter().map(std::iter::ExactSizeIterator::len).sum();
-            (scanned.consumed, (scanned.consumed, bad))
+            *rest = Rest::of(&block[..consumed], scanned, portions, done);
+            (consumed, (consumed, bad, batches))
         })?;
-        let Some((consumed, bad)) = read else { return self.tables.rest() };
+        let Some((consumed, bad, batches)) = read else { return self.decoder.rest() };
         self.position += consumed as u64;
         self.bad_bytes += bad as u64;
-        self.tables.complete().map(Some)
+        batches.map(Some)
     }
 }

@@ -24,6 +24,9 @@ use crate::tables::pieces;
 /// Rows of a row group at most: readers that look for a time pass over whole groups.
 pub(crate) const MOST_ROWS: usize = 65_536;
 
+/// Values of a column of lists in a row group at most: each is encoded with levels that take several times its size.
+const MOST_VALUES: usize = 1 << 22;
+
 /// Rows below which columns are not worth handing to other threads.
 const FEW_ROWS: usize = 2048;
 
@@ -36,6 +39,8 @@ pub(crate) struct RowGroups<W: Write + Send> {
     compression: Compression,
     out: Shared<W>,
     state: State<W>,
+    /// Rows of the file at least, as far as is known.
+    rows: usize,
 }
 
 /// The output: parquet's writer, asked to give it back, does not say why it cannot write what is left.
@@ -62,7 +67,12 @@ enum State<W: Write + Send> {
 impl<W: Write + Send> RowGroups<W> {
     pub(crate) fn new(out: W, schema: SchemaRef, compression: Compression) -> Self {
         let out = Shared(Arc::new(Mutex::new(out)));
-        Self { schema, compression, out, state: State::New }
+        Self { schema, compression, out, state: State::New, rows: 0 }
+    }
+
+    /// Says how many rows are to come.
+    pub(crate) fn expect(&mut self, rows: usize) {
+        self.rows = rows;
     }
 
     /// Writes a batch as a row group, or as some of about one size.
@@ -70,7 +80,8 @@ impl<W: Write + Send> RowGroups<W> {
         if batch.num_rows() == 0 {
             return Ok(());
         }
-        pieces(batch, MOST_ROWS).try_for_each(|rows| pool::run(|| self.write_group(&rows)))
+        pieces(batch, most_rows(&self.schema))
+            .try_for_each(|rows| pool::run(|| self.write_group(&rows)))
     }
 
     fn write_group(&mut self, batch: &RecordBatch) -> Result<(), Error> {
@@ -110,6 +121,7 @@ impl<W: Write + Send> RowGroups<W> {
             State::Open(file, factory) => Ok((file, factory)),
             State::New => {
                 let out = Shared(Arc::clone(&self.out.0));
+                let rows = rows.max(self.rows);
                 let properties = properties(&self.schema, self.compression, rows)?;
                 let schema = Arc::clone(&self.schema);
                 let writer = ArrowWriter::try_new(out, schema, Some(properties))?;
@@ -123,6 +135,16 @@ impl<W: Write + Send> RowGroups<W> {
     }
 }
 
+/// Rows of a row group of such a table at most.
+fn most_rows(schema: &Schema) -> usize {
+    let elements = |field: &Arc<Field>| match field.data_type() {
+        DataType::FixedSizeList(_, elements) => usize::try_from(*elements).unwrap_or(1),
+        _ => 1,
+    };
+    let widest = schema.fields().iter().map(elements).max();
+    MOST_ROWS.min(MOST_VALUES / widest.unwrap_or(1).max(1))
+}
+
 fn encoded(
     mut writer: ArrowColumnWriter,
     field: &Field,
@@ -134,7 +156,7 @@ fn encoded(
     writer.close()
 }
 
-/// How the columns of a table are written, the first batch of which has so many rows. A row group has statistics and
+/// How the columns of a table are written that has so many rows, as far as is known. A row group has statistics and
 /// pages no index: readers skip whole row groups.
 fn properties(
     schema: &Schema,

@@ -9,6 +9,8 @@ use crate::scan::{Scanned, UNKNOWN, header_at};
 pub struct Wanted {
     /// By message index; `None` for all.
     pub types: Option<Vec<bool>>,
+    /// Ids that the dialect lacks; `None` for all of them.
+    pub unknown: Option<Vec<u32>>,
     /// By system id; `None` for all.
     pub systems: Option<Box<[bool; 256]>>,
     /// Seconds since 1970: the first that is wanted.
@@ -19,7 +21,13 @@ pub struct Wanted {
 
 impl Default for Wanted {
     fn default() -> Self {
-        Self { types: None, systems: None, start: f64::NEG_INFINITY, end: f64::INFINITY }
+        Self {
+            types: None,
+            unknown: None,
+            systems: None,
+            start: f64::NEG_INFINITY,
+            end: f64::INFINITY,
+        }
     }
 }
 
@@ -29,7 +37,7 @@ impl Wanted {
         index != UNKNOWN && self.types.as_ref().is_none_or(|types| types[usize::from(index)])
     }
 
-    /// Whether a record is wanted; one of an unknown id is if all types are.
+    /// Whether a record is wanted.
     pub(crate) fn wants(
         &self,
         block: &[u8],
@@ -37,7 +45,10 @@ impl Wanted {
         scanned: &Scanned,
         record: Located,
     ) -> bool {
-        let by_type = self.types.is_none() || self.wants_type(record.index);
+        let by_type = match record.index {
+            UNKNOWN => self.wants_unknown(block, lead, record),
+            index => self.wants_type(index),
+        };
         by_type && (self.by_type_alone() || self.wants_record(block, lead, scanned, record))
     }
 
@@ -52,6 +63,13 @@ impl Wanted {
     ) -> bool {
         self.wants_type(record.index)
             && (self.by_type_alone() || self.wants_record(block, lead, scanned, record))
+    }
+
+    fn wants_unknown(&self, block: &[u8], lead: usize, record: Located) -> bool {
+        let is_among = |ids: &Vec<u32>| {
+            header_at(block, record.at, lead).is_some_and(|header| ids.contains(&header.msgid))
+        };
+        self.unknown.as_ref().is_none_or(is_among)
     }
 
     /// Whether a look at the type settles it.

@@ -93,7 +93,11 @@ impl Anonymizer {
         match edit {
             Edit::Move(field, axis, units) => self.shift_field(field, *axis, *units, payload),
             Edit::Empty(field) => bytes_of(field, payload).fill(0),
-            Edit::Mask(field) => mask(bytes_of(field, payload)),
+            Edit::Mask(field, id) => {
+                let is_set = |id: &Field| bytes_of(id, payload).iter().any(|byte| *byte != 0);
+                let is_part = id.as_ref().is_some_and(is_set);
+                mask(bytes_of(field, payload), is_part);
+            }
             Edit::Parameter(values, name) => {
                 if tells(text_bytes(name, payload)) {
                     for value in values {
@@ -162,11 +166,15 @@ fn bytes_of<'a>(field: &Field, payload: &'a mut [u8]) -> &'a mut [u8] {
     &mut payload[start..end]
 }
 
-/// Overwrites words of many hexadecimal digits.
-fn mask(text: &mut [u8]) {
+/// Overwrites words of many hexadecimal digits, and those at the ends of a part of a text, which may go on beyond.
+fn mask(text: &mut [u8], is_part: bool) {
+    let (all, mut end) = (text.len(), 0);
     for word in text.chunk_by_mut(|a, b| a.is_ascii_hexdigit() == b.is_ascii_hexdigit()) {
-        let is_word = word[0].is_ascii_hexdigit() && word.iter().any(u8::is_ascii_digit);
-        if is_word && word.len() >= IDENTIFIER_DIGITS {
+        let is_first = end == 0;
+        end += word.len();
+        let is_long = word.len() >= IDENTIFIER_DIGITS && word.iter().any(u8::is_ascii_digit);
+        let may_go_on = is_part && (is_first || end == all);
+        if word[0].is_ascii_hexdigit() && (is_long || may_go_on) {
             word.fill(b'x');
         }
     }

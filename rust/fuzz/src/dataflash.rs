@@ -1,7 +1,7 @@
 //! Dataflash logs, binary and text.
 
 use mavwire_core::log::dataflash::text::{
-    Delimiter, TextDefinitions, decode_line, nth_value, values,
+    Delimiter, TextDefinitions, decode_line, nth_value, text_values,
 };
 use mavwire_core::log::dataflash::{Definitions, HEAD_LEN, LOOK_LEN, RecordEntry, index};
 
@@ -48,7 +48,7 @@ pub fn dataflash_text(data: &[u8]) {
         if let Some(layout) = definitions.of_line(line, at) {
             let layout = &definitions.layouts()[usize::from(layout)];
             let text = decode_line(line);
-            let found = values(&text, delimiter, &layout.name);
+            let found = text_values(&text, delimiter, &layout.name);
             for (column, value) in found.iter().enumerate() {
                 let bytes = nth_value(line, delimiter, column);
                 assert!(bytes.is_some() || layout.name == "FMT", "{value}");

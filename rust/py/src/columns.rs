@@ -27,6 +27,9 @@ pub(crate) struct Query {
     /// Message ids; `None` for all.
     #[pyo3(from_py_with = optional_list)]
     types: Option<Vec<u32>>,
+    /// Ids that the dialect lacks; `None` for all of them.
+    #[pyo3(from_py_with = optional_list)]
+    unknown: Option<Vec<u32>>,
     /// The same for dataflash logs: names of record types.
     #[pyo3(from_py_with = optional_list)]
     pub(crate) names: Option<Vec<String>>,
@@ -62,7 +65,7 @@ impl Query {
             systems
         });
         let (start, end) = self.span();
-        Wanted { types, systems, start, end }
+        Wanted { types, unknown: self.unknown.clone(), systems, start, end }
     }
 
     /// Seconds since 1970: the first that is wanted, and the first that is not any more.

@@ -183,7 +183,8 @@ pub(crate) fn write_table(
     check(kind.takes(how), format, compression)?;
     let begin =
         || -> Result<_, Error> { Sink::new(Draft::create(&path)?, table.schema(), kind, how) };
-    let mut sink = py.detach(begin).map_err(columns_error)?;
+    let rows = table.batches().iter().map(|batch| batch.num_rows()).sum();
+    let mut sink = py.detach(begin).map_err(columns_error)?.with_rows(rows);
     for rows in table.batches().iter().flat_map(moments) {
         py.detach(|| sink.write(&rows)).map_err(columns_error)?;
         py.check_signals()?;

@@ -110,6 +110,7 @@ impl DataflashTables {
         for (table, name) in self.survey.tables.iter().enumerate() {
             // Of thousands of types each is made without the interpreter: other threads go on meanwhile.
             types.set_item(&**name, py.detach(|| columns(table)))?;
+            py.check_signals()?;
         }
         Ok(types)
     }

@@ -154,6 +154,13 @@ def test_info(tmp_path):
     assert not info.senders and info.stamped
 
 
+def test_rows_of_a_dataflash_log_have_no_sender(tmp_path):
+    table = mavwire.read(sample().write(tmp_path / "flight.BIN"))["IMU"]
+    for who in ((1,), (1, 1)):
+        with pytest.raises(ValueError, match="'sysid': a dataflash log is of one system"):
+            table.sender(*who)
+
+
 def test_align_and_wide(tmp_path):
     path = sample().write(tmp_path / "flight.BIN")
     wide = mavwire.read(path, "IMU", wide=True)["IMU"]

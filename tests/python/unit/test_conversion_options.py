@@ -17,6 +17,7 @@ import pytest
 from dataflash_writer import sample
 from mavwire import cli, traffic
 from mavwire.dialects import load
+from mavwire.logs import reading
 from mavwire.logs.conversion import convert
 
 
@@ -114,6 +115,33 @@ def test_fields_are_those_of_any_log(flight, tmp_path):
         assert [row.error for row in rows] == [None] * len(logs)
         with pytest.raises(ValueError, match="has a field 'nope'"):
             convert(logs, tmp_path / "out", fields=["AccX", "nope"])
+
+
+def test_fields_of_a_log_that_cannot_be_read_are_not_refused(flight, tmp_path):
+    onboard = sample().write(tmp_path / "flight.BIN")
+    headless = tmp_path / "headless.BIN"
+    headless.write_bytes(Path(onboard).read_bytes()[89:] * 3)
+    for missing in (tmp_path / "none.BIN", headless, tmp_path):
+        for logs in ([missing], [missing, onboard], [flight, missing]):
+            rows = convert(logs, tmp_path / "out", fields="AccX")
+            assert [row.error is None for row in rows] == [log != missing for log in logs]
+
+
+def test_no_more_logs_than_a_bound_are_looked_at_for_fields(flight, tmp_path, monkeypatch):
+    monkeypatch.setattr(reading, "LOOKED_AT", 2)
+    logs = [flight]
+    for n in range(2):
+        logs.append(tmp_path / f"{n}.tlog")
+        logs[-1].write_bytes(flight.read_bytes())
+    assert all(row.error is None for row in convert(logs, tmp_path / "out", fields="nope"))
+    with pytest.raises(ValueError, match="has a field 'nope'"):
+        convert(logs[:2], tmp_path / "few", fields="nope")
+
+
+def test_fields_are_those_of_the_wanted_types(flight, tmp_path):
+    onboard = sample().write(tmp_path / "flight.BIN")
+    with pytest.raises(ValueError, match="no wanted message has a field 'AccX'"):
+        convert([onboard, flight], tmp_path / "out", types="HEARTBEAT", fields="AccX")
 
 
 @pytest.mark.parametrize("format", ["parquet", "mcap"])

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+import mavwire
 import pytest
 from mavwire import dialects
 from mavwire._native import DefinitionError
@@ -30,6 +31,23 @@ def test_dialect_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
         file.truncate(16 * 1024 * 1024 + 1)
     with pytest.raises(DefinitionError, match=r"large\.xml: definition file larger than"):
         dialects.load(large)
+
+
+def test_an_error_names_the_file_that_was_given(tmp_path: Path) -> None:
+    path = tmp_path / "words.txt"
+    path.write_text("root:x:0:0:root\n")
+    for name in (None, "mine"):
+        with pytest.raises(DefinitionError) as caught:
+            dialects.load(path, name=name)
+        assert str(caught.value).startswith(f"{path}:1:1: not well-formed XML")
+    with pytest.raises(ValueError, match=f"^{path}:1:1: not well-formed XML"):
+        mavwire.read(os.devnull, dialect=str(path))
+    with pytest.raises(DefinitionError, match=r"^custom\.xml:1:"):
+        dialects.load("<mavlink")
+    (tmp_path / "inner.xml").write_text("<mavlink")
+    path.write_text("<mavlink><include>inner.xml</include></mavlink>")
+    with pytest.raises(DefinitionError, match=r"^inner\.xml:1:"):
+        dialects.load(path)
 
 
 def definitions(folder: Path, *, field: str = "a", entry: str = "MINE") -> Path:

@@ -311,6 +311,27 @@ def test_dataflash_logs(tmp_path, inside):
         dask_frame(log, "ABC")
 
 
+def test_fields_are_those_of_any_log(tmp_path, small, inside):
+    log = sample().write(tmp_path / "00000001.BIN")
+    here, there = tmp_path / "here", tmp_path / "there"
+    logs = [small[0], log]
+    alone = convert_here(logs, here, format="jsonl", fields="AccX")
+    rows = convert(logs, there, inside, format="jsonl", fields="AccX")
+    assert outcome(rows) == outcome(alone) and not any(row.error for row in rows)
+    assert rows_of(there) == rows_of(here)
+    with pytest.raises(ValueError, match="no wanted message has a field 'nope'"):
+        convert(logs, there, inside, fields=["AccX", "nope"])
+
+
+def test_fields_of_logs_that_are_not_here_are_not_refused(tmp_path, inside):
+    fsspec = pytest.importorskip("fsspec")
+    place = "memory://fields/00000001.BIN"
+    with fsspec.open(place, "wb") as file:
+        file.write(sample().data)
+    rows = convert([place, str(tmp_path / "none.BIN")], tmp_path / "out", inside, fields="AccX")
+    assert [(row.error is None, row.rows > 0) for row in rows] == [(True, True), (False, False)]
+
+
 def test_places(tmp_path, small):
     folder = small[0].parent
     assert expand(f"{folder}/*.tlog") == [str(path) for path in small]

@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dataflash_writer import sample
+from dataflash_writer import Log, sample
 from mavwire import cli, mavutil, plots, traffic
+from mavwire.cli.plot import is_log
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.expression import ExpressionError
 from mavwire.plots.expressions import parse
@@ -637,10 +638,41 @@ def test_the_command(tmp_path, flight, capsys):
     assert len(Page(out.read_bytes()).data()["lines"]) == 2
 
 
+@pytest.mark.parametrize("field", ["GX", "GZ"])
+def test_a_field_is_no_compressed_log(tmp_path, capsys, field):
+    log = Log().define("XKF1", "Qff", "TimeUS,GX,GZ")
+    for n in range(3):
+        log.add("XKF1", 1000 * n, 0.5, 0.5)
+    path, out = log.write(tmp_path / "X.BIN"), tmp_path / "x.html"
+    assert cli.main(["plot", path, f"XKF1.{field}", "-o", str(out)]) == 0, capsys.readouterr().err
+    assert [one["label"] for one in Page(out.read_bytes()).data()["lines"]] == [f"XKF1.{field}"]
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        ("XKF1.GZ", False),
+        ("NKF1.GZ", False),
+        ("XKF1.GX", False),
+        ("IMU.gz", False),
+        ("degrees(IMU.GZ)", False),
+        ("none.tlog", True),
+        ("none.tlog.gz", True),
+        ("NONE.BIN", True),
+        ("NONE.BIN.GZ", True),
+        ("none.log.zst", True),
+    ],
+)
+def test_what_is_a_log_though_it_is_missing(tmp_path, monkeypatch, name, wanted):
+    monkeypatch.chdir(tmp_path)
+    assert is_log(name) is wanted
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (["{log}", "ATTITUDE.roll", "-o", "x.jpg"], "does not end in"),
+        (["{log}", "none.tlog.gz", "ATTITUDE.roll", "-o", "x.html"], "none.tlog.gz: No such file"),
         (["{log}", "-o", "x.html"], "what of it?"),
         (["ATTITUDE.roll", "-o", "x.html"], "there is no log"),
         (["none.tlog", "ATTITUDE.roll", "-o", "x.html"], "none.tlog"),

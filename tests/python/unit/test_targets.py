@@ -15,6 +15,7 @@ from mavwire import cli, traffic
 from mavwire.logs.conversion import convert
 from mavwire.logs.rewriting import cut, merge
 from mavwire.logs.targets import file_to_write
+from mavwire.plots import charts
 from unit.faults import python
 
 needs_pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
@@ -128,6 +129,30 @@ def test_who_may_read_a_file_stays(flight, tmp_path):
         write(str(out))
         assert stat.S_IMODE(out.stat().st_mode) == 0o600, name
         assert out.stat().st_size > len("before")
+
+
+def test_a_file_that_may_not_be_written_stays(flight, tmp_path, monkeypatch, capsys):
+    """Also at the end of a link, and it is told before the log is read."""
+    if getattr(os, "geteuid", lambda: 1)() == 0:  # to whom all is allowed
+        monkeypatch.setattr(os, "access", lambda path, mode: not os.path.exists(path))
+    monkeypatch.setattr(charts, "read_series", None)
+    every = [*writers(flight), ("x.html", lambda out: charts.plot(flight, "ATTITUDE.roll", out))]
+    for name, write in every:
+        out, link = tmp_path / name, tmp_path / f"link of {name}"
+        out.write_text("before")
+        out.chmod(0o444)
+        link.symlink_to(out)
+        for place in (out, link):
+            with pytest.raises(PermissionError) as caught:
+                write(str(place))
+            assert caught.value.filename == str(place)
+        assert out.read_text() == "before" and link.is_symlink()
+        out.unlink()
+        link.unlink()
+    (tmp_path / "x.tlog").touch(0o444)
+    assert cli.main(["cut", str(flight), "-o", str(tmp_path / "x.tlog")]) == 1
+    said = f"mavwire cut: error: {tmp_path / 'x.tlog'}: Permission denied\n"
+    assert capsys.readouterr().err == said
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/stdout"), reason="needs names of open files")

@@ -1,6 +1,8 @@
 //! Records on their way into tables: sorted by table piece by piece, then gathered field by field.
 
+use std::ops::Range;
 use std::sync::Arc;
+use std::vec::IntoIter;
 
 use mavwire_core::log::dataflash::Layout;
 use mavwire_core::log::dataflash::text::{Delimiter, trimmed, values};
@@ -8,12 +10,12 @@ use rayon::prelude::*;
 
 use super::hop::Place;
 use super::layout::{TableLayout, table_layout};
-use super::survey::{Form, NO_TABLE, Survey};
-use super::walk::{Walk, Walked};
+use super::survey::{Form, NO_TABLE, Survey, values_len};
+use super::walk::{Stretch, Walk, Walked};
 use crate::error::Error;
 use crate::gather::Rows;
 use crate::layout::{Options, Source};
-use crate::piece::{Chosen, Piece, Side};
+use crate::piece::{Chosen, Piece, Side, portions};
 use crate::reader::{Batch, Limits};
 use crate::select::seconds;
 use crate::table::{GROUP, TableBuilder};
@@ -55,6 +57,8 @@ pub(super) struct Decoder {
     pieces: Vec<Piece>,
     /// Bytes of a row of each table while it is laid beside the others.
     strides: Vec<usize>,
+    /// Bytes that a record of each layout takes there and in its table.
+    row_lens: Vec<usize>,
     wanted: Wanted,
     options: Options,
     renewals: usize,
@@ -69,7 +73,7 @@ impl Decoder {
         limits: Limits,
     ) -> Self {
         let walk = Walk::new(Arc::clone(&survey));
-        let (layouts, is_wanted, pieces, strides) = Default::default();
+        let (layouts, is_wanted, pieces, strides, row_lens) = Default::default();
         let tables = Tables::new(0, limits);
         let mut decoder = Self {
             survey: Arc::clone(&survey),
@@ -79,6 +83,7 @@ impl Decoder {
             is_wanted,
             pieces,
             strides,
+            row_lens,
             wanted,
             options,
             renewals: 0,
@@ -122,20 +127,45 @@ impl Decoder {
         self.tables.grow(tables.len());
         self.strides.clear();
         self.strides.resize(tables.len(), 0);
+        let mut values_lens = vec![0; tables.len()];
         for (layout, &table) in survey.form.layouts().iter().zip(&survey.table_of) {
             if table != NO_TABLE {
                 let stride = &mut self.strides[usize::from(table)];
                 *stride = (*stride).max(row_len(&survey.form, layout));
+                values_lens[usize::from(table)] += values_len(layout);
             }
         }
+        let is_wanted = |table: usize| self.is_wanted.get(table).is_some_and(|wanted| *wanted);
+        let of_table = |&table: &u16| match usize::from(table) {
+            table if is_wanted(table) => self.strides[table] + values_lens[table],
+            _ => 0,
+        };
+        self.row_lens = survey.table_of.iter().map(of_table).collect();
         self.survey = survey;
     }
 
-    /// Appends the wanted records of a block to their tables; `done` is the share of the log that is dealt with then.
-    pub(super) fn take_in(&mut self, block: &[u8], walked: &Walked, done: f64) {
+    /// The stretches of a block that are taken in one after the other.
+    pub(super) fn portions(&self, walked: &Walked) -> IntoIter<Range<usize>> {
+        let rows_len = |stretch: &Stretch| stretch.layouts().map(|one| self.row_lens[one]).sum();
+        portions(&walked.stretches, rows_len).into_iter()
+    }
+
+    /// Appends the wanted records of some stretches of a block to their tables; `done` is the share of the log that is dealt
+    /// with behind the block. Returns the batches that are complete.
+    pub(super) fn take_in(
+        &mut self,
+        block: &[u8],
+        stretches: &[Stretch],
+        done: f64,
+    ) -> Result<Vec<Batch>, Error> {
+        self.append(block, stretches, done);
+        self.tables.complete()
+    }
+
+    fn append(&mut self, block: &[u8], stretches: &[Stretch], done: f64) {
         let Self { survey, walk, layouts, tables, is_wanted, pieces, strides, wanted, .. } = self;
         let sorter = Sorter { walk, survey, wanted, is_wanted, strides };
-        sorter.sort_into(pieces, block, walked);
+        sorter.sort_into(pieces, block, stretches);
         let has_rows = |table| pieces.iter().any(|piece| piece.rows(table) > 0);
         let new = layouts.iter_mut().enumerate();
         let new: Vec<_> = new.filter(|(table, one)| one.is_none() && has_rows(*table)).collect();
@@ -152,11 +182,6 @@ impl Decoder {
             }
         };
         tables.append(pieces, done, new, append);
-    }
-
-    /// The batches that are complete.
-    pub(super) fn complete(&mut self) -> Result<Vec<Batch>, Error> {
-        self.tables.complete()
     }
 
     /// What is left at the end; `None` the second time.
@@ -183,10 +208,10 @@ struct Sorter<'a> {
 }
 
 impl Sorter<'_> {
-    fn sort_into(&self, pieces: &mut Vec<Piece>, block: &[u8], walked: &Walked) {
-        pieces.resize_with(walked.stretches.len(), Piece::default);
+    fn sort_into(&self, pieces: &mut Vec<Piece>, block: &[u8], stretches: &[Stretch]) {
+        pieces.resize_with(stretches.len(), Piece::default);
         let is_binary = matches!(self.survey.form, Form::Binary(_));
-        let each = pieces.par_iter_mut().zip(&walked.stretches).with_max_len(1);
+        let each = pieces.par_iter_mut().zip(stretches).with_max_len(1);
         each.for_each(|(piece, stretch)| {
             let all = self.walk.timed(block, stretch);
             let chosen = all.filter_map(|(place, time)| self.choose(place, time));

@@ -185,7 +185,7 @@ fn unit_of(survey: &Survey, layout: &LogLayout, number: usize) -> (Option<String
     (unit.map(|(_, label)| label.clone()), factor.map(|(_, factor)| factor.to_string()))
 }
 
-/// Element type, elements and scale of the numbers of a binary record.
+/// The column of a field of binary records.
 fn binary_column(
     mut field: Field,
     log_field: &LogField,

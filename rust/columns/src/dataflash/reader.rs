@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use super::decoder::{Decoder, Wanted};
 use super::survey::{Open, Survey, begin};
+use super::walk::Walked;
 use crate::error::Error;
 use crate::input::Blocks;
 use crate::layout::Options;
+use crate::piece::Rest;
 use crate::reader::{Batch, Decode, Limits};
 
 /// A log being decoded.
@@ -14,6 +16,7 @@ pub struct Reader {
     survey: Arc<Survey>,
     blocks: Blocks,
     decoder: Decoder,
+    rest: Option<Rest<Walked>>,
     position: u64,
     bad_bytes: u64,
 }
@@ -32,7 +35,7 @@ impl Reader {
     ) -> Result<Self, Error> {
         let (blocks, _) = begin(open, survey.steps)?;
         let decoder = Decoder::new(Arc::clone(&survey), wanted, options.clone(), limits);
-        Ok(Self { survey, blocks, decoder, position: 0, bad_bytes: 0 })
+        Ok(Self { survey, blocks, decoder, rest: None, position: 0, bad_bytes: 0 })
     }
 }
 
@@ -54,16 +57,26 @@ impl Decode for Reader {
     }
 
     fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error> {
-        let Self { survey, blocks, decoder, position, .. } = self;
+        let Self { survey, blocks, decoder, rest, position, .. } = self;
+        if let Some(Rest { block, found, portions, done }) = rest
+            && let Some(some) = portions.next()
+        {
+            return decoder.take_in(block, &found.stretches[some], *done).map(Some);
+        }
         let read = blocks.next(|block, at_end| {
             let walked = decoder.walk.block(block, at_end);
             let done = (*position + walked.consumed as u64) as f64 / survey.bytes as f64;
-            decoder.take_in(block, &walked, done);
-            (walked.consumed, (walked.consumed, walked.bad_bytes()))
+            let mut portions = decoder.portions(&walked);
+            let batches = portions.next().map_or(Ok(Vec::new()), |some| {
+                decoder.take_in(block, &walked.stretches[some], done)
+            });
+            let (consumed, bad) = (walked.consumed, walked.bad_bytes());
+            *rest = Rest::of(&block[..consumed], walked, portions, done);
+            (consumed, (consumed, bad, batches))
         })?;
-        let Some((consumed, bad)) = read else { return self.decoder.rest() };
+        let Some((consumed, bad, batches)) = read else { return self.decoder.rest() };
         self.position += consumed as u64;
         self.bad_bytes += bad;
-        self.decoder.complete().map(Some)
+        batches.map(Some)
     }
 }

@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions};
-use mavwire_core::log::dataflash::{Clock, Definitions, Layout, Units};
+use mavwire_core::log::dataflash::{Clock, Definitions, FieldKind, Layout, Units};
 
 use super::headless;
 use super::run::Run;
@@ -30,11 +30,10 @@ const BINARY: &[u8] = b"\xA3\x95\x80";
 const TEXT: &[u8] = b"FMT,";
 /// Descriptions in the head of a binary log that lacks its first bytes.
 const ENOUGH_LAYOUTS: usize = 3;
-/// Bytes of a type's name at most; binary logs have 4.
-const MAX_NAME_LEN: usize = 64;
-
 /// Descriptions of one name that have rows in its table, as many as a type has: whoever makes a log chooses the names.
 const MAX_OF_NAME: usize = 16;
+/// Bytes of a row of theirs, if there are several: each row has the columns of all of them.
+const MAX_ROW_LEN: usize = 1024;
 
 /// [`Survey::table_of`] a layout that has no table.
 pub(super) const NO_TABLE: u16 = u16::MAX;
@@ -98,6 +97,12 @@ impl Form {
     }
 }
 
+/// Bytes that the values of a record take in a table, or the offsets of those that are texts; hardly more, at least.
+pub(super) fn values_len(layout: &Layout) -> usize {
+    let value_len = |kind: FieldKind| if kind == FieldKind::Array { kind.size() } else { 8 };
+    layout.fields.iter().map(|field| value_len(field.kind)).sum()
+}
+
 /// What a log says about itself.
 #[derive(Debug, Clone)]
 pub struct Survey {
@@ -144,17 +149,18 @@ impl Survey {
         let (mut tables, mut known) = (Vec::<Arc<str>>::new(), HashMap::new());
         let mut table_of = Vec::new();
         for layout in form.layouts() {
-            if layout.name.len() > MAX_NAME_LEN {
-                table_of.push(NO_TABLE);
-                continue;
-            }
             let next = tables.len() as u16;
-            let (table, layouts) = known.entry(layout.name.as_str()).or_insert((next, 0));
+            let (table, layouts, row_len) =
+                known.entry(layout.name.as_str()).or_insert((next, 0, 0));
             if *table == next {
                 tables.push(layout.name.as_str().into());
             }
-            *layouts += 1;
-            table_of.push(if *layouts > MAX_OF_NAME { NO_TABLE } else { *table });
+            let with_this = *row_len + values_len(layout);
+            let fits = *layouts == 0 || (*layouts < MAX_OF_NAME && with_this <= MAX_ROW_LEN);
+            table_of.push(if fits { *table } else { NO_TABLE });
+            if fits {
+                (*layouts, *row_len) = (*layouts + 1, with_this);
+            }
         }
         Self { form, units, clock, tables, table_of, bytes, steps }
     }

@@ -49,6 +49,13 @@ pub(super) struct Stretch {
     before: i64,
 }
 
+impl Stretch {
+    /// Index of the layout of each record.
+    pub(super) fn layouts(&self) -> impl Iterator<Item = usize> {
+        self.places.iter().map(|place| usize::from(place.layout))
+    }
+}
+
 impl Walk {
     /// At the start of a log.
     pub(super) fn new(survey: Arc<Survey>) -> Self {

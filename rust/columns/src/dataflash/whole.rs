@@ -89,17 +89,20 @@ impl<'a> Pass<'a> {
             if let Some(decoder) = &mut self.decoder {
                 let walked = decoder.walk.follow(seen.bytes, seen.hops);
                 let done = self.run.position() as f64 / self.plan.size as f64;
-                decoder.take_in(seen.bytes, &walked, done);
                 self.bad_bytes += walked.bad_bytes();
+                let portions = decoder.portions(&walked);
+                let take_in = |some| decoder.take_in(seen.bytes, &walked.stretches[some], done);
+                return (seen.consumed, portions.map(take_in).collect::<Result<Vec<_>, _>>());
             }
-            (seen.consumed, ())
+            (seen.consumed, Ok(Vec::new()))
         })?;
-        let Some(decoder) = &mut self.decoder else {
+        if self.decoder.is_none() {
             self.batches.clear();
             return Ok(false);
-        };
-        self.batches.extend(decoder.complete()?);
-        Ok(more.is_some())
+        }
+        let Some(batches) = more else { return Ok(false) };
+        self.batches.extend(batches?.into_iter().flatten());
+        Ok(true)
     }
 
     /// A decoder that starts with what the first block says, if that tells all times.

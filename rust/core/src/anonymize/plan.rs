@@ -71,8 +71,9 @@ const IDENTIFIERS: &[&str] = &[
     "uri",
 ];
 
-/// Messages whose field `name` is one as well: elsewhere it tells what a value means.
-const NAMED: &[&str] = &["AIS_VESSEL", "VIDEO_STREAM_INFORMATION"];
+/// Fields that are emptied in one message: elsewhere they tell what a value means.
+const IDENTIFIERS_OF: &[(&str, &str)] =
+    &[("AIS_VESSEL", "name"), ("COLLISION", "id"), ("VIDEO_STREAM_INFORMATION", "name")];
 
 /// A coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,8 +89,8 @@ pub(super) enum Edit {
     Move(Field, Axis, f64),
     /// An identifier.
     Empty(Field),
-    /// A text in which somebody may have written one.
-    Mask(Field),
+    /// A text in which somebody may have written one; it is a part of a longer one where the other field is not 0.
+    Mask(Field, Option<Field>),
     /// Values of a parameter (first), if its name (second) says that it is an identifier or a position.
     Parameter(Vec<Field>, Field),
     /// x and y of a mission item or command, where the frame (last) is global; so many units to the degree.
@@ -136,15 +137,16 @@ pub(super) fn plan(message: &Message) -> Plan {
     let in_frame = three(["x", "y", "frame"]).or_else(|| three(["x", "y", "coordinate_frame"]));
     let special = match name {
         "MISSION_ITEM" => in_frame.map(|fields| Edit::Item(fields, 1.0)),
-        "STATUSTEXT" | "STATUSTEXT_LONG" => field("text").map(Edit::Mask),
-        "NAMED_VALUE_STRING" => field("value").map(Edit::Mask),
-        name if NAMED.contains(&name) => field("name").map(Edit::Empty),
+        "STATUSTEXT" | "STATUSTEXT_LONG" => field("text").map(|text| Edit::Mask(text, field("id"))),
+        "NAMED_VALUE_STRING" => field("value").map(|value| Edit::Mask(value, None)),
         _ => in_frame
             .filter(|fields| fields[0].field_type == FieldType::I32)
             .map(|fields| Edit::Item(fields, 1e7)),
     };
     let mut edits: Vec<Edit> = message.fields.iter().filter_map(edit_of).collect();
     edits.extend(special);
+    let of_message = IDENTIFIERS_OF.iter().filter(|(message, _)| *message == name);
+    edits.extend(of_message.filter_map(|(_, one)| field(one).map(Edit::Empty)));
     let parameters = (1..=7).filter_map(|number| Some((number, field(&format!("param{number}"))?)));
     let parameters: Vec<_> = parameters.collect();
     let command = field("command").filter(|command| command.field_type == FieldType::U16);

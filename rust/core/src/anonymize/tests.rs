@@ -200,7 +200,7 @@ const KEPT_ANYWHERE: &[&str] = &[
 fn is_changed(message: &Message, field: &Field) -> bool {
     let Plan::Edit(edits) = plan(message) else { return true };
     edits.iter().any(|edit| match edit {
-        Edit::Move(one, ..) | Edit::Empty(one) | Edit::Mask(one) => one.name == field.name,
+        Edit::Move(one, ..) | Edit::Empty(one) | Edit::Mask(one, _) => one.name == field.name,
         Edit::Parameter(values, _) => values.iter().any(|one| one.name == field.name),
         Edit::Item(all, _) => all[..2].iter().any(|one| one.name == field.name),
         Edit::Command(all, _) => all.iter().any(|(_, one)| one.name == field.name),
@@ -255,6 +255,15 @@ fn identifiers_are_emptied() {
     let text = b"Cube 0032001F 34375108 ok";
     let made = anonymous("STATUSTEXT", V2, &[("text", text)]).expect("a message");
     assert_eq!(&value::<25>(&made, "text"), b"Cube xxxxxxxx xxxxxxxx ok");
+    let made = anonymous("COLLISION", V2, &[("id", &[0xEF, 0xCD, 0xAB, 0])]).expect("a message");
+    assert_eq!(value::<4>(&made, "id"), [0; 4]);
+    let part = b"Cafe 0032001F 34375108: 50 bytes of a text .. 0032";
+    for (id, first, last) in [(0, b"Cafe", b"0032"), (1, b"xxxx", b"xxxx")] {
+        let made = anonymous("STATUSTEXT", V2, &[("text", part), ("id", &[id, 0])]);
+        let made: [u8; 50] = value(&made.expect("a message"), "text");
+        assert_eq!((&made[..4], &made[46..]), (&first[..], &last[..]));
+        assert_eq!(&made[5..22], b"xxxxxxxx xxxxxxxx");
+    }
     let telling = [
         "ADSB_CALLSIGN_1",
         "ADSB_ICAO_ID",

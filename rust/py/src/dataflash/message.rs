@@ -101,9 +101,14 @@ impl DFMessage {
                 let offset = usize::from(field.offset);
                 value::from_body(py, field.kind, &self.bytes, offset, raw_bytes)
             }
-            Origin::Line(delimiter) => {
-                value::from_line(py, field.kind, &self.bytes, delimiter, index)
-            }
+            Origin::Line(delimiter) => value::from_line(
+                py,
+                field.kind,
+                &self.bytes,
+                delimiter,
+                &self.names.layout.name,
+                index,
+            ),
             Origin::Made => Err(PyIndexError::new_err("list index out of range")),
         }
     }

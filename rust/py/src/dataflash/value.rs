@@ -1,6 +1,6 @@
 //! Field values as Python objects: from a record's bytes, from a line of a text log, or from an object somebody set.
 
-use mavwire_core::log::dataflash::text::{Delimiter, decode_line, nth_value};
+use mavwire_core::log::dataflash::text::{Delimiter, decode_line, value_at};
 use mavwire_core::log::dataflash::{FieldKind, Value, value};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyFloat, PyInt, PyString};
@@ -57,15 +57,16 @@ fn array<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
     import(py, intern!(py, "array"))?.attribute(intern!(py, "array"))?.invoke1(("h", numbers))
 }
 
-/// The value of a field in a line of a text log.
+/// The value of a field in a line of a text log, of a record type by its name.
 pub(super) fn from_line<'py>(
     py: Python<'py>,
     kind: FieldKind,
     line: &[u8],
     delimiter: Delimiter,
+    name: &str,
     index: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let bytes = nth_value(line, delimiter, index).unwrap_or_default();
+    let bytes = value_at(line, delimiter, name, index).unwrap_or_default();
     let is_number = !matches!(kind, FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode);
     if is_number && let Ok(text) = std::str::from_utf8(bytes) {
         if !kind.is_float()

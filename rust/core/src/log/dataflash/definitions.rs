@@ -40,8 +40,6 @@ pub struct Definitions {
     several: Vec<(u8, u64, u16)>,
     /// Layouts of each type.
     counts: [u8; 256],
-    /// Where each layout was found.
-    offsets: Vec<u64>,
 }
 
 impl Default for Definitions {
@@ -51,7 +49,6 @@ impl Default for Definitions {
             only: [Only { index: NONE, len: 0 }; 256],
             several: Vec::new(),
             counts: [0; 256],
-            offsets: Vec::new(),
         };
         definitions.add(Layout::of_fmt(), 0);
         definitions
@@ -90,7 +87,6 @@ impl Definitions {
         *count += 1;
         let (index, len) = (self.layouts.len() as u16, layout.len);
         self.layouts.push(Arc::new(layout));
-        self.offsets.push(offset);
         let Some(before) = before else {
             self.only[usize::from(type_id)] = Only { index, len };
             return;
@@ -142,10 +138,5 @@ impl Definitions {
     /// All layouts, in the order in which they were found; FMT's own is the first.
     pub fn layouts(&self) -> &[Arc<Layout>] {
         &self.layouts
-    }
-
-    /// Where each layout was found.
-    pub fn offsets(&self) -> &[u64] {
-        &self.offsets
     }
 }

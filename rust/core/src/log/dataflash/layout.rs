@@ -113,7 +113,10 @@ impl Layout {
         if name.is_empty() || usize::from(len) < HEAD_LEN {
             return Err(LayoutError::Malformed);
         }
-        Self::new(type_id, len, name, log_text(format), split_columns(&log_text(columns)))
+        let format = log_text(format);
+        // Before anything is made of the columns: noise is full of what hardly begins like a description.
+        kinds(&name, &format)?;
+        Self::new(type_id, len, name, format, split_columns(&log_text(columns)))
     }
 
     /// The layout of FMT records themselves.

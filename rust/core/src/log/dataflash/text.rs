@@ -49,6 +49,12 @@ pub fn decode_line(line: &[u8]) -> String {
 /// Columns of a type at most: no binary record has room for more.
 const MAX_COLUMNS: usize = 255;
 
+/// Bytes of a type's name at most; binary logs have 4.
+const MAX_NAME_LEN: usize = 64;
+
+/// Bytes of the names of all columns of a type at most; binary logs have 64.
+const MAX_COLUMN_NAMES_LEN: usize = 16 * MAX_COLUMNS;
+
 /// A line without the white space at its end.
 pub fn trimmed(line: &[u8]) -> &[u8] {
     let end = line.iter().rposition(|byte| !byte.is_ascii_whitespace());
@@ -85,6 +91,16 @@ pub fn text_values<'a>(line: &'a str, delimiter: Delimiter, name: &str) -> Vec<&
     value_places(line.as_bytes(), delimiter, name).map(|place| &line[place]).collect()
 }
 
+/// The value at `index` among those of a line.
+pub fn value_at<'a>(
+    line: &'a [u8],
+    delimiter: Delimiter,
+    name: &str,
+    index: usize,
+) -> Option<&'a [u8]> {
+    value_places(line, delimiter, name).nth(index).map(|place| &line[place])
+}
+
 /// The name in front of a line.
 pub fn name(line: &[u8], delimiter: Delimiter) -> &[u8] {
     let end = memchr::memmem::find(line, delimiter.text().as_bytes());
@@ -114,7 +130,7 @@ pub fn layout(line: &str, delimiter: Delimiter) -> Result<Layout, LayoutError> {
     };
     let number = |text: &str| text.trim().parse::<u8>().map_err(|_| LayoutError::Malformed);
     let (type_id, len) = (number(type_id)?, number(len)?);
-    if name.is_empty() {
+    if name.is_empty() || name.len() > MAX_NAME_LEN || columns.len() > MAX_COLUMN_NAMES_LEN {
         return Err(LayoutError::Malformed);
     }
     if name == "FMT" {
@@ -157,11 +173,12 @@ impl TextDefinitions {
     }
 
     fn add(&mut self, layout: Layout, offset: u64) {
-        let places = self.by_name.entry(layout.name.as_bytes().to_vec()).or_default();
-        let known = places.last().map(|&(_, index)| &self.layouts[usize::from(index)]);
+        let known = self.by_name.get(layout.name.as_bytes()).and_then(|places| places.last());
+        let known = known.map(|&(_, index)| &self.layouts[usize::from(index)]);
         if known.is_some_and(|known| **known == layout) || self.layouts.len() >= MAX_DEFINITIONS {
             return;
         }
+        let places = self.by_name.entry(layout.name.as_bytes().to_vec()).or_default();
         let from = if places.is_empty() { 0 } else { offset };
         places.push((from, self.layouts.len() as u16));
         self.layouts.push(Arc::new(layout));

@@ -1,0 +1,127 @@
+//! Records of a telemetry log on their way into tables: sorted by type piece by piece, then gathered field by field.
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::vec::IntoIter;
+
+use mavwire_core::frame::Header;
+use mavwire_core::log::tlog::Located;
+use mavwire_core::registry::Registry;
+use rayon::prelude::*;
+
+use crate::error::Error;
+use crate::gather::{PAYLOAD, Rows};
+use crate::layout::{Layout, Options};
+use crate::piece::{Chosen, PIECE, Piece, portions};
+use crate::reader::{Batch, Limits};
+use crate::scan::{Framing, Scanned};
+use crate::select::Wanted;
+use crate::table::{GROUP, TableBuilder};
+use crate::tables::Tables;
+
+/// The growing tables of a log.
+pub(crate) struct Decoder {
+    registry: Arc<Registry>,
+    framing: Framing,
+    wanted: Wanted,
+    options: Options,
+    tables: Tables,
+    pieces: Vec<Piece>,
+    /// Bytes of a row of each table while it is laid beside the others.
+    strides: Vec<usize>,
+    /// Bytes that a record of each message takes there and in its table.
+    row_lens: Vec<usize>,
+}
+
+impl Decoder {
+    pub(crate) fn new(
+        registry: Arc<Registry>,
+        framing: Framing,
+        wanted: Wanted,
+        options: Options,
+        limits: Limits,
+    ) -> Self {
+        let messages = &registry.dialect().messages;
+        let tables = Tables::new(messages.len(), limits);
+        let strides: Vec<usize> =
+            messages.iter().map(|one| PAYLOAD + usize::from(one.max_len)).collect();
+        // What is scaled takes 8 bytes for each element.
+        let widened = if options.si { size_of::<f64>() } else { 1 };
+        let row_lens = strides.iter().map(|stride| stride * (1 + widened)).collect();
+        let pieces = Vec::new();
+        Self { registry, framing, wanted, options, tables, pieces, strides, row_lens }
+    }
+
+    /// The records of a block that are taken in one after the other.
+    pub(crate) fn portions(&self, scanned: &Scanned) -> IntoIter<Range<usize>> {
+        let row_len = |record: &Located| self.row_lens.get(usize::from(record.index));
+        let rows_len = |records: &&[Located]| records.iter().filter_map(row_len).sum();
+        let chunks: Vec<_> = scanned.records.chunks(PIECE).collect();
+        let records =
+            |some: Range<usize>| some.start * PIECE..(some.end * PIECE).min(scanned.records.len());
+        let portions: Vec<_> = portions(&chunks, rows_len).into_iter().map(records).collect();
+        portions.into_iter()
+    }
+
+    /// Appends the wanted ones of some records of a block to their tables; `done` is the share of the log that is dealt with
+    /// behind the block. Returns the batches that are complete.
+    pub(crate) fn take_in(
+        &mut self,
+        block: &[u8],
+        scanned: &Scanned,
+        some: Range<usize>,
+        done: f64,
+    ) -> Result<Vec<Batch>, Error> {
+        self.sort(block, scanned, some);
+        let Self { registry, framing, options, tables, pieces, .. } = self;
+        let new = |index| {
+            let layout = Layout::new(registry, index as u16, *framing, options);
+            TableBuilder::new(Arc::new(layout))
+        };
+        tables.append(pieces, done, new, append);
+        tables.complete()
+    }
+
+    /// What is left at the end; `None` the second time.
+    pub(crate) fn rest(&mut self) -> Result<Option<Vec<Batch>>, Error> {
+        self.tables.rest()
+    }
+
+    /// Lays the wanted ones of some records side by side, piece by piece.
+    fn sort(&mut self, block: &[u8], scanned: &Scanned, some: Range<usize>) {
+        let Self { framing, wanted, pieces, strides, .. } = self;
+        let (lead, records) = (framing.lead(), &scanned.records[some]);
+        let wants = |record: &&Located| wanted.wants_row(block, lead, scanned, **record);
+        pieces.resize_with(records.len().div_ceil(PIECE), Piece::default);
+        let each = pieces.par_iter_mut().zip(records.par_chunks(PIECE)).with_max_len(1);
+        each.for_each(|(piece, records)| {
+            let chosen = records.iter().filter(wants).map(|&Located { at, index }| {
+                let time = if lead == 0 { 0 } else { scanned.time(block, at) };
+                let time = i64::try_from(time).unwrap_or(i64::MAX);
+                Chosen { table: index, kind: 0, at, time }
+            });
+            let fill = |record: Chosen, row: &mut [u8]| {
+                fill(row, &block[record.at as usize + lead..]);
+            };
+            piece.sort(chosen, strides, fill);
+        });
+    }
+}
+
+/// Who sent a frame, and its payload as far as the message goes.
+fn fill(row: &mut [u8], frame: &[u8]) {
+    let Some(header) = Header::parse(frame) else { return row.fill(0) };
+    (row[0], row[1], row[2]) = (header.sysid, header.compid, header.seq);
+    let sent = &frame[header.len()..][..usize::from(header.payload_len)];
+    let kept = sent.len().min(row.len() - PAYLOAD);
+    let (there, cut) = row[PAYLOAD..].split_at_mut(kept);
+    there.copy_from_slice(&sent[..kept]);
+    cut.fill(0);
+}
+
+/// Appends the records of a type in a piece to its table.
+fn append(table: &mut TableBuilder, index: usize, piece: &Piece) {
+    for side in piece.of(index).groups(GROUP) {
+        table.append(&Rows { times: side.times, bytes: side.bytes, stride: side.stride });
+    }
+}
