@@ -318,3 +318,14 @@ def test_spans_of_time_in_other_words(log):
     for wrong in (timedelta(seconds=-1), np.timedelta64("NaT"), "soon"):
         with pytest.raises(ValueError, match="a span of time"):
             log.align(["ATTITUDE"], rate=wrong)
+
+
+@pytest.mark.parametrize(("method", "expected"), [("nearest", 2.0), ("linear", 1.0)])
+def test_of_later_rows_of_one_time_the_last_counts(tmp_path, method, expected):
+    path = tmp_path / "twice.tlog"
+    rolls = [(8, 0.0), (12, 1.0), (12, 2.0)]
+    records = [record(heartbeat(), T0 + 10 + (method == "nearest"))]
+    records += [record(attitude(n, roll), T0 + at) for n, (at, roll) in enumerate(rolls)]
+    path.write_bytes(b"".join(records))
+    table = mavwire.open_log(path).align(["ATTITUDE"], on="HEARTBEAT", method=method)
+    assert table["ATTITUDE.roll"].tolist() == [expected]

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from runpy import run_path
 from typing import Any
 
 import pytest
+from dataflash_writer import FMT, fmt
 from mavwire.dialects.v20 import all as every
 from mavwire.dialects.v20 import common
 
@@ -23,6 +26,8 @@ LIMIT = 128 * 1024
 """kB that a process may take, the interpreter with it: less than the log and its tables."""
 MANY_LIMIT = 192 * 1024
 """The same for a log of all types, four times as long."""
+HOSTILE_LIMIT = 300 * 1024
+"""The same whatever the log."""
 
 REPORT = """
 import json, os, pathlib
@@ -107,6 +112,70 @@ print(json.dumps([first - before, second]))
 """
     first, second = run(code, log)
     assert second > first / 4, f"one thread took {first} ticks, the next one {second}"
+
+
+def wide_rows() -> bytes:
+    """Records of three bytes in a table of hundreds of columns."""
+    data = FMT
+    for first in "abcdefghijklmno":
+        columns = ",".join(first + second for second in "abcdefghijklmnop")
+        data += fmt(2, "A", "aaa" + "c" * 13, columns)
+    return data + fmt(2, "A", "", "") + b"\xa3\x95\x02" * 3_000_000
+
+
+def wide_lines() -> bytes:
+    """The same as text."""
+    head = ["FMT,128,89,FMT,BBnNZ,Type,Length,Name,Format,Columns", "FMT,2,3,A,b,x"]
+    for first in "abcdefghijklmn":
+        columns = ",".join(f"{first}{second}" for second in range(126))
+        head.append(f"FMT,2,3,A,{'c' * 126},{columns}")
+    return "\n".join([*head, "FMT,2,3,A,b,x"]).encode() + b"\nA,1" * 2_000_000
+
+
+def many_names() -> bytes:
+    """Descriptions of types, each with a long name of its own."""
+    fmt = b"FMT,1,4,N%d" + b"n" * 30_000 + b",b,x\n"
+    return b"FMT,128,89,FMT,BBnNZ,Type,Length,Name,Format,Columns\n" + b"".join(
+        fmt % number for number in range(8_000)
+    )
+
+
+def short_frames() -> bytes:
+    """Frames of a byte of payload of which rows have 251."""
+    mav = common.MAVLink(None, 1, 1)
+    return common.MAVLink_file_transfer_protocol_message(1, 0, 0, [0] * 251).pack(mav) * 1_000_000
+
+
+@pytest.mark.parametrize("make", [wide_rows, wide_lines, many_names, short_frames])
+def test_memory_does_not_grow_with_what_a_hostile_log_describes(
+    tmp_path: Path, make: Callable[[], bytes]
+) -> None:
+    path = tmp_path / "log.gz"
+    path.write_bytes(gzip.compress(make(), 1))
+    code = """
+import sys, mavwire
+from mavwire.logs.conversion import convert
+rows = sum(len(table) for table in mavwire.scan(sys.argv[1]))
+found = mavwire.open_log(sys.argv[1]).info().messages
+(row,) = convert([sys.argv[1]], sys.argv[2])
+print(json.dumps([rows, found, row.rows, taken()]))
+"""
+    *counts, memory = run(code, path, tmp_path / "out")
+    assert len(set(counts)) == 1
+    assert memory < HOSTILE_LIMIT
+
+
+@pytest.mark.parametrize("form", ["csv", "jsonl"])
+def test_memory_of_compressed_texts_of_many_types(
+    many_types: Path, tmp_path: Path, form: str
+) -> None:
+    code = """
+import sys
+from mavwire.logs.conversion import convert
+convert([sys.argv[1]], sys.argv[2], format=sys.argv[3], compression="zstd")
+print(json.dumps(taken()))
+"""
+    assert run(code, many_types, tmp_path, form) < HOSTILE_LIMIT
 
 
 @pytest.fixture(scope="module")

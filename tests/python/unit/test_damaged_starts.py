@@ -20,6 +20,8 @@ FRONTS = {
     "zeros": bytes(64 << 10),
     "erased": b"\xff" * 200_000,
     "noise": Random(3).randbytes(1000).translate(None, b"\xfd\xfe\xa3F"),
+    "marks": b"\xfd" * 100,
+    "noise with marks": Random(4).randbytes(40_000).translate(None, b"\xa3F"),
 }
 
 
@@ -54,7 +56,7 @@ def test_what_stands_in_front_of_a_log(tmp_path, name, front):
     path.write_bytes(LOGS[name])
     (expected,) = counted(path)
     path.write_bytes(FRONTS[front] + LOGS[name])
-    if name == "flight.log" and front == "noise":  # as much noise as a text begins with hides it
+    if name == "flight.log" and "noise" in front:  # as much noise as a text begins with hides it
         path.write_bytes(FRONTS[front][:100] + LOGS[name])
     assert counted(path) == {expected}
     assert cli.main(["convert", str(path), "-o", str(tmp_path / "out"), "--quiet"]) == 0
@@ -68,6 +70,16 @@ def test_a_byte_of_a_text_log_that_is_no_text(tmp_path, at):
     text = lines()
     path.write_bytes(text[:at] + b"\xf0" + text[at:])
     assert isinstance(mavwire.open_log(path), mavwire.logs.DataflashLog)
+
+
+@pytest.mark.parametrize("lost", [1, 126, 128, 600])
+def test_zeros_behind_the_first_description_of_a_text_log(tmp_path, lost):
+    path = tmp_path / "flight.log"
+    text = lines()
+    end = text.index(b"GAP, 0,") + lost
+    path.write_bytes(text[: end - lost] + bytes(lost) + text[end:])
+    touched = text[:end].count(b"\n") - 2 + (not text[:end].endswith(b"\n"))
+    assert counted(path) == {2 + COUNT - touched}
 
 
 def test_readers_of_pymavlink_find_the_same(tmp_path):

@@ -12,6 +12,7 @@ import weakref
 from pathlib import Path
 from typing import Any
 
+import mavwire
 import pytest
 from dataflash_writer import Log, record, sample
 from mavwire import DFReader, mavutil
@@ -285,3 +286,48 @@ def test_a_name_may_be_bytes_or_a_path(tmp_path: Path) -> None:
     assert expected > 0
     for name in (path.encode(), Path(path)):
         assert DFReader.DFReader_binary(name)._count == expected  # type: ignore[arg-type]
+
+
+DESCRIBED = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "FMT, 13, 11, IMU, II, TimeMS,N\nIMU, 5, 6\nFMT, 13, 15, IMU, QI, TimeUS,N\nIMU, 7000, 6\n",
+        "FMT, 13, 11, IMU, I, N\nIMU, 6\nFMT, 13, 15, IMU, QI, TimeUS,N\nIMU, 7000, 6\n",
+        "FMT, 14, 20, ATT, NI, TimeUS,M\nATT, abc, 3\nFMT, 13, 15, IMU, QI, TimeUS,N\nIMU, 7000, 6\n",
+        "FMT, 14, 20, ATT, aI, TimeMS,M\nATT, abc, 3\nFMT, 13, 15, IMU, II, TimeMS,N\nIMU, 7, 6\n",
+        f"FMT, 13, 15, IMU, QI, TimeUS,N\nIMU, {'9' * 400}, 6\nIMU, 7000, 6\n",
+        "FMT, 1, 15, GPS, NNN, TimeUS,GWk,GMS\nGPS, a, b, c\nFMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
+        "FMT, 1, 9, TIME, N, StartTime\nTIME, a\nFMT, 2, 9, GPS, Q, GPSTime\nGPS, 7\n"
+        "FMT, 3, 15, IMU, QI, TimeUS,N\nIMU, 7000, 6\n",
+    ],
+)
+def test_times_that_are_no_numbers_are_none(tmp_path: Path, lines: str) -> None:
+    path = tmp_path / "odd.log"
+    path.write_text(DESCRIBED + lines)
+    with DFReader.DFReader_text(str(path)) as log:
+        found = [(msg.get_type(), msg._timestamp) for msg in iter(log.recv_msg, None)]
+    assert found[-1] == ("IMU", pytest.approx(0.007))
+    assert len(found) == (DESCRIBED + lines).count("\n")
+
+
+def test_week_0_of_old_gps_records_is_no_date(tmp_path: Path) -> None:
+    log = Log().define("GPS", "BIHI", "Status,TimeMS,Week,T").define("ATT", "If", "TimeMS,Roll")
+    log.add("ATT", 100, 1.0).add("GPS", 3, 500, 0, 1000)
+    none = log.write(tmp_path / "none.BIN")
+    log.add("GPS", 3, 1500, 1800, 2000)
+    some = log.write(tmp_path / "some.BIN")
+    for path, zero in ((none, 0.0), (some, 1_404_604_782 + 1.5 - 2)):
+        with DFReader.DFReader_binary(str(path)) as reader:
+            assert reader.recv_match(type="ATT")._timestamp == pytest.approx(zero + 0.1)
+        assert mavwire.read(path)["ATT"]["timestamp"].astype(float) / 1e6 == zero + 0.1
+
+
+def test_columns_of_a_description_in_a_text_log_without_spaces(tmp_path: Path) -> None:
+    path = tmp_path / "narrow.log"
+    path.write_text(DESCRIBED.replace(", ", ",") + "FMT,13,15,IMU,QI,TimeUS,N\nIMU,5000,6\n")
+    with DFReader.DFReader_text(str(path)) as log:
+        (imu,) = [m for m in iter(log.recv_msg, None) if m.get_type() == "FMT" and m.Name == "IMU"]
+    assert imu.Columns == imu.to_dict()["Columns"] == "TimeUS,N"

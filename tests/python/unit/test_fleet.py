@@ -315,8 +315,8 @@ def test_fields_are_those_of_any_log(tmp_path, small, inside):
     log = sample().write(tmp_path / "00000001.BIN")
     here, there = tmp_path / "here", tmp_path / "there"
     logs = [small[0], log]
-    alone = convert_here(logs, here, format="jsonl", fields="AccX")
-    rows = convert(logs, there, inside, format="jsonl", fields="AccX")
+    alone = convert_here(logs, here, fields="AccX")
+    rows = convert(logs, there, inside, fields="AccX")
     assert outcome(rows) == outcome(alone) and not any(row.error for row in rows)
     assert rows_of(there) == rows_of(here)
     with pytest.raises(ValueError, match="no wanted message has a field 'nope'"):

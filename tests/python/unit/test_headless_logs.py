@@ -68,8 +68,10 @@ def test_each_way_to_read_says_what_is_missing(
     assert cli.main(["info", str(path)]) == 1
     assert capsys.readouterr() == ("", f"mavwire info: {path}: {LACKS}\n")
     types = [] if wanted is None else ["--types", wanted]
-    assert cli.main(["convert", str(path), "-o", str(tmp_path / "out"), *types]) == 1
-    assert capsys.readouterr() == ("", f"mavwire convert: {path}: {LACKS}\n")
+    for fields in ([], ["--fields", "AccX"]):
+        out = ["-o", str(tmp_path / "out")]
+        assert cli.main(["convert", str(path), *out, *types, *fields]) == 1
+        assert capsys.readouterr() == ("", f"mavwire convert: {path}: {LACKS}\n")
 
 
 @pytest.mark.parametrize("name", ["cut.BIN", "cut.dat", "cut.tlog"])

@@ -56,6 +56,18 @@ def test_cut(flight, tmp_path, selection):
     assert os.listdir(tmp_path) == ["out.tlog"]
 
 
+@pytest.mark.parametrize(
+    "types", ["UNKNOWN", ["UNKNOWN", "HEARTBEAT"], "UNKNOWN_30", ["HEARTBEAT", "UNKNOWN_30"], None]
+)
+def test_ids_that_the_dialect_lacks_are_cut_as_they_are_read(flight, tmp_path, types):
+    out = tmp_path / "out.tlog"
+    cut(flight, out, types, dialect="minimal")
+    log = mavwire.open_log(flight, dialect="minimal")
+    expected = [bytes(msg.get_msgbuf()) for msg in log.messages(types=types)]
+    assert [frame for _, frame in rows(out)] == expected
+    assert 0 < len(expected) <= 5000
+
+
 def test_a_dataflash_log_is_called_one_whatever_types_are_wanted(tmp_path, capsys):
     path = tmp_path / "onboard.BIN"
     sample().write(path)

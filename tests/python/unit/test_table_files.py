@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import mavwire
+import pyarrow as pa
 import pytest
 from mavwire import traffic
 from mavwire._native import RecordBatches
@@ -129,3 +130,9 @@ def test_an_arrow_file_of_names_of_several_batches(named, tmp_path):
     assert table.schema.field("type").metadata == {
         key.encode(): value.encode() for key, value in named.metadata["type"].items()
     }
+
+
+def test_a_short_first_batch_does_not_keep_columns_from_being_compressed(tmp_path):
+    parts = [RecordBatches.from_stream(pa.table({"x": [0.5] * rows})) for rows in (1, ROWS)]
+    Table("T", RecordBatches.joined(parts)).write(tmp_path / "parts.parquet")
+    assert (tmp_path / "parts.parquet").stat().st_size < ROWS

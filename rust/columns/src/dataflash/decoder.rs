@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::hop::Place;
 use super::layout::{TableLayout, table_layout};
-use super::survey::{Form, NO_TABLE, Survey, values_len};
+use super::survey::{Form, NO_TABLE, Survey};
 use super::walk::{Stretch, Walk, Walked};
 use crate::error::Error;
 use crate::gather::Rows;
@@ -127,17 +127,15 @@ impl Decoder {
         self.tables.grow(tables.len());
         self.strides.clear();
         self.strides.resize(tables.len(), 0);
-        let mut values_lens = vec![0; tables.len()];
         for (layout, &table) in survey.form.layouts().iter().zip(&survey.table_of) {
             if table != NO_TABLE {
                 let stride = &mut self.strides[usize::from(table)];
                 *stride = (*stride).max(row_len(&survey.form, layout));
-                values_lens[usize::from(table)] += values_len(layout);
             }
         }
         let is_wanted = |table: usize| self.is_wanted.get(table).is_some_and(|wanted| *wanted);
         let of_table = |&table: &u16| match usize::from(table) {
-            table if is_wanted(table) => self.strides[table] + values_lens[table],
+            table if is_wanted(table) => self.strides[table] + survey.row_lens[table],
             _ => 0,
         };
         self.row_lens = survey.table_of.iter().map(of_table).collect();

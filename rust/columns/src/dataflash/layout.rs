@@ -163,7 +163,8 @@ fn column(
         binary_column(field, log_field, layout.name == "FILE", options)
     };
     column.name.clone_from(&log_field.name);
-    if survey.units.instance_field(layout) == Some(number) {
+    // Tables are not split by lists.
+    if survey.units.instance_field(layout) == Some(number) && log_field.kind != FieldKind::Array {
         mark_instance(&mut arrow);
     }
     (column, arrow)

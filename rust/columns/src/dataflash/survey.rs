@@ -1,6 +1,6 @@
 //! What a log says about itself: record types, units, clock.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io::{self, Read};
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ const ENOUGH_LAYOUTS: usize = 3;
 /// Descriptions of one name that have rows in its table, as many as a type has: whoever makes a log chooses the names.
 const MAX_OF_NAME: usize = 16;
 /// Bytes of a row of theirs, if there are several: each row has the columns of all of them.
-const MAX_ROW_LEN: usize = 1024;
+const MAX_ROW_LEN: usize = 512;
 
 /// [`Survey::table_of`] a layout that has no table.
 pub(super) const NO_TABLE: u16 = u16::MAX;
@@ -97,10 +97,21 @@ impl Form {
     }
 }
 
-/// Bytes that the values of a record take in a table, or the offsets of those that are texts; hardly more, at least.
-pub(super) fn values_len(layout: &Layout) -> usize {
-    let value_len = |kind: FieldKind| if kind == FieldKind::Array { kind.size() } else { 8 };
-    layout.fields.iter().map(|field| value_len(field.kind)).sum()
+/// The columns that a description needs: name, kind, and which of several alike it is.
+fn columns_of(layout: &Layout) -> Vec<(&str, FieldKind, usize)> {
+    let mut counts = HashMap::new();
+    let alike = layout.fields.iter().map(|field| (field.name.as_str(), field.kind));
+    let column = |(name, kind)| {
+        let count = counts.entry((name, kind)).or_insert(0);
+        *count += 1;
+        (name, kind, *count)
+    };
+    alike.map(column).collect()
+}
+
+/// Bytes of a value in a table at most, or of what says where a text is.
+fn value_len(kind: FieldKind) -> usize {
+    if kind == FieldKind::Array { kind.size() } else { size_of::<f64>() }
 }
 
 /// What a log says about itself.
@@ -116,6 +127,8 @@ pub struct Survey {
     pub tables: Vec<Arc<str>>,
     /// Table of each layout.
     pub(super) table_of: Vec<u16>,
+    /// Bytes of the values in a row of each table, without texts.
+    pub(super) row_lens: Vec<usize>,
     /// Bytes of the log, decompressed.
     pub(super) bytes: u64,
     /// In what steps it is read.
@@ -147,22 +160,27 @@ impl Survey {
         steps: Steps,
     ) -> Self {
         let (mut tables, mut known) = (Vec::<Arc<str>>::new(), HashMap::new());
-        let mut table_of = Vec::new();
+        let (mut table_of, mut row_lens) = (Vec::new(), Vec::<usize>::new());
         for layout in form.layouts() {
             let next = tables.len() as u16;
-            let (table, layouts, row_len) =
-                known.entry(layout.name.as_str()).or_insert((next, 0, 0));
+            let (table, layouts, columns) =
+                known.entry(layout.name.as_str()).or_insert((next, 0, HashSet::new()));
             if *table == next {
                 tables.push(layout.name.as_str().into());
+                row_lens.push(0);
             }
-            let with_this = *row_len + values_len(layout);
-            let fits = *layouts == 0 || (*layouts < MAX_OF_NAME && with_this <= MAX_ROW_LEN);
+            let mut own = columns_of(layout);
+            own.retain(|column| !columns.contains(column));
+            let row_len = &mut row_lens[usize::from(*table)];
+            let with_new = *row_len + own.iter().map(|column| value_len(column.1)).sum::<usize>();
+            let fits = *layouts == 0 || (*layouts < MAX_OF_NAME && with_new <= MAX_ROW_LEN);
             table_of.push(if fits { *table } else { NO_TABLE });
             if fits {
-                (*layouts, *row_len) = (*layouts + 1, with_this);
+                (*layouts, *row_len) = (*layouts + 1, with_new);
+                columns.extend(own);
             }
         }
-        Self { form, units, clock, tables, table_of, bytes, steps }
+        Self { form, units, clock, tables, table_of, row_lens, bytes, steps }
     }
 
     /// Index of a table.
