@@ -54,8 +54,8 @@ impl Decoder {
 
     /// The records of a block that are taken in one after the other.
     pub(crate) fn portions(&self, scanned: &Scanned) -> IntoIter<Range<usize>> {
-        let row_len = |record: &Located| self.row_lens.get(usize::from(record.index));
-        let rows_len = |records: &&[Located]| records.iter().filter_map(row_len).sum();
+        let own = |record: &Located| self.row_lens.get(usize::from(record.index));
+        let rows_len = |records: &&[Located]| records.iter().filter_map(own).sum();
         let chunks: Vec<_> = scanned.records.chunks(PIECE).collect();
         let records =
             |some: Range<usize>| some.start * PIECE..(some.end * PIECE).min(scanned.records.len());

@@ -138,7 +138,7 @@ impl ColumnView {
             let elements = lists.value_length() as usize;
             let texts: Vec<Option<&str>> = texts.into_iter().collect();
             let of_row = |row: usize| {
-                let first = lists.value_offset_at(row) as usize;
+                let first = lists.value_offset_at(row);
                 let shown = texts[first..first + elements].iter();
                 shown.map(move |text| text.filter(|_| lists.is_valid(row)))
             };

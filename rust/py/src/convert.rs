@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use mavwire_columns::Error;
+use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::convert::{Compression, Format, Sink, moments};
 use mavwire_columns::mcap;
 use mavwire_columns::pool;
@@ -183,7 +184,7 @@ pub(crate) fn write_table(
     check(kind.takes(how), format, compression)?;
     let begin =
         || -> Result<_, Error> { Sink::new(Draft::create(&path)?, table.schema(), kind, how) };
-    let rows = table.batches().iter().map(|batch| batch.num_rows()).sum();
+    let rows = table.batches().iter().map(RecordBatch::num_rows).sum();
     let mut sink = py.detach(begin).map_err(columns_error)?.with_rows(rows);
     for rows in table.batches().iter().flat_map(moments) {
         py.detach(|| sink.write(&rows)).map_err(columns_error)?;
