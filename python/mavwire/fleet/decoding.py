@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, empty_table
 from mavwire.logs.query import Query, check_described, check_tables, names_of
-from mavwire.logs.reading import check_records, in_order, joined, native_dialect, with_empty
+from mavwire.logs.reading import check_records, joined, native_dialect, with_empty
 from mavwire.logs.sources import columns_from, describes, open_dataflash
 from mavwire.logs.table import Table
 
@@ -83,7 +83,7 @@ def decode_as(
             _check(module, native, query)
         elif not lenient:
             check_described(described.types(), query, query.columns)
-        found = joined(run, query)
+        found = joined(run)
         if described is None:
             with_empty(found, module, native, query)
         else:
@@ -114,7 +114,7 @@ def _add_empty(found: dict[str, RecordBatches], described: DataflashTables, quer
     known = described.types()
     for name in query.names or ():
         if name not in found and name in known:
-            found[name] = in_order(described.empty(name, query), query.columns)
+            found[name] = described.empty(name, query)
 
 
 def _check(module: Any, native: Any, query: Query) -> None:

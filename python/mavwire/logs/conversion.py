@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 BATCH_ROWS = 65_536
 BATCH_BYTES = 32 << 20
 """Rows of a Parquet row group, and bytes that wait to become one."""
-OUTPUT = 1
+OUTPUT = 2
 """To be raised when the same options come to give other files: those of before are made anew."""
 INTERNAL = ("unknown", "untimed", "batch_rows", "batch_bytes", "foreign")
 """What of a query makes no difference to files."""

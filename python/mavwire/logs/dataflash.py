@@ -196,18 +196,18 @@ def read_tables(
     a type that the log does not describe, or a field that no wanted type has, and as by
     `check_records`.
     """
-    from .reading import check_records, in_order, joined, tables_of
+    from .reading import check_records, joined, tables_of
 
     query.check_dataflash()
     known: Mapping[str, Iterable[str]] = dict.fromkeys(tables.names, ())
     check_described(known if fields is None else tables.types(), query, fields)
     if found is None:
         run = tables.columns(query)
-        whole = joined(run, query)
+        whole = joined(run)
         check_records(run, path)
     else:
-        whole = joined([found], query)
+        whole = joined([found])
     for name in query.names or ():
         if name not in whole:
-            whole[name] = in_order(tables.empty(name, query), query.columns)
+            whole[name] = tables.empty(name, query)
     return tables_of(whole, path, wide)

@@ -99,7 +99,7 @@ def read(
     check_tables(module, native, query, fields)
     with naming(path):
         run = LogColumns(path, native, query)
-        found = with_empty(joined(run, query), module, native, query)
+        found = with_empty(joined(run), module, native, query)
     check_records(run, path)
     return tables_of(found, path, wide)
 
@@ -107,30 +107,17 @@ def read(
 def tables_of_batch(batch: FrameBatch, units: str | None, enums: str | None) -> dict[str, Table]:
     """What `FrameBatch.tables` gives: the native class calls this."""
     query = Query.of(None, units=units, enums=enums)
-    found = joined(batch.columns(query), query)
+    found = joined(batch.columns(query))
     return {name: tidy(name, batches) for name, batches in sorted(found.items())}
 
 
-def joined(
-    run: Iterable[list[tuple[str, RecordBatches]]], query: Query
-) -> dict[str, RecordBatches]:
-    """The whole tables of a run over a log, the columns in the order in which they are wanted."""
+def joined(run: Iterable[list[tuple[str, RecordBatches]]]) -> dict[str, RecordBatches]:
+    """The whole tables of a run over a log."""
     pieces: dict[str, list[RecordBatches]] = {}
     for found in run:
         for name, batches in found:
             pieces.setdefault(name, []).append(batches)
-    return {
-        name: in_order(RecordBatches.joined(some), query.columns) for name, some in pieces.items()
-    }
-
-
-def in_order(batches: RecordBatches, columns: list[str] | None) -> RecordBatches:
-    """A table with its columns in the order of `columns`, raw bytes behind their texts."""
-    if columns is None:
-        return batches
-    names = batches.names
-    wanted = dict.fromkeys(one for name in columns for one in (name, f"{name}_raw") if one in names)
-    return batches.select(list(wanted | dict.fromkeys(names)))
+    return {name: RecordBatches.joined(some) for name, some in pieces.items()}
 
 
 def with_empty(
@@ -140,7 +127,7 @@ def with_empty(
     for msgid in query.types or ():
         name = module.mavlink_map[msgid].msgname
         if name not in tables:
-            tables[name] = in_order(no_rows(native, msgid, query), query.columns)
+            tables[name] = no_rows(native, msgid, query)
     return tables
 
 
@@ -177,7 +164,7 @@ def empty_of(paths: list[str], module: Any, native: Any, query: Query) -> Record
         tables = DataflashTables.open(path)
         if tables is not None and name in tables.types():
             query.check_dataflash()
-            return in_order(tables.empty(name, query), query.columns)
+            return tables.empty(name, query)
     try:
         query.check_telemetry()
         check_tables(module, native, query)
@@ -185,7 +172,7 @@ def empty_of(paths: list[str], module: Any, native: Any, query: Query) -> Record
         for path in filter(is_dataflash, paths):
             open_dataflash(path, path)  # which may say why nothing describes the type
         raise
-    return in_order(no_rows(native, (query.types or [0])[0], query), query.columns)
+    return no_rows(native, (query.types or [0])[0], query)
 
 
 def scan(
@@ -349,7 +336,7 @@ def batches_of(
     run = columns_from(tables, path, native, query)
     for found in run:
         for name, batches in found:
-            yield Table(name, in_order(batches, query.columns), path)
+            yield Table(name, batches, path)
     check_records(run, path)
 
 

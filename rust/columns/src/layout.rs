@@ -26,7 +26,7 @@ pub struct Options {
     pub si: bool,
     /// Enum values by name.
     pub enum_names: bool,
-    /// The columns that are wanted; `None` for all.
+    /// The columns that are wanted, in their order; `None` for all.
     pub columns: Option<Vec<String>>,
 }
 
@@ -96,7 +96,9 @@ impl Layout {
         let message = registry.message(index);
         let mut columns = all_columns(message, registry.dialect(), options);
         if let Some(wanted) = &options.columns {
-            columns.retain(|(column, _)| wanted.contains(&column.name));
+            let place = |column: &Column| wanted.iter().position(|one| *one == column.name);
+            columns.retain(|(column, _)| place(column).is_some());
+            columns.sort_by_key(|(column, _)| place(column));
         }
         let metadata = HashMap::from([
             ("message".to_owned(), message.name.clone()),

@@ -13,12 +13,14 @@ from pathlib import Path
 from typing import Any
 
 import mavwire
+import polars as pl
 import pytest
 from dataflash_writer import sample
 from mavwire import cli, traffic
 from mavwire.dialects import load
 from mavwire.logs import reading
 from mavwire.logs.conversion import convert
+from mavwire.logs.query import HEADER
 
 
 @pytest.fixture(scope="module")
@@ -106,6 +108,23 @@ def test_an_option_that_names_nothing(flight, tmp_path, capsys, command, option,
     assert cli.main([command, str(flight), "-o", str(out), option, nothing]) == 1
     assert f"{option} names nothing" in capsys.readouterr().err
     assert not out.exists()
+
+
+@pytest.mark.parametrize("form", ["parquet", "csv"])
+def test_fields_come_in_the_order_in_which_they_are_wanted(flight, tmp_path, form):
+    onboard = sample().write(tmp_path / "onboard.BIN")
+    wanted = ["Raw", "AccX", "vx", "lon", "lat"]
+    convert([flight, onboard], tmp_path / "out", fields=wanted, format=form)
+    for path, name, fields in (
+        (flight, "GLOBAL_POSITION_INT", ["vx", "lon", "lat"]),
+        (onboard, "IMU", ["Raw", "AccX"]),
+    ):
+        (file,) = (tmp_path / "out" / name).iterdir()
+        found = pl.read_parquet(file) if form == "parquet" else pl.read_csv(file)
+        table = mavwire.read(path, name, fields=fields)[name]
+        assert [one for one in found.columns if one not in HEADER] == fields
+        assert table.columns == found.columns
+        assert found[fields[0]].to_list() == table[fields[0]].tolist()
 
 
 def test_fields_are_those_of_any_log(flight, tmp_path):

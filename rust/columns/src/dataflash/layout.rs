@@ -116,7 +116,7 @@ fn free_name(field: &str, already: usize, taken: &mut HashSet<String>) -> String
     name
 }
 
-/// Leaves the columns that are wanted.
+/// Leaves the columns that are wanted, in the order in which they are.
 fn choose(
     columns: &mut Vec<(Column, ArrowField)>,
     places: &mut HashMap<u16, Places>,
@@ -126,13 +126,16 @@ fn choose(
         of_layout.fields.resize(columns.len(), None);
     }
     let Some(wanted) = &options.columns else { return };
-    let kept: Vec<bool> = columns.iter().map(|(column, _)| wanted.contains(&column.name)).collect();
+    let place = |column: &Column| wanted.iter().position(|one| *one == column.name);
+    let all = columns.iter().enumerate();
+    let mut kept: Vec<_> =
+        all.filter_map(|(from, (column, _))| Some((place(column)?, from))).collect();
+    kept.sort_unstable();
     for of_layout in places.values_mut() {
-        let mut kept = kept.iter();
-        of_layout.fields.retain(|_| *kept.next().unwrap_or(&true));
+        of_layout.fields = kept.iter().map(|&(_, from)| of_layout.fields[from]).collect();
     }
-    let mut kept = kept.iter();
-    columns.retain(|_| *kept.next().unwrap_or(&true));
+    let mut all: Vec<_> = columns.drain(..).map(Some).collect();
+    columns.extend(kept.iter().filter_map(|&(_, from)| all[from].take()));
 }
 
 /// Whether a column of one description can hold a field of another.
