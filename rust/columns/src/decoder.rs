@@ -31,6 +31,8 @@ pub(crate) struct Decoder {
     strides: Vec<usize>,
     /// Bytes that a record of each message takes there and in its table.
     row_lens: Vec<usize>,
+    /// The largest of them.
+    widest: usize,
 }
 
 impl Decoder {
@@ -47,9 +49,10 @@ impl Decoder {
             messages.iter().map(|one| PAYLOAD + usize::from(one.max_len)).collect();
         // What is scaled takes 8 bytes for each element.
         let widened = if options.si { size_of::<f64>() } else { 1 };
-        let row_lens = strides.iter().map(|stride| stride * (1 + widened)).collect();
+        let row_lens: Vec<_> = strides.iter().map(|stride| stride * (1 + widened)).collect();
+        let widest = row_lens.iter().copied().max().unwrap_or_default();
         let pieces = Vec::new();
-        Self { registry, framing, wanted, options, tables, pieces, strides, row_lens }
+        Self { registry, framing, wanted, options, tables, pieces, strides, row_lens, widest }
     }
 
     /// The records of a block that are taken in one after the other.
@@ -59,7 +62,9 @@ impl Decoder {
         let chunks: Vec<_> = scanned.records.chunks(PIECE).collect();
         let records =
             |some: Range<usize>| some.start * PIECE..(some.end * PIECE).min(scanned.records.len());
-        let portions: Vec<_> = portions(&chunks, rows_len).into_iter().map(records).collect();
+        let at_most = scanned.records.len() * self.widest;
+        let portions: Vec<_> =
+            portions(&chunks, at_most, rows_len).into_iter().map(records).collect();
         portions.into_iter()
     }
 

@@ -4,10 +4,11 @@
 //! over the runs that it reaches. On a log without damage it walks a few steps for each block, on a damaged one through
 //! the damage. Its outcome is that of one scanner over the whole log, whatever the blocks and the number of threads.
 
+use std::iter;
 use std::ops::Range;
 use std::sync::Arc;
 
-use mavwire_core::frame::Header;
+use mavwire_core::frame::{Header, MAX_FRAME_LEN, STX_V1, STX_V2};
 use mavwire_core::log::tlog::{
     Before, FoundRecord, Located, RecordScanner, Runs, STAMP_LEN, Stamp, find_runs, is_date,
 };
@@ -47,10 +48,13 @@ impl Framing {
     /// What a log is that begins with these bytes: the way in which more records follow each other, or failing that the one in
     /// which the first record is good, or the one of which frames have dates in front, in their order, or none.
     pub fn of(head: &[u8], registry: &Registry) -> Self {
-        let (stamped, raw) =
-            (Self::Stamped.records(head, registry), Self::Raw.records(head, registry));
-        let begins = |found: &[Range<usize>]| found.first().is_some_and(|first| first.start == 0);
+        let stamped: Vec<_> = Self::Stamped.records(head, registry).collect();
         let is_dated = are_dated(stamped.iter().map(|record| stamp_at(head, record.start as u32)));
+        if is_dated && !begins_with_frame(head) && is_whole(&stamped, head) {
+            return Self::Stamped; // as nearly every log: frames alone need not be looked for
+        }
+        let raw: Vec<_> = Self::Raw.records(head, registry).collect();
+        let begins = |found: &[Range<usize>]| found.first().is_some_and(|first| first.start == 0);
         let for_stamped = (following(&stamped).count(), begins(&stamped), is_dated);
         let for_raw = (following(&raw).count(), begins(&raw), !raw.is_empty() && !is_dated);
         if for_raw > for_stamped { Self::Raw } else { Self::Stamped }
@@ -59,32 +63,40 @@ impl Framing {
     /// Whether these bytes have good records one behind the other in either form: chance makes no three of them.
     pub fn is_in(head: &[u8], registry: &Registry) -> bool {
         [Self::Stamped, Self::Raw].into_iter().any(|framing| {
-            let found = framing.records(head, registry);
-            let is_run = |few: &[Range<usize>]| following(few).count() + 1 == SURE_RECORDS;
-            found.windows(SURE_RECORDS).any(is_run)
+            let (mut end, mut in_a_row) = (0, 0);
+            framing.records(head, registry).any(|record| {
+                in_a_row = if record.start == end { in_a_row + 1 } else { 1 };
+                end = record.end;
+                in_a_row == SURE_RECORDS
+            })
         })
     }
 
     /// Bytes that good records have in the form that gives more of them.
     pub(crate) fn bytes_in(head: &[u8], registry: &Registry) -> usize {
         let bytes =
-            |framing: Self| framing.records(head, registry).iter().map(Range::len).sum::<usize>();
+            |framing: Self| framing.records(head, registry).map(|one| one.len()).sum::<usize>();
         bytes(Self::Stamped).max(bytes(Self::Raw))
     }
 
     /// Where the good records of known messages are in these bytes.
-    fn records(self, head: &[u8], registry: &Registry) -> Vec<Range<usize>> {
-        let (mut scanner, mut found, mut at) = (self.scanner(), Vec::new(), 0);
-        loop {
-            match scanner.next(&head[at..], registry, true) {
-                FoundRecord::Record { len, entry, .. } => {
-                    found.extend(entry.map(|_| at..at + len));
-                    at += len;
+    fn records(self, head: &[u8], registry: &Registry) -> impl Iterator<Item = Range<usize>> {
+        let (mut scanner, mut at) = (self.scanner(), 0);
+        iter::from_fn(move || {
+            loop {
+                let start = at;
+                match scanner.next(&head[at..], registry, true) {
+                    FoundRecord::Record { len, entry, .. } => {
+                        at += len;
+                        if entry.is_some() {
+                            return Some(start..at);
+                        }
+                    }
+                    FoundRecord::Junk { len } => at += len,
+                    FoundRecord::Incomplete { .. } => return None,
                 }
-                FoundRecord::Junk { len } => at += len,
-                FoundRecord::Incomplete { .. } => return found,
             }
-        }
+        })
     }
 
     fn scanner(self) -> RecordScanner {
@@ -93,6 +105,18 @@ impl Framing {
             Self::Raw => RecordScanner::unstamped(),
         }
     }
+}
+
+fn begins_with_frame(head: &[u8]) -> bool {
+    head.first().is_some_and(|first| matches!(*first, STX_V1 | STX_V2))
+}
+
+/// Whether these records are all that there is, but for one that goes on behind the head.
+fn is_whole(records: &[Range<usize>], head: &[u8]) -> bool {
+    let all = following(records).count() + 1 == records.len();
+    let (first, last) = (records.first(), records.last());
+    all && first.is_some_and(|first| first.start == 0)
+        && last.is_some_and(|last| head.len() - last.end < STAMP_LEN + MAX_FRAME_LEN)
 }
 
 /// The records that begin where the one in front of them ends.

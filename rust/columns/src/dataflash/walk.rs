@@ -51,7 +51,7 @@ pub(super) struct Stretch {
 
 impl Stretch {
     /// Index of the layout of each record.
-    pub(super) fn layouts(&self) -> impl Iterator<Item = usize> {
+    pub(super) fn layouts(&self) -> impl ExactSizeIterator<Item = usize> {
         self.places.iter().map(|place| usize::from(place.layout))
     }
 }
