@@ -21,6 +21,24 @@ DEFAULT_RATE = 50.0
 GPS_TYPES = ("GPS", "GPS2")
 
 
+def time_of_gps(m: DFMessage) -> float | None:
+    """Unix time of a GPS message; None where it tells none."""
+    names = m.get_fieldnames()
+    if "GPSTime" in names:
+        return float(m.GPSTime * 1.0e-6)
+    if "Week" in names and "TimeMS" in names:
+        week, msec = m.Week, m.TimeMS
+    elif "GWk" in names and "GMS" in names:
+        week, msec = m.GWk, m.GMS
+    else:
+        return None
+    return _unix_time(week, msec) if week else None
+
+
+def _unix_time(week: float, msec: float) -> float:
+    return GPS_EPOCH + SECONDS_PER_DAY * 7 * week + msec * 0.001 - LEAP_SECONDS
+
+
 class DFReaderClock:
     """Base of the clocks: `timebase` is the Unix time of the log's zero."""
 
@@ -33,7 +51,7 @@ class DFReaderClock:
 
     def _gpsTimeToTime(self, week: float, msec: float) -> float:
         """Unix time of a GPS week and the milliseconds in it."""
-        return GPS_EPOCH + SECONDS_PER_DAY * 7 * week + msec * 0.001 - LEAP_SECONDS
+        return _unix_time(week, msec)
 
     def set_timebase(self, base: float) -> None:
         """Set the Unix time of the log's zero."""
@@ -166,7 +184,7 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
 
     def gps_message_arrived(self, m: DFMessage) -> None:
         """Move the time base to a later GPS time, and learn the rates of the types on the way."""
-        time = self._time_of(m)
+        time = time_of_gps(m)
         if time is None or time <= self.timebase:
             return
         seconds = time - self.timebase
@@ -175,18 +193,6 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
             self.msg_rate[kind] = max(self.msg_rate.get(kind, least), count / seconds)
         self.timebase = time
         self.counts_since_gps = {}
-
-    def _time_of(self, m: DFMessage) -> float | None:
-        names = m.get_fieldnames()
-        if "GPSTime" in names:
-            return float(m.GPSTime * 1.0e-6)
-        if "Week" in names and "TimeMS" in names:
-            week, msec = m.Week, m.TimeMS
-        elif "GWk" in names and "GMS" in names:
-            week, msec = m.GWk, m.GMS
-        else:
-            return None
-        return self._gpsTimeToTime(week, msec) if week else None
 
     def set_message_timestamp(self, m: DFMessage) -> None:
         """Set `_timestamp` by the type's rate and its count since the GPS message."""

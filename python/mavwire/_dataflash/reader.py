@@ -21,6 +21,7 @@ from .clocks import (
     DFReaderClock_msec,
     DFReaderClock_px4,
     DFReaderClock_usec,
+    time_of_gps,
 )
 from .formats import DFFormat
 from .metadata import DFMetaData
@@ -40,6 +41,8 @@ _VEHICLE_TEXTS = (
 _VEHICLE_BUILDS = {1: 10, 2: 2, 3: 1, 4: 5, 7: 12, 12: 7, 13: 4}
 # Types that tell the time, and PARM, which is to be known early.
 _TIME_TYPES = (*GPS_TYPES, "TIME", "PARM")
+# Times of GPS messages, one later than the other, between which others are counted.
+MOVES = 2
 _TIME_COLUMNS = ("TimeUS", "GWk", "GMS", "T", "Week", "TimeMS", "GPSTime", "StartTime")
 
 
@@ -201,9 +204,7 @@ class DFReader(_native.DataflashReader):
         self._rewind(keep_messages=True)
         if not self._init_clock_by_gps():
             if not self._init_clock_by_fields():
-                clock = DFReaderClock_gps_interpolated()
-                self.clock = clock
-                self.init_clock_gps_interpolated(clock)
+                self._use_rates()
             self._read_to_the_end()
         self._rewind(keep_messages=True)
         for name, m in list(self.messages.items()):
@@ -219,7 +220,7 @@ class DFReader(_native.DataflashReader):
 
     def _init_clock_by_gps(self) -> bool:
         """Look for a GPS message that tells the time; parameters are kept on the way."""
-        px4_time = None
+        px4_time, newest, moves = None, 0.0, 0
         while (m := self.recv_match(type=_TIME_TYPES, strict=True)) is not None:
             kind, names = m.get_type(), m.get_fieldnames()
             if kind == "TIME" and "StartTime" in names and _has_numbers(m, ["StartTime"]):
@@ -239,26 +240,37 @@ class DFReader(_native.DataflashReader):
             elif "GPSTime" in names and px4_time is not None and m.GPSTime:
                 self.init_clock_px4(px4_time, m)
                 return True
+            # One that tells the time and not when that was: two of them give rates.
+            time = time_of_gps(m)
+            if time is not None and time > newest:
+                newest, moves = time, moves + 1
+            if moves == MOVES:
+                self._use_rates()
+                return True
         return False
 
     def _init_clock_by_fields(self) -> bool:
         """No GPS: times since start, if there are any."""
         if self._first_value("TimeUS") is not None:
             self.init_clock_usec()
-        elif self._first_value("TimeMS") is not None:
+        elif self._first_value("TimeMS", of_gps="T") is not None:
             self.init_clock_msec()
         else:
             return False
         return True
 
-    def _first_value(self, column: str) -> float | None:
-        """The value of a column in the first message that has it."""
+    def _first_value(self, column: str, of_gps: str | None = None) -> float | None:
+        """The value of a column in the first message that has it; of another one in GPS messages."""
+
+        def column_of(kind: str) -> str:
+            return of_gps if of_gps is not None and kind in GPS_TYPES else column
+
         self._rewind(keep_messages=True)
-        types = {fmt.name for fmt in self._layouts if column in fmt.colhash}
+        types = {fmt.name for fmt in self._layouts if column_of(fmt.name) in fmt.colhash}
         while types and (m := self.recv_match(type=types, strict=True)) is not None:
             # Another type of the same name may lack the column.
             with suppress(ValueError, AttributeError):
-                value = getattr(m, column)
+                value = getattr(m, column_of(m.get_type()))
                 if isinstance(value, int | float):
                     return value
         return None
@@ -270,10 +282,15 @@ class DFReader(_native.DataflashReader):
             self.clock.find_time_base(gps, first)
 
     def _use_msec(self, gps: Any) -> None:
-        first = self._first_value("TimeMS")
+        first = self._first_value("TimeMS", of_gps="T")
         self.init_clock_msec()
         if not self._zero_time_base:
             self.clock.find_time_base(gps, first)
+
+    def _use_rates(self) -> None:
+        clock = DFReaderClock_gps_interpolated()
+        self.clock = clock
+        self.init_clock_gps_interpolated(clock)
 
     def init_clock_usec(self) -> None:
         """Take the clock of logs with TimeUS."""
@@ -296,7 +313,7 @@ class DFReader(_native.DataflashReader):
         self._rewind(keep_messages=True)
         moves = 0
         before = clock.timebase
-        while moves < 2 and self.recv_msg() is not None:
+        while moves < MOVES and self.recv_msg() is not None:
             moves += clock.timebase != before
             before = clock.timebase
 

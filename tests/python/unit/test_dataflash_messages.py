@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import mavwire
+import numpy as np
 import pytest
 from dataflash_writer import Log, record, sample
 from mavwire import DFReader, mavutil
@@ -331,3 +332,27 @@ def test_columns_of_a_description_in_a_text_log_without_spaces(tmp_path: Path) -
     with DFReader.DFReader_text(str(path)) as log:
         (imu,) = [m for m in iter(log.recv_msg, None) if m.get_type() == "FMT" and m.Name == "IMU"]
     assert imu.Columns == imu.to_dict()["Columns"] == "TimeUS,N"
+
+
+def test_gps_messages_that_do_not_say_when_give_rates(tmp_path: Path) -> None:
+    log = Log().define("GPS", "BIH", "Status,TimeMS,Week").define("ATT", "h", "Roll")
+    for n in range(4):
+        log.add("GPS", 3, 1000 + 200 * n, 1800)
+        for roll in range(4):
+            log.add("ATT", roll)
+    path = log.write(tmp_path / "old.BIN")
+    zero = 1_404_604_782
+    with DFReader.DFReader_binary(str(path)) as reader:
+        found = [(m.get_type(), m._timestamp - zero) for m in iter(reader.recv_msg, None)]
+    att = [time for kind, time in found if kind == "ATT"]
+    by_rates = [1.45, 1.5, 1.55, 1.6, 1.425, 1.45, 1.475, 1.5, 1.625, 1.65, 1.675, 1.7]
+    assert att[4:] == pytest.approx(by_rates, abs=1e-5)
+    assert np.isnat(mavwire.read(path)["ATT"]["timestamp"]).all()
+
+
+def test_the_first_time_of_a_log_by_millis_is_no_time_of_the_week(tmp_path: Path) -> None:
+    log = Log().define("GPS", "BIHI", "Status,TimeMS,Week,T").define("ATT", "h", "Roll")
+    path = log.add("GPS", 3, 1000, 1800, 4000).add("ATT", 1).write(tmp_path / "old.BIN")
+    with DFReader.DFReader_binary(str(path)) as reader:
+        assert [m._timestamp for m in iter(reader.recv_msg, None)] == [1_404_604_783.0] * 5
+    assert set(mavwire.read(path)["FMT"]["timestamp"].astype(int)) == {1_404_604_783_000_000}

@@ -34,6 +34,8 @@ const ENOUGH_LAYOUTS: usize = 3;
 const MAX_OF_NAME: usize = 16;
 /// Bytes of a row of theirs, if there are several: each row has the columns of all of them.
 const MAX_ROW_LEN: usize = 512;
+/// Columns of all tables beyond those of their first descriptions.
+const MAX_MORE_COLUMNS: usize = 2048;
 
 /// [`Survey::table_of`] a layout that has no table.
 pub(super) const NO_TABLE: u16 = u16::MAX;
@@ -160,6 +162,7 @@ impl Survey {
         steps: Steps,
     ) -> Self {
         let (mut tables, mut known) = (Vec::<Arc<str>>::new(), HashMap::new());
+        let mut more_columns = 0;
         let (mut table_of, mut row_lens) = (Vec::new(), Vec::<usize>::new());
         for layout in form.layouts() {
             let next = tables.len() as u16;
@@ -173,10 +176,16 @@ impl Survey {
             own.retain(|column| !columns.contains(column));
             let row_len = &mut row_lens[usize::from(*table)];
             let with_new = *row_len + own.iter().map(|column| value_len(column.1)).sum::<usize>();
-            let fits = *layouts == 0 || (*layouts < MAX_OF_NAME && with_new <= MAX_ROW_LEN);
+            let is_first = *layouts == 0;
+            let more = if is_first { 0 } else { own.len() };
+            let fits = is_first
+                || (*layouts < MAX_OF_NAME
+                    && with_new <= MAX_ROW_LEN
+                    && more_columns + more <= MAX_MORE_COLUMNS);
             table_of.push(if fits { *table } else { NO_TABLE });
             if fits {
                 (*layouts, *row_len) = (*layouts + 1, with_new);
+                more_columns += more;
                 columns.extend(own);
             }
         }

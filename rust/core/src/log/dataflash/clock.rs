@@ -54,8 +54,7 @@ impl Clock {
                 Some((index, _)) => TimeRule::NotBefore(index, 1000),
                 None => TimeRule::Before,
             },
-            Unit::Millis if is_gps(&layout.name) => of("T", 1000),
-            Unit::Millis => of("TimeMS", 1000),
+            Unit::Millis => of(millis_of(layout), 1000),
             Unit::Start if layout.name == "TIME" => of("StartTime", 1),
             Unit::Start => TimeRule::Before,
         }
@@ -75,6 +74,11 @@ impl Clock {
             TimeRule::Before => newest,
         }
     }
+}
+
+/// What has the milliseconds since the log's start; `TimeMS` of GPS records are those of the week.
+fn millis_of(layout: &Layout) -> &'static str {
+    if is_gps(&layout.name) { "T" } else { "TimeMS" }
 }
 
 fn is_gps(name: &str) -> bool {
@@ -101,7 +105,7 @@ impl ClockFinder {
         let has = |name: &str| layout.field_index(name).is_some();
         (self.found.is_none() && (is_gps(&layout.name) || layout.name == "TIME"))
             || (self.first_us.is_none() && has("TimeUS"))
-            || (self.first_ms.is_none() && has("TimeMS"))
+            || (self.first_ms.is_none() && has(millis_of(layout)))
     }
 
     /// Whether a GPS record told when the log began: no later record changes the clock then.
@@ -114,7 +118,7 @@ impl ClockFinder {
         let named = |name: &str| layout.field_index(name).and_then(&value);
         let before = (self.found.is_some(), self.first_us.is_some(), self.first_ms.is_some());
         self.first_us = self.first_us.or_else(|| named("TimeUS"));
-        self.first_ms = self.first_ms.or_else(|| named("TimeMS"));
+        self.first_ms = self.first_ms.or_else(|| named(millis_of(layout)));
         if self.found.is_none() {
             if layout.name == "TIME" {
                 self.start = named("StartTime").or(self.start);
