@@ -55,8 +55,8 @@ impl Framing {
         }
         let raw: Vec<_> = Self::Raw.records(head, registry).collect();
         let begins = |found: &[Range<usize>]| found.first().is_some_and(|first| first.start == 0);
-        let for_stamped = (following(&stamped).count(), begins(&stamped), is_dated);
-        let for_raw = (following(&raw).count(), begins(&raw), !raw.is_empty() && !is_dated);
+        let for_stamped = (following(&stamped), begins(&stamped), is_dated);
+        let for_raw = (following(&raw), begins(&raw), !raw.is_empty() && !is_dated);
         if for_raw > for_stamped { Self::Raw } else { Self::Stamped }
     }
 
@@ -113,15 +113,15 @@ fn begins_with_frame(head: &[u8]) -> bool {
 
 /// Whether these records are all that there is, but for one that goes on behind the head.
 fn is_whole(records: &[Range<usize>], head: &[u8]) -> bool {
-    let all = following(records).count() + 1 == records.len();
+    let all = following(records) + 1 == records.len();
     let (first, last) = (records.first(), records.last());
     all && first.is_some_and(|first| first.start == 0)
         && last.is_some_and(|last| head.len() - last.end < STAMP_LEN + MAX_FRAME_LEN)
 }
 
-/// The records that begin where the one in front of them ends.
-fn following(records: &[Range<usize>]) -> impl Iterator<Item = &Range<usize>> {
-    records.windows(2).filter(|two| two[0].end == two[1].start).map(|two| &two[1])
+/// How many records begin where the one in front of them ends.
+fn following(records: &[Range<usize>]) -> usize {
+    records.windows(2).filter(|two| two[0].end == two[1].start).count()
 }
 
 /// Whether most of what stands in front of frames are dates, of which hardly one goes back: the ends of HEARTBEATs, which look
