@@ -60,6 +60,7 @@ const fn quotient() -> u64 {
 /// Feeds `bytes` to a register; `None` where there are fewer than 8 of them or more than a frame has, or the processor
 /// cannot multiply so.
 #[inline]
+#[allow(unsafe_code)] // nothing else in this crate needs any
 pub(super) fn accumulate(crc: u16, bytes: &[u8]) -> Option<u16> {
     let head = bytes.first_chunk::<8>()?;
     let can_multiply = is_x86_feature_detected!("pclmulqdq") && is_x86_feature_detected!("sse2");
@@ -67,7 +68,6 @@ pub(super) fn accumulate(crc: u16, bytes: &[u8]) -> Option<u16> {
         return None;
     }
     // SAFETY: the processor has the instructions, as was just found.
-    #[allow(unsafe_code)] // nothing else in this crate needs any
     Some(unsafe { multiplied(crc, u64::from_le_bytes(*head), bytes) })
 }
 
