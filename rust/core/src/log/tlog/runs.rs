@@ -16,6 +16,9 @@ use crate::scan::{Resync, Scanner, distance_to_stx};
 /// What a failed guess costs at most, counted in bytes of the frame that it claims to be.
 const GUESS_COST: usize = 255 + SIGNATURE_LEN;
 
+/// Bytes of few records: room for one in so many spares nearly every log the growing.
+const SHORT_RECORD: usize = 32;
+
 /// A good record of a known message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Located {
@@ -54,7 +57,8 @@ pub struct Runs {
 /// Where `bytes` has 4 GiB or more.
 pub fn find_runs(bytes: &[u8], stretch: Range<usize>, lead: usize, registry: &Registry) -> Runs {
     assert!(u32::try_from(bytes.len()).is_ok(), "a block is smaller than 4 GiB");
-    let mut found = Runs::default();
+    let room = stretch.len().min(bytes.len()) / SHORT_RECORD;
+    let mut found = Runs { records: Vec::with_capacity(room), ..Runs::default() };
     let mut scanner = Scanner::new(Resync::Skip);
     let mut guesses = stretch.len() / GUESS_COST + 1;
     let mut at = stretch.start;
