@@ -107,8 +107,8 @@ class RecordBatches:
     def column(self, name: str) -> ColumnView:
         """A column in one piece; KeyError if there is none of that name."""
 
-    def without_empty(self, names: list[str]) -> RecordBatches:
-        """The same without those of the named columns that hold nothing but nulls."""
+    def without_empty_raw(self) -> RecordBatches:
+        """The same without columns of raw bytes that hold nothing but nulls; itself if there is none."""
 
     def select(self, names: list[str]) -> RecordBatches:
         """Some of the columns, in the order given; KeyError if there is none of a name."""

@@ -322,5 +322,4 @@ class Table:
 
 def tidy(name: str, batches: RecordBatches, path: str | None = None) -> Table:
     """A whole table: the raw bytes of texts only where some text is not UTF-8."""
-    raw = [column for column, kind in batches.types().items() if kind == "Binary"]
-    return Table(name, batches.without_empty(raw) if raw else batches, path)
+    return Table(name, batches.without_empty_raw(), path)

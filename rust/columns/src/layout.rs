@@ -4,7 +4,7 @@
 //! A field that bears one of those names, or that of a column before it, gets underscores behind its own. Metadata tells the
 //! rest: `field` (the name in the definition), `unit`, `enum`, `bitmask`, `multiplier`, `invalid`.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow::datatypes::{DataType, Field as ArrowField, Schema, SchemaRef, TimeUnit};
@@ -154,19 +154,12 @@ fn all_columns(
         plain("compid", Source::Compid, DataType::UInt8),
         plain("seq", Source::Seq, DataType::UInt8),
     ];
-    let mut taken: HashSet<String> =
-        columns.iter().map(|(column, _)| column.name.clone()).collect();
-    let mut unique = |mut name: String| {
-        while !taken.insert(name.clone()) {
-            name.push('_');
-        }
-        name
-    };
+    columns.reserve_exact(message.fields.len());
     for (index, field) in message.fields.iter().enumerate() {
         let first = columns.len();
-        let name = unique(field.name.clone());
+        let name = unique(&columns, field.name.clone());
         if field.is_char() {
-            let raw = unique(format!("{name}_raw"));
+            let raw = unique(&columns, format!("{name}_raw"));
             columns.push(text(field, &name));
             columns.push(raw_text(field, &raw));
         } else {
@@ -179,6 +172,14 @@ fn all_columns(
         }
     }
     columns
+}
+
+/// The name with as many underscores behind it as no column has.
+fn unique(columns: &[(Column, ArrowField)], mut name: String) -> String {
+    while columns.iter().any(|(column, _)| column.name == name) {
+        name.push('_');
+    }
+    name
 }
 
 /// Says of a column that its values tell apart what the messages of one type are about.

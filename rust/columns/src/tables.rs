@@ -120,6 +120,6 @@ pub(crate) fn pieces(rows: &RecordBatch, most: usize) -> impl Iterator<Item = Re
     let count = if most == 0 { 1 } else { all.div_ceil(most).max(1) };
     (0..count).map(move |n| {
         let (start, end) = (n * all / count, (n + 1) * all / count);
-        rows.slice(start, end - start)
+        if count == 1 { rows.clone() } else { rows.slice(start, end - start) }
     })
 }

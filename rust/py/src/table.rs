@@ -8,7 +8,7 @@ use mavwire_columns::arrow::array::{
     Array, ArrayRef, BinaryArray, RecordBatch, RecordBatchIterator, StringArray, UInt8Array,
 };
 use mavwire_columns::arrow::compute::concat_batches;
-use mavwire_columns::arrow::datatypes::{Schema, SchemaRef};
+use mavwire_columns::arrow::datatypes::{DataType, Schema, SchemaRef};
 use mavwire_columns::arrow::error::ArrowError;
 use mavwire_columns::arrow::ffi::FFI_ArrowSchema;
 use mavwire_columns::arrow::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
@@ -160,14 +160,19 @@ impl RecordBatches {
         })
     }
 
-    /// The same table without columns that hold nothing but nulls, of those named.
-    fn without_empty(&self, #[pyo3(from_py_with = list)] names: Vec<String>) -> PyResult<Self> {
-        let empty = |index: usize| {
-            names.contains(self.schema.field(index).name())
-                && self.batches.iter().all(|b| b.column(index).null_count() == b.num_rows())
+    /// The same table without columns of raw bytes that hold nothing but nulls.
+    fn without_empty_raw(slf: Bound<'_, Self>) -> PyResult<Bound<'_, Self>> {
+        let table = slf.get();
+        let fields = table.schema.fields();
+        let is_empty = |index: usize| {
+            *fields[index].data_type() == DataType::Binary
+                && table.batches.iter().all(|b| b.column(index).null_count() == b.num_rows())
         };
-        let kept: Vec<usize> = (0..self.schema.fields().len()).filter(|&i| !empty(i)).collect();
-        self.project(&kept)
+        let kept: Vec<usize> = (0..fields.len()).filter(|&index| !is_empty(index)).collect();
+        if kept.len() == fields.len() {
+            return Ok(slf);
+        }
+        Bound::new(slf.py(), table.project(&kept)?)
     }
 
     /// Some of the columns, in the order given.

@@ -157,7 +157,6 @@ def test_what_tables_are_made_of(log: Path, dialect: Any, name: str, item: objec
 def test_tables_and_names_of_columns(table: Any) -> None:
     refuses(_native.RecordBatches.joined, table)
     refuses(table.select, "type")
-    refuses(table.without_empty, "type")
     refuses(lambda tables: _native.align_tables(tables, table, None, "ffill", None), ("a", table))
     assert table.select(["type"]).names == ["type"]
 
