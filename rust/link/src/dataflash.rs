@@ -7,7 +7,8 @@ use std::io;
 use std::path::Path;
 
 use mavwire_core::log::dataflash::{
-    Definitions, FMT_LAYOUT_LEN, Found, HEAD_LEN, LOOK_LEN, Layout, RecordEntry, Units, index, look,
+    Definitions, FMT_LAYOUT_LEN, Found, HEAD_LEN, LOOK_LEN, Layout, RecordEntry, Units, index,
+    look, pass,
 };
 
 use crate::tally::Tally;
@@ -92,6 +93,18 @@ impl DataflashFile {
         };
         let bytes = self.window.buffered(entry.offset);
         Ok(bytes.get(..usize::from(entry.len)).map(|bytes| (entry, bytes)))
+    }
+
+    /// Passes over records of layouts that are not `wanted`, `most` of them at most, as far as that is quickly done; returns
+    /// where it stopped and how many it passed.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    #[inline]
+    pub fn pass(&mut self, offset: u64, wanted: &[bool], most: u32) -> io::Result<(u64, u32)> {
+        let (bytes, _) = bytes_at(&mut self.window, self.len, offset)?;
+        let (len, passed) = pass(bytes, offset, &self.definitions, wanted, most);
+        Ok((offset + len as u64, passed))
     }
 
     /// Goes through the whole log. `progress` is told the offset now and then; `false` from it ends the run.

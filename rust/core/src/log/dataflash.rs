@@ -19,7 +19,7 @@ pub use clock::{Clock, ClockFinder, TimeRule};
 pub use definitions::{Definitions, MAX_DEFINITIONS};
 pub use field::{ARRAY_LEN, FieldKind, Value, half, value};
 pub use layout::{FMT_LAYOUT_LEN, Field, Layout, LayoutError, TimeUnit, log_text, whole};
-pub use records::{Found, LOOK_LEN, RecordEntry, index, look};
+pub use records::{Found, LOOK_LEN, RecordEntry, index, look, pass};
 pub use units::Units;
 
 /// The first two bytes of each binary record.

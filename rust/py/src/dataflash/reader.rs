@@ -37,6 +37,7 @@ pub(crate) struct DataflashReader {
 /// `recv_match`'s argument `type`.
 enum Types<'py> {
     Any,
+    One(Bound<'py, PyString>),
     Of(Vec<Bound<'py, PyString>>),
 }
 
@@ -44,7 +45,7 @@ impl<'py> Types<'py> {
     fn new(types: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
         let Some(types) = types else { return Ok(Self::Any) };
         if let Ok(name) = types.cast::<PyString>() {
-            return Ok(Self::Of(vec![name.clone()]));
+            return Ok(Self::One(name.clone()));
         }
         let Ok(items) = types.items() else {
             return Err(PyTypeError::new_err("type must be a name or a collection of names"));
@@ -54,7 +55,11 @@ impl<'py> Types<'py> {
     }
 
     fn has(&self, name: &Bound<'_, PyString>) -> PyResult<bool> {
-        let Self::Of(names) = self else { return Ok(true) };
+        let names = match self {
+            Self::Any => return Ok(true),
+            Self::One(name) => std::slice::from_ref(name),
+            Self::Of(names) => names,
+        };
         if names.iter().any(|one| one.is(name)) {
             return Ok(true);
         }
@@ -370,7 +375,7 @@ impl DataflashReader {
         let _ = blocking;
         let py = slf.py();
         let types = Types::new(r#type.as_ref())?;
-        let filtered = matches!(types, Types::Of(_));
+        let filtered = !matches!(types, Types::Any);
         if filtered {
             slf.get().latch(py, &types, strict)?;
         }

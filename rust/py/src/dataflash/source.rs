@@ -88,6 +88,21 @@ impl Source {
         Ok(offsets)
     }
 
+    /// Passes over records of layouts that are not `wanted`, `most` of them at most, where there is a quick way; returns where
+    /// it stopped and how many it passed.
+    #[inline]
+    pub(super) fn pass(
+        &mut self,
+        offset: u64,
+        wanted: &[bool],
+        most: u32,
+    ) -> io::Result<(u64, u32)> {
+        match self {
+            Self::Binary(file) => file.pass(offset, wanted, most),
+            Self::Text(_) => Ok((offset, 0)),
+        }
+    }
+
     /// The first record at or behind `offset`.
     #[inline]
     pub(super) fn record_at(&mut self, offset: u64) -> io::Result<Option<Record<'_>>> {

@@ -109,6 +109,14 @@ impl State {
         let wanted = self.latched.as_ref().filter(|_| latched);
         let delimiter = source.delimiter();
         loop {
+            if let Some(wanted) = wanted {
+                let (at, passed) = source.pass(self.offset, wanted, budget)?;
+                self.offset = at;
+                budget -= passed;
+                if budget == 0 {
+                    return Ok(Search::Paused);
+                }
+            }
             let Some(record) = source.record_at(self.offset)? else {
                 self.offset = self.len;
                 return Ok(Search::End);

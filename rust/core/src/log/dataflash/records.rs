@@ -125,6 +125,33 @@ fn junk(bytes: &[u8], offset: u64, definitions: &Definitions, last: bool) -> Fou
     }
 }
 
+/// Passes over records of layouts that are not `wanted`, `most` of them at most; returns how many bytes that makes, and how
+/// many records.
+///
+/// It stops in front of what is wanted, of what is no record, and of the last [`LOOK_LEN`] bytes: for [`look`] to say what
+/// stands there.
+#[inline]
+pub fn pass(
+    bytes: &[u8],
+    offset: u64,
+    definitions: &Definitions,
+    wanted: &[bool],
+    most: u32,
+) -> (usize, u32) {
+    let (mut at, mut passed) = (0, 0);
+    let safe = bytes.len().saturating_sub(LOOK_LEN);
+    while at < safe
+        && passed < most
+        && let Found::Record { len, layout } =
+            look(&bytes[at..], offset + at as u64, definitions, false)
+        && !wanted[usize::from(layout)]
+    {
+        at += len;
+        passed += 1;
+    }
+    (at, passed)
+}
+
 /// Calls `record` for each record of `bytes` that starts before `limit`, with the record's bytes; returns where the next
 /// one has to be looked for, and how many bytes belong to no record.
 ///

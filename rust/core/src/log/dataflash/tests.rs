@@ -88,6 +88,45 @@ fn any_stretches_give_the_same_index() {
 }
 
 #[test]
+fn what_is_passed_over_is_what_a_look_at_each_record_would_leave_out() {
+    let mut log = sample();
+    for _ in 0..4 {
+        log.extend(b"junk");
+        log.extend(&sample()[178..]);
+    }
+    let mut definitions = Definitions::new();
+    definitions.collect(&log, 0);
+    let of = |name| definitions.layouts().iter().map(|one| one.name == name).collect::<Vec<_>>();
+    for (wanted, most) in [(of("A"), 1), (of("B"), 3), (of("nothing"), 7), (of("B"), u32::MAX)] {
+        let mut expected = Vec::new();
+        index(&log, 0, usize::MAX, &definitions, true, |entry, _| {
+            if wanted[usize::from(entry.layout)] {
+                expected.push(entry.offset);
+            }
+        });
+        let (mut found, mut at, mut all_passed) = (Vec::new(), 0, 0);
+        while at < log.len() {
+            let (bytes, passed) = pass(&log[at..], at as u64, &definitions, &wanted, most);
+            assert!(passed <= most && (bytes > 0) == (passed > 0));
+            all_passed += passed;
+            at += bytes;
+            match look(&log[at..], at as u64, &definitions, true) {
+                Found::Record { len, layout } => {
+                    if wanted[usize::from(layout)] {
+                        found.push(at as u64);
+                    }
+                    at += len;
+                }
+                Found::Junk { len } => at += len,
+                Found::Incomplete => break,
+            }
+        }
+        assert_eq!(found, expected);
+        assert!(all_passed > 10, "{all_passed} of {} bytes", log.len());
+    }
+}
+
+#[test]
 fn what_is_not_there_yet_does_not_decide() {
     // A record that nothing follows, and within it the head of one whose end only later bytes show: nothing follows that
     // either, so the first one counts.
