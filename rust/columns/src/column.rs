@@ -50,6 +50,8 @@ pub struct Growing {
     valid: NullBufferBuilder,
     /// Numbers of a row.
     elements: usize,
+    /// Bytes that the name of a number may come to.
+    name_len: usize,
 }
 
 impl Growing {
@@ -67,7 +69,8 @@ impl Growing {
                 None => empty(field.field_type),
             },
         };
-        Self { values, valid: NullBufferBuilder::new(0), elements }
+        let name_len = column.names.as_ref().map_or(0, |names| names.mask_len);
+        Self { values, valid: NullBufferBuilder::new(0), elements, name_len }
     }
 
     /// Bytes of a row; of texts those that each has.
@@ -193,8 +196,12 @@ impl Growing {
         }
     }
 
-    /// Bytes held.
+    /// Bytes held, and those of names.
     pub fn bytes(&self) -> usize {
+        self.held() + self.valid.len() * self.elements * self.name_len
+    }
+
+    fn held(&self) -> usize {
         match &self.values {
             Values::NoTime(count) => *count,
             Values::U8(v) => v.len(),

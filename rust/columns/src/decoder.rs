@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::gather::{PAYLOAD, Rows};
-use crate::layout::{Layout, Options};
+use crate::layout::{Layout, Options, names_len};
 use crate::piece::{Chosen, PIECE, Piece, portions};
 use crate::reader::{Batch, Limits};
 use crate::scan::{Framing, Scanned};
@@ -49,7 +49,11 @@ impl Decoder {
             messages.iter().map(|one| PAYLOAD + usize::from(one.max_len)).collect();
         // What is scaled takes 8 bytes for each element.
         let widened = if options.si { size_of::<f64>() } else { 1 };
-        let row_lens: Vec<_> = strides.iter().map(|stride| stride * (1 + widened)).collect();
+        let names_len =
+            |one| if options.enum_names { names_len(one, registry.dialect()) } else { 0 };
+        let row_lens = messages.iter().zip(&strides);
+        let row_lens: Vec<_> =
+            row_lens.map(|(one, stride)| stride * (1 + widened) + names_len(one)).collect();
         let widest = row_lens.iter().copied().max().unwrap_or_default();
         let pieces = Vec::new();
         Self { registry, framing, wanted, options, tables, pieces, strides, row_lens, widest }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::sync::Arc;
 
-use arrow::array::{ArrayRef, DictionaryArray, Int32Array, StringArray};
+use arrow::array::{ArrayRef, DictionaryArray, Int32Array, StringBuilder};
 use arrow::datatypes::Int32Type;
 use mavwire_schema::Enum;
 
@@ -15,6 +15,22 @@ pub struct Names {
     by_value: HashMap<i128, String>,
     /// Entries of single bits, lowest first.
     bits: Vec<(i128, String)>,
+    /// As [`mask_len`] says.
+    pub(crate) mask_len: usize,
+}
+
+/// Bytes of the text of a value of which half the bits are set: a log that has each value once makes a column of them. 0
+/// for what is no bit mask, whose texts are few.
+pub(crate) fn mask_len(definition: &Enum, bitmask: bool) -> usize {
+    if !bitmask && !definition.bitmask {
+        return 0;
+    }
+    let bits = definition.entries.iter().filter(|entry| is_bit(entry.value));
+    bits.map(|entry| entry.name.len() + 1).sum::<usize>() / 2
+}
+
+fn is_bit(value: i128) -> bool {
+    u64::try_from(value).is_ok_and(u64::is_power_of_two)
 }
 
 impl Names {
@@ -24,14 +40,14 @@ impl Names {
         for entry in &definition.entries {
             by_value.entry(entry.value).or_insert_with(|| entry.name.clone());
         }
-        let single = |value: i128| u64::try_from(value).is_ok_and(u64::is_power_of_two);
         let mut bits: Vec<_> = by_value
             .iter()
-            .filter(|(value, _)| single(**value))
+            .filter(|(value, _)| is_bit(**value))
             .map(|(value, name)| (*value, name.clone()))
             .collect();
         bits.sort();
-        Self { bitmask: bitmask || definition.bitmask, by_value, bits }
+        let mask_len = mask_len(definition, bitmask);
+        Self { bitmask: bitmask || definition.bitmask, by_value, bits, mask_len }
     }
 
     /// The entry with a value, the entries of a bit mask joined by `|`; what has no name is a number.
@@ -58,18 +74,18 @@ impl Names {
     /// A dictionary column of values.
     pub fn dictionary(&self, values: impl Iterator<Item = i128>) -> ArrayRef {
         let mut keys: HashMap<i128, i32> = HashMap::new();
-        let mut texts: Vec<String> = Vec::new();
+        let mut texts = StringBuilder::new();
         let keys: Int32Array = values
             .map(|value| {
+                let next = keys.len() as i32;
                 *keys.entry(value).or_insert_with(|| {
-                    texts.push(self.text(value));
-                    texts.len() as i32 - 1
+                    texts.append_value(self.text(value));
+                    next
                 })
             })
             .collect::<Vec<_>>()
             .into();
-        let texts = Arc::new(StringArray::from(texts));
-        Arc::new(DictionaryArray::<Int32Type>::new(keys, texts))
+        Arc::new(DictionaryArray::<Int32Type>::new(keys, Arc::new(texts.finish())))
     }
 }
 

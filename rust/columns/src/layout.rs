@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use arrow::datatypes::{DataType, Field as ArrowField, Schema, SchemaRef, TimeUnit};
 use mavwire_core::registry::Registry;
-use mavwire_schema::{Dialect, Field, FieldType, Message};
+use mavwire_schema::{Dialect, Enum, Field, FieldType, Message};
 
-use crate::enums::Names;
+use crate::enums::{Names, mask_len};
 use crate::error::Error;
 use crate::scan::Framing;
 use crate::units::{Scale, to_si};
@@ -205,7 +205,8 @@ fn numbers(
     dialect: &Dialect,
     options: &Options,
 ) -> (Column, ArrowField) {
-    let names = options.enum_names.then(|| enum_of(field, dialect)).flatten();
+    let definition = options.enum_names.then(|| enum_of(field, dialect)).flatten();
+    let names = definition.map(|definition| Names::new(definition, is_bitmask(field)));
     let si = if options.si && field.enum_name.is_none() { to_si(field) } else { None };
     let scale = si.map(|(scale, _)| scale);
     let (mut column, arrow) = numbers_of(field, scale, names, metadata(field, si));
@@ -239,13 +240,25 @@ pub(crate) fn numbers_of(
     (column, arrow.with_metadata(metadata))
 }
 
-fn enum_of(field: &Field, dialect: &Dialect) -> Option<Names> {
+fn enum_of<'a>(field: &Field, dialect: &'a Dialect) -> Option<&'a Enum> {
     let name = field.enum_name.as_deref()?;
     if matches!(field.field_type, FieldType::F32 | FieldType::F64) {
         return None;
     }
-    let definition = dialect.enums.iter().find(|definition| definition.name == name)?;
-    Some(Names::new(definition, field.display.as_deref() == Some("bitmask")))
+    dialect.enums.iter().find(|definition| definition.name == name)
+}
+
+fn is_bitmask(field: &Field) -> bool {
+    field.display.as_deref() == Some("bitmask")
+}
+
+/// Bytes that the names in a row of a message may come to.
+pub(crate) fn names_len(message: &Message, dialect: &Dialect) -> usize {
+    let of_field = |field: &Field| {
+        let definition = enum_of(field, dialect)?;
+        Some(field.elements() * mask_len(definition, is_bitmask(field)))
+    };
+    message.fields.iter().filter_map(of_field).sum()
 }
 
 fn element_type(field_type: FieldType) -> DataType {
@@ -283,6 +296,6 @@ pub(crate) fn metadata(
         }
     }
     add("enum", field.enum_name.as_deref());
-    add("bitmask", (field.display.as_deref() == Some("bitmask")).then_some("true"));
+    add("bitmask", is_bitmask(field).then_some("true"));
     metadata
 }

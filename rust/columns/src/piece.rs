@@ -10,7 +10,7 @@ use std::vec::IntoIter;
 pub(crate) const PIECE: usize = 8192;
 
 /// Bytes of rows that are made of a block in one go. A block of very short records may make hundreds of times its own size.
-const PORTION: usize = 48 << 20;
+const PORTION: usize = 32 << 20;
 
 /// The ranges of parts of a block that are taken in one after the other. All of them have at most so many bytes of rows, which
 /// is mostly few enough; where it is not, `rows_len` says how many those of a part have.

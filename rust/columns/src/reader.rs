@@ -77,6 +77,9 @@ pub trait Decode: Send {
     /// How many of them belong to no record.
     fn bad_bytes(&self) -> u64;
 
+    /// Whether a block is taken in by portions, as its rows are many times as large.
+    fn is_within_block(&self) -> bool;
+
     /// Whether records have times.
     fn has_times(&self) -> bool;
 
@@ -133,6 +136,10 @@ impl Decode for Reader {
 
     fn bad_bytes(&self) -> u64 {
         self.bad_bytes
+    }
+
+    fn is_within_block(&self) -> bool {
+        self.rest.is_some()
     }
 
     fn has_times(&self) -> bool {

@@ -2,11 +2,29 @@
 
 /// Gives freed memory back to the system. glibc has a heap for each thread, and keeps most of what is freed in one by another
 /// thread: whoever frees large spans again and again calls this now and then. Elsewhere nothing is done.
-pub fn give_back() {
+fn give_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: it takes no pointer, and locks each heap while it looks at it.
     unsafe {
         libc::malloc_trim(0);
+    }
+}
+
+/// Bytes that are freed before memory is given back: often enough for what is kept to be little.
+const KEPT_BYTES: usize = 64 << 20;
+
+/// Gives memory back each time that much of it was freed.
+#[derive(Debug, Default)]
+pub struct Freed(usize);
+
+impl Freed {
+    /// So many bytes more were freed.
+    pub fn add(&mut self, bytes: usize) {
+        self.0 += bytes;
+        if self.0 > KEPT_BYTES {
+            give_back();
+            self.0 = 0;
+        }
     }
 }
 

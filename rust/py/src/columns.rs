@@ -11,6 +11,7 @@ use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
 use mavwire_columns::summary::{Count, Sender, Summary};
 use mavwire_link::files;
+use mavwire_link::memory::Freed;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -110,16 +111,43 @@ impl Query {
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct LogColumns {
     reader: Mutex<Box<dyn Decode>>,
+    handed_out: Mutex<HandedOut>,
+}
+
+/// The batches that were handed out.
+#[derive(Default)]
+struct HandedOut {
+    /// Bytes of the last ones.
+    last: usize,
+    freed: Freed,
 }
 
 impl LogColumns {
     pub(crate) fn new(reader: Box<dyn Decode>) -> Self {
-        Self { reader: Mutex::new(reader) }
+        Self { reader: Mutex::new(reader), handed_out: Mutex::default() }
+    }
+
+    fn advance(&self) -> Result<Option<Vec<Batch>>, Error> {
+        let mut handed_out = self.handed_out.lock().unwrap_or_else(PoisonError::into_inner);
+        let last = std::mem::take(&mut handed_out.last);
+        if self.with(|reader| reader.is_within_block()) {
+            // Who asks for more is mostly done with what came before. Giving that back takes time, which ordinary logs can do
+            // without.
+            handed_out.freed.add(last);
+        }
+        let batches = self.with(|reader| reader.advance_a_while())?;
+        handed_out.last = batches.as_deref().map_or(0, bytes_of);
+        Ok(batches)
     }
 
     fn with<T>(&self, read: impl FnOnce(&mut dyn Decode) -> T) -> T {
         read(&mut **self.reader.lock().unwrap_or_else(PoisonError::into_inner))
     }
+}
+
+/// Memory that batches take.
+pub(crate) fn bytes_of(batches: &[Batch]) -> usize {
+    batches.iter().map(|batch| batch.rows.get_array_memory_size()).sum()
 }
 
 pub(crate) fn table(batch: Batch) -> (String, RecordBatches) {
@@ -140,8 +168,7 @@ impl LogColumns {
     /// The tables that are ready after some more blocks of the log, `[(message, table), ...]`, perhaps none.
     fn __next__(&self, py: Python<'_>) -> PyResult<Option<Vec<(String, RecordBatches)>>> {
         py.check_signals()?;
-        let batches =
-            py.detach(|| self.with(|reader| reader.advance_a_while())).map_err(columns_error)?;
+        let batches = py.detach(|| self.advance()).map_err(columns_error)?;
         Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
     }
 

@@ -10,11 +10,11 @@ use mavwire_columns::mcap;
 use mavwire_columns::pool;
 use mavwire_columns::reader::{Batch, Decode};
 use mavwire_link::files::Draft;
-use mavwire_link::memory;
+use mavwire_link::memory::Freed;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::columns::Query;
+use crate::columns::{Query, bytes_of};
 use crate::convert_output::Output;
 use crate::dialect::Dialect;
 use crate::source::Source;
@@ -60,17 +60,13 @@ fn output(folder: PathBuf, file: String, format: &str, compression: &str) -> PyR
     Ok(Output::tables(folder, file, kind, how))
 }
 
-/// Bytes of batches that are freed before memory is given back to the system.
-const KEPT_BYTES: usize = 64 << 20;
-
 /// A log, and the files that become of it.
 struct Work {
     reader: Box<dyn Decode>,
     output: Output,
     /// What was read and is not written.
     batches: Vec<Batch>,
-    /// Bytes of batches that were freed since memory was given back.
-    freed: usize,
+    freed: Freed,
 }
 
 impl Work {
@@ -80,12 +76,9 @@ impl Work {
         let (written, read) = pool::both(|| output.write(batches), || reader.advance_a_while());
         written?;
         let written = std::mem::take(&mut self.batches);
-        self.freed += written.iter().map(|one| one.rows.get_array_memory_size()).sum::<usize>();
+        let bytes = bytes_of(&written);
         drop(written);
-        if self.freed > KEPT_BYTES {
-            memory::give_back();
-            self.freed = 0;
-        }
+        self.freed.add(bytes);
         let more = read?;
         let is_end = more.is_none();
         self.batches = more.unwrap_or_default();
@@ -108,7 +101,14 @@ impl Converter {
         compression: &str,
     ) -> PyResult<Self> {
         let output = output(folder, file, format, compression)?;
-        Ok(Self { work: Mutex::new(Some(Work { reader, output, batches: Vec::new(), freed: 0 })) })
+        Ok(Self {
+            work: Mutex::new(Some(Work {
+                reader,
+                output,
+                batches: Vec::new(),
+                freed: Freed::default(),
+            })),
+        })
     }
 
     fn with<T>(&self, take: impl FnOnce(&mut Option<Work>) -> T) -> T {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import os
+import random
 import subprocess
 import sys
 from collections.abc import Callable
@@ -132,6 +133,18 @@ def wide_lines() -> bytes:
     return "\n".join([*head, "FMT,2,3,A,b,x"]).encode() + b"\nA,1" * 2_000_000
 
 
+def many_wide_types() -> bytes:
+    """Records of three bytes of two hundred types, which are described five times each."""
+    ids = [number if number < 128 else number + 1 for number in range(200)]
+    data = FMT
+    for type_id in ids:
+        for first in "abcd":
+            columns = ",".join(first + second for second in "abcdefghijklmno")
+            data += fmt(type_id, f"T{type_id}", "c" * 15, columns)
+        data += fmt(type_id, f"T{type_id}", "", "")
+    return data + b"".join(b"\xa3\x95" + bytes([type_id]) for type_id in ids) * 15_000
+
+
 def many_names() -> bytes:
     """Descriptions of types, each with a long name of its own."""
     fmt = b"FMT,1,4,N%d" + b"n" * 30_000 + b",b,x\n"
@@ -146,7 +159,7 @@ def short_frames() -> bytes:
     return common.MAVLink_file_transfer_protocol_message(1, 0, 0, [0] * 251).pack(mav) * 1_000_000
 
 
-@pytest.mark.parametrize("make", [wide_rows, wide_lines, many_names, short_frames])
+@pytest.mark.parametrize("make", [wide_rows, many_wide_types, wide_lines, many_names, short_frames])
 def test_memory_does_not_grow_with_what_a_hostile_log_describes(
     tmp_path: Path, make: Callable[[], bytes]
 ) -> None:
@@ -162,6 +175,28 @@ print(json.dumps([rows, found, row.rows, taken()]))
 """
     *counts, memory = run(code, path, tmp_path / "out")
     assert len(set(counts)) == 1
+    assert memory < HOSTILE_LIMIT
+
+
+def test_memory_does_not_grow_with_the_names_of_bit_masks(tmp_path: Path) -> None:
+    mav = common.MAVLink(None, 1, 1)
+    chance = random.Random(3)
+    frames = []
+    for _ in range(200_000):
+        masks = [chance.getrandbits(31) for _ in range(3)]
+        message = common.MAVLink_sys_status_message(*masks, *range(10))
+        frames.append(message.pack(mav))
+    path = tmp_path / "masks.raw"
+    path.write_bytes(b"".join(frames))
+    code = """
+import sys, mavwire
+from mavwire.logs.conversion import convert
+rows = sum(len(table) for table in mavwire.scan(sys.argv[1], enums="names"))
+(row,) = convert([sys.argv[1]], sys.argv[2], enums="names")
+print(json.dumps([rows, row.rows, taken()]))
+"""
+    *counts, memory = run(code, path, tmp_path / "out")
+    assert counts == [200_000, 200_000]
     assert memory < HOSTILE_LIMIT
 
 

@@ -48,6 +48,10 @@ impl Decode for Reader {
         self.bad_bytes
     }
 
+    fn is_within_block(&self) -> bool {
+        self.rest.is_some()
+    }
+
     fn has_times(&self) -> bool {
         self.survey.clock.is_some()
     }
