@@ -6,6 +6,8 @@ that was. What else there is comes from autopilots of many years ago.
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from mavwire import _native
 
 TYPE_CHECKING = False
@@ -22,17 +24,23 @@ GPS_TYPES = ("GPS", "GPS2")
 
 
 def time_of_gps(m: DFMessage) -> float | None:
-    """Unix time of a GPS message; None where it tells none."""
+    """Unix time of a GPS message; None where it tells none, or what is no time."""
     names = m.get_fieldnames()
+    columns: tuple[str, ...]
     if "GPSTime" in names:
-        return float(m.GPSTime * 1.0e-6)
-    if "Week" in names and "TimeMS" in names:
-        week, msec = m.Week, m.TimeMS
+        columns = ("GPSTime",)
+    elif "Week" in names and "TimeMS" in names:
+        columns = ("Week", "TimeMS")
     elif "GWk" in names and "GMS" in names:
-        week, msec = m.GWk, m.GMS
+        columns = ("GWk", "GMS")
     else:
         return None
-    return _unix_time(week, msec) if week else None
+    values = [getattr(m, column) for column in columns]
+    if not all(isinstance(value, int | float) for value in values) or not values[0]:
+        return None
+    with suppress(OverflowError):  # an integer of a text log has any number of digits
+        return values[0] * 1.0e-6 if len(values) == 1 else _unix_time(*values)
+    return None
 
 
 def _unix_time(week: float, msec: float) -> float:

@@ -124,7 +124,11 @@ class DFReader(_native.DataflashReader):
 
     @staticmethod
     def _instance_index(fmt: DFFormat) -> int | None:
-        return None if fmt.instance_field is None else fmt.colhash[fmt.instance_field]
+        if fmt.instance_field is None:
+            return None
+        index = fmt.colhash[fmt.instance_field]
+        # The last of two columns of one name may be more than the format has.
+        return index if index < len(fmt.msg_fmts) else None
 
     def _read_first(self, contents: dict[str, Any]) -> None:
         """Read the first message of each type, in the order of the types, and of each instance."""
@@ -241,7 +245,7 @@ class DFReader(_native.DataflashReader):
                 self.init_clock_px4(px4_time, m)
                 return True
             # One that tells the time and not when that was: two of them give rates.
-            time = time_of_gps(m)
+            time = time_of_gps(m) if {"Week", "TimeMS"}.issubset(names) else None
             if time is not None and time > newest:
                 newest, moves = time, moves + 1
             if moves == MOVES:

@@ -182,5 +182,5 @@ def check_described(
         return
     columns = {one for name in query.names or described for one in described[name]}
     for field in names_of(fields):
-        if field not in columns:
+        if field not in columns and not (field in HEADER and f"{field}_" in columns):
             raise ValueError(f"no wanted type has a field {field!r}")

@@ -31,8 +31,6 @@ pub(crate) struct Decoder {
     strides: Vec<usize>,
     /// Bytes that a record of each message takes there and in its table.
     row_lens: Vec<usize>,
-    /// The largest of them.
-    widest: usize,
 }
 
 impl Decoder {
@@ -54,9 +52,8 @@ impl Decoder {
         let row_lens = messages.iter().zip(&strides);
         let row_lens: Vec<_> =
             row_lens.map(|(one, stride)| stride * (1 + widened) + names_len(one)).collect();
-        let widest = row_lens.iter().copied().max().unwrap_or_default();
         let pieces = Vec::new();
-        Self { registry, framing, wanted, options, tables, pieces, strides, row_lens, widest }
+        Self { registry, framing, wanted, options, tables, pieces, strides, row_lens }
     }
 
     /// The records of a block that are taken in one after the other.
@@ -66,9 +63,7 @@ impl Decoder {
         let chunks: Vec<_> = scanned.records.chunks(PIECE).collect();
         let records =
             |some: Range<usize>| some.start * PIECE..(some.end * PIECE).min(scanned.records.len());
-        let at_most = scanned.records.len() * self.widest;
-        let portions: Vec<_> =
-            portions(&chunks, at_most, rows_len).into_iter().map(records).collect();
+        let portions: Vec<_> = portions(&chunks, rows_len).into_iter().map(records).collect();
         portions.into_iter()
     }
 

@@ -19,8 +19,8 @@ pub struct Names {
     pub(crate) mask_len: usize,
 }
 
-/// Bytes of the text of a value of which half the bits are set: a log that has each value once makes a column of them. 0
-/// for what is no bit mask, whose texts are few.
+/// About how long the text of a value is of which half the bits are set: a log that has each value once makes a column of
+/// them. 0 for what is no bit mask, whose texts are few.
 pub(crate) fn mask_len(definition: &Enum, bitmask: bool) -> usize {
     if !bitmask && !definition.bitmask {
         return 0;

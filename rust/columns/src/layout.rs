@@ -30,6 +30,13 @@ pub struct Options {
     pub columns: Option<Vec<String>>,
 }
 
+impl Options {
+    /// Where a column of this name comes; `None` where it is not wanted.
+    pub(crate) fn place(&self, name: &str) -> Option<usize> {
+        self.columns.as_ref()?.iter().position(|one| one == name)
+    }
+}
+
 /// What a column holds.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
@@ -95,10 +102,9 @@ impl Layout {
     pub fn new(registry: &Registry, index: u16, framing: Framing, options: &Options) -> Self {
         let message = registry.message(index);
         let mut columns = all_columns(message, registry.dialect(), options);
-        if let Some(wanted) = &options.columns {
-            let place = |column: &Column| wanted.iter().position(|one| *one == column.name);
-            columns.retain(|(column, _)| place(column).is_some());
-            columns.sort_by_key(|(column, _)| place(column));
+        if options.columns.is_some() {
+            columns.retain(|(column, _)| options.place(&column.name).is_some());
+            columns.sort_by_key(|(column, _)| options.place(&column.name));
         }
         let metadata = HashMap::from([
             ("message".to_owned(), message.name.clone()),

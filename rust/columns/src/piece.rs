@@ -12,17 +12,11 @@ pub(crate) const PIECE: usize = 8192;
 /// Bytes of rows that are made of a block in one go. A block of very short records may make hundreds of times its own size.
 const PORTION: usize = 32 << 20;
 
-/// The ranges of parts of a block that are taken in one after the other. All of them have at most so many bytes of rows, which
-/// is mostly few enough; where it is not, `rows_len` says how many those of a part have.
-pub(crate) fn portions<T>(
-    parts: &[T],
-    at_most: usize,
-    rows_len: impl Fn(&T) -> usize,
-) -> Vec<Range<usize>> {
+/// The ranges of parts of a block that are taken in one after the other; `rows_len` says how many bytes of rows a part has.
+pub(crate) fn portions<T>(parts: &[T], rows_len: impl Fn(&T) -> usize) -> Vec<Range<usize>> {
     let (mut portions, mut bytes) = (Vec::new(), 0);
     let mut first = 0;
-    let parts_to_weigh = if at_most > PORTION { parts } else { &[] };
-    for (number, part) in parts_to_weigh.iter().enumerate() {
+    for (number, part) in parts.iter().enumerate() {
         let more = rows_len(part);
         if number > first && bytes + more > PORTION {
             portions.push(first..number);

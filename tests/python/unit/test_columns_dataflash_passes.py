@@ -10,7 +10,7 @@ from typing import Any
 import mavwire
 import numpy as np
 import pytest
-from dataflash_writer import Log, fmt, sample
+from dataflash_writer import Log, fmt, record, sample
 from mavwire._native import DataflashTables
 from mavwire.logs import dataflash
 from mavwire.logs.query import Query
@@ -192,3 +192,20 @@ def test_a_log_that_is_gone_or_closed(tmp_path):
     log.close()
     with pytest.raises(ValueError, match="closed"):
         log.read(systems=1)
+
+
+def test_late_units_that_leave_a_description_no_room(tmp_path):
+    """Of five that differ in their units alone the last has no room in a row of the table."""
+    log = sample()
+    columns = ",".join("abcdefghijklmno")
+    for number in range(5):
+        log.raw(fmt(40 + number, "MANY", "h" * 15, columns))
+        log.raw(record(40 + number, "h" * 15, *range(15)))
+    assert len(mavwire.read(log.write(tmp_path / "all.BIN"))["MANY"]) == 5
+    filled(log)
+    for number in range(5):
+        log.add("FMTU", 9, 40 + number, "o" * 15, "-ABCD"[number] * 15)
+    path = filled(log).write(tmp_path / "late.BIN")
+    assert not compare(path)
+    assert len(mavwire.read(path)["MANY"]) == 4
+    assert len(mavwire.read(path, units="si")["MANY"]) == 4

@@ -14,7 +14,7 @@ from runpy import run_path
 from typing import Any
 
 import pytest
-from dataflash_writer import FMT, fmt
+from dataflash_writer import FMT, fmt, record
 from mavwire.dialects.v20 import all as every
 from mavwire.dialects.v20 import common
 
@@ -29,6 +29,9 @@ MANY_LIMIT = 192 * 1024
 """The same for a log of all types, four times as long."""
 HOSTILE_LIMIT = 300 * 1024
 """The same whatever the log."""
+
+THREADS = {"RAYON_NUM_THREADS": "2"}
+"""Each has stores of its own in the allocator: the limits are those of two."""
 
 REPORT = """
 import json, os, pathlib
@@ -47,7 +50,8 @@ def busy():
 def run(code: str, *arguments: str | Path) -> Any:
     """What a program says as JSON."""
     command = [sys.executable, "-c", REPORT + code, *map(str, arguments)]
-    return json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    env = os.environ | THREADS
+    return json.loads(subprocess.run(command, check=True, capture_output=True, env=env).stdout)
 
 
 @pytest.fixture(scope="module")
@@ -145,6 +149,17 @@ def many_wide_types() -> bytes:
     return data + b"".join(b"\xa3\x95" + bytes([type_id]) for type_id in ids) * 15_000
 
 
+def many_multipliers() -> bytes:
+    """Records of three bytes of a type whose descriptions differ in their multipliers alone."""
+    data = FMT + fmt(152, "FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds")
+    data += fmt(151, "MULT", "Qbd", "TimeUS,Id,Mult")
+    for number, factor in enumerate("abcdefghijklmno", start=1):
+        data += record(151, "Qbd", 1, ord(factor), 2.0 + number)
+        data += fmt(number, "A", "h" * 15, ",".join("abcdefghijklmno"))
+        data += record(152, "QBNN", 1, number, "-" * 15, factor * 15)
+    return data + fmt(40, "A", "", "") + b"\xa3\x95\x28" * 2_000_000
+
+
 def many_names() -> bytes:
     """Descriptions of types, each with a long name of its own."""
     fmt = b"FMT,1,4,N%d" + b"n" * 30_000 + b",b,x\n"
@@ -159,21 +174,25 @@ def short_frames() -> bytes:
     return common.MAVLink_file_transfer_protocol_message(1, 0, 0, [0] * 251).pack(mav) * 1_000_000
 
 
-@pytest.mark.parametrize("make", [wide_rows, many_wide_types, wide_lines, many_names, short_frames])
+@pytest.mark.parametrize("units", [None, "si"])
+@pytest.mark.parametrize(
+    "make", [wide_rows, many_wide_types, wide_lines, many_multipliers, many_names, short_frames]
+)
 def test_memory_does_not_grow_with_what_a_hostile_log_describes(
-    tmp_path: Path, make: Callable[[], bytes]
+    tmp_path: Path, make: Callable[[], bytes], units: str | None
 ) -> None:
     path = tmp_path / "log.gz"
     path.write_bytes(gzip.compress(make(), 1))
     code = """
 import sys, mavwire
 from mavwire.logs.conversion import convert
-rows = sum(len(table) for table in mavwire.scan(sys.argv[1]))
+units = json.loads(sys.argv[3])
+rows = sum(len(table) for table in mavwire.scan(sys.argv[1], units=units))
 found = mavwire.open_log(sys.argv[1]).info().messages
-(row,) = convert([sys.argv[1]], sys.argv[2])
+(row,) = convert([sys.argv[1]], sys.argv[2], units=units)
 print(json.dumps([rows, found, row.rows, taken()]))
 """
-    *counts, memory = run(code, path, tmp_path / "out")
+    *counts, memory = run(code, path, tmp_path / "out", json.dumps(units))
     assert len(set(counts)) == 1
     assert memory < HOSTILE_LIMIT
 

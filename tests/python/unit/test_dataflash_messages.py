@@ -8,6 +8,7 @@ import io
 import json
 import subprocess
 import sys
+import tracemalloc
 import weakref
 from pathlib import Path
 from typing import Any
@@ -301,6 +302,11 @@ DESCRIBED = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
         "FMT, 14, 20, ATT, aI, TimeMS,M\nATT, abc, 3\nFMT, 13, 15, IMU, II, TimeMS,N\nIMU, 7, 6\n",
         f"FMT, 13, 15, IMU, QI, TimeUS,N\nIMU, {'9' * 400}, 6\nIMU, 7000, 6\n",
         "FMT, 1, 15, GPS, NNN, TimeUS,GWk,GMS\nGPS, a, b, c\nFMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
+        f"FMT, 1, 9, GPS, QQ, Week,TimeMS\nGPS, {'9' * 400}, 1\nGPS, {'9' * 401}, 1\n"
+        "FMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
+        f"FMT, 1, 9, GPS, Q, GPSTime\nGPS, {'9' * 400}\nFMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
+        "FMT, 1, 9, GPS, HI, GWk,GMS\nGPS, 1800, 1000\nGPS, 1800, 1200\n"
+        "FMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
         "FMT, 1, 9, TIME, N, StartTime\nTIME, a\nFMT, 2, 9, GPS, Q, GPSTime\nGPS, 7\n"
         "FMT, 3, 15, IMU, QI, TimeUS,N\nIMU, 7000, 6\n",
     ],
@@ -348,6 +354,40 @@ def test_gps_messages_that_do_not_say_when_give_rates(tmp_path: Path) -> None:
     by_rates = [1.45, 1.5, 1.55, 1.6, 1.425, 1.45, 1.475, 1.5, 1.625, 1.65, 1.675, 1.7]
     assert att[4:] == pytest.approx(by_rates, abs=1e-5)
     assert np.isnat(mavwire.read(path)["ATT"]["timestamp"]).all()
+
+
+def test_gps_times_in_front_of_the_first_time_of_the_log_give_no_rates(tmp_path: Path) -> None:
+    log = Log().define("TIME", "Q", "StartTime").define("GPS", "QB", "GPSTime,Fix")
+    log.define("ATT", "f", "Roll")
+    gps = 1_400_000_000_000_000
+    log.add("GPS", gps, 3).add("ATT", 1.0).add("GPS", gps + 200_000, 3).add("ATT", 1.0)
+    log.add("TIME", 5_000_000).add("ATT", 2.0).add("GPS", gps + 400_000, 3)
+    path = log.add("TIME", 5_300_000).add("ATT", 3.0).write(tmp_path / "px4.BIN")
+    with DFReader.DFReader_binary(str(path)) as reader:
+        assert type(reader.clock) is DFReader.DFReaderClock_px4
+        times = [m._timestamp for m in iter(lambda: reader.recv_match(type="ATT"), None)]
+    columns = mavwire.read(path)["ATT"]["timestamp"].astype(int) / 1e6
+    assert times == pytest.approx(list(columns))
+
+
+def test_texts_are_no_weeks(tmp_path: Path) -> None:
+    path = tmp_path / "texts.log"
+    weeks = "".join(f"GPS, {digit * 2000}, 1\n" for digit in "98")
+    path.write_text(f"{DESCRIBED}FMT, 1, 9, GPS, NN, Week,TimeMS\n{weeks}")
+    tracemalloc.start()
+    with DFReader.DFReader_text(str(path)) as log:
+        assert len(list(iter(log.recv_msg, None))) == 4
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 8 << 20
+
+
+def test_the_last_of_two_columns_of_one_name_may_have_no_value(tmp_path: Path) -> None:
+    log = Log().define("FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", 152)
+    log.define("IMU", "QB", "TimeUS,I,I", 162).add("FMTU", 2, 162, "s#", "F-")
+    path = log.add("IMU", 4000, 0).add("IMU", 4001, 1).write(tmp_path / "twice.BIN")
+    with DFReader.DFReader_binary(str(path)) as reader:
+        assert sum(m.get_type() == "IMU" for m in iter(reader.recv_msg, None)) == 2
 
 
 def test_the_first_time_of_a_log_by_millis_is_no_time_of_the_week(tmp_path: Path) -> None:

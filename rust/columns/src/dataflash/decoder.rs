@@ -59,8 +59,6 @@ pub(super) struct Decoder {
     strides: Vec<usize>,
     /// Bytes that a record of each layout takes there and in its table.
     row_lens: Vec<usize>,
-    /// The largest of them.
-    widest: usize,
     wanted: Wanted,
     options: Options,
     renewals: usize,
@@ -86,7 +84,6 @@ impl Decoder {
             pieces,
             strides,
             row_lens,
-            widest: 0,
             wanted,
             options,
             renewals: 0,
@@ -142,15 +139,13 @@ impl Decoder {
             _ => 0,
         };
         self.row_lens = survey.table_of.iter().map(of_table).collect();
-        self.widest = self.row_lens.iter().copied().max().unwrap_or_default();
         self.survey = survey;
     }
 
     /// The stretches of a block that are taken in one after the other.
     pub(super) fn portions(&self, walked: &Walked) -> IntoIter<Range<usize>> {
         let rows_len = |stretch: &Stretch| stretch.layouts().map(|one| self.row_lens[one]).sum();
-        let rows: usize = walked.stretches.iter().map(|stretch| stretch.layouts().len()).sum();
-        portions(&walked.stretches, rows * self.widest, rows_len).into_iter()
+        portions(&walked.stretches, rows_len).into_iter()
     }
 
     /// Appends the wanted records of some stretches of a block to their tables; `done` is the share of the log that is dealt

@@ -125,11 +125,12 @@ fn choose(
     for of_layout in places.values_mut() {
         of_layout.fields.resize(columns.len(), None);
     }
-    let Some(wanted) = &options.columns else { return };
-    let place = |column: &Column| wanted.iter().position(|one| *one == column.name);
+    if options.columns.is_none() {
+        return;
+    }
     let all = columns.iter().enumerate();
     let mut kept: Vec<_> =
-        all.filter_map(|(from, (column, _))| Some((place(column)?, from))).collect();
+        all.filter_map(|(from, (column, _))| Some((options.place(&column.name)?, from))).collect();
     kept.sort_unstable();
     for of_layout in places.values_mut() {
         of_layout.fields = kept.iter().map(|&(_, from)| of_layout.fields[from]).collect();

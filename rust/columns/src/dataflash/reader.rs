@@ -62,10 +62,12 @@ impl Decode for Reader {
 
     fn advance(&mut self) -> Result<Option<Vec<Batch>>, Error> {
         let Self { survey, blocks, decoder, rest, position, .. } = self;
-        if let Some(Rest { block, found, portions, done }) = rest
-            && let Some(some) = portions.next()
+        if let Some(mut left) = rest.take()
+            && let Some(some) = left.portions.next()
         {
-            return decoder.take_in(block, &found.stretches[some], *done).map(Some);
+            let batches = decoder.take_in(&left.block, &left.found.stretches[some], left.done);
+            *rest = Some(left);
+            return batches.map(Some);
         }
         let read = blocks.next(|block, at_end| {
             let walked = decoder.walk.block(block, at_end);

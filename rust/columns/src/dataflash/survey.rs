@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io::{self, Read};
+use std::iter::repeat;
 use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions};
-use mavwire_core::log::dataflash::{Clock, Definitions, FieldKind, Layout, Units};
+use mavwire_core::log::dataflash::{Clock, Definitions, Field, FieldKind, Layout, Units};
 
 use super::headless;
 use super::run::Run;
@@ -36,6 +37,8 @@ const MAX_OF_NAME: usize = 16;
 const MAX_ROW_LEN: usize = 512;
 /// Columns of all tables beyond those of their first descriptions.
 const MAX_MORE_COLUMNS: usize = 2048;
+/// The ids of a field of which the log says no unit.
+const NO_ID: char = '\0';
 
 /// [`Survey::table_of`] a layout that has no table.
 pub(super) const NO_TABLE: u16 = u16::MAX;
@@ -99,16 +102,25 @@ impl Form {
     }
 }
 
-/// The columns that a description needs: name, kind, and which of several alike it is.
-fn columns_of(layout: &Layout) -> Vec<(&str, FieldKind, usize)> {
+/// What tells a column from others: name and kind of a field, ids of its unit and multiplier, which scale it in SI units, and
+/// which of several alike it is.
+type ColumnKey<'a> = (&'a str, FieldKind, [char; 2], usize);
+
+/// The columns that a description needs.
+fn columns_of<'a>(layout: &'a Layout, units: &Units) -> Vec<ColumnKey<'a>> {
     let mut counts = HashMap::new();
-    let alike = layout.fields.iter().map(|field| (field.name.as_str(), field.kind));
-    let column = |(name, kind)| {
-        let count = counts.entry((name, kind)).or_insert(0);
+    let (unit_ids, mult_ids) = units
+        .fields
+        .get(&layout.type_id)
+        .map_or(("", ""), |(unit_ids, mult_ids)| (unit_ids, mult_ids));
+    let ids = unit_ids.chars().chain(repeat(NO_ID)).zip(mult_ids.chars().chain(repeat(NO_ID)));
+    let column = |(field, (unit, mult)): (&'a Field, _)| {
+        let (name, ids) = (field.name.as_str(), [unit, mult]);
+        let count = counts.entry((name, field.kind, ids)).or_insert(0);
         *count += 1;
-        (name, kind, *count)
+        (name, field.kind, ids, *count)
     };
-    alike.map(column).collect()
+    layout.fields.iter().zip(ids).map(column).collect()
 }
 
 /// Bytes of a value in a table at most, or of what says where a text is.
@@ -172,7 +184,7 @@ impl Survey {
                 tables.push(layout.name.as_str().into());
                 row_lens.push(0);
             }
-            let mut own = columns_of(layout);
+            let mut own = columns_of(layout, &units);
             own.retain(|column| !columns.contains(column));
             let row_len = &mut row_lens[usize::from(*table)];
             let with_new = *row_len + own.iter().map(|column| value_len(column.1)).sum::<usize>();
@@ -207,16 +219,18 @@ impl Survey {
     pub(super) fn changed_by(&self, later: &Self) -> BTreeSet<usize> {
         let (units, others) = (&self.units, &later.units);
         let all = units.labels != others.labels || !units.scales_like(others);
-        let is_changed = |index: usize, layout: &Layout| {
-            let (fields, other_fields) = (&units.fields, &others.fields);
-            all || index >= self.table_of.len()
-                || fields.get(&layout.type_id) != other_fields.get(&layout.type_id)
+        let is_changed = |layout: &Layout| {
+            all || units.fields.get(&layout.type_id) != others.fields.get(&layout.type_id)
         };
-        let layouts = later.form.layouts().iter().zip(&later.table_of).enumerate();
-        layouts
-            .filter(|&(index, (layout, &table))| table != NO_TABLE && is_changed(index, layout))
-            .map(|(_, (_, &table))| table.into())
-            .collect()
+        let before = self.table_of.iter().copied().map(Some).chain(repeat(None));
+        let tables = later.table_of.iter().copied().zip(before);
+        let layouts = later.form.layouts().iter().zip(tables);
+        let changed = layouts.filter_map(|(layout, (now, before))| {
+            // One that has no room any more had a table.
+            let table = if now == NO_TABLE { before? } else { now };
+            (Some(now) != before || is_changed(layout)).then_some(table)
+        });
+        changed.filter(|&table| table != NO_TABLE).map(usize::from).collect()
     }
 }
 
