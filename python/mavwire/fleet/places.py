@@ -62,10 +62,15 @@ def _matches(path: str, options: Mapping[str, Any] | None) -> list[str]:
         pattern = glob.has_magic(path) and not os.path.lexists(path)
         matches = sorted(glob.glob(path, recursive=True)) if pattern else []
         return [absolute(one) for one in matches or [path]]
-    if "::" in path or not glob.has_magic(path):
+    if "::" in path:
         return [path]
-    fs, inner = file_system(path, options)
-    return [fs.unstrip_protocol(one) for one in sorted(fs.glob(inner))] or [path]
+    try:
+        fs, inner = file_system(path, options)
+    except (ImportError, ValueError):
+        return [path]  # which the log's row says
+    found = sorted(fs.glob(inner)) if glob.has_magic(path) else []
+    # One spelling of each: the same log by another one would be another log.
+    return [fs.unstrip_protocol(one).removeprefix("file://") for one in found or [inner]]
 
 
 def status(path: str, options: Mapping[str, Any] | None = None) -> tuple[int, int]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavwire._native import align_tables
 
-from .query import names_of
+from .query import columns_of, names_of
 from .table import Table
 
 if TYPE_CHECKING:
@@ -92,6 +92,24 @@ def by_instance(table: Table) -> dict[str, Table]:
     """A table for each instance, as `IMU[0]`, without the column that tells them apart."""
     kept = [column for column in table.columns if column != table.instance_field]
     return {name: part.select(kept) for name, part in table.instances().items()}
+
+
+def of_fields(
+    tables: Mapping[str, Table], fields: str | Iterable[str] | None, *, several: bool
+) -> dict[str, Table]:
+    """The tables with the columns of some fields and, wanted or not, the one that tells instances
+    apart; with `several` only where there are several.
+    """
+    if fields is None:
+        return dict(tables)
+    wanted, parts = columns_of(fields), {}
+    for name, table in tables.items():
+        kept = [column for column in wanted if column in table.columns]
+        instance = table.instance_field
+        if instance is not None and instance not in kept:
+            kept += [instance] if not several or len(table.instances()) > 1 else []
+        parts[name] = table.select(kept)
+    return parts
 
 
 def check_sender(table: Table, advice: str) -> None:

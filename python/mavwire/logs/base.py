@@ -49,15 +49,17 @@ class Log:
         enums: str | None = None,
     ) -> Table:
         """One wide table of several types on a common clock; see `mavwire.logs.align`."""
-        from .align import align, check_clock
-        from .query import names_of
+        from .align import align, check_clock, of_fields
+        from .query import check_fields, names_of
 
         check_clock(on)
         names = names_of(types)
         wanted = {*names, on} if on is not None else set(names)
-        tables = self.read(
-            sorted(wanted), systems, fields, start, end, units=units, enums=enums
-        )  # fmt: skip
+        # All columns: the one that tells instances apart is needed whatever is wanted.
+        every = self.read(sorted(wanted), systems, None, start, end, units=units, enums=enums)
+        if fields is not None:
+            check_fields({column for table in every.values() for column in table.columns}, fields)
+        tables = of_fields(every, fields, several=True)
         return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
 
     def close(self) -> None:

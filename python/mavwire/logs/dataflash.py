@@ -171,7 +171,8 @@ class DataflashLog(Log):
         `systems` is there for `TelemetryLog`; ValueError for anything but None. `enums` changes
         nothing: no column has an enum.
         """
-        query = Query.of_dataflash(types, systems, fields, start, end, units, enums)
+        columns = None if wide else fields  # all: one of them tells instances apart
+        query = Query.of_dataflash(types, systems, columns, start, end, units, enums)
         return read_tables(*self._opened(query), self.path, query, fields, wide)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
@@ -210,4 +211,4 @@ def read_tables(
     for name in query.names or ():
         if name not in whole:
             whole[name] = tables.empty(name, query)
-    return tables_of(whole, path, wide)
+    return tables_of(whole, path, fields, wide)

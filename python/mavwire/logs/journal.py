@@ -38,13 +38,12 @@ class Journal:
 
     def begin(self, path: str, name: str, parts: Iterable[str] = ()) -> None:
         """A log is about to be converted, in parts if it is cut."""
-        earlier = self._manifest.rows.get(path)
-        if earlier is not None and earlier.error == BEGUN:
-            self._store.remove_drafts(name)
+        self._remove_drafts({path: name})
         self._add(self._manifest.begun(path, name, parts))
 
     def begin_all(self, names: dict[str, str]) -> None:
         """Many logs are about to be converted: they are noted together."""
+        self._remove_drafts(names)
         for path, name in names.items():
             self._manifest.add(self._manifest.begun(path, name))
         self._begun = True
@@ -60,6 +59,13 @@ class Journal:
         """Write the manifest. The journal is gone then."""
         if self._unwritten or self._manifest.has_journal:
             self._fold()
+
+    def _remove_drafts(self, names: dict[str, str]) -> None:
+        """Remove what a run that was killed left of the files of these logs."""
+        rows = self._manifest.rows
+        begun = [name for path, name in names.items() if path in rows and rows[path].error == BEGUN]
+        if begun:
+            self._store.remove_drafts(*begun)
 
     def _add(self, row: Converted) -> None:
         if not self._begun:

@@ -180,7 +180,11 @@ def check_described(
             raise ValueError(f"no record type {name!r} is described by the log")
     if fields is None:
         return
-    columns = {one for name in query.names or described for one in described[name]}
+    check_fields({one for name in query.names or described for one in described[name]}, fields)
+
+
+def check_fields(columns: set[str], fields: str | Iterable[str]) -> None:
+    """Raise ValueError for a field that none of the columns of the wanted types is of."""
     for field in names_of(fields):
-        if field not in columns and not (field in HEADER and f"{field}_" in columns):
+        if columns.isdisjoint({field, *columns_of(field)} - (set(HEADER) - {field})):
             raise ValueError(f"no wanted type has a field {field!r}")

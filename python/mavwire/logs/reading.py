@@ -89,7 +89,8 @@ def read(
     path = os.fsdecode(path)
     check_readable(path)
     module, native = native_dialect(dialect)
-    query = Query.of(module, types, systems, fields, start, end, units, enums)
+    columns = None if wide else fields  # all: one of them tells instances apart
+    query = Query.of(module, types, systems, columns, start, end, units, enums)
     opened = read_dataflash(path, path, query)
     if opened is not None:
         from .dataflash import read_tables
@@ -101,7 +102,7 @@ def read(
         run = LogColumns(path, native, query)
         found = with_empty(joined(run), module, native, query)
     check_records(run, path)
-    return tables_of(found, path, wide)
+    return tables_of(found, path, fields, wide)
 
 
 def tables_of_batch(batch: FrameBatch, units: str | None, enums: str | None) -> dict[str, Table]:
@@ -131,10 +132,20 @@ def with_empty(
     return tables
 
 
-def tables_of(found: Mapping[str, RecordBatches], path: str, wide: bool) -> dict[str, Table]:
-    """What `read` gives of the tables of a log."""
+def tables_of(
+    found: Mapping[str, RecordBatches],
+    path: str,
+    fields: str | Iterable[str] | None,
+    wide: bool,
+) -> dict[str, Table]:
+    """What `read` gives of the tables of a log; they have all columns if it gives wide ones."""
     tables = {name: tidy(name, batches, path) for name, batches in sorted(found.items())}
-    return {name: table.wide() if wide else table for name, table in tables.items()}
+    if not wide:
+        return tables
+    from .align import of_fields
+
+    chosen = of_fields(tables, fields, several=False)
+    return {name: table.wide() for name, table in chosen.items()}
 
 
 def check_records(run: LogColumns, path: str, source: Source | None = None) -> None:

@@ -281,6 +281,38 @@ def test_instances_are_aligned_each_by_itself(tmp_path):
     assert not [name for name in table.columns if name.endswith(".id")]
 
 
+def test_instances_are_told_apart_whatever_fields_are_wanted(tmp_path):
+    path = tmp_path / "batteries.tlog"
+
+    def battery(number: int, current: int) -> bytes:
+        values = (number, 0, 0, 0, [0] * 10, current, 0, 0, 0)
+        return pack(mavlink.MAVLink_battery_status_message(*values), number)
+
+    frames = [battery(number, 100 * (number + 1) + n) for n in range(3) for number in (0, 1)]
+    times = [T0 + STEP * (n // 2) for n in range(len(frames))]
+    path.write_bytes(b"".join(map(record, frames, times)))
+    log, field = mavwire.open_log(path), "current_battery"
+    columns = ["timestamp", *(f"BATTERY_STATUS[{n}].{field}" for n in (0, 1))]
+    for table in (
+        log.align("BATTERY_STATUS", rate="100ms", fields=field),
+        log.read("BATTERY_STATUS", fields=field, wide=True)["BATTERY_STATUS"],
+        mavwire.read(path, fields=[field], wide=True)["BATTERY_STATUS"],
+    ):
+        assert table.columns == columns
+        assert [table[name].tolist() for name in columns[1:]] == [[100, 101, 102], [200, 201, 202]]
+    asked = log.align("BATTERY_STATUS", rate="100ms", fields=["id", field])
+    assert asked.columns == columns
+    for refused in (log.align, log.read):
+        how: dict[str, Any] = {"rate": "1s"} if refused == log.align else {"wide": True}
+        with pytest.raises(ValueError, match="no wanted .* has a field 'curent'"):
+            refused("BATTERY_STATUS", fields="curent", **how)
+    path.write_bytes(b"".join(record(battery(0, n), T0 + STEP * n) for n in range(3)))
+    alone = mavwire.open_log(path)
+    assert alone.align("BATTERY_STATUS", rate="100ms", fields=field).columns == [
+        "timestamp", f"BATTERY_STATUS.{field}",
+    ]  # fmt: skip
+
+
 def test_rows_without_times_are_refused(log, tmp_path):
     path = tmp_path / "flight.raw"
     path.write_bytes(b"".join(bytes(msg.get_msgbuf()) for msg in log))

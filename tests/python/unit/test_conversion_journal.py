@@ -18,7 +18,7 @@ from mavwire import traffic
 from mavwire._native import draft_stem
 from mavwire.logs import journal
 from mavwire.logs.conversion import convert
-from mavwire.logs.manifest import JOURNAL, MANIFEST
+from mavwire.logs.manifest import JOURNAL, MANIFEST, Manifest
 from mavwire.logs.store import Store, _missing
 from unit.link_tools import heartbeat, record
 
@@ -314,6 +314,21 @@ def test_drafts_of_a_killed_run_are_removed(tiny, tmp_path):
     (again,) = convert(tiny[:1], tmp_path)
     assert again.error is None and not again.skipped
     assert not left.exists() and all(path.exists() for path in others)
+
+
+def test_drafts_of_a_killed_run_are_removed_where_many_logs_begin_together(tiny, tmp_path):
+    """As a fleet's do."""
+    rows = convert(tiny[:2], tmp_path)
+    left = [tmp_path / "HEARTBEAT" / f"{row.name}.parquet.123-4.part" for row in rows]
+    for path in left:
+        path.write_text("left")
+    noted = json.loads((tmp_path / MANIFEST).read_text())
+    noted["logs"][0]["error"] = journal.BEGUN
+    (tmp_path / MANIFEST).write_text(json.dumps(noted))
+    store = Store(str(tmp_path))
+    manifest = Manifest(store, noted["options"])
+    journal.Journal(store, manifest).begin_all({row.path: row.name for row in rows})
+    assert [path.exists() for path in left] == [False, True]
 
 
 @pytest.mark.parametrize("note", [MANIFEST, JOURNAL])

@@ -217,6 +217,8 @@ def test_object_stores(small, inside):
         assert content[:4] == content[-4:] == b"PAR1"
         again = to_parquet("memory://fleet-in/*.tlog", "memory://fleet-out", inside)
         assert [row.skipped for row in again] == [True, True, False]
+        named = to_parquet("memory://fleet-in/flight0.tlog", "memory://fleet-out", inside)
+        assert [row.skipped for row in named] == [True], "one log by any spelling of its address"
         gone = to_parquet("memory://fleet-in/none.tlog", "memory://fleet-out", inside)
         assert gone[0].error == "no such file: /fleet-in/none.tlog"
         frame = dask_frame("memory://fleet-in/flight0.tlog", "HEARTBEAT", ["seq"])
