@@ -8,7 +8,7 @@ import os
 import signal
 import threading
 from concurrent.futures import Future
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any
 
@@ -37,12 +37,15 @@ def connected(client: Any, workers: int | None) -> Iterator[Any]:
         with Client(client, set_as_default=False) as made:
             yield made
     else:
-        with (
-            _dask_silenced(),
-            _local_cluster(workers) as cluster,
-            Client(cluster, set_as_default=False) as made,
-        ):
-            yield made
+        with _dask_silenced(), ExitStack() as opened:
+            cluster = opened.enter_context(_local_cluster(workers))
+            made = opened.enter_context(Client(cluster, set_as_default=False))
+            try:
+                yield made
+            finally:
+                # A second Ctrl-C would leave processes that are waited for when Python ends: 10 s.
+                with put_off([signal.SIGINT]):
+                    opened.close()
 
 
 HOST_AND_PORT = ("tcp", "tls", "ucx")
