@@ -6,12 +6,14 @@ that was. What else there is comes from autopilots of many years ago.
 
 from __future__ import annotations
 
-from contextlib import suppress
+from math import isfinite
 
 from mavwire import _native
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import TypeGuard
+
     from mavwire._native import DFMessage
 
 SECONDS_PER_DAY = 86400
@@ -26,21 +28,23 @@ GPS_TYPES = ("GPS", "GPS2")
 def time_of_gps(m: DFMessage) -> float | None:
     """Unix time of a GPS message; None where it tells none, or what is no time."""
     names = m.get_fieldnames()
-    columns: tuple[str, ...]
-    if "GPSTime" in names:
-        columns = ("GPSTime",)
-    elif "Week" in names and "TimeMS" in names:
-        columns = ("Week", "TimeMS")
+    if "Week" in names and "TimeMS" in names:
+        week, msec = m.Week, m.TimeMS
     elif "GWk" in names and "GMS" in names:
-        columns = ("GWk", "GMS")
+        week, msec = m.GWk, m.GMS
     else:
         return None
-    values = [getattr(m, column) for column in columns]
-    if not all(isinstance(value, int | float) for value in values) or not values[0]:
-        return None
-    with suppress(OverflowError):  # an integer of a text log has any number of digits
-        return values[0] * 1.0e-6 if len(values) == 1 else _unix_time(*values)
-    return None
+    return _unix_time(week, msec) if week and is_number(week) and is_number(msec) else None
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether something can be reckoned with: of a text log a value may be a text or a list, and an
+    integer may have any number of digits.
+    """
+    try:
+        return isinstance(value, int | float) and isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _unix_time(week: float, msec: float) -> float:

@@ -21,6 +21,7 @@ from .clocks import (
     DFReaderClock_msec,
     DFReaderClock_px4,
     DFReaderClock_usec,
+    is_number,
     time_of_gps,
 )
 from .formats import DFFormat
@@ -55,8 +56,7 @@ def _has_numbers(m: Any, columns: Iterable[str]) -> bool:
     """Whether all columns can be read, and those that tell the time are numbers."""
     try:
         return all(
-            isinstance(getattr(m, column), int | float) or column not in _TIME_COLUMNS
-            for column in columns
+            is_number(getattr(m, column)) or column not in _TIME_COLUMNS for column in columns
         )
     except ValueError:
         return False
@@ -224,25 +224,26 @@ class DFReader(_native.DataflashReader):
 
     def _init_clock_by_gps(self) -> bool:
         """Look for a GPS message that tells the time; parameters are kept on the way."""
-        px4_time, newest, moves = None, 0.0, 0
+        px4_time = px4_gps = None
+        newest, moves = 0.0, 0
         while (m := self.recv_match(type=_TIME_TYPES, strict=True)) is not None:
             kind, names = m.get_type(), m.get_fieldnames()
             if kind == "TIME" and "StartTime" in names and _has_numbers(m, ["StartTime"]):
                 px4_time = m
-            if kind not in GPS_TYPES:
+            elif kind not in GPS_TYPES or not _has_numbers(m, names):
                 continue
-            if not _has_numbers(m, names):
-                continue
-            if {"TimeUS", "GWk", "GMS"}.issubset(names):
-                if m.GWk:
+            elif {"TimeUS", "GWk", "GMS"}.issubset(names):
+                if m.GWk > 0:
                     self._use_usec(m)
                     return True
             elif {"T", "Week", "TimeMS"}.issubset(names):
                 if m.Week:
                     self._use_msec(m)
                     return True
-            elif "GPSTime" in names and px4_time is not None and m.GPSTime:
-                self.init_clock_px4(px4_time, m)
+            elif "GPSTime" in names and m.GPSTime:
+                px4_gps = m
+            if px4_time is not None and px4_gps is not None:
+                self.init_clock_px4(px4_time, px4_gps)
                 return True
             # One that tells the time and not when that was: two of them give rates.
             time = time_of_gps(m) if {"Week", "TimeMS"}.issubset(names) else None
@@ -275,7 +276,7 @@ class DFReader(_native.DataflashReader):
             # Another type of the same name may lack the column.
             with suppress(ValueError, AttributeError):
                 value = getattr(m, column_of(m.get_type()))
-                if isinstance(value, int | float):
+                if is_number(value):
                     return value
         return None
 

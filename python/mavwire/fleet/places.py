@@ -57,20 +57,20 @@ def expand(
 
 
 def _matches(path: str, options: Mapping[str, Any] | None) -> list[str]:
-    path = path.removeprefix("file://")
+    path = path.removeprefix("file://").removeprefix("local://")
     if not is_url(path):
         pattern = glob.has_magic(path) and not os.path.lexists(path)
         matches = sorted(glob.glob(path, recursive=True)) if pattern else []
         return [absolute(one) for one in matches or [path]]
-    if "::" in path:
-        return [path]
-    try:
-        fs, inner = file_system(path, options)
-    except (ImportError, ValueError):
-        return [path]  # which the log's row says
-    found = sorted(fs.glob(inner)) if glob.has_magic(path) else []
-    # One spelling of each: the same log by another one would be another log.
-    return [fs.unstrip_protocol(one).removeprefix("file://") for one in found or [inner]]
+    if "::" in path or not glob.has_magic(path):
+        return [_one_spelling(path)]
+    fs, inner = file_system(path, options)
+    return [_one_spelling(fs.unstrip_protocol(one)) for one in sorted(fs.glob(inner))] or [path]
+
+
+def _one_spelling(url: str) -> str:
+    """A log of fsspec's memory has two addresses, of which patterns give one: it would be two logs."""
+    return url.replace("memory:///", "memory://", 1) if url.startswith("memory:///") else url
 
 
 def status(path: str, options: Mapping[str, Any] | None = None) -> tuple[int, int]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mavwire._native import align_tables
 
-from .query import columns_of, names_of
+from .query import HEADER, columns_of, names_of
 from .table import Table
 
 if TYPE_CHECKING:
@@ -104,11 +104,13 @@ def of_fields(
         return dict(tables)
     wanted, parts = columns_of(fields), {}
     for name, table in tables.items():
-        kept = [column for column in wanted if column in table.columns]
         instance = table.instance_field
-        if instance is not None and instance not in kept:
-            kept += [instance] if not several or len(table.instances()) > 1 else []
-        parts[name] = table.select(kept)
+        if instance is not None and several and len(table.instances()) < 2:
+            instance = None
+        # In front, since the first that is marked counts where a type has several.
+        front = HEADER if instance is None else (*HEADER, instance)
+        kept = dict.fromkeys(column for column in (*front, *wanted) if column in table.columns)
+        parts[name] = table.select(list(kept))
     return parts
 
 

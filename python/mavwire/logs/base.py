@@ -54,11 +54,14 @@ class Log:
 
         check_clock(on)
         names = names_of(types)
+        fields = None if fields is None else names_of(fields)
         wanted = {*names, on} if on is not None else set(names)
         # All columns: the one that tells instances apart is needed whatever is wanted.
         every = self.read(sorted(wanted), systems, None, start, end, units=units, enums=enums)
         if fields is not None:
-            check_fields({column for table in every.values() for column in table.columns}, fields)
+            check_fields(
+                {one for table in every.values() for one in table.possible_columns}, fields
+            )
         tables = of_fields(every, fields, several=True)
         return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import DataflashTables
 
 from .base import Log
-from .query import Query, check_described
+from .query import Query, check_described, names_of
 from .sources import file_status, is_compressed, is_headless, open_dataflash, read_dataflash
 from .table import Table
 from .telemetry import no_record
@@ -171,6 +171,7 @@ class DataflashLog(Log):
         `systems` is there for `TelemetryLog`; ValueError for anything but None. `enums` changes
         nothing: no column has an enum.
         """
+        fields = None if fields is None else names_of(fields)
         columns = None if wide else fields  # all: one of them tells instances apart
         query = Query.of_dataflash(types, systems, columns, start, end, units, enums)
         return read_tables(*self._opened(query), self.path, query, fields, wide)

@@ -89,6 +89,7 @@ def read(
     path = os.fsdecode(path)
     check_readable(path)
     module, native = native_dialect(dialect)
+    fields = None if fields is None else names_of(fields)
     columns = None if wide else fields  # all: one of them tells instances apart
     query = Query.of(module, types, systems, columns, start, end, units, enums)
     opened = read_dataflash(path, path, query)

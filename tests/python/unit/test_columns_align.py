@@ -296,11 +296,11 @@ def test_instances_are_told_apart_whatever_fields_are_wanted(tmp_path):
     for table in (
         log.align("BATTERY_STATUS", rate="100ms", fields=field),
         log.read("BATTERY_STATUS", fields=field, wide=True)["BATTERY_STATUS"],
-        mavwire.read(path, fields=[field], wide=True)["BATTERY_STATUS"],
+        mavwire.read(path, fields=iter([field]), wide=True)["BATTERY_STATUS"],
     ):
         assert table.columns == columns
         assert [table[name].tolist() for name in columns[1:]] == [[100, 101, 102], [200, 201, 202]]
-    asked = log.align("BATTERY_STATUS", rate="100ms", fields=["id", field])
+    asked = log.align("BATTERY_STATUS", rate="100ms", fields=iter(["id", field]))
     assert asked.columns == columns
     for refused in (log.align, log.read):
         how: dict[str, Any] = {"rate": "1s"} if refused == log.align else {"wide": True}

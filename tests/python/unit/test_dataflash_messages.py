@@ -304,6 +304,8 @@ DESCRIBED = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
         "FMT, 1, 15, GPS, NNN, TimeUS,GWk,GMS\nGPS, a, b, c\nFMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
         f"FMT, 1, 9, GPS, QQ, Week,TimeMS\nGPS, {'9' * 400}, 1\nGPS, {'9' * 401}, 1\n"
         "FMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
+        f"FMT, 1, 9, GPS, QQI, TimeUS,GWk,GMS\nGPS, 5000, {'9' * 400}, 1000\n"
+        "FMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
         f"FMT, 1, 9, GPS, Q, GPSTime\nGPS, {'9' * 400}\nFMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
         "FMT, 1, 9, GPS, HI, GWk,GMS\nGPS, 1800, 1000\nGPS, 1800, 1200\n"
         "FMT, 2, 15, IMU, Q, TimeUS\nIMU, 7000\n",
@@ -356,18 +358,50 @@ def test_gps_messages_that_do_not_say_when_give_rates(tmp_path: Path) -> None:
     assert np.isnat(mavwire.read(path)["ATT"]["timestamp"]).all()
 
 
-def test_gps_times_in_front_of_the_first_time_of_the_log_give_no_rates(tmp_path: Path) -> None:
+GPS_TIME = 1_400_000_000
+"""Seconds."""
+
+
+@pytest.mark.parametrize(
+    ("order", "expected"),
+    [
+        ("GATGAT", [0, 0, 0.5]),  # the first TIME and the GPS record in front of it
+        ("TATGA", [-0.5, 0, 0]),
+        ("GAGA", None),
+    ],
+)
+def test_a_time_record_and_a_gps_record_give_the_clock_in_any_order(
+    tmp_path: Path, order: str, expected: list[float] | None
+) -> None:
     log = Log().define("TIME", "Q", "StartTime").define("GPS", "QB", "GPSTime,Fix")
     log.define("ATT", "f", "Roll")
-    gps = 1_400_000_000_000_000
-    log.add("GPS", gps, 3).add("ATT", 1.0).add("GPS", gps + 200_000, 3).add("ATT", 1.0)
-    log.add("TIME", 5_000_000).add("ATT", 2.0).add("GPS", gps + 400_000, 3)
-    path = log.add("TIME", 5_300_000).add("ATT", 3.0).write(tmp_path / "px4.BIN")
+    starts, times = iter(range(5_000_000, 9_000_000, 500_000)), iter(range(0, 9_000_000, 200_000))
+    for one in order + "A":
+        if one == "A":
+            log.add("ATT", 1.0)
+        elif one == "T":
+            log.add("TIME", next(starts))
+        else:
+            log.add("GPS", GPS_TIME * 1_000_000 + next(times), 3)
+    path = log.write(tmp_path / "px4.BIN")
     with DFReader.DFReader_binary(str(path)) as reader:
-        assert type(reader.clock) is DFReader.DFReaderClock_px4
-        times = [m._timestamp for m in iter(lambda: reader.recv_match(type="ATT"), None)]
-    columns = mavwire.read(path)["ATT"]["timestamp"].astype(int) / 1e6
-    assert times == pytest.approx(list(columns))
+        found = [m._timestamp for m in iter(reader.recv_msg, None) if m.get_type() == "ATT"]
+    columns = mavwire.read(path)["ATT"]["timestamp"]
+    if expected is None:
+        assert found == pytest.approx([0.02, 0.04, 0.06]) and np.isnat(columns).all()
+        return
+    assert [time - GPS_TIME for time in found] == pytest.approx(expected, abs=1e-5)
+    assert list(columns.astype(int) / 1e6) == pytest.approx(found)
+
+
+def test_a_week_that_is_no_number_is_none(tmp_path: Path) -> None:
+    log = Log().define("GPS", "QdI", "TimeUS,GWk,GMS").define("ATT", "Qf", "TimeUS,Roll")
+    for week in (float("nan"), float("inf"), -814.0, 1800.0):
+        log.add("GPS", 5_000_000, week, 1000)
+    path = log.add("ATT", 5_200_000, 1.0).write(tmp_path / "odd.BIN")
+    with DFReader.DFReader_binary(str(path)) as reader:
+        assert reader.recv_match(type="ATT")._timestamp == pytest.approx(1_404_604_783.2)
+    assert mavwire.read(path)["ATT"]["timestamp"].astype(int).tolist() == [1_404_604_783_200_000]
 
 
 def test_texts_are_no_weeks(tmp_path: Path) -> None:

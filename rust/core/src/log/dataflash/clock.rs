@@ -95,6 +95,8 @@ pub struct ClockFinder {
     first_us: Option<f64>,
     first_ms: Option<f64>,
     start: Option<f64>,
+    /// `GPSTime` of the newest GPS record, before a TIME record says what the log counts.
+    gps_time: Option<f64>,
     /// By the first GPS record that tells the time: what its log counts, and microseconds since 1970 at its zero.
     found: Option<(Unit, f64)>,
 }
@@ -115,7 +117,8 @@ impl ClockFinder {
 
     /// Takes in a record whose fields `value` gives by their index. True if what is wanted changed.
     pub fn add(&mut self, layout: &Layout, value: impl Fn(usize) -> Option<f64>) -> bool {
-        let named = |name: &str| layout.field_index(name).and_then(&value);
+        let finite = |index| value(index).filter(|number| number.is_finite());
+        let named = |name: &str| layout.field_index(name).and_then(finite);
         let before = (self.found.is_some(), self.first_us.is_some(), self.first_ms.is_some());
         self.first_us = self.first_us.or_else(|| named("TimeUS"));
         self.first_ms = self.first_ms.or_else(|| named(millis_of(layout)));
@@ -125,25 +128,33 @@ impl ClockFinder {
             } else if is_gps(&layout.name) {
                 self.found = self.by_gps(layout, named);
             }
+            if self.found.is_none() {
+                let zero = self.gps_time.zip(self.start).map(|(time, start)| time - start);
+                self.found = zero.map(|zero| (Unit::Start, zero));
+            }
         }
         before != (self.found.is_some(), self.first_us.is_some(), self.first_ms.is_some())
     }
 
-    fn by_gps(&self, layout: &Layout, named: impl Fn(&str) -> Option<f64>) -> Option<(Unit, f64)> {
+    fn by_gps(
+        &mut self,
+        layout: &Layout,
+        named: impl Fn(&str) -> Option<f64>,
+    ) -> Option<(Unit, f64)> {
         let has = |name: &str| layout.field_index(name).is_some();
         let zero = |week: &str, msec: &str, since: f64| {
             Some(((GPS_EPOCH + WEEK * named(week)?) * 1e6 + named(msec)? * 1e3) - since)
         };
         if has("TimeUS") && has("GWk") && has("GMS") {
-            named("GWk").filter(|&week| week != 0.0)?;
+            named("GWk").filter(|&week| week > 0.0)?;
             return Some((Unit::Micros, zero("GWk", "GMS", named("TimeUS")?)?));
         }
         if has("T") && has("Week") && has("TimeMS") {
             named("Week").filter(|&week| week != 0.0)?;
             return Some((Unit::Millis, zero("Week", "TimeMS", named("T")? * 1e3)?));
         }
-        let time = named("GPSTime").filter(|&time| time != 0.0)?;
-        Some((Unit::Start, time - self.start?))
+        self.gps_time = named("GPSTime").filter(|&time| time != 0.0).or(self.gps_time);
+        None
     }
 
     /// The clock; `None` where no record carries a time.
