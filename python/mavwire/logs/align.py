@@ -114,6 +114,12 @@ def of_fields(
     return parts
 
 
+def possible_columns(table: Table) -> set[str]:
+    """The columns, and those of raw bytes that there are where a text is no UTF-8."""
+    texts = (name for name, kind in table._batches.types().items() if kind == "Utf8")
+    return {*table.columns, *(f"{name}_raw" for name in texts)}
+
+
 def check_sender(table: Table, advice: str) -> None:
     """ValueError where there are several: their rows side by side make values that nobody sent.
     `advice` is what else to do, of the name and a sender.

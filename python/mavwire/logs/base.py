@@ -49,7 +49,7 @@ class Log:
         enums: str | None = None,
     ) -> Table:
         """One wide table of several types on a common clock; see `mavwire.logs.align`."""
-        from .align import align, check_clock, of_fields
+        from .align import align, check_clock, of_fields, possible_columns
         from .query import check_fields, names_of
 
         check_clock(on)
@@ -59,9 +59,7 @@ class Log:
         # All columns: the one that tells instances apart is needed whatever is wanted.
         every = self.read(sorted(wanted), systems, None, start, end, units=units, enums=enums)
         if fields is not None:
-            check_fields(
-                {one for table in every.values() for one in table.possible_columns}, fields
-            )
+            check_fields(set().union(*map(possible_columns, every.values())), fields)
         tables = of_fields(every, fields, several=True)
         return align(tables, names, on=on, rate=rate, method=method, tolerance=tolerance)
 

@@ -175,12 +175,6 @@ class Table:
                 rows = dict(rows.split(column)).get(str(wanted), rows.slice(0, 0))
         return Table(self.name, rows, self.path)
 
-    @property
-    def possible_columns(self) -> set[str]:
-        """The columns, and those of raw bytes that there are where a text is no UTF-8."""
-        texts = (name for name, kind in self._batches.types().items() if kind == "Utf8")
-        return {*self.columns, *(f"{name}_raw" for name in texts)}
-
     # -- instances
 
     @property

@@ -50,7 +50,7 @@ pub struct Growing {
     valid: NullBufferBuilder,
     /// Numbers of a row.
     elements: usize,
-    /// Bytes that the name of a number may come to.
+    /// About how many bytes the name of a number may come to.
     name_len: usize,
 }
 

@@ -117,7 +117,7 @@ pub(crate) struct LogColumns {
 /// The batches that were handed out.
 #[derive(Default)]
 struct HandedOut {
-    /// Bytes of the last ones.
+    /// Bytes of the last ones, if they are of a part of a block.
     last: usize,
     freed: Freed,
 }
@@ -129,14 +129,14 @@ impl LogColumns {
 
     fn advance(&self) -> Result<Option<Vec<Batch>>, Error> {
         let mut handed_out = self.handed_out.lock().unwrap_or_else(PoisonError::into_inner);
+        // Who asks for more is mostly done with what came before. Giving that back takes time, which ordinary logs, whose
+        // blocks are taken in whole, can do without.
         let last = std::mem::take(&mut handed_out.last);
-        if self.with(|reader| reader.is_within_block()) {
-            // Who asks for more is mostly done with what came before. Giving that back takes time, which ordinary logs can do
-            // without.
-            handed_out.freed.add(last);
-        }
+        handed_out.freed.add(last);
         let batches = self.with(|reader| reader.advance_a_while())?;
-        handed_out.last = batches.as_deref().map_or(0, bytes_of);
+        if self.with(|reader| reader.is_within_block()) {
+            handed_out.last = batches.as_deref().map_or(0, bytes_of);
+        }
         Ok(batches)
     }
 
