@@ -20,7 +20,7 @@ from mavwire._native import draft_stem
 from .formats import SUFFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
 _DRAFT = re.compile(r"(.+)\.\d+-[0-9a-f]+\.part", re.DOTALL)
 
@@ -188,12 +188,15 @@ def draft_of(path: str) -> str:
     return f"{stem}.{os.getpid()}-{secrets.token_hex(4)}.part"
 
 
-def write_file(path: str, content: bytes) -> None:
-    """Write or replace a file, which is never seen half written. An OSError names it."""
+def write_file(path: str, content: bytes | Iterable[str]) -> None:
+    """Write or replace a file, which is never seen half written, with bytes or with pieces of text.
+    An OSError names it.
+    """
     draft = draft_of(path)
+    pieces = [content] if isinstance(content, bytes) else map(str.encode, content)
     try:
         with open(draft, "xb") as file:
-            file.write(content)
+            file.writelines(pieces)
             file.flush()
             os.fsync(file.fileno())
         with suppress(OSError):  # there is none yet

@@ -1,8 +1,9 @@
-"""Tracks as KML 2.2 and GPX 1.1."""
+"""Tracks as KML 2.2 and GPX 1.1, line by line: a text of hours takes much more than the track."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from html import escape
 from typing import TYPE_CHECKING
@@ -14,76 +15,64 @@ _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 """Characters that XML does not have, not even escaped."""
 
 
-def kml(track: Track) -> bytes:
+def kml(track: Track) -> Iterator[str]:
     """A folder of lines, one for each stretch in a mode, and of places."""
     colour = track.colours()
     style = {mode: f"mode{number}" for number, mode in enumerate(colour)}
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        '<kml xmlns="http://www.opengis.net/kml/2.2">',
-        "<Document>",
-        f"<name>{_text(track.name)}</name>",
-    ]
+    yield '<?xml version="1.0" encoding="UTF-8"?>\n'
+    yield '<kml xmlns="http://www.opengis.net/kml/2.2">\n'
+    yield f"<Document>\n<name>{_text(track.name)}</name>\n"
     for mode, value in colour.items():
-        lines.append(
-            f'<Style id="{style[mode]}"><LineStyle><color>{_abgr(value)}</color><width>3</width>'
-            "</LineStyle></Style>"
-        )
-    lines.append(
-        '<Style id="mission"><LineStyle><color>b0ffffff</color><width>1</width></LineStyle></Style>'
-    )
+        yield _style(style[mode], _abgr(value), 3)
+    yield _style("mission", "b0ffffff", 1)
     for mode, first, end in track.stretches():
-        lines += ["<Placemark>", f"<name>{_text(mode or 'track')}</name>"]
+        yield f"<Placemark>\n<name>{_text(mode or 'track')}</name>\n"
         begin, until = _time(track.times[first]), _time(track.times[end - 1])
         if begin and until:
-            lines.append(f"<TimeSpan><begin>{begin}</begin><end>{until}</end></TimeSpan>")
+            yield f"<TimeSpan><begin>{begin}</begin><end>{until}</end></TimeSpan>\n"
+        yield f"<styleUrl>#{style[mode]}</styleUrl>\n"
         points = range(first, min(end + 1, len(track.times)))  # the next one begins where it ends
-        way = " ".join(_point(track.lon[n], track.lat[n], track.alt[n]) for n in points)
-        lines += [f"<styleUrl>#{style[mode]}</styleUrl>", _line_string(way, "absolute")]
-        lines.append("</Placemark>")
+        way = (_point(track.lon[n], track.lat[n], track.alt[n]) for n in points)
+        yield from _line_string(way, "absolute")
+        yield "</Placemark>\n"
     if len(track.waypoints) > 1:
-        way = " ".join(_point(place.lon, place.lat, 0.0) for place in track.waypoints)
-        lines += ["<Placemark>", "<name>mission</name>", "<styleUrl>#mission</styleUrl>"]
-        lines += [_line_string(way, "clampToGround"), "</Placemark>"]
+        way = (_point(place.lon, place.lat, 0.0) for place in track.waypoints)
+        yield "<Placemark>\n<name>mission</name>\n<styleUrl>#mission</styleUrl>\n"
+        yield from _line_string(way, "clampToGround")
+        yield "</Placemark>\n"
     for place in [*([track.home] if track.home else []), *track.waypoints]:
-        lines += [
-            f"<Placemark><name>{_text(place.name)}</name>",
-            f"<description>{place.alt:.2f} m</description>",
-            f"<Point><coordinates>{_point(place.lon, place.lat, 0.0)}</coordinates></Point>",
-            "</Placemark>",
-        ]
-    lines += ["</Document>", "</kml>", ""]
-    return "\n".join(lines).encode()
+        yield f"<Placemark><name>{_text(place.name)}</name>\n"
+        yield f"<description>{place.alt:.2f} m</description>\n"
+        coordinates = _point(place.lon, place.lat, 0.0)
+        yield f"<Point><coordinates>{coordinates}</coordinates></Point>\n</Placemark>\n"
+    yield "</Document>\n</kml>\n"
 
 
-def gpx(track: Track) -> bytes:
+def gpx(track: Track) -> Iterator[str]:
     """Home as a way point, the mission as a route, the track with a segment for each stretch in a
     mode.
     """
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        '<gpx version="1.1" creator="mavwire" xmlns="http://www.topografix.com/GPX/1/1">',
-        f"<metadata><name>{_text(track.name)}</name></metadata>",
-    ]
+    yield '<?xml version="1.0" encoding="UTF-8"?>\n'
+    yield '<gpx version="1.1" creator="mavwire" xmlns="http://www.topografix.com/GPX/1/1">\n'
+    yield f"<metadata><name>{_text(track.name)}</name></metadata>\n"
     if track.home is not None:
-        lines.append(_waypoint("wpt", track.home))
+        yield _waypoint("wpt", track.home)
     if track.waypoints:
-        lines += ["<rte>", "<name>mission</name>"]
-        lines += [_waypoint("rtept", place) for place in track.waypoints]
-        lines.append("</rte>")
-    lines += ["<trk>", f"<name>{_text(track.name)}</name>"]
+        yield "<rte>\n<name>mission</name>\n"
+        yield from (_waypoint("rtept", place) for place in track.waypoints)
+        yield "</rte>\n"
+    yield f"<trk>\n<name>{_text(track.name)}</name>\n"
     for _, first, end in track.stretches():
-        lines.append("<trkseg>")
+        yield "<trkseg>\n"
         for n in range(first, end):
             time = _time(track.times[n])
             stamp = f"<time>{time}</time>" if time else ""
-            lines.append(
+            yield (
                 f'<trkpt lat="{track.lat[n]:.7f}" lon="{track.lon[n]:.7f}">'
-                f"<ele>{track.alt[n]:.3f}</ele>{stamp}</trkpt>"
+                f"<ele>{track.alt[n]:.3f}</ele>{stamp}</trkpt>\n"
             )
-        lines.append("</trkseg>")
-    lines += ["</trk>", "</gpx>", ""]
-    return "\n".join(lines).encode()
+        yield "</trkseg>\n"
+    yield "</trk>\n</gpx>\n"
 
 
 def _text(text: str) -> str:
@@ -104,17 +93,22 @@ def _point(lon: float, lat: float, alt: float) -> str:
     return f"{lon:.7f},{lat:.7f},{alt:.2f}"
 
 
-def _line_string(way: str, mode: str) -> str:
-    return (
-        f"<LineString><altitudeMode>{mode}</altitudeMode>"
-        f"<coordinates>{way}</coordinates></LineString>"
-    )
+def _style(name: str, colour: str, width: int) -> str:
+    line = f"<LineStyle><color>{colour}</color><width>{width}</width></LineStyle>"
+    return f'<Style id="{name}">{line}</Style>\n'
+
+
+def _line_string(points: Iterator[str], mode: str) -> Iterator[str]:
+    yield f"<LineString><altitudeMode>{mode}</altitudeMode><coordinates>"
+    yield next(points, "")
+    yield from (f" {point}" for point in points)
+    yield "</coordinates></LineString>\n"
 
 
 def _waypoint(element: str, place: Place) -> str:
     return (
         f'<{element} lat="{place.lat:.7f}" lon="{place.lon:.7f}"><ele>{place.alt:.3f}</ele>'
-        f"<name>{_text(place.name)}</name></{element}>"
+        f"<name>{_text(place.name)}</name></{element}>\n"
     )
 
 

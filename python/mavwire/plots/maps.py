@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from mavwire.logs.extras import extra
@@ -30,6 +31,7 @@ def draw_map(
     with extra("plot"):
         import numpy  # noqa: F401
     out = os.fspath(out)
+    writers: dict[str, Callable[[Track], bytes | Iterator[str]]]
     writers = {".html": map_page, ".htm": map_page, ".kml": kml, ".gpx": gpx}
     writer = writers.get(os.path.splitext(out)[1].lower())
     if writer is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -204,7 +205,7 @@ def _from_messages(path: str, name: str) -> Track:
     """The track of a dataflash log, which is called `name`."""
     import numpy as np
 
-    points: dict[str, list[tuple[float, ...]]] = {"POS": [], "GPS": []}
+    points = {"POS": array("d"), "GPS": array("d")}  # four numbers a position, hours of them
     changes: list[tuple[float, str]] = []
     items: dict[int, Place] = {}
     home = None
@@ -218,7 +219,7 @@ def _from_messages(path: str, name: str) -> Track:
         if kind == "GPS" and getattr(msg, "Status", FIX_2D) < FIX_2D:
             continue
         if kind in points:
-            points[kind].append((msg._timestamp, place.lat, place.lon, place.alt))
+            points[kind].extend((msg._timestamp, place.lat, place.lon, place.alt))
         elif not _is_place(place):
             continue
         elif kind == "ORGN" and getattr(msg, "Type", None) == ORIGIN_OF_HOME:
@@ -227,7 +228,7 @@ def _from_messages(path: str, name: str) -> Track:
             number = int(getattr(msg, "CNum", 0))
             items[number] = Place(f"{number}", place.lat, place.lon, place.alt)
     rows = points["POS"] or points["GPS"]
-    columns = tuple(np.array(rows, float).reshape(-1, 4).T)
+    columns = tuple(np.array(rows).reshape(-1, 4).T)
     track = _track(name, columns, changes)  # type: ignore[arg-type]
     first = items.pop(0, None)
     if home is None and first is not None:
