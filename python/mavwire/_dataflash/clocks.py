@@ -6,6 +6,7 @@ that was. What else there is comes from autopilots of many years ago.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import isfinite
 
 from mavwire import _native
@@ -28,13 +29,40 @@ GPS_TYPES = ("GPS", "GPS2")
 def time_of_gps(m: DFMessage) -> float | None:
     """Unix time of a GPS message; None where it tells none, or what is no time."""
     names = m.get_fieldnames()
-    if "Week" in names and "TimeMS" in names:
-        week, msec = m.Week, m.TimeMS
-    elif "GWk" in names and "GMS" in names:
-        week, msec = m.GWk, m.GMS
-    else:
+    for week, msec in (("Week", "TimeMS"), ("GWk", "GMS")):
+        if week in names and msec in names:
+            return _time_in(m, week, msec)
+    return None
+
+
+def tells_micros(m: DFMessage) -> bool:
+    """Whether a GPS message tells when the microseconds of its log began."""
+    week = number_in(m, "GWk") or 0
+    return week > 0 and None not in (_time_in(m, "GWk", "GMS"), number_in(m, "TimeUS"))
+
+
+def tells_millis(m: DFMessage) -> bool:
+    """Whether an old GPS message tells when the milliseconds of its log began."""
+    return bool(number_in(m, "T")) and _time_in(m, "Week", "TimeMS") is not None
+
+
+def _time_in(m: DFMessage, week: str, msec: str) -> float | None:
+    """Unix time by the columns of a GPS week and the milliseconds in it; week 0 is none."""
+    weeks, millis = number_in(m, week), number_in(m, msec)
+    if not weeks or millis is None:
         return None
-    return _unix_time(week, msec) if week and is_number(week) and is_number(msec) else None
+    with suppress(OverflowError):  # of a week of hundreds of digits
+        time = _unix_time(weeks, millis)
+        return time if isfinite(time) else None
+    return None
+
+
+def number_in(m: DFMessage, column: str) -> float | None:
+    """The number in a column; None where there is none."""
+    with suppress(AttributeError, ValueError):
+        value = getattr(m, column)
+        return value if is_number(value) else None
+    return None
 
 
 def is_number(value: object) -> TypeGuard[float]:
@@ -102,7 +130,7 @@ class DFReaderClock_usec(_native.MicrosClock, DFReaderClock):
 
     def set_message_timestamp(self, m: DFMessage) -> None:
         """Set `_timestamp`; a message without a time has that of the one before."""
-        if "TimeUS" in m.get_fieldnames():
+        if m.get_fieldnames()[:1] == ["TimeUS"]:
             m._timestamp = self.timebase + m.TimeUS * 1.0e-6
         elif self.should_use_msec_field0(m):
             m._timestamp = max(self.timebase + m.TimeMS * 1.0e-3, self.timestamp)
@@ -132,7 +160,7 @@ class DFReaderClock_msec(DFReaderClock):
     def set_message_timestamp(self, m: DFMessage) -> None:
         """Set `_timestamp`; a message without a time has that of the one before."""
         names = m.get_fieldnames()
-        if "TimeMS" in names and m.get_type() not in GPS_TYPES:
+        if m.get_type() not in GPS_TYPES and names[:1] == ["TimeMS"]:
             m._timestamp = self.timebase + m.TimeMS * 0.001
         elif m.get_type() in GPS_TYPES and "T" in names:
             m._timestamp = self.timebase + m.T * 0.001

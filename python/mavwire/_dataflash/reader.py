@@ -21,7 +21,9 @@ from .clocks import (
     DFReaderClock_msec,
     DFReaderClock_px4,
     DFReaderClock_usec,
-    is_number,
+    number_in,
+    tells_micros,
+    tells_millis,
     time_of_gps,
 )
 from .formats import DFFormat
@@ -29,7 +31,7 @@ from .metadata import DFMetaData
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
     from types import TracebackType
     from typing import Any, ClassVar, Self
 
@@ -42,24 +44,13 @@ _VEHICLE_TEXTS = (
 _VEHICLE_BUILDS = {1: 10, 2: 2, 3: 1, 4: 5, 7: 12, 12: 7, 13: 4}
 # Types that tell the time, and PARM, which is to be known early.
 _TIME_TYPES = (*GPS_TYPES, "TIME", "PARM")
-# Times of GPS messages, one later than the other, between which others are counted.
-MOVES = 2
-_TIME_COLUMNS = ("TimeUS", "GWk", "GMS", "T", "Week", "TimeMS", "GPSTime", "StartTime")
-
+# Columns of GPS messages that tell when the log began, which counts microseconds or milliseconds.
+_MICROS = frozenset(("TimeUS", "GWk", "GMS"))
+_MILLIS = frozenset(("T", "Week", "TimeMS"))
 
 # What reckoning with the value of a column raises: a log may describe a time as a text or a list, and a
 # line of a text log may have anything in it.
 _NO_NUMBER = (ValueError, TypeError, OverflowError)
-
-
-def _has_numbers(m: Any, columns: Iterable[str]) -> bool:
-    """Whether all columns can be read, and those that tell the time are numbers."""
-    try:
-        return all(
-            is_number(getattr(m, column)) or column not in _TIME_COLUMNS for column in columns
-        )
-    except ValueError:
-        return False
 
 
 class DFReader(_native.DataflashReader):
@@ -110,6 +101,7 @@ class DFReader(_native.DataflashReader):
         for fmt in self._layouts:
             self._set_units(fmt, contents["fields"].get(fmt.type))
         self._set_kinds([(fmt, self._instance_index(fmt)) for fmt in self._layouts])
+        self._first: list[int | None] = contents["first"]
         self._last_offset = contents["last"]
         self.junk_bytes: int = contents["junk"]
         self._rewind()
@@ -225,31 +217,31 @@ class DFReader(_native.DataflashReader):
     def _init_clock_by_gps(self) -> bool:
         """Look for a GPS message that tells the time; parameters are kept on the way."""
         px4_time = px4_gps = None
-        newest, moves = 0.0, 0
+        rate_from = None
+        has_first = self._has_micros_of_gps()
         while (m := self.recv_match(type=_TIME_TYPES, strict=True)) is not None:
             kind, names = m.get_type(), m.get_fieldnames()
-            if kind == "TIME" and "StartTime" in names and _has_numbers(m, ["StartTime"]):
-                px4_time = m
-            elif kind not in GPS_TYPES or not _has_numbers(m, names):
+            if kind == "TIME":
+                px4_time = px4_time if number_in(m, "StartTime") is None else m
+            elif kind not in GPS_TYPES:
                 continue
-            elif {"TimeUS", "GWk", "GMS"}.issubset(names):
-                if m.GWk > 0:
+            elif _MICROS.issubset(names):
+                if (kind == "GPS" or not has_first) and tells_micros(m):
                     self._use_usec(m)
                     return True
-            elif {"T", "Week", "TimeMS"}.issubset(names):
-                if m.Week:
+            elif _MILLIS.issubset(names):
+                if tells_millis(m):
                     self._use_msec(m)
                     return True
-            elif "GPSTime" in names and m.GPSTime:
+            elif number_in(m, "GPSTime"):
                 px4_gps = m
             if px4_time is not None and px4_gps is not None:
                 self.init_clock_px4(px4_time, px4_gps)
                 return True
-            # One that tells the time and not when that was: two of them give rates.
+            # One that tells the time and not when that was: two that differ give rates.
             time = time_of_gps(m) if {"Week", "TimeMS"}.issubset(names) else None
-            if time is not None and time > newest:
-                newest, moves = time, moves + 1
-            if moves == MOVES:
+            rate_from = time if rate_from is None else rate_from
+            if time not in (None, rate_from):
                 self._use_rates()
                 return True
         return False
@@ -264,8 +256,23 @@ class DFReader(_native.DataflashReader):
             return False
         return True
 
-    def _first_value(self, column: str, of_gps: str | None = None) -> float | None:
-        """The value of a column in the first message that has it; of another one in GPS messages."""
+    def _has_micros_of_gps(self) -> bool:
+        """Whether there are messages of the first receiver that could tell the time in microseconds:
+        those of the second do not count then.
+        """
+        kinds = zip(self._layouts, self._first, strict=True)
+        return any(
+            fmt.name == "GPS" and _MICROS.issubset(fmt.columns)
+            for fmt, first in kinds
+            if first is not None
+        )
+
+    def _first_value(
+        self, column: str, of_gps: str | None = None, *, telling: bool = False
+    ) -> float | None:
+        """The number of a column in the first message that has one; of another column in GPS messages,
+        of which with `telling` only those count that tell the time.
+        """
 
         def column_of(kind: str) -> str:
             return of_gps if of_gps is not None and kind in GPS_TYPES else column
@@ -273,11 +280,10 @@ class DFReader(_native.DataflashReader):
         self._rewind(keep_messages=True)
         types = {fmt.name for fmt in self._layouts if column_of(fmt.name) in fmt.colhash}
         while types and (m := self.recv_match(type=types, strict=True)) is not None:
-            # Another type of the same name may lack the column.
-            with suppress(ValueError, AttributeError):
-                value = getattr(m, column_of(m.get_type()))
-                if is_number(value):
-                    return value
+            if telling and m.get_type() in GPS_TYPES and not tells_millis(m):
+                continue
+            if (value := number_in(m, column_of(m.get_type()))) is not None:
+                return value
         return None
 
     def _use_usec(self, gps: Any) -> None:
@@ -287,7 +293,7 @@ class DFReader(_native.DataflashReader):
             self.clock.find_time_base(gps, first)
 
     def _use_msec(self, gps: Any) -> None:
-        first = self._first_value("TimeMS", of_gps="T")
+        first = self._first_value("TimeMS", of_gps="T", telling=True)
         self.init_clock_msec()
         if not self._zero_time_base:
             self.clock.find_time_base(gps, first)
@@ -314,13 +320,14 @@ class DFReader(_native.DataflashReader):
             clock.find_time_base(px4_msg_gps)
 
     def init_clock_gps_interpolated(self, clock: DFReaderClock) -> None:
-        """Learn the rates of the types between the first GPS messages."""
+        """Learn the rates of the types between the first two GPS messages of different times."""
         self._rewind(keep_messages=True)
-        moves = 0
-        before = clock.timebase
-        while moves < MOVES and self.recv_msg() is not None:
-            moves += clock.timebase != before
-            before = clock.timebase
+        rate_from = None
+        while (m := self.recv_msg()) is not None:
+            time = time_of_gps(m) if m.get_type() in GPS_TYPES else None
+            rate_from = time if rate_from is None else rate_from
+            if time not in (None, rate_from):
+                return
 
     # -- state
 

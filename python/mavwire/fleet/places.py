@@ -50,7 +50,8 @@ def expand(
 ) -> list[str]:
     """Paths, patterns and URLs as a list of absolute paths and URLs, each once.
 
-    A pattern that matches nothing stays as it is, and is then a log that is missing.
+    A pattern that matches nothing, or whose file system nobody has, stays as it is, and is then a
+    log that is missing.
     """
     found = [one for path in paths_of(paths) for one in _matches(path, options)]
     return list(dict.fromkeys(found))
@@ -64,8 +65,12 @@ def _matches(path: str, options: Mapping[str, Any] | None) -> list[str]:
         return [absolute(one) for one in matches or [path]]
     if "::" in path or not glob.has_magic(path):
         return [_one_spelling(path)]
-    fs, inner = file_system(path, options)
-    return [_one_spelling(fs.unstrip_protocol(one)) for one in sorted(fs.glob(inner))] or [path]
+    try:
+        fs, inner = file_system(path, options)
+        matches = [] if fs.exists(inner) else sorted(map(fs.unstrip_protocol, fs.glob(inner)))
+    except Exception:  # noqa: BLE001: each file system has its own, and the log's row says which
+        matches = []
+    return [_one_spelling(one) for one in matches or [path]]
 
 
 def _one_spelling(url: str) -> str:

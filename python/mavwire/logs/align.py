@@ -115,9 +115,12 @@ def of_fields(
 
 
 def possible_columns(table: Table) -> set[str]:
-    """The columns, and those of raw bytes that there are where a text is no UTF-8."""
-    texts = (name for name, kind in table._batches.types().items() if kind == "Utf8")
-    return {*table.columns, *(f"{name}_raw" for name in texts)}
+    """The columns, and of telemetry those of raw bytes that there are where a text is no UTF-8."""
+    columns = set(table.columns)
+    if columns.issuperset(HEADER):
+        texts = (name for name, kind in table._batches.types().items() if kind == "Utf8")
+        columns.update(f"{name}_raw" for name in texts)
+    return columns
 
 
 def check_sender(table: Table, advice: str) -> None:

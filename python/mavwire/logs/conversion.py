@@ -21,7 +21,7 @@ from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest
 from .open_files import many_open_files
-from .query import Query
+from .query import Query, names_of
 from .reading import (
     absolute,
     allow_described,
@@ -142,8 +142,9 @@ def prepare(
     module, native = native_dialect(dialect)
     if format in ONE_FILE and (units is not None or enums is not None):
         raise ValueError(f"{format} has values as they are sent: leave units and enums out")
+    fields = None if fields is None else names_of(fields)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
-    if query.foreign is None:
+    if fields is not None or query.foreign is None:
         check_fields(list(logs), module, native, query, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
     query.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS

@@ -214,6 +214,7 @@ def scan(
     if rows < 1:
         raise ValueError(f"batch_rows must be at least 1, not {batch_rows!r}")
     module, native = native_dialect(dialect)
+    fields = None if fields is None else names_of(fields)
     query = Query.of(module, types, systems, fields, start, end, units, enums)
     if every and not is_dataflash(every[0]):  # what makes no sense is said before the first step
         check_beside(every, module, native, query, fields)
@@ -306,10 +307,10 @@ def check_fields(
             return
     if len(paths) > LOOKED_AT:
         return
-    if is_telemetry:
-        check_tables(module, native, query, missing)
-    else:
+    if not is_telemetry:
         raise ValueError(f"no wanted type has a field {missing[0]!r}")
+    if query.foreign is None:  # else the log's row says which type it cannot have
+        check_tables(module, native, query, missing)
 
 
 def _has_field(module: Any, native: Any, query: Query, name: str) -> bool:

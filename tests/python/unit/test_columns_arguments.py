@@ -48,8 +48,9 @@ def test_paths_may_be_bytes(flight):
 @pytest.mark.parametrize("field", ["rol", "roll_", "seq_", "UNKNOWN"])
 def test_a_field_that_is_not_there_is_named(flight, field):
     for look in (mavwire.read, mavwire.scan):
-        with pytest.raises(ValueError, match=repr(field)):
-            look(flight, "ATTITUDE", fields=[field])
+        for fields in ([field], iter([field])):
+            with pytest.raises(ValueError, match=repr(field)):
+                look(flight, "ATTITUDE", fields=fields)
 
 
 def test_fields_by_the_names_of_their_columns(tmp_path):

@@ -170,6 +170,8 @@ def test_align_and_wide(tmp_path):
     assert str(wide["IMU[1].Raw"].tolist()) == "[nan, -7.0, nan]"
     filled = mavwire.open_log(path)["IMU"].wide(tolerance="10s")
     assert str(filled["IMU[1].Raw"].tolist()) == "[nan, -7.0, -7.0]"
+    with pytest.raises(ValueError, match="has a field 'Message_raw'"):
+        mavwire.open_log(path).align("MSG", rate="1s", fields="Message_raw")
     aligned = mavwire.open_log(path).align(["IMU", "GPS"], on="MODE")
     assert aligned["IMU[0].Raw"].tolist()[1] == 1
 

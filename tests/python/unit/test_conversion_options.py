@@ -132,8 +132,13 @@ def test_fields_are_those_of_any_log(flight, tmp_path):
     for logs in ([flight, onboard], [onboard, flight], [onboard]):
         rows = convert(logs, tmp_path / "out", fields="AccX")
         assert [row.error for row in rows] == [None] * len(logs)
-        with pytest.raises(ValueError, match="has a field 'nope'"):
-            convert(logs, tmp_path / "out", fields=["AccX", "nope"])
+        for wrong in (["AccX", "nope"], iter(["nope"])):
+            with pytest.raises(ValueError, match="has a field 'nope'"):
+                convert(logs, tmp_path / "out", fields=wrong)
+    with pytest.raises(ValueError, match="no wanted type has a field 'Rol'"):
+        convert(onboard, tmp_path / "out", types="IMU", fields="Rol")
+    [row] = convert(flight, tmp_path / "out", types="IMU", fields="AccX")
+    assert row.error is not None and "IMU" in row.error, "the type is what it lacks"
 
 
 def test_fields_of_a_log_that_cannot_be_read_are_not_refused(flight, tmp_path):

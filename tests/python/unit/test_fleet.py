@@ -323,6 +323,9 @@ def test_fields_are_those_of_any_log(tmp_path, small, inside):
     assert rows_of(there) == rows_of(here)
     with pytest.raises(ValueError, match="no wanted message has a field 'nope'"):
         convert(logs, there, inside, fields=["AccX", "nope"])
+    for wrong in ("nope", iter(["nope"])):
+        with pytest.raises(ValueError, match="no wanted type has a field 'nope'"):
+            convert(log, there, inside, types="IMU", fields=wrong)
 
 
 def test_fields_of_logs_that_are_not_here_are_not_refused(tmp_path, inside):
@@ -338,6 +341,14 @@ def test_places(tmp_path, small):
     folder = small[0].parent
     assert expand(f"{folder}/*.tlog") == [str(path) for path in small]
     assert expand([small[0], f"file://{small[0]}", str(small[0])]) == [str(small[0])]
+    assert expand("nosuch://logs/*.tlog") == ["nosuch://logs/*.tlog"], "which its row says"
+    fsspec = pytest.importorskip("fsspec")
+    for name in ("places/a[1].tlog", "places/a1.tlog"):
+        fsspec.filesystem("memory").pipe(name, b"x")
+    inside = ["memory:///places/a[1].tlog", "memory://places/a[1].tlog"]
+    assert expand(inside) == inside[1:], "one log by two names that look like patterns"
+    assert expand("memory:///places/a*") == ["memory://places/a1.tlog", inside[1]]
+    assert expand(f"local://{small[0]}") == [str(small[0])]
     odd = tmp_path / "odd[1].tlog"
     odd.write_bytes(b"x" * 10)
     assert expand(odd) == [str(odd)], "a name that looks like a pattern"

@@ -1,12 +1,10 @@
 //! A run over a log that finds what it says about itself. Once more over all of it where records stand in front of what
 //! describes them, between bytes that belonged to no record until then.
 
-use std::cell::{LazyCell, OnceCell};
+use std::cell::LazyCell;
 
-use mavwire_core::log::dataflash::text::{decode_line, values};
-use mavwire_core::log::dataflash::{
-    ClockFinder, FMT_LAYOUT_LEN, FieldKind, HEAD_LEN, Layout, Units,
-};
+use mavwire_core::log::dataflash::text::{decode_line, number, values};
+use mavwire_core::log::dataflash::{ClockFinder, FMT_LAYOUT_LEN, HEAD_LEN, Layout, Units};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -188,13 +186,10 @@ impl Run {
             let value = |i: usize| values.get(i).copied();
             let text =
                 |layout: &Layout, name: &str| value(layout.field_index(name)?).map(decode_line);
-            let whole = OnceCell::new();
             teller.add(
                 layout,
                 |units, layout| _ = units.add_values(&layout.name, |name| text(layout, name)),
-                |layout, i| {
-                    number(value(i)).filter(|_| *whole.get_or_init(|| is_whole(layout, value)))
-                },
+                |layout, i| number(layout.fields.get(i)?.kind, value(i)?),
             );
         })
     }
@@ -226,19 +221,6 @@ impl Run {
         let (form, units) = (self.form.clone(), self.units.clone());
         Survey::new(form, units, self.finder.clone().finish(), self.offset, self.steps)
     }
-}
-
-/// The number in a value of a text log.
-pub(super) fn number(text: Option<&[u8]>) -> Option<f64> {
-    std::str::from_utf8(text?).ok()?.trim().parse().ok()
-}
-
-/// Whether a line has numbers where it should; a GPS record with a word there does not tell when the log began.
-fn is_whole<'a>(layout: &Layout, value: impl Fn(usize) -> Option<&'a [u8]>) -> bool {
-    let is_text = |kind| matches!(kind, FieldKind::Text(_) | FieldKind::Mode | FieldKind::Array);
-    let mut fields = layout.fields.iter().enumerate();
-    !layout.name.starts_with("GPS")
-        || fields.all(|(index, field)| is_text(field.kind) || number(value(index)).is_some())
 }
 
 /// Takes in the records that say something about others.

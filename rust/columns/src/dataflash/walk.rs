@@ -4,12 +4,11 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use mavwire_core::codec::read;
-use mavwire_core::log::dataflash::text::nth_value;
+use mavwire_core::log::dataflash::text::{nth_value, number};
 use mavwire_core::log::dataflash::{FieldKind, HEAD_LEN, Layout, TimeRule, whole};
 
 use super::hop::{Hops, Place, hop};
 use super::lines::Lines;
-use super::run::number;
 use super::survey::{Form, Survey};
 use crate::piece::PIECE;
 
@@ -117,7 +116,7 @@ impl Walk {
     /// The time of the last one of these records. From the last that has a time of its own on, the others do not matter.
     fn newest_of(&self, block: &[u8], places: &[Place]) -> i64 {
         let has_own = |place: &Place| match self.rules[usize::from(place.layout)] {
-            TimeRule::Field(index, _) => self.count(block, *place, index).is_some(),
+            TimeRule::Field(index, micros) => self.count(block, *place, index, micros).is_some(),
             _ => false,
         };
         let from = places.iter().rposition(has_own).unwrap_or(0);
@@ -132,19 +131,19 @@ impl Walk {
             return clock.base.saturating_add(i64::try_from(micros).unwrap_or(i64::MAX));
         }
         let rule = self.rules[usize::from(place.layout)];
-        clock.stamp(rule, newest, |index| self.count(block, place, index))
+        clock.stamp(rule, newest, |index, micros| self.count(block, place, index, micros))
     }
 
-    /// The number in a field, as an integer.
+    /// So many times the number in a field, as an integer.
     #[inline]
-    fn count(&self, block: &[u8], place: Place, index: usize) -> Option<i64> {
+    fn count(&self, block: &[u8], place: Place, index: usize, times: i64) -> Option<i64> {
         let bytes = place.of(block);
+        let layout = &self.survey.form.layouts()[usize::from(place.layout)];
         match &self.survey.form {
-            Form::Binary(definitions) => {
-                definitions.layouts()[usize::from(place.layout)].count(index, &bytes[HEAD_LEN..])
-            }
+            Form::Binary(_) => layout.count(index, &bytes[HEAD_LEN..], times),
             Form::Text(definitions) => {
-                number(nth_value(bytes, definitions.delimiter(), index)).and_then(whole)
+                let value = nth_value(bytes, definitions.delimiter(), index)?;
+                whole(number(layout.fields.get(index)?.kind, value)? * times as f64)
             }
         }
     }
@@ -265,7 +264,7 @@ mod tests {
             }
             expected = at + bytes.len();
             let layout = &definitions.layouts()[usize::from(entry.layout)];
-            let count = |index| layout.count(index, &bytes[HEAD_LEN..]);
+            let count = |index, times| layout.count(index, &bytes[HEAD_LEN..], times);
             let stamp = |clock: Clock| clock.stamp(clock.rule(layout), newest, count);
             newest = survey.clock.map_or(newest, stamp);
             out.0.push((at, bytes.len() as u16, entry.layout, newest));

@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use mavwire_core::log::dataflash::text::{Delimiter, nth_value};
+use mavwire_core::log::dataflash::text::{Delimiter, nth_value, number};
 use mavwire_core::log::dataflash::{HEAD_LEN, Layout, TimeUnit};
 use mavwire_link::dataflash::{Contents, DataflashFile};
 use mavwire_link::text_log::TextLogFile;
@@ -128,7 +128,7 @@ impl Source {
 pub(super) fn seconds(layout: &Layout, bytes: &[u8], delimiter: Option<Delimiter>) -> Option<f64> {
     let Some(delimiter) = delimiter else { return layout.seconds(bytes) };
     let (index, unit) = layout.time?;
-    let text = std::str::from_utf8(nth_value(bytes, delimiter, index)?).ok()?;
-    let number: f64 = text.trim().parse().ok()?;
+    let kind = layout.fields.get(index)?.kind;
+    let number = number(kind, nth_value(bytes, delimiter, index)?)?;
     Some(number * if unit == TimeUnit::Micros { 1e-6 } else { 1e-3 })
 }

@@ -159,13 +159,17 @@ impl Layout {
         Some(if field.kind.scale().is_some() { field.kind.scaled(stored) } else { stored })
     }
 
-    /// The same as an integer: see [`whole`].
+    /// So many times the same as an integer: see [`whole`].
     #[inline]
-    pub fn count(&self, index: usize, body: &[u8]) -> Option<i64> {
+    pub fn count(&self, index: usize, body: &[u8], times: i64) -> Option<i64> {
         match self.value(index, body)? {
-            Value::Integer(number) if self.fields[index].kind.scale().is_none() => Some(number),
-            Value::Unsigned(number) => Some(i64::try_from(number).unwrap_or(i64::MAX)),
-            _ => self.number(index, body).and_then(whole),
+            Value::Integer(number) if self.fields[index].kind.scale().is_none() => {
+                Some(number.saturating_mul(times))
+            }
+            Value::Unsigned(number) => {
+                Some(i64::try_from(number).unwrap_or(i64::MAX).saturating_mul(times))
+            }
+            _ => self.number(index, body).and_then(|number| whole(number * times as f64)),
         }
     }
 
@@ -203,14 +207,18 @@ fn fields(columns: &[String], kinds: &[FieldKind]) -> Vec<Field> {
     columns.iter().zip(kinds).map(field).collect()
 }
 
-/// `TimeUS` wherever it stands, else `TimeMS` in front; the latter is no time of logging in the batches of raw samples
-/// that `ACC1` and `GYR1` hold.
+/// `TimeUS` or `TimeMS` in front; the latter is no time of logging in the batches of raw samples that `ACC1` and `GYR1`
+/// hold.
 fn time_field(name: &str, fields: &[Field]) -> Option<(usize, TimeUnit)> {
-    if let Some(index) = fields.iter().rposition(|field| field.name == "TimeUS") {
-        return Some((index, TimeUnit::Micros));
-    }
     let samples = name.starts_with("ACC") || name.starts_with("GYR");
-    (fields.first()?.name == "TimeMS" && !samples).then_some((0, TimeUnit::Millis))
+    match fields.first()?.name.as_str() {
+        // The last of two columns of one name is the one that counts.
+        name @ "TimeUS" => {
+            Some((fields.iter().rposition(|field| field.name == name)?, TimeUnit::Micros))
+        }
+        "TimeMS" if !samples => Some((0, TimeUnit::Millis)),
+        _ => None,
+    }
 }
 
 /// Names of columns, separated by commas.

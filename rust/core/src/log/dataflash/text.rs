@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::definitions::MAX_DEFINITIONS;
+use super::field::FieldKind;
 use super::layout::{Layout, LayoutError, split_columns};
 
 /// Bytes of the longest line that is looked at; whatever is longer is no record.
@@ -117,6 +118,19 @@ pub fn nth_value(line: &[u8], delimiter: Delimiter, index: usize) -> Option<&[u8
         rest = &rest[at + separator.len()..];
     }
     Some(&rest[..memchr::memmem::find(rest, separator).unwrap_or(rest.len())])
+}
+
+/// The number in a value of a field of some kind; `None` for what is none of that kind, such as a fraction among integers.
+pub fn number(kind: FieldKind, value: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(value).ok()?.trim();
+    match kind {
+        FieldKind::Text(_) | FieldKind::Array | FieldKind::Mode => None,
+        kind if kind.is_float() => text.parse().ok(),
+        _ => {
+            let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+            digits.bytes().all(|digit| digit.is_ascii_digit()).then(|| text.parse().ok())?
+        }
+    }
 }
 
 /// Reads a FMT line.
