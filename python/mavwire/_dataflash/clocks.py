@@ -160,7 +160,7 @@ class DFReaderClock_msec(DFReaderClock):
     def set_message_timestamp(self, m: DFMessage) -> None:
         """Set `_timestamp`; a message without a time has that of the one before."""
         names = m.get_fieldnames()
-        if m.get_type() not in GPS_TYPES and names[:1] == ["TimeMS"]:
+        if names[:1] == ["TimeMS"]:
             m._timestamp = self.timebase + m.TimeMS * 0.001
         elif m.get_type() in GPS_TYPES and "T" in names:
             m._timestamp = self.timebase + m.T * 0.001

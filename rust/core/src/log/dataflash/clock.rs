@@ -54,10 +54,10 @@ impl Clock {
                 Some((index, TimeUnit::Millis)) => TimeRule::NotBefore(index, 1000),
                 None => TimeRule::Before,
             },
-            Unit::Millis if is_gps(&layout.name) => of("T", 1000),
             Unit::Millis if layout.fields.first().is_some_and(|first| first.name == "TimeMS") => {
                 of("TimeMS", 1000)
             }
+            Unit::Millis if is_gps(&layout.name) => of("T", 1000),
             Unit::Start if layout.name == "TIME" => of("StartTime", 1),
             Unit::Millis | Unit::Start => TimeRule::Before,
         }
@@ -277,13 +277,13 @@ mod tests {
 
     #[test]
     fn a_gps_record_that_tells_nothing_is_no_first_time() {
-        let (gps, att) = (layout("GPS", "TimeMS,Week,T"), layout("ATT", "TimeMS"));
+        let (gps, att) = (layout("GPS", "Week,TimeMS,T"), layout("ATT", "TimeMS"));
         let mut finder = ClockFinder::default();
-        add(&mut finder, &gps, &[1000.0, 0.0, 300.0]);
-        add(&mut finder, &gps, &[1000.0, 2200.0, 0.0]);
+        add(&mut finder, &gps, &[0.0, 1000.0, 300.0]);
+        add(&mut finder, &gps, &[2200.0, 1000.0, 0.0]);
         assert_eq!(finder.clone().finish(), Some(Clock::from_start(Unit::Millis)));
         add(&mut finder, &att, &[400.5]);
-        add(&mut finder, &gps, &[1000.0, 2200.0, 500.0]);
+        add(&mut finder, &gps, &[2200.0, 1000.0, 500.0]);
         let clock = finder.finish().expect("a clock");
         assert_eq!(clock.first, clock.base + 400_500);
         assert_eq!(clock.rule(&att), TimeRule::Field(0, 1000));
