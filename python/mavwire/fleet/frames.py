@@ -7,11 +7,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mavwire.logs.extras import extra
+from mavwire.logs.query import names_of
 from mavwire.logs.table import Table
 
 from .cuts import find_cuts
 from .decoding import decode, decode_as
-from .grouping import TASK_BYTES, grouped, may_be_cut
+from .grouping import TASK_BYTES, check_at_least_1, grouped, may_be_cut
 from .places import Part, expand, status
 
 if TYPE_CHECKING:
@@ -47,7 +48,10 @@ def dask_frame(
         import dask
         import dask.dataframe as dd
 
-    wanted = None if columns is None else [columns] if isinstance(columns, str) else list(columns)
+    if not isinstance(type, str):
+        raise ValueError(f"type is the name of one message type, not {type!r}")
+    check_at_least_1(task_bytes=task_bytes)
+    wanted = None if columns is None else names_of(columns)
     how = {
         "types": type, "columns": wanted, "systems": systems, "start": start, "end": end,
         "units": units, "enums": enums, "dialect": dialect, "storage_options": storage_options,

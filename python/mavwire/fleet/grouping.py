@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import index
 from typing import TYPE_CHECKING, TypeVar
 
 from .places import is_url
@@ -15,6 +16,17 @@ TASKS_FOR_A_WORKER = 4
 """Tasks that each worker should have where there is little work, so that none is idle."""
 
 Item = TypeVar("Item")
+
+
+def check_at_least_1(**numbers: int | None) -> None:
+    """ValueError for the name of an argument whose number is none that is 1 or more."""
+    for name, number in numbers.items():
+        try:
+            least = number is None or index(number) >= 1
+        except TypeError:
+            least = False
+        if not least:
+            raise ValueError(f"{name} must be at least 1, not {number!r}")
 
 
 def may_be_cut(path: str, size: int, task_bytes: int) -> bool:

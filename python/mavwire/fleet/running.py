@@ -20,7 +20,7 @@ from mavwire.logs.staging import remove_left, staging
 
 from .clients import connected
 from .cuts import find_cuts
-from .grouping import TASK_BYTES, group_bytes, grouped, may_be_cut
+from .grouping import TASK_BYTES, check_at_least_1, group_bytes, grouped, may_be_cut
 from .places import Part, expand, is_url, status
 from .stores import Folder, Remote, store_of
 from .tasks import Piece, Recipe, convert_pieces
@@ -83,9 +83,7 @@ def convert(
         format, compression, types, systems, fields, start, end, dialect,
         units=units, enums=enums, logs=logs,
     )  # fmt: skip
-    for name, number in (("workers", workers), ("task_bytes", task_bytes)):
-        if number is not None and number < 1:
-            raise ValueError(f"{name} must be at least 1, not {number}")
+    check_at_least_1(workers=workers, task_bytes=task_bytes)
     allow_described(logs, query)
     out = os.fsdecode(out).removeprefix("file://")
     known = _statuses(logs, storage_options)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 MIRRORED = {"Gt": "Lt", "GtEq": "LtEq", "Lt": "Gt", "LtEq": "GtEq", "Eq": "Eq"}
 """Comparisons, and what they are with their sides exchanged."""
+EXACT = 1 << 53
+"""Microseconds up to which seconds tell one from the next: the year 2255."""
 NANOSECONDS = {"Nanoseconds": 1, "Microseconds": 1_000, "Milliseconds": 1_000_000}
 
 
@@ -97,7 +99,8 @@ def _seconds(literal: Any) -> float | None:
     units = [factor for name, factor in NANOSECONDS.items() if name in text]
     if len(numbers) != 1 or len(units) != 1:
         return None
-    return record_seconds(numbers[0] * units[0] // 1_000)
+    micros = numbers[0] * units[0] // 1_000
+    return record_seconds(micros) if abs(micros) <= EXACT else None
 
 
 def _integers(node: Any) -> list[int]:

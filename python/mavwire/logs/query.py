@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import empty_table
 
-from .selection import UNKNOWN, Selection, no_message, several, types_of
+from .selection import UNKNOWN, Selection, has_message, no_message, several, types_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -123,7 +124,7 @@ def _telemetry_types(
     foreign: dict[str, str] = {}
     for one in types:
         is_known = not isinstance(one, str) or one.startswith(UNKNOWN)
-        if not is_known and not hasattr(dialect, f"MAVLINK_MSG_ID_{one}"):
+        if not is_known and not has_message(dialect, one):
             foreign[one] = no_message(dialect, one)
         else:
             known.append(one)
@@ -139,13 +140,13 @@ def columns_of(fields: str | Iterable[str]) -> list[str]:
 
 
 def names_of(names: str | Iterable[str]) -> list[str]:
-    """One name or several; ValueError for what is none."""
+    """One name or several, those of a set by the alphabet; ValueError for what is none."""
     every: list[str] = []
     for one in several(names):
         if not isinstance(one, str):
             raise ValueError(f"a name is a text, not {one!r}")
         every.append(one)
-    return every
+    return sorted(every) if isinstance(names, Set) else every
 
 
 def check_tables(

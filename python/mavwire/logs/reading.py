@@ -357,7 +357,9 @@ def absolute(path: str) -> str:
     """The absolute path of a log. ValueError for an empty name, which would be that of a folder."""
     if not path:
         raise ValueError("a log has an empty name")
-    return os.path.abspath(path)
+    whole = os.path.abspath(path)
+    # POSIX leaves open what two slashes mean; wherever logs are read they are one.
+    return whole[1:] if os.sep == "/" and whole.startswith("//") else whole
 
 
 def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:

@@ -17,6 +17,7 @@ MAX_SYSTEM = 255
 MAX_ID = 0xFFFFFF
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 UNKNOWN = "UNKNOWN"
+_ID = "MAVLINK_MSG_ID_"
 A_TIME = (
     "a time is seconds since 1970, a datetime, a datetime64 or a text such as 2024-01-31T12:00:00"
 )
@@ -89,10 +90,15 @@ def several(values: Any) -> Iterator[Any]:
 
 
 def _named_id(dialect: Any, name: str) -> int:
-    msgid = getattr(dialect, f"MAVLINK_MSG_ID_{name}", None)
-    if isinstance(msgid, int) and msgid >= 0:
-        return msgid
+    if has_message(dialect, name):
+        return int(getattr(dialect, _ID + name))
     raise ValueError(no_message(dialect, name))
+
+
+def has_message(dialect: Any, name: object) -> bool:
+    """Whether there is a message of this name; BAD_DATA and UNKNOWN have negative ids, and are none."""
+    msgid = getattr(dialect, f"{_ID}{name}", None) if isinstance(name, str) else None
+    return isinstance(msgid, int) and msgid >= 0
 
 
 def _unknown_id(name: str) -> int:
@@ -104,8 +110,8 @@ def _unknown_id(name: str) -> int:
 
 def no_message(dialect: Any, name: object) -> str:
     """What to say of a message that a dialect does not have."""
-    prefix = "MAVLINK_MSG_ID_"
-    names = [key.removeprefix(prefix) for key in vars(dialect) if key.startswith(prefix)]
+    names = [key.removeprefix(_ID) for key in vars(dialect) if key.startswith(_ID)]
+    names = [one for one in names if has_message(dialect, one)]
     hint = did_you_mean(name.upper(), names) if isinstance(name, str) else ""
     return f"the dialect {dialect.DIALECT} has no message {name!r}{hint}"
 

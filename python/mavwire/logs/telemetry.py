@@ -15,7 +15,7 @@ from types import ModuleType
 from mavwire._native import LogScan
 
 from .base import Log
-from .selection import Selection, no_message
+from .selection import Selection, has_message, no_message
 from .sources import file_status, head_of
 
 TYPE_CHECKING = False
@@ -140,7 +140,7 @@ class TelemetryLog(Log):
         A type that is not in the log gives an empty table. For several types, `read` needs one
         pass.
         """
-        if not isinstance(name, str) or not hasattr(self.dialect, f"MAVLINK_MSG_ID_{name}"):
+        if not has_message(self.dialect, name):
             raise KeyError(no_message(self.dialect, name))
         return self.read(name)[name]
 
@@ -148,7 +148,7 @@ class TelemetryLog(Log):
         """Whether the log has messages of the type of that name. It is read up to the first one."""
         if not isinstance(what, str):
             return any(one == what for one in self)
-        if not hasattr(self.dialect, f"MAVLINK_MSG_ID_{what}"):
+        if not has_message(self.dialect, what):
             return False
         from .query import Query
         from .reading import batches_of
@@ -230,7 +230,9 @@ class TelemetryLog(Log):
             if not found:
                 check_barren(self.path, self.path, damage)
         elif is_foreign(head) and (
-            _other_format(head) is not None or (size <= FOREIGN_PROBE and not self._has_record())
+            not self._is_full(size)
+            if _other_format(head) is not None
+            else size <= FOREIGN_PROBE and not self._has_record()
         ):
             raise not_telemetry(self.path, head)
 
@@ -239,6 +241,20 @@ class TelemetryLog(Log):
         native = self.dialect.MAVLink(None)._dialect
         scan = LogScan(self.path, native, self.resync == "rescan", Selection())
         return next(scan, None) is not None
+
+    def _is_full(self, size: int) -> bool:
+        """Whether most of what a file of another format begins with is records, as of a log in a ZIP
+        archive that does not compress. Noise has a record now and then.
+        """
+        from mavwire._native import LogColumns
+
+        from .query import Query
+
+        start = self.path, 0, min(size, FOREIGN_PROBE)
+        run = LogColumns(start, self.dialect.MAVLink(None)._dialect, Query(types=[]))
+        for _ in run:
+            pass
+        return 2 * run.bad_bytes < run.position
 
     def _first_records(self) -> tuple[bool, str | None]:
         """Whether the log begins with records, once it is decompressed; else what is wrong with it."""

@@ -41,6 +41,8 @@ struct Line {
     next: u64,
     /// It is longer than anything that is read.
     too_long: bool,
+    /// A line feed ends it; without that its last value may be cut off.
+    is_whole: bool,
     /// Bytes without the line's end.
     len: usize,
 }
@@ -173,14 +175,15 @@ impl TextLogFile {
         let (len, end) = self.line_len(offset)?;
         if let Some(len) = len {
             let next = offset + len as u64 + 1;
-            return Ok(Some(Line { offset, next, too_long: false, len }));
+            return Ok(Some(Line { offset, next, too_long: false, is_whole: true, len }));
         }
         if end < self.longest {
             let next = offset + end as u64;
-            return Ok((end > 0).then_some(Line { offset, next, too_long: false, len: end }));
+            let rest = Line { offset, next, too_long: false, is_whole: false, len: end };
+            return Ok((end > 0).then_some(rest));
         }
         let next = self.end_of_long_line(offset + end as u64)?;
-        Ok(Some(Line { offset, next, too_long: true, len: 0 }))
+        Ok(Some(Line { offset, next, too_long: true, is_whole: true, len: 0 }))
     }
 
     /// Bytes up to the next line feed, and how many bytes there are at all, at most `longest`.
@@ -216,7 +219,9 @@ impl TextLogFile {
         while let Some(line) = self.line_at(at)? {
             at = line.next;
             let bytes = trimmed(&self.window.buffered(line.offset)[..line.len]);
-            if let Some(layout) = self.definitions.of_line(bytes, line.offset) {
+            if line.is_whole
+                && let Some(layout) = self.definitions.of_line(bytes, line.offset)
+            {
                 let entry = RecordEntry { offset: line.offset, layout, len: 0 };
                 let len = bytes.len();
                 return Ok(Some((entry, &self.window.buffered(line.offset)[..len], at)));

@@ -71,6 +71,13 @@ def test_columns_come_in_the_order_that_is_asked_for(flight):
     assert none.columns == [*HEADER, "target_system", "seq_"]
 
 
+def test_columns_of_a_set_come_by_the_alphabet(flight):
+    """In each process in the same order: else a conversion that goes on would convert all anew."""
+    names = {"yaw", "roll", "pitch", "rollspeed"}
+    tables = mavwire.read(flight, "ATTITUDE", fields=names)
+    assert tables["ATTITUDE"].columns == [*HEADER, *sorted(names)]
+
+
 @pytest.mark.parametrize("name", ["UNKNOWN", "UNKNOWN_54321"])
 def test_unknown_ids_are_in_no_table(flight, tmp_path, name):
     for look in (mavwire.read, mavwire.scan):

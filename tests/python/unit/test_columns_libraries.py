@@ -122,6 +122,18 @@ def test_scan_polars_pushes_down(flight):
     )
 
 
+def test_a_filter_by_the_last_time_there_is(flight, tmp_path):
+    pl = pytest.importorskip("polars")
+    path, last = tmp_path / "last.tlog", 2**63 - 1
+    frames = (bytes(msg.get_msgbuf()) for msg in mavwire.open_log(flight))
+    path.write_bytes(b"".join(last.to_bytes(8, "big") + frame for frame in frames))
+    whole = mavwire.read(path, "ATTITUDE")["ATTITUDE"].to_polars()
+    time = pl.lit(last).cast(pl.Int64).cast(pl.Datetime("us", "UTC"))
+    for condition in (pl.col("timestamp") <= time, pl.col("timestamp") == time):
+        found = mavwire.scan_polars(path, "ATTITUDE").filter(condition).collect()
+        assert found.height == whole.filter(condition).height > 0
+
+
 @pytest.mark.parametrize(
     ("condition", "start", "end", "systems"),
     [

@@ -7,6 +7,7 @@ import struct
 from collections import Counter
 from pathlib import Path
 
+import mavwire
 import pytest
 from dataflash_writer import FMT, HEAD, Log, fmt, record, sample
 from mavwire import cli, mavutil
@@ -162,7 +163,7 @@ def test_text_that_is_no_log(tmp_path: Path) -> None:
     lines = [
         b"A, 1, good\n", b"A, 2\n", b"A\n", b"\n", b", , ,\n", b"A, x, words\n", b"\xff\xfe, 1\n",
         b"A, 3, caf\xc3\xa9\n", b"A, 4, caf\xe9\n", b"Z" * 300_000 + b"\n", b"A, " * 90_000 + b"\n",
-        b"FMT, 300, 1, B, Q, X\n", b"FMT, 2, 9, B, y, X\n", b"FMT, 2\n", b"A, 5, end",
+        b"FMT, 300, 1, B, Q, X\n", b"FMT, 2, 9, B, y, X\n", b"FMT, 2\n", b"A, 5, end\n", b"A, 6, cut off",
     ]  # fmt: skip
     path.write_bytes(head.encode() + b"".join(lines))
     with DFReader_text(str(path)) as log:
@@ -171,6 +172,17 @@ def test_text_that_is_no_log(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="invalid literal"):
             messages[1].TimeUS  # noqa: B018
         assert log.offset == path.stat().st_size
+
+
+def test_the_last_value_of_a_text_log_may_be_cut_off(tmp_path: Path) -> None:
+    path = tmp_path / "cut.log"
+    whole = f"{ODD_TEXT.splitlines()[0]}\nFMT, 1, 9, A, QI, TimeUS,N\nA, 1, 1500\n"
+    for rest in ("A, 2, 15", "A, 2, 1500\r", "A, 2"):
+        path.write_bytes((whole + rest).encode())
+        with DFReader_text(str(path)) as log:
+            assert [m.N for m in iter(log.recv_msg, None) if m.get_type() == "A"] == [1500]
+        assert mavwire.read(path)["A"]["N"].tolist() == [1500]
+        assert mavwire.open_log(path).info().bad_bytes == len(rest)
 
 
 def test_text_lines_around_bad_ones_come_once(tmp_path: Path) -> None:
@@ -303,7 +315,7 @@ def test_a_wrong_condition_over_a_text_log_is_shown_once(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "good.log"
-    path.write_text(ODD_TEXT.splitlines()[0])
+    path.write_text(ODD_TEXT.splitlines()[0] + "\n")
     for verb in ("dump", "search", "tomfile"):
         assert cli.main([verb, "--condition", "float('x')>1", str(path)]) == 1
         error = capsys.readouterr().err

@@ -311,6 +311,13 @@ def test_dataflash_logs(tmp_path, inside):
     np.testing.assert_array_equal(frame["AccX"], whole["AccX"])
     with pytest.raises(ValueError, match="'ABC'"):
         dask_frame(log, "ABC")
+    wrong: list[tuple[dict[str, Any], str]] = [
+        ({"type": ["IMU"]}, "type is the name of one"), ({"columns": 5}, "a name is a text, not 5"),
+        ({"task_bytes": 0}, "at least 1, not 0"), ({"task_bytes": "x"}, "at least 1, not 'x'"),
+    ]  # fmt: skip
+    for arguments, said in wrong:
+        with pytest.raises(ValueError, match=said):
+            dask_frame(log, **{"type": "IMU", **arguments})
 
 
 def test_fields_are_those_of_any_log(tmp_path, small, inside):
@@ -340,7 +347,8 @@ def test_fields_of_logs_that_are_not_here_are_not_refused(tmp_path, inside):
 def test_places(tmp_path, small):
     folder = small[0].parent
     assert expand(f"{folder}/*.tlog") == [str(path) for path in small]
-    assert expand([small[0], f"file://{small[0]}", str(small[0])]) == [str(small[0])]
+    same = [small[0], f"file://{small[0]}", str(small[0]), f"/{small[0]}", f"file:///{small[0]}"]
+    assert expand(same) == [str(small[0])]
     assert expand("nosuch://logs/*.tlog") == ["nosuch://logs/*.tlog"], "which its row says"
     fsspec = pytest.importorskip("fsspec")
     for name in ("places/a[1].tlog", "places/a1.tlog"):

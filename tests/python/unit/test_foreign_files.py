@@ -6,6 +6,7 @@ import contextlib
 import errno
 import gzip
 import os
+import zipfile
 from pathlib import Path
 
 import mavwire
@@ -13,6 +14,7 @@ import pytest
 from dataflash_writer import sample
 from encoder import heartbeat, record
 from mavwire import cli, mavutil
+from mavwire.logs import LogFormatError
 
 EMPTY = "the log is empty; copy it again if there should be more"
 NO_RECORD = "no record of the log is whole; copy it again if there should be more"
@@ -139,6 +141,19 @@ ODD = [
         True,
     ),
 ]
+
+
+def test_a_log_in_an_archive_that_does_not_compress_is_read() -> None:
+    log = b"".join(record(heartbeat(number), number) for number in range(200))
+    Path("flight.tlog").write_bytes(log)
+    for kind in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        with zipfile.ZipFile("flight.zip", "w", kind) as archive:
+            archive.writestr("flight.tlog", log)
+        if kind == zipfile.ZIP_DEFLATED:
+            with pytest.raises(LogFormatError, match="ZIP archive"):
+                mavwire.open_log("flight.zip")
+        else:
+            assert len(mavwire.open_log("flight.zip")) == len(mavwire.open_log("flight.tlog"))
 
 
 @pytest.mark.parametrize("command", [*TABLES, "dump", "msgstats", "loss"])

@@ -95,6 +95,16 @@ def test_wrong_choices(path, arguments, text):
         mavwire.open_log(path).messages(**arguments)
 
 
+def test_types_that_are_none_are_in_no_log(path):
+    log = mavwire.open_log(path)
+    assert "HEARTBEAT" in log
+    for name in ("BAD_DATA", "UNKNOWN", "ATITUDE"):
+        assert name not in log
+        with pytest.raises(KeyError, match=f"has no message '{name}'") as found:
+            log[name]
+        assert f"did you mean '{name}'" not in str(found.value)
+
+
 def test_wrong_arguments(path):
     with pytest.raises(ValueError, match="resync must be"):
         mavwire.open_log(path, resync="both")

@@ -15,7 +15,8 @@ pub(super) struct Line<'a> {
     pub(super) at: usize,
     /// Where the next one starts.
     pub(super) next: usize,
-    /// Without the white space at its end; `None` for (a part of) one that is too long.
+    /// Without the white space at its end; `None` for (a part of) one that is too long, and for one that nothing ends: its
+    /// last value may be cut off.
     pub(super) bytes: Option<&'a [u8]>,
 }
 
@@ -32,14 +33,14 @@ impl Lines {
             let rest = &block[at..];
             let found = memchr::memchr(b'\n', rest);
             let len = found.unwrap_or(rest.len());
-            let is_whole = found.is_some() || at_end;
-            if !is_whole && len < MAX_LINE_LEN && !self.within {
+            let is_ended = found.is_some();
+            if !is_ended && !at_end && len < MAX_LINE_LEN && !self.within {
                 break;
             }
-            let too_long = self.within || len >= MAX_LINE_LEN;
-            let next = at + len + usize::from(found.is_some());
-            line(Line { at, next, bytes: (!too_long).then(|| trimmed(&rest[..len])) });
-            self.within = !is_whole;
+            let is_whole = is_ended && !self.within && len < MAX_LINE_LEN;
+            let next = at + len + usize::from(is_ended);
+            line(Line { at, next, bytes: is_whole.then(|| trimmed(&rest[..len])) });
+            self.within = !is_ended;
             at = next;
         }
         at
