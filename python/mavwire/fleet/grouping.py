@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from operator import index
 from typing import TYPE_CHECKING, TypeVar
 
 from .places import is_url
@@ -19,13 +18,13 @@ Item = TypeVar("Item")
 
 
 def check_at_least_1(**numbers: int | None) -> None:
-    """ValueError for the name of an argument whose number is none that is 1 or more."""
+    """ValueError for the name of an argument that is neither None nor a number of 1 or more."""
     for name, number in numbers.items():
         try:
-            least = number is None or index(number) >= 1
+            enough = number is None or number >= 1
         except TypeError:
-            least = False
-        if not least:
+            enough = False
+        if not enough:
             raise ValueError(f"{name} must be at least 1, not {number!r}")
 
 

@@ -67,9 +67,11 @@ def _matches(path: str, options: Mapping[str, Any] | None) -> list[str]:
         return [_one_spelling(path)]
     try:
         fs, inner = file_system(path, options)
-        matches = [] if fs.exists(inner) else sorted(map(fs.unstrip_protocol, fs.glob(inner)))
-    except Exception:  # noqa: BLE001: each file system has its own, and the log's row says which
-        matches = []
+    except (ImportError, ValueError):
+        return [path]  # which the log's row says
+    # Brackets, as of "flight[1].tlog", are often no pattern.
+    is_name = "[" in path and fs.exists(inner)
+    matches = [] if is_name else sorted(map(fs.unstrip_protocol, fs.glob(inner)))
     return [_one_spelling(one) for one in matches or [path]]
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 MIRRORED = {"Gt": "Lt", "GtEq": "LtEq", "Lt": "Gt", "LtEq": "GtEq", "Eq": "Eq"}
 """Comparisons, and what they are with their sides exchanged."""
 EXACT = 1 << 53
-"""Microseconds up to which seconds tell one from the next: the year 2255."""
+"""Microseconds, those of the year 2255; the seconds of later times are too coarse for a bound."""
 NANOSECONDS = {"Nanoseconds": 1, "Microseconds": 1_000, "Milliseconds": 1_000_000}
 
 

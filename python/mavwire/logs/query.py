@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -146,7 +145,7 @@ def names_of(names: str | Iterable[str]) -> list[str]:
         if not isinstance(one, str):
             raise ValueError(f"a name is a text, not {one!r}")
         every.append(one)
-    return sorted(every) if isinstance(names, Set) else every
+    return sorted(every) if isinstance(names, set | frozenset) else every
 
 
 def check_tables(

@@ -41,7 +41,7 @@ struct Line {
     next: u64,
     /// It is longer than anything that is read.
     too_long: bool,
-    /// A line feed ends it; without that its last value may be cut off.
+    /// All of it can be read, and a line feed ends it: without that its last value may be cut off.
     is_whole: bool,
     /// Bytes without the line's end.
     len: usize,
@@ -100,7 +100,9 @@ impl TextLogFile {
                 continue;
             }
             let key = key_of(bytes);
-            self.definitions.collect(bytes, line.offset);
+            if line.is_whole {
+                self.definitions.collect(bytes, line.offset);
+            }
             self.lines += 1;
             if self.keys.len() < MAX_KEYS || self.keys.contains_key(&key) {
                 self.keys.entry(key).or_insert((line.offset, 0)).1 += 1;
@@ -183,7 +185,7 @@ impl TextLogFile {
             return Ok((end > 0).then_some(rest));
         }
         let next = self.end_of_long_line(offset + end as u64)?;
-        Ok(Some(Line { offset, next, too_long: true, is_whole: true, len: 0 }))
+        Ok(Some(Line { offset, next, too_long: true, is_whole: false, len: 0 }))
     }
 
     /// Bytes up to the next line feed, and how many bytes there are at all, at most `longest`.

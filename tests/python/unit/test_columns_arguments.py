@@ -76,6 +76,8 @@ def test_columns_of_a_set_come_by_the_alphabet(flight):
     names = {"yaw", "roll", "pitch", "rollspeed"}
     tables = mavwire.read(flight, "ATTITUDE", fields=names)
     assert tables["ATTITUDE"].columns == [*HEADER, *sorted(names)]
+    keys = dict.fromkeys(["yaw", "roll"]).keys()
+    assert mavwire.read(flight, "ATTITUDE", fields=keys)["ATTITUDE"].columns[-2:] == [*keys]
 
 
 @pytest.mark.parametrize("name", ["UNKNOWN", "UNKNOWN_54321"])

@@ -185,6 +185,16 @@ def test_the_last_value_of_a_text_log_may_be_cut_off(tmp_path: Path) -> None:
         assert mavwire.open_log(path).info().bad_bytes == len(rest)
 
 
+def test_a_description_of_a_text_log_may_be_cut_off(tmp_path: Path) -> None:
+    path = tmp_path / "cut.log"
+    head = f"{ODD_TEXT.splitlines()[0]}\nFMT, 1, 9, A, QII, TimeUS,Num,Other\n"
+    path.write_text(f"{head}A, 1, 2, 3\nFMT, 1, 9, A, QII, TimeUS,Nu")
+    with DFReader_text(str(path)) as log:
+        assert log.formats["A"].columns == ["TimeUS", "Num", "Other"]
+        assert [m.get_type() for m in iter(log.recv_msg, None)] == ["FMT", "FMT", "A"]
+    assert mavwire.read(path)["A"].columns == ["timestamp", "TimeUS", "Num", "Other"]
+
+
 def test_text_lines_around_bad_ones_come_once(tmp_path: Path) -> None:
     path = tmp_path / "twice.log"
     rows = "".join(f"A, {n}, x\nA, {n}\n" for n in range(50))
