@@ -163,7 +163,7 @@ fn one_by_one(
     let mut records = Vec::new();
     let (end, junk) = index(bytes, 0, usize::MAX, definitions, true, |entry, record| {
         let layout = &definitions.layouts()[usize::from(entry.layout)];
-        let count = |field| layout.count(field, &record[HEAD_LEN..]);
+        let count = |field, times| layout.count(field, &record[HEAD_LEN..], times);
         newest =
             survey.clock.map_or(newest, |clock| clock.stamp(clock.rule(layout), newest, count));
         records.push((entry, newest));

@@ -137,15 +137,18 @@ fn lines(bytes: &[u8], longest: usize) -> Vec<(u64, &[u8])> {
 fn text(path: &Path, chunk: usize, bytes: &[u8]) {
     let lines = lines(bytes, chunk);
     let delimiter = Delimiter::of(&bytes[..bytes.len().min(chunk)]);
+    // What nothing ends may be cut off: a line, and no record.
+    let rest = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end as u64 + 1);
+    let ended = || lines.iter().filter(|&&(at, _)| at < rest);
     let mut definitions = TextDefinitions::new(delimiter);
-    for &(at, line) in &lines {
+    for &(at, line) in ended() {
         definitions.collect(line, at);
     }
     let mut log = TextLogFile::in_chunks(path, chunk).expect("a file");
     assert_eq!((log.delimiter(), log.layouts()), (delimiter, definitions.layouts()));
     assert_eq!(log.lines(), lines.len() as u64);
     let is_record = |&(at, line): &(u64, &[u8])| Some((at, definitions.of_line(line, at)?));
-    let whole: Vec<_> = lines.iter().filter_map(is_record).collect();
+    let whole: Vec<_> = ended().filter_map(is_record).collect();
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some((entry, line, next)) = log.record_at(at).expect("a file") {
         assert!(bytes[entry.offset as usize..].starts_with(line));

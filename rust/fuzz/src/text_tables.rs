@@ -4,7 +4,7 @@ use mavwire_columns::arrow::array::{Array, AsArray, RecordBatch};
 use mavwire_columns::arrow::datatypes::TimestampMicrosecondType;
 use mavwire_columns::dataflash::{Form, Survey};
 use mavwire_core::log::dataflash::text::{
-    MAX_LINE_LEN, TextDefinitions, decode_line, nth_value, trimmed,
+    MAX_LINE_LEN, TextDefinitions, decode_line, nth_value, number, trimmed,
 };
 use mavwire_core::log::dataflash::{FieldKind, Layout, whole};
 
@@ -56,7 +56,9 @@ fn one_by_one<'a>(
     for with_end in bytes.split_inclusive(|&byte| byte == b'\n') {
         let whole_line = with_end.strip_suffix(b"\n").unwrap_or(with_end);
         let line = trimmed(whole_line);
-        let layout = definitions.of_line(line, at).filter(|_| whole_line.len() < MAX_LINE_LEN);
+        let is_ended = whole_line.len() < with_end.len();
+        let layout = definitions.of_line(line, at);
+        let layout = layout.filter(|_| is_ended && whole_line.len() < MAX_LINE_LEN);
         at += with_end.len() as u64;
         let Some(layout) = layout else {
             bad += if line.is_empty() { 0 } else { with_end.len() as u64 };
@@ -64,9 +66,8 @@ fn one_by_one<'a>(
         };
         let of = &definitions.layouts()[usize::from(layout)];
         let text = |field| nth_value(line, definitions.delimiter(), field);
-        let count = |field| {
-            let text = std::str::from_utf8(text(field)?).ok()?;
-            text.trim().parse().ok().and_then(whole)
+        let count = |field: usize, times: i64| {
+            whole(number(of.fields[field].kind, text(field)?)? * times as f64)
         };
         newest = survey.clock.map_or(newest, |clock| clock.stamp(clock.rule(of), newest, count));
         records.push((layout, newest, line));

@@ -37,9 +37,11 @@ impl Lines {
             if !is_ended && !at_end && len < MAX_LINE_LEN && !self.within {
                 break;
             }
-            let is_whole = is_ended && !self.within && len < MAX_LINE_LEN;
+            let is_short = !self.within && len < MAX_LINE_LEN;
+            let bytes = is_short.then(|| trimmed(&rest[..len]));
+            let bytes = bytes.filter(|bytes| is_ended || bytes.is_empty());
             let next = at + len + usize::from(is_ended);
-            line(Line { at, next, bytes: is_whole.then(|| trimmed(&rest[..len])) });
+            line(Line { at, next, bytes });
             self.within = !is_ended;
             at = next;
         }
