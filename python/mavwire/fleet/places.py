@@ -51,7 +51,7 @@ def expand(
     """Paths, patterns and URLs as a list of absolute paths and URLs, each once.
 
     A pattern that matches nothing, or whose file system nobody has, stays as it is, and is then a
-    log that is missing.
+    log that is missing. Other errors are those of the file system.
     """
     found = [one for path in paths_of(paths) for one in _matches(path, options)]
     return list(dict.fromkeys(found))
@@ -67,11 +67,9 @@ def _matches(path: str, options: Mapping[str, Any] | None) -> list[str]:
         return [_one_spelling(path)]
     try:
         fs, inner = file_system(path, options)
+        matches = [] if fs.exists(inner) else sorted(map(fs.unstrip_protocol, fs.glob(inner)))
     except (ImportError, ValueError):
-        return [path]  # which the log's row says
-    # Brackets, as of "flight[1].tlog", are often no pattern.
-    is_name = "[" in path and fs.exists(inner)
-    matches = [] if is_name else sorted(map(fs.unstrip_protocol, fs.glob(inner)))
+        matches = []  # which the log's row says
     return [_one_spelling(one) for one in matches or [path]]
 
 

@@ -355,6 +355,9 @@ def test_places(tmp_path, small):
         fsspec.filesystem("memory").pipe(name, b"x")
     inside = ["memory:///places/a[1].tlog", "memory://places/a[1].tlog"]
     assert expand(inside) == inside[1:], "one log by two names that look like patterns"
+    fsspec.filesystem("memory").pipe("places/b?.tlog", b"x")
+    fsspec.filesystem("memory").pipe("places/b1.tlog", b"x")
+    assert expand("memory://places/b?.tlog") == ["memory://places/b?.tlog"]
     assert expand("memory:///places/a*") == ["memory://places/a1.tlog", inside[1]]
     assert expand(f"local://{small[0]}") == [str(small[0])]
     odd = tmp_path / "odd[1].tlog"

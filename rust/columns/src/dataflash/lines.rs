@@ -15,8 +15,8 @@ pub(super) struct Line<'a> {
     pub(super) at: usize,
     /// Where the next one starts.
     pub(super) next: usize,
-    /// Without the white space at its end; `None` for (a part of) one that is too long, and for one that nothing ends: its
-    /// last value may be cut off.
+    /// Without the white space at its end; `None` for (a part of) one that is too long, and for one that nothing ends,
+    /// but for white space: its last value may be cut off.
     pub(super) bytes: Option<&'a [u8]>,
 }
 
