@@ -4,15 +4,16 @@
 //!
 //! 1. What the source link's inbound filter stops, and a duplicate, counts as never received.
 //! 2. `SETUP_SIGNING` carries a key in clear and is not forwarded (R53).
-//! 3. The sender is now known at the source link, and at all links of its group.
+//! 3. The sender is now known at the source link, and at all links of its group. A duplicate only renews what is known.
 //! 4. A frame without a target, or of an unknown id, goes to every link that is not private. A frame with one goes to
 //!    the links where the target component was heard, or its system as long as the component was not; nowhere if
 //!    nobody knows it.
 //! 5. Sniffers get every frame. Nothing goes back to a link where its sender lives, or to the source's group.
 //! 6. Outbound filters and limits of each link take their share.
 //!
-//! Frames are never looked into further than to their target, and never altered. A component that restarts, which its
-//! `SYSTEM_TIME` shows, loses its routes over other links. Time is an argument, in microseconds of a clock that does not go back.
+//! Frames are never looked into further than to their target, and never altered. A frame may add a route and never takes
+//! one away: anyone can send in the name of any system. Routes end by silence or with their link. Time is an argument, in
+//! microseconds of a clock that does not go back.
 
 mod byte_rate;
 mod dedup;
@@ -36,10 +37,7 @@ use dedup::Dedup;
 use limit::Limiter;
 use table::{Sender, Table};
 
-const SYSTEM_TIME: u32 = 2;
 const SETUP_SIGNING: u32 = 256;
-/// Offset of `time_boot_ms` in the payload of `SYSTEM_TIME`.
-const BOOT_MS_OFFSET: usize = 8;
 
 /// How a router works.
 #[derive(Debug, Clone, Copy)]
@@ -252,18 +250,20 @@ impl Router {
             port.stats.filtered_in += 1;
             return Fate::Filtered;
         }
+        let &Header { sysid, compid, seq, .. } = header;
+        let group = port.group;
         if self.dedup.is_duplicate(frame, source, now) {
             port.stats.duplicates += 1;
-            self.table.count_duplicate(header.sysid, header.compid);
+            self.table.advance(now);
+            self.table.hear_duplicate(sysid, compid, group);
             return Fate::Duplicate;
         }
         if header.msgid == SETUP_SIGNING {
             port.stats.withheld += 1;
             return Fate::Withheld;
         }
-        let group = port.group;
         self.table.advance(now);
-        let home = self.learn(frame, header, source, group, now);
+        let home = self.table.hear(Sender { sysid, compid, seq, len: frame.len() }, group, now);
         let reached = self.reached(frame, header, entry);
         if reached.is_none() {
             self.count(source, |stats| stats.unroutable += 1);
@@ -286,28 +286,6 @@ impl Router {
         now: u64,
     ) -> bool {
         !self.screen(LinkSet::only(link), frame, header, entry, now).is_empty()
-    }
-
-    /// Notes where the sender is, and whether it was restarted; returns the links it lives at.
-    #[inline]
-    fn learn(
-        &mut self,
-        frame: &[u8],
-        header: &Header,
-        source: LinkId,
-        links: LinkSet,
-        now: u64,
-    ) -> LinkSet {
-        let &Header { sysid, compid, seq, msgid, .. } = header;
-        let home = self.table.hear(Sender { sysid, compid, seq, len: frame.len() }, links, now);
-        if msgid == SYSTEM_TIME {
-            let boot_ms = [0, 1, 2, 3].map(|n| payload_byte(frame, header, BOOT_MS_OFFSET + n));
-            if self.table.is_reboot(sysid, compid, source, u32::from_le_bytes(boot_ms), now) {
-                self.table.forget_elsewhere(sysid, compid, links);
-                return links;
-            }
-        }
-        home
     }
 
     /// The links that a frame is meant for; `None` if nobody knows its target.

@@ -2,7 +2,7 @@
 //!
 //! A route lasts while its owner is heard. Each keeps the links of this epoch and of the one before, so that ageing is a
 //! comparison at the next look and nothing has to be swept. The table is bounded by the protocol, which has 256 systems
-//! of 256 components: some 10 MB if someone makes up all of them.
+//! of 256 components: some 15 MB if someone makes up all of them.
 
 use super::links::{LinkId, LinkSet};
 
@@ -39,22 +39,35 @@ impl Route {
         self.current = self.current - links;
         self.previous = self.previous - links;
     }
+}
 
-    fn keep(&mut self, links: LinkSet) {
-        self.current = self.current & links;
-        self.previous = self.previous & links;
+/// The links that lead to a system or a component.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ways {
+    /// Where it was heard.
+    heard: Route,
+    /// Where copies of its frames came after that: others were faster, and the way is as good as before. They do not
+    /// count as hearing it, or a ring of bridges would have no second way.
+    renewed: Route,
+}
+
+impl Ways {
+    #[inline]
+    fn links(&self, epoch: u32) -> LinkSet {
+        self.heard.links(epoch) | self.renewed.links(epoch)
     }
 
-    /// Adds the links of another one, as old as they are there.
-    fn join(&mut self, other: &Self, epoch: u32) {
-        match epoch.wrapping_sub(other.epoch) {
-            0 => {
-                self.current = self.current | other.current;
-                self.previous = self.previous | other.previous;
-            }
-            1 => self.previous = self.previous | other.current,
-            _ => {}
+    /// Notes a copy that came over `links`, which makes no new way.
+    fn renew(&mut self, links: LinkSet, epoch: u32) {
+        let known = self.links(epoch) & links;
+        if !known.is_empty() {
+            self.renewed.learn(known, epoch);
         }
+    }
+
+    fn forget(&mut self, links: LinkSet) {
+        self.heard.forget(links);
+        self.renewed.forget(links);
     }
 }
 
@@ -75,49 +88,15 @@ pub struct ComponentStats {
 
 #[derive(Debug, Clone, Default)]
 struct Component {
-    route: Route,
+    ways: Ways,
     stats: ComponentStats,
     next_seq: u8,
-    /// Its last `SYSTEM_TIME` over each link: there may be two that have the same address.
-    boots: Vec<Boot>,
-}
-
-/// The time since boot that a component gave over a link.
-#[derive(Debug, Clone, Copy)]
-struct Boot {
-    link: LinkId,
-    /// `time_boot_ms`.
-    age_ms: u32,
-    /// When it came, in microseconds.
-    at: u64,
-}
-
-impl Boot {
-    /// Frames may overtake each other by so much, and clocks differ.
-    const SLACK_MS: u32 = 5_000;
-    /// No restart is faster. Two that have the same address are heard side by side; microseconds.
-    const SILENCE: u64 = 3_000_000;
-
-    /// Whether a later age means a restart.
-    fn is_before_restart(&self, age_ms: u32) -> bool {
-        age_ms < self.age_ms.saturating_sub(Self::SLACK_MS)
-    }
-
-    /// Whether a later one is of the same start: it grew as time went by.
-    fn goes_on(&self, later: &Self) -> bool {
-        let grown_ms = later.age_ms.saturating_sub(self.age_ms).saturating_add(Self::SLACK_MS);
-        later.at.saturating_sub(self.at) / 1_000 <= u64::from(grown_ms)
-    }
-
-    fn is_silent(&self, now: u64) -> bool {
-        now.saturating_sub(self.at) >= Self::SILENCE
-    }
 }
 
 #[derive(Debug, Clone)]
 struct System {
     /// The links of all its components.
-    route: Route,
+    ways: Ways,
     components: Box<[Option<Box<Component>>; 256]>,
 }
 
@@ -159,13 +138,13 @@ impl Table {
 
     /// The entries of a system and one of its components.
     #[inline]
-    fn entries(&mut self, sysid: u8, compid: u8) -> (&mut Route, &mut Component) {
+    fn entries(&mut self, sysid: u8, compid: u8) -> (&mut Ways, &mut Component) {
         let system = self.systems[usize::from(sysid)].get_or_insert_with(|| System {
-            route: Route::default(),
+            ways: Ways::default(),
             components: Box::new([const { None }; 256]),
         });
         let component = system.components[usize::from(compid)].get_or_insert_with(Box::default);
-        (&mut system.route, component)
+        (&mut system.ways, component)
     }
 
     /// Notes that a frame is heard over `links`, and what is missing before it; returns all the links its sender lives at.
@@ -181,17 +160,19 @@ impl Table {
         component.stats.frames += 1;
         component.stats.bytes += sender.len as u64;
         component.stats.heard = now;
-        system.learn(links, epoch);
-        component.route.learn(links, epoch);
-        component.route.links(epoch)
+        system.heard.learn(links, epoch);
+        component.ways.heard.learn(links, epoch);
+        component.ways.heard.links(epoch)
     }
 
-    /// Counts a copy of a frame from a component that was heard before.
-    pub(super) fn count_duplicate(&mut self, sysid: u8, compid: u8) {
-        let system = self.systems[usize::from(sysid)].as_mut();
-        let component = system.and_then(|system| system.components[usize::from(compid)].as_mut());
-        if let Some(component) = component {
+    /// Counts a copy of a frame that came over `links` from a component that was heard before.
+    pub(super) fn hear_duplicate(&mut self, sysid: u8, compid: u8, links: LinkSet) {
+        let epoch = self.epoch;
+        let Some(system) = &mut self.systems[usize::from(sysid)] else { return };
+        if let Some(component) = &mut system.components[usize::from(compid)] {
             component.stats.duplicates += 1;
+            component.ways.renew(links, epoch);
+            system.ways.renew(links, epoch);
         }
     }
 
@@ -199,7 +180,7 @@ impl Table {
     #[inline]
     pub(super) fn system(&self, sysid: u8) -> LinkSet {
         let system = self.systems[usize::from(sysid)].as_ref();
-        system.map_or(LinkSet::EMPTY, |system| system.route.links(self.epoch))
+        system.map_or(LinkSet::EMPTY, |system| system.ways.links(self.epoch))
     }
 
     /// Links over which a component was heard; those of its system as long as it has not been heard itself.
@@ -210,54 +191,17 @@ impl Table {
             return LinkSet::EMPTY;
         };
         let component = system.components[usize::from(compid)].as_ref();
-        let links = component.map_or(LinkSet::EMPTY, |component| component.route.links(epoch));
-        if links.is_empty() { system.route.links(epoch) } else { links }
-    }
-
-    /// Notes the time since boot that a component gives over a link; true if that means that it was restarted.
-    pub(super) fn is_reboot(
-        &mut self,
-        sysid: u8,
-        compid: u8,
-        link: LinkId,
-        boot_ms: u32,
-        now: u64,
-    ) -> bool {
-        let (_, Component { boots, .. }) = self.entries(sysid, compid);
-        let boot = Boot { link, age_ms: boot_ms, at: now };
-        let last = boots.iter().find(|last| last.link == link);
-        let is_younger = last.is_some_and(|last| last.is_before_restart(boot_ms));
-        // It may have come back over another link than before, be it one of earlier.
-        let is_back = |other: &Boot| other.is_before_restart(boot_ms) && other.is_silent(now);
-        let goes_on = last.is_some_and(|last| last.goes_on(&boot));
-        let restarted = is_younger || !goes_on && boots.iter().any(is_back);
-        // What it gave over other links before a restart would be one again.
-        boots.retain(|other| other.link != link && !(restarted && other.is_silent(now)));
-        boots.push(boot);
-        restarted
-    }
-
-    /// Forgets the routes to a component over other links than these; those to the rest of its system stay.
-    pub(super) fn forget_elsewhere(&mut self, sysid: u8, compid: u8, links: LinkSet) {
-        let epoch = self.epoch;
-        let Some(system) = &mut self.systems[usize::from(sysid)] else { return };
-        if let Some(component) = &mut system.components[usize::from(compid)] {
-            component.route.keep(links);
-        }
-        system.route = Route { epoch, ..Route::default() };
-        for component in system.components.iter().flatten() {
-            system.route.join(&component.route, epoch);
-        }
+        let links = component.map_or(LinkSet::EMPTY, |component| component.ways.links(epoch));
+        if links.is_empty() { system.ways.links(epoch) } else { links }
     }
 
     /// Forgets all routes over a link.
     pub(super) fn forget_link(&mut self, link: LinkId) {
         let links = LinkSet::only(link);
         for system in self.systems.iter_mut().flatten() {
-            system.route.forget(links);
+            system.ways.forget(links);
             for component in system.components.iter_mut().flatten() {
-                component.route.forget(links);
-                component.boots.retain(|boot| boot.link != link);
+                component.ways.forget(links);
             }
         }
     }
@@ -274,7 +218,7 @@ impl Table {
                 let components = (0..=u8::MAX).zip(system.components.iter());
                 components.filter_map(move |(compid, component)| {
                     let component = component.as_ref()?;
-                    Some((sysid, compid, component.stats, component.route.links(epoch)))
+                    Some((sysid, compid, component.stats, component.ways.links(epoch)))
                 })
             },
         )
@@ -333,8 +277,8 @@ mod tests {
         for seq in [250, 251, 254, 3, 1, 2, 4] {
             table.hear(Sender { sysid: 1, compid: 1, seq, len: 20 }, link(0), 7);
         }
-        table.count_duplicate(1, 1);
-        table.count_duplicate(1, 2); // nobody knows it
+        table.hear_duplicate(1, 1, link(0));
+        table.hear_duplicate(1, 2, link(0)); // nobody knows it
         let lost = 2 + 4 + 1;
         let expected = ComponentStats { frames: 7, bytes: 140, lost, duplicates: 1, heard: 7 };
         let listed: Vec<_> = table.components(7).collect();
@@ -342,70 +286,21 @@ mod tests {
     }
 
     #[test]
-    fn a_restart_shows_in_the_time_since_boot() {
-        let mut table = Table::new(AGE);
-        for (boot_ms, restarted) in
-            [(60_000, false), (61_000, false), (60_500, false), (900, true), (1_000, false)]
-        {
-            assert_eq!(table.is_reboot(1, 1, LinkId(0), boot_ms, 0), restarted, "{boot_ms}");
-            let twin = table.is_reboot(1, 1, LinkId(1), 100_000 + boot_ms, 0);
-            assert_eq!(twin, restarted, "another one of that address: {boot_ms}");
-        }
-        table.forget_link(LinkId(0));
-        assert!(!table.is_reboot(1, 1, LinkId(0), 0, 0), "a new link of the old number");
-    }
-
-    #[test]
-    fn one_that_comes_back_over_another_link_was_silent_and_is_younger() {
-        for (boot_ms, silence, restarted) in
-            [(7_000, 3, true), (7_000, 2, false), (96_000, 4, false), (104_000, 4, false)]
-        {
-            let mut table = Table::new(AGE);
-            assert!(!table.is_reboot(1, 1, LinkId(0), 100_000, 5));
-            let back = table.is_reboot(1, 1, LinkId(1), boot_ms, 5 + silence * 1_000_000);
-            assert_eq!(back, restarted, "{boot_ms} after {silence} s");
-            assert!(!table.is_reboot(1, 1, LinkId(1), boot_ms + 57_000, 60_000_000), "only once");
-        }
-    }
-
-    #[test]
-    fn a_restart_is_seen_over_a_link_of_earlier_and_once() {
-        let (usb, radio, wifi) = (LinkId(0), LinkId(1), LinkId(2));
-        let mut table = Table::new(AGE);
-        let mut steps = |steps: &[(LinkId, u32, u64, bool)]| {
-            for &(link, age_s, at_s, restarted) in steps {
-                let got = table.is_reboot(1, 1, link, age_s * 1_000, at_s * 1_000_000);
-                assert_eq!(got, restarted, "{age_s} s over {link:?} at {at_s} s");
-            }
-        };
-        steps(&[(usb, 3, 10, false), (radio, 5, 12, false), (radio, 3_600, 3_607, false)]);
-        steps(&[(usb, 4, 3_620, true), (usb, 9, 3_625, false), (radio, 20, 3_636, false)]);
-        steps(&[(usb, 100, 3_716, false), (radio, 2, 3_730, true), (radio, 50, 3_778, false)]);
-        steps(&[(wifi, 50, 3_778, false), (usb, 60, 3_788, false), (radio, 61, 3_789, false)]);
-    }
-
-    #[test]
-    fn two_of_one_address_that_seldom_tell_their_age_are_no_restarts() {
-        let mut table = Table::new(AGE);
-        for n in 0..10 {
-            assert!(!table.is_reboot(1, 1, LinkId(0), n * 10_000, u64::from(n) * 10_000_000));
-            let (age, at) = (1_000_000 + n * 10_000, u64::from(n) * 10_000_000 + 5_000_000);
-            assert!(!table.is_reboot(1, 1, LinkId(1), age, at), "{n}");
-        }
-    }
-
-    #[test]
-    fn what_a_component_leaves_behind_is_forgotten_and_no_more() {
+    fn copies_renew_a_way_and_make_none() {
         let mut table = Table::new(AGE);
         table.learn(1, 1, link(0));
-        table.learn(1, 2, link(2));
-        table.advance(1_500);
         table.learn(1, 1, link(1));
-        table.forget_elsewhere(1, 1, link(1));
-        assert_eq!((table.component(1, 1), table.component(1, 2)), (link(1), link(2)));
-        assert_eq!(table.system(1), link(1) | link(2));
-        table.advance(2_000);
-        assert_eq!(table.system(1), link(1), "as old as before");
+        for now in [1_500, 2_500, 3_500] {
+            table.advance(now);
+            assert_eq!(table.learn(1, 1, link(1)) - link(0), link(1));
+            table.hear_duplicate(1, 1, link(0));
+            table.hear_duplicate(1, 1, link(2));
+            assert_eq!(table.component(1, 1), link(0) | link(1), "{now}");
+            assert_eq!(table.system(1), link(0) | link(1), "{now}");
+        }
+        assert_eq!(table.learn(1, 1, link(1)), link(1), "it was not heard there for long");
+        table.forget_link(LinkId(0));
+        assert_eq!((table.system(1), table.component(1, 1)), (link(1), link(1)));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::testing::{encode, header, registry};
 use mavwire_schema::WireVersion::V2;
 
 const HEARTBEAT: u32 = 0;
+const SYSTEM_TIME: u32 = 2;
 /// The messages of the testing dialect have no target offsets, so those of real ones are used.
 const COMMAND_LONG: u32 = 76;
 const MANUAL_CONTROL: u32 = 69;
@@ -167,39 +168,44 @@ fn r53_keys_stay_where_they_are() {
 }
 
 #[test]
-fn a_restart_forgets_where_the_component_was() {
+fn spoofed_restarts_take_no_way_from_a_system_that_is_alive() {
     let time = |boot_ms: u32| [&[1; 8][..], &boot_ms.to_le_bytes()].concat();
     let mut net = Net::plain(3);
-    net.send(0, (1, 1), SYSTEM_TIME, &time(90_000));
-    net.hear(1, (1, 1));
-    net.hear(1, (1, 100));
+    net.hear(0, (1, 1));
+    for boot_ms in [1_000_000_000, 0] {
+        net.send(1, (1, 1), SYSTEM_TIME, &time(boot_ms));
+        net.now += 4_000_000;
+    }
     assert_eq!(net.command(2, (255, 190), (1, 1)), to(&[0, 1]));
-    net.send(0, (1, 1), SYSTEM_TIME, &time(0)); // zeros at the end do not travel
-    assert_eq!(net.command(2, (255, 190), (1, 1)), to(&[0]));
-    assert_eq!(net.command(2, (255, 190), (1, 100)), to(&[1]), "the camera was not restarted");
 }
 
 #[test]
-fn a_component_that_restarts_and_comes_back_over_another_link_is_only_there() {
-    let time = |boot_ms: u32| [&[1; 8][..], &boot_ms.to_le_bytes()].concat();
+fn a_system_that_moves_to_another_link_is_known_at_both_until_the_old_way_is_silent() {
     let mut net = Net::plain(3);
-    net.send(0, (1, 1), SYSTEM_TIME, &time(90_000));
-    net.now += 4_000_000;
+    net.hear(0, (1, 1));
+    net.now += 59_000_000;
     net.hear(1, (1, 1));
     assert_eq!(net.command(2, (255, 190), (1, 1)), to(&[0, 1]));
-    net.send(1, (1, 1), SYSTEM_TIME, &time(2_000));
+    net.now += 59_000_000;
+    net.hear(1, (1, 1));
+    net.now += 3_000_000;
     assert_eq!(net.command(2, (255, 190), (1, 1)), to(&[1]));
 }
 
 #[test]
-fn two_stations_of_one_address_leave_each_other_alone() {
-    let time = |boot_ms: u32| [&[1; 8][..], &boot_ms.to_le_bytes()].concat();
+fn who_is_faster_with_the_frames_of_another_takes_no_way_from_it() {
     let mut net = Net::plain(3);
-    for second in 1..5 {
-        net.send(0, (255, 190), SYSTEM_TIME, &time(900_000 + second * 1_000));
-        net.send(1, (255, 190), SYSTEM_TIME, &time(60_000 + second * 1_000));
-        assert_eq!(net.command(2, (1, 1), (255, 190)), to(&[0, 1]), "{second}");
+    net.hear(0, (1, 1));
+    for _ in 0..30 {
+        net.now += 10_000_000;
+        let frame = net.frame((1, 1), HEARTBEAT, &[1; 9]);
+        assert_ne!(net.feed(1, &frame), Fate::Duplicate, "a copy that comes before its original");
+        assert_eq!(net.feed(0, &frame), Fate::Duplicate);
+        assert_eq!(net.command(2, (255, 190), (1, 1)), to(&[0, 1]));
+        assert_eq!(net.command(2, (255, 190), (1, 0)), to(&[0, 1]));
     }
+    net.now += 121_000_000;
+    assert_eq!(net.command(2, (255, 190), (1, 1)), Fate::Unroutable, "silence ends it");
 }
 
 #[test]
