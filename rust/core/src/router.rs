@@ -34,7 +34,7 @@ use crate::border::BorderOptions;
 use crate::frame::Header;
 use crate::registry::{Entry, Registry};
 use dedup::Dedup;
-use limit::Limiter;
+use limit::{Limiter, stream_key};
 use table::{Sender, Table};
 
 const SETUP_SIGNING: u32 = 256;
@@ -272,7 +272,7 @@ impl Router {
         if links.is_empty() && reached.is_none() {
             return Fate::Unroutable;
         }
-        Fate::Forwarded(self.screen(links, frame, header, entry, now))
+        Fate::Forwarded(self.screen(links, frame, header, entry, group, now))
     }
 
     /// Whether a frame may leave over a link that was not routed, as what the link itself has to say: filter and limits
@@ -285,7 +285,7 @@ impl Router {
         link: LinkId,
         now: u64,
     ) -> bool {
-        !self.screen(LinkSet::only(link), frame, header, entry, now).is_empty()
+        !self.screen(LinkSet::only(link), frame, header, entry, LinkSet::EMPTY, now).is_empty()
     }
 
     /// The links that a frame is meant for; `None` if nobody knows its target.
@@ -314,7 +314,7 @@ impl Router {
         }
     }
 
-    /// Those of `links` whose outbound filter and limits let the frame pass.
+    /// Those of `links` whose outbound filter and limits let the frame pass that came from the group `source`.
     #[inline]
     fn screen(
         &mut self,
@@ -322,6 +322,7 @@ impl Router {
         frame: &[u8],
         header: &Header,
         entry: Option<Entry>,
+        source: LinkSet,
         now: u64,
     ) -> LinkSet {
         let screened = links & self.screened;
@@ -329,6 +330,7 @@ impl Router {
             return links;
         }
         self.asked += 1;
+        let stream = stream_key(header, source);
         let mut passed = links;
         for link in screened.iter() {
             let Some(port) = &mut self.ports[link.index()] else { continue };
@@ -337,7 +339,7 @@ impl Router {
                 passed.remove(link);
             } else if let Some(limiter) = &mut port.limiter {
                 let len = port.options.border.len_outside(frame.len(), header, entry);
-                if limiter.admit(header, len, self.asked, now.saturating_mul(1000)) {
+                if limiter.admit(stream, len, self.asked, now.saturating_mul(1000)) {
                     continue;
                 }
                 port.stats.limited += 1;

@@ -2,22 +2,16 @@
 //!
 //! Nothing waits for its turn: a frame leaves or is left out. Vehicles send the same messages one behind the other, and
 //! many links bring them in batches, so that the first ones would take all the bytes each time. The streams (a message
-//! type from a component) therefore take turns in rounds, see [`Rounds`]. Urgent streams have rounds of their own, and of
+//! type from a component over a link) therefore take turns in rounds, see [`Rounds`]. Urgent streams have rounds of their own, and of
 //! all bytes; the others share what these leave.
 
 mod rounds;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::frame::Header;
 use rounds::Rounds;
 
 const SECOND: f64 = 1e9;
-
-/// Which stream a frame belongs to.
-pub(super) fn stream_key(&Header { msgid, sysid, compid, .. }: &Header) -> u64 {
-    u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid)
-}
 
 /// Bytes a second of whole frames, for a link however many peers it has: clones have one account together.
 #[derive(Debug, Clone)]
@@ -37,7 +31,7 @@ impl ByteRate {
     /// first would get everything.
     pub(super) fn allows(
         &self,
-        header: &Header,
+        stream: u64,
         len: usize,
         is_urgent: bool,
         number: u64,
@@ -45,7 +39,7 @@ impl ByteRate {
     ) -> bool {
         let mut account = self.account();
         if account.decided.number != number {
-            account.decide(number, stream_key(header), len, is_urgent, now);
+            account.decide(number, stream, len, is_urgent, now);
         }
         account.decided.passes
     }

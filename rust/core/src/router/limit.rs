@@ -5,18 +5,31 @@
 
 use std::collections::HashMap;
 
-use super::byte_rate::{ByteRate, stream_key};
+use super::byte_rate::ByteRate;
+use super::links::LinkSet;
 use crate::frame::Header;
 use crate::kind_hash::KindHash;
 
 /// Streams whose pace is remembered: message types times components. Only made-up addresses are more than that, and what
-/// finds no room does not pass a limit of its type.
+/// finds no room passes: who makes them up must not stop a genuine stream.
 const MAX_STREAMS: usize = 1 << 16;
 /// Those that are through with their last message are looked for no more often than this.
 const SWEEP_INTERVAL: u64 = 100_000_000;
 const SECOND: f64 = 1e9;
 
-/// A moment for each stream: a message type from a component. Those that have passed are forgotten when room is needed.
+/// The stream of a frame: a message type from a component over a link, or a group of them. Without the link, somebody who
+/// sends in the name of a component would use up its rate. What the bridge itself sends comes from no link.
+pub(super) fn stream_key(&Header { msgid, sysid, compid, .. }: &Header, source: LinkSet) -> u64 {
+    let origin = source.iter().next().map_or(0, |link| u64::from(link.0) + 1);
+    origin << 40 | u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid)
+}
+
+/// The message id of a stream.
+fn msgid_of(stream: u64) -> u32 {
+    (stream >> 16) as u32 & 0x00FF_FFFF
+}
+
+/// A moment for each stream. Those that have passed are forgotten when room is needed.
 #[derive(Debug, Clone, Default)]
 struct Streams {
     moments: HashMap<u64, u64, KindHash>,
@@ -25,21 +38,19 @@ struct Streams {
 }
 
 impl Streams {
-    /// Puts a message of a stream on its account; false if there is no room for another stream.
-    fn advance(&mut self, key: u64, interval: u64, now: u64) -> bool {
+    /// Puts a message of a stream on its account, if there is room for another stream.
+    fn advance(&mut self, key: u64, interval: u64, now: u64) {
         if let Some(due) = self.moments.get_mut(&key) {
             *due = (*due).max(now).saturating_add(interval);
-            return true;
+            return;
         }
         if self.moments.len() >= MAX_STREAMS && now >= self.sweep_at {
             self.sweep_at = now.saturating_add(SWEEP_INTERVAL);
             self.moments.retain(|_, moment| *moment > now);
         }
-        let has_room = self.moments.len() < MAX_STREAMS;
-        if has_room {
+        if self.moments.len() < MAX_STREAMS {
             self.moments.insert(key, now.saturating_add(interval));
         }
-        has_room
     }
 }
 
@@ -48,9 +59,9 @@ impl Streams {
 pub struct Limits {
     /// Bytes a second of all frames.
     pub bytes_per_second: Option<ByteRate>,
-    /// Messages a second of each type that `message_rates` does not name, from each component.
+    /// Messages a second of each type that `message_rates` does not name, from each component over each link.
     pub message_rate: Option<f64>,
-    /// Messages a second of a message id, from each component.
+    /// Messages a second of a message id, from each component over each link.
     pub message_rates: Vec<(u32, f64)>,
     /// Message ids that leave before others where there is not room for all.
     pub urgent: Vec<u32>,
@@ -95,21 +106,21 @@ impl Limiter {
         }
     }
 
-    /// Whether a frame of `len` bytes may leave, the one that has this `number` at all links.
-    pub(super) fn admit(&mut self, header: &Header, len: usize, number: u64, now: u64) -> bool {
-        let key = stream_key(header);
-        let interval = self.interval_of(header.msgid);
+    /// Whether a frame of `len` bytes of a `stream` may leave, the one that has this `number` at all links.
+    pub(super) fn admit(&mut self, stream: u64, len: usize, number: u64, now: u64) -> bool {
+        let msgid = msgid_of(stream);
+        let interval = self.interval_of(msgid);
         let is_due = |due: &u64| *due <= now.saturating_add(interval.unwrap_or(0) / 2);
-        if interval.is_some() && !self.streams.moments.get(&key).is_none_or(is_due) {
+        if interval.is_some() && !self.streams.moments.get(&stream).is_none_or(is_due) {
             return false; // asks for no bytes
         }
-        let is_urgent = self.urgent.contains(&header.msgid);
+        let is_urgent = self.urgent.contains(&msgid);
         let bytes = self.bytes.as_ref();
-        if bytes.is_some_and(|bytes| !bytes.allows(header, len, is_urgent, number, now)) {
+        if bytes.is_some_and(|bytes| !bytes.allows(stream, len, is_urgent, number, now)) {
             return false;
         }
-        if interval.is_some_and(|interval| !self.streams.advance(key, interval, now)) {
-            return false;
+        if let Some(interval) = interval {
+            self.streams.advance(stream, interval, now);
         }
         if let Some(bytes) = bytes {
             bytes.charge(len, now);
@@ -132,11 +143,30 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
+    fn stream(msgid: u32) -> u64 {
+        stream_key(&header(V2, msgid, 0), LinkSet::EMPTY)
+    }
+
+    #[test]
+    fn streams_differ_by_type_sender_and_origin() {
+        let of = |msgid, sysid, source| {
+            stream_key(&Header { sysid, ..header(V2, msgid, 0) }, LinkSet::only(source))
+        };
+        let last = of(0x00FF_FFFF, 255, super::super::LinkId(255));
+        assert_eq!(msgid_of(last), 0x00FF_FFFF);
+        let links = [0, 1, 255].map(super::super::LinkId);
+        let mut keys: Vec<u64> = links.map(|link| of(30, 1, link)).into();
+        keys.extend([of(31, 1, links[0]), of(30, 2, links[0]), stream(30), last]);
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!(keys.len(), 7);
+    }
+
     /// How many of `count` frames pass that come every `interval` nanoseconds.
     fn passed(limits: &Limits, msgid: u32, count: u64, interval: u64) -> u64 {
         let mut limiter = Limiter::new(limits);
         let times = (0..count).map(|n| 1_000 * MS + n * interval);
-        times.filter(|&now| limiter.admit(&header(V2, msgid, 0), 50, now, now)).count() as u64
+        times.filter(|&now| limiter.admit(stream(msgid), 50, now, now)).count() as u64
     }
 
     #[test]
@@ -163,23 +193,25 @@ mod tests {
         for time in [0, 100, 400] {
             for (sysid, msgid) in (1..=255).flat_map(|sysid| (0..20).map(move |id| (sysid, id))) {
                 let header = Header { sysid, ..header(V2, msgid, 0) };
-                assert_eq!(limiter.admit(&header, 50, 0, time * MS), time == 0, "{sysid}: {msgid}");
+                let stream = stream_key(&header, LinkSet::EMPTY);
+                assert_eq!(limiter.admit(stream, 50, 0, time * MS), time == 0, "{sysid}: {msgid}");
             }
         }
     }
 
     #[test]
-    fn streams_that_are_too_many_do_not_pass_and_make_room_with_time() {
+    fn streams_that_are_too_many_pass_unlimited_and_find_room_with_time() {
         let limits = Limits { message_rate: Some(1.0), ..Limits::default() };
         let mut limiter = Limiter::new(&limits);
         let mut passed = |msgid, time: u64| {
             let addresses = (0..=u8::MAX).flat_map(|sysid| (0..=u8::MAX).map(move |c| (sysid, c)));
             let headers =
                 addresses.map(|(sysid, compid)| Header { sysid, compid, ..header(V2, msgid, 0) });
-            headers.filter(|header| limiter.admit(header, 50, 0, time * MS)).count()
+            let streams = headers.map(|header| stream_key(&header, LinkSet::EMPTY));
+            streams.filter(|&stream| limiter.admit(stream, 50, 0, time * MS)).count()
         };
         let counts = [passed(0, 0), passed(30, 400), passed(0, 400), passed(30, 1_000)];
-        assert_eq!(counts, [MAX_STREAMS, 0, 0, MAX_STREAMS]);
+        assert_eq!(counts, [MAX_STREAMS, MAX_STREAMS, 0, MAX_STREAMS]);
     }
 
     #[test]
@@ -201,16 +233,14 @@ mod tests {
         let mut limiter = Limiter::new(&limits);
         let mut passed = [0; 2];
         for now in (0..10_000).map(|n| 1_000 * MS + n * MS) {
-            passed[0] += u32::from(limiter.admit(&header(V2, 30, 0), 50, 2 * now, now));
+            passed[0] += u32::from(limiter.admit(stream(30), 50, 2 * now, now));
             // 10 of 100 frames a second.
             let is_due = now % (100 * MS) == 0;
-            passed[1] +=
-                u32::from(is_due && limiter.admit(&header(V2, 76, 0), 50, 2 * now + 1, now));
+            passed[1] += u32::from(is_due && limiter.admit(stream(76), 50, 2 * now + 1, now));
         }
         assert_eq!(passed[1], 100, "all of them");
         assert!((900..=975).contains(&passed[0]), "{passed:?}");
-        let flood =
-            (0..10_000).filter(|n| limiter.admit(&header(V2, 76, 0), 50, n + 1, n * MS)).count();
+        let flood = (0..10_000).filter(|n| limiter.admit(stream(76), 50, n + 1, n * MS)).count();
         assert!(flood <= 1_200, "{flood}");
     }
 
@@ -227,7 +257,7 @@ mod tests {
             let now = 1_000 * MS + n * 20 * MS;
             for (count, msgid) in passed.iter_mut().zip([30, 31]) {
                 let number = 2 * n + u64::from(msgid);
-                *count += u32::from(limiter.admit(&header(V2, msgid, 0), 50, number, now));
+                *count += u32::from(limiter.admit(stream(msgid), 50, number, now));
             }
         }
         // A minute: 10 a second, of which one of the type that may not have more.

@@ -209,6 +209,21 @@ fn who_is_faster_with_the_frames_of_another_takes_no_way_from_it() {
 }
 
 #[test]
+fn a_spoofed_sender_does_not_use_up_the_rate_of_the_genuine_one() {
+    let limits = Limits { message_rates: vec![(HEARTBEAT, 1.0)], ..Limits::default() };
+    let thin = LinkOptions { limits, ..LinkOptions::default() };
+    let plain = LinkOptions::default;
+    let mut net = Net::new(&[plain(), plain(), thin], Settings::new(1));
+    for _ in 0..10 {
+        for _ in 0..50 {
+            net.now += 20_000;
+            net.hear(1, (1, 1));
+        }
+        assert_eq!(net.send(0, (1, 1), HEARTBEAT, &[1; 9]), to(&[2]));
+    }
+}
+
+#[test]
 fn routes_end_with_their_link_and_with_time() {
     let mut net = Net::plain(3);
     net.hear(0, (1, 1));

@@ -1,4 +1,7 @@
 use super::*;
+use crate::frame::Header;
+use crate::router::limit::stream_key;
+use crate::router::links::LinkSet;
 use crate::testing::header;
 use mavwire_schema::WireVersion::V2;
 
@@ -39,7 +42,13 @@ impl Link {
     ) -> bool {
         self.number += 1;
         let asks = || {
-            let passes = self.bytes.allows(header, len, is_urgent, self.number, now);
+            let passes = self.bytes.allows(
+                stream_key(header, LinkSet::EMPTY),
+                len,
+                is_urgent,
+                self.number,
+                now,
+            );
             if passes {
                 self.bytes.charge(len, now);
             }
