@@ -26,7 +26,7 @@ pub const EPOCH_UNIX_SECONDS: u64 = 1_420_070_400;
 pub const UNITS_PER_SECOND: u64 = 100_000;
 /// Largest timestamp that 48 bits hold, reached in 2104.
 pub const MAX_TIMESTAMP: u64 = (1 << 48) - 1;
-/// How far a new stream's first timestamp may lie behind the local one, and behind the clock: one minute.
+/// How far a new stream's first timestamp may lie behind this side's time: one minute.
 pub const NEW_STREAM_WINDOW: u64 = 60 * UNITS_PER_SECOND;
 /// How far received timestamps may move the local one ahead of the clock: one day.
 pub const MAX_LOCAL_LEAD: u64 = 24 * 3600 * UNITS_PER_SECOND;
@@ -77,11 +77,11 @@ pub enum Verdict {
         /// Last timestamp of the stream.
         last: u64,
     },
-    /// First of its stream, and more than a minute behind the local timestamp or the clock.
+    /// First of its stream, and more than a minute behind this side's time, or not above a stream that made room.
     NewStreamTooOld {
         /// Timestamp of the frame.
         timestamp: u64,
-        /// The local timestamp or the clock, whichever is later.
+        /// This side's time, or the least timestamp beyond streams that made room, whichever is later.
         local: u64,
     },
     /// Further ahead of the clock than the application allows.
@@ -96,8 +96,6 @@ pub enum Verdict {
         /// What kind of stream it claims.
         stream: Stream,
     },
-    /// Genuine, but of a new stream for which the table has no room.
-    TableFull,
 }
 
 impl Verdict {
@@ -128,8 +126,7 @@ impl Sightings {
 #[derive(Debug, Default)]
 pub struct SigningState {
     key: Option<SecretKey>,
-    /// The timestamp of the next frame to sign. New streams are measured against it, or the clock where that is later.
-    /// Not above 2^48.
+    /// The timestamp of the next frame to sign. Not above 2^48.
     pub timestamp: u64,
     /// Last timestamp of each verified stream.
     pub streams: StreamTable,
@@ -161,7 +158,7 @@ impl SigningState {
     /// Judges a received frame whose checksum is right, and takes note of it if it is genuine.
     pub fn check(&mut self, frame: &FrameRef<'_>, now: Option<u64>) -> Verdict {
         let mut streams = std::mem::take(&mut self.streams);
-        let verdict = self.check_in(&mut streams, frame, now);
+        let verdict = self.judge(&mut streams, None, frame, now);
         self.streams = streams;
         verdict
     }
@@ -173,19 +170,34 @@ impl SigningState {
         frame: &FrameRef<'_>,
         now: Option<u64>,
     ) -> Verdict {
+        self.judge(streams, None, frame, now)
+    }
+
+    /// What is old to `others` is old, too.
+    fn judge(
+        &mut self,
+        streams: &mut StreamTable,
+        others: Option<&StreamTable>,
+        frame: &FrameRef<'_>,
+        now: Option<u64>,
+    ) -> Verdict {
         let Some(key) = &self.key else { return Verdict::NoKey };
         let Some((id, timestamp)) = stream_of(frame) else { return Verdict::Unsigned };
-        // Who only listens has no timestamp of its own that goes on.
-        let local = self.timestamp.max(now.unwrap_or(0));
         let place = streams.find(id);
-        let stream = match place.map(|at| streams.timestamp(at)) {
-            Ok(last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
-            Ok(_) => Stream::Known,
-            Err(_) if timestamp + NEW_STREAM_WINDOW < local => {
-                return Verdict::NewStreamTooOld { timestamp, local };
-            }
-            Err(_) => Stream::New,
-        };
+        let (mut is_known, mut least) = (place.is_ok(), streams.least(place, id));
+        if let Some(others) = others {
+            let place = others.find(id);
+            is_known |= place.is_ok();
+            least = least.max(others.least(place, id));
+        }
+        let stream = if is_known { Stream::Known } else { Stream::New };
+        if is_known && timestamp < least {
+            return Verdict::OldTimestamp { timestamp, last: least - 1 };
+        }
+        let local = self.local_time(now);
+        if !is_known && (timestamp < least || timestamp + NEW_STREAM_WINDOW < local) {
+            return Verdict::NewStreamTooOld { timestamp, local: local.max(least) };
+        }
         if let (Some(now), Some(limit)) = (now, self.max_ahead)
             && timestamp > now.saturating_add(limit)
         {
@@ -197,11 +209,17 @@ impl SigningState {
         if !bool::from(same_digest(sig48(key, &[signed]), *digest)) {
             return Verdict::Mismatch { stream };
         }
-        if !streams.put(place, id, timestamp) {
-            return Verdict::TableFull;
-        }
+        let horizon = now.map_or(u64::MAX, |now| now.saturating_add(NEW_STREAM_WINDOW));
+        streams.put(place, id, timestamp, horizon);
         self.follow(timestamp, now);
         Verdict::Good { stream }
+    }
+
+    /// The time that new streams are measured against. Where there is a clock, it is the clock: the timestamp of this side
+    /// follows those of peers by up to [`MAX_LOCAL_LEAD`], and one whose clock is ahead must not shut out all the others.
+    /// Only beyond that the timestamp says that the clock went back.
+    fn local_time(&self, now: Option<u64>) -> u64 {
+        now.map_or(self.timestamp, |now| now.max(self.timestamp.saturating_sub(MAX_LOCAL_LEAD)))
     }
 
     /// Judges a frame for somebody who only wants to know who sent it, by the same rules: `seen` takes note of it, and
@@ -213,14 +231,9 @@ impl SigningState {
         frame: &FrameRef<'_>,
         now: Option<u64>,
     ) -> Verdict {
-        if let Some((id, _)) = stream_of(frame)
-            && let Some(last) = streams.get(id)
-        {
-            seen.streams.raise(id, last);
-        }
         let own = self.timestamp;
         self.timestamp = own.max(seen.timestamp);
-        let verdict = self.check_in(&mut seen.streams, frame, now);
+        let verdict = self.judge(&mut seen.streams, Some(streams), frame, now);
         seen.timestamp = std::mem::replace(&mut self.timestamp, own);
         verdict
     }

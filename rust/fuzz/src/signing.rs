@@ -8,8 +8,8 @@ use std::sync::Arc;
 use mavwire_core::border::{Border, BorderOptions};
 use mavwire_core::frame::{FrameRef, Header, IFLAG_SIGNED};
 use mavwire_core::signing::{
-    MAX_TIMESTAMP, NEW_STREAM_WINDOW, Sightings, SigningState, Stream, StreamId, StreamTable,
-    Verdict,
+    MAX_LOCAL_LEAD, MAX_TIMESTAMP, NEW_STREAM_WINDOW, Sightings, SigningState, Stream, StreamId,
+    StreamTable, Verdict,
 };
 use mavwire_schema::WireVersion;
 
@@ -58,19 +58,53 @@ fn signed_frame(input: &mut Input<'_>, timestamp: u64) -> (Vec<u8>, bool) {
     (frame, genuine)
 }
 
+/// The streams that were verified: timestamp of the last frame and when it came, by stream. And by link id, the last
+/// timestamps of those that made room.
+#[derive(Default)]
+struct Account {
+    known: BTreeMap<StreamId, (u64, u64)>,
+    gone: BTreeMap<u8, u64>,
+    heard: u64,
+}
+
+impl Account {
+    /// Takes note of a genuine frame; the longest silent makes room, those far ahead of the clock last.
+    fn note(&mut self, id: StreamId, timestamp: u64, now: Option<u64>) {
+        if !self.known.contains_key(&id) && self.known.len() == CAPACITY {
+            let ahead = |timestamp| now.is_some_and(|now| timestamp > now + NEW_STREAM_WINDOW);
+            let order =
+                |(_, (timestamp, heard)): &(StreamId, (u64, u64))| (ahead(*timestamp), *heard);
+            let known = self.known.iter().map(|(&id, &one)| (id, one));
+            let (gone, (timestamp, _)) = known.min_by_key(order).expect("it is full");
+            self.known.remove(&gone);
+            let floor = self.gone.entry(gone.link_id).or_default();
+            *floor = timestamp.max(*floor);
+        }
+        self.heard += 1;
+        self.known.insert(id, (timestamp, self.heard));
+    }
+}
+
 /// What has to be said of a frame.
 fn foretold(
     state: &SigningState,
-    streams: &BTreeMap<StreamId, u64>,
+    streams: &Account,
     frame: &FrameRef<'_>,
     genuine: bool,
     now: Option<u64>,
 ) -> Verdict {
     let Some(signature) = frame.signature() else { return Verdict::Unsigned };
-    let (timestamp, local) = (signature.timestamp, state.timestamp.max(now.unwrap_or(0)));
-    let stream = match streams.get(&stream_of(frame)) {
-        Some(&last) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
+    let timestamp = signature.timestamp;
+    let behind = state.timestamp.saturating_sub(MAX_LOCAL_LEAD);
+    let local = now.map_or(state.timestamp, |now| behind.max(now));
+    let gone = streams.gone.get(&signature.link_id);
+    let stream = match streams.known.get(&stream_of(frame)) {
+        Some(&(last, _)) if timestamp <= last => return Verdict::OldTimestamp { timestamp, last },
         Some(_) => Stream::Known,
+        None if gone.is_some_and(|&gone| timestamp <= gone) => {
+            let local = gone.map_or(local, |gone| local.max(gone + 1));
+            return Verdict::NewStreamTooOld { timestamp, local };
+        }
         None if local.saturating_sub(timestamp) > NEW_STREAM_WINDOW => {
             return Verdict::NewStreamTooOld { timestamp, local };
         }
@@ -79,7 +113,6 @@ fn foretold(
     match now.filter(|_| state.max_ahead.is_some()) {
         Some(now) if timestamp > now + MAX_AHEAD => Verdict::TooFarAhead { timestamp, now },
         _ if !genuine => Verdict::Mismatch { stream },
-        _ if stream == Stream::New && streams.len() == CAPACITY => Verdict::TableFull,
         _ => Verdict::Good { stream },
     }
 }
@@ -97,7 +130,7 @@ pub fn signing(data: &[u8]) {
     state.timestamp = input.long() >> 16;
     state.max_ahead = (input.byte() % 2 == 1).then_some(MAX_AHEAD);
     state.set_key(Some(key(0)));
-    let (mut streams, mut seen, mut sent) = (BTreeMap::new(), Sightings::default(), None);
+    let (mut streams, mut seen, mut sent) = (Account::default(), Sightings::default(), None);
     let (mut clock, mut newest) = (state.timestamp, state.timestamp);
     while !input.is_empty() {
         let step = input.byte();
@@ -126,7 +159,7 @@ pub fn signing(data: &[u8]) {
                 newest = timestamp;
             }
         }
-        assert!(state.streams.iter().eq(streams.iter().map(|(&id, &last)| (id, last))));
+        assert!(state.streams.iter().eq(streams.known.iter().map(|(&id, &(last, _))| (id, last))));
     }
 }
 
@@ -147,7 +180,7 @@ fn looked_at(
 
 fn received(
     state: &mut SigningState,
-    streams: &mut BTreeMap<StreamId, u64>,
+    streams: &mut Account,
     frame: &FrameRef<'_>,
     genuine: bool,
     now: Option<u64>,
@@ -160,7 +193,7 @@ fn received(
     assert_eq!(state.check(frame, now), expected);
     if expected.is_verified() {
         let timestamp = frame.signature().expect("it is signed").timestamp;
-        streams.insert(stream_of(frame), timestamp);
+        streams.note(stream_of(frame), timestamp, now);
         assert!(state.timestamp == before || (before..=timestamp).contains(&state.timestamp));
     } else {
         assert_eq!(state.timestamp, before, "without the key nothing changes");

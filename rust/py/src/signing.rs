@@ -265,7 +265,6 @@ fn log_verdict(mav: &Bound<'_, MAVLink>, verdict: Verdict) -> PyResult<()> {
         Verdict::TooFarAhead { .. } => &["timestamp too far ahead"],
         Verdict::Mismatch { stream: Stream::New } => &["new stream", "sig mismatch"],
         Verdict::Mismatch { stream: Stream::Known } => &["sig mismatch"],
-        Verdict::TableFull => &["too many streams"],
     };
     lines.iter().try_for_each(|line| log(mav, line))
 }
@@ -422,11 +421,17 @@ impl Signing {
             let (link_id, sysid, compid) = key.extract()?;
             rows.push((StreamId { link_id, sysid, compid }, timestamp.extract()?));
         }
-        let fits = self.with_streams(|streams| {
-            *streams = Streams::default();
-            rows.into_iter().all(|(id, timestamp)| streams.received.set(id, timestamp))
-        });
-        if fits { Ok(()) } else { Err(PyValueError::new_err("more streams than the table holds")) }
+        self.with_streams(|streams| {
+            let room = streams.received.capacity();
+            if rows.len() > room {
+                let message = format!("stream_timestamps holds {room} streams, not {}", rows.len());
+                return Err(PyValueError::new_err(message));
+            }
+            streams.received.clear();
+            streams.seen = Sightings::default();
+            rows.into_iter().for_each(|(id, timestamp)| streams.received.set(id, timestamp));
+            Ok(())
+        })
     }
 
     /// Signed frames received.

@@ -13,6 +13,7 @@ from mavwire.links.signing import EPOCH, UNITS_PER_SECOND, signing_timestamp
 from unit.link_tools import KEY, Capture, drain, types
 
 MINUTE = 60 * UNITS_PER_SECOND
+DAY = 24 * 60 * MINUTE
 STREAMS = 1024
 """Places in the table of a link."""
 
@@ -85,26 +86,41 @@ def test_a_signature_far_ahead_of_the_clock_can_be_refused(
     assert taken(link, attitude_at(now() + 20 * MINUTE)) == []
 
 
-def test_more_streams_than_there_is_room_for(caplog: pytest.LogCaptureFixture) -> None:
-    """R55: those that are known go on, a new one is refused and logged, and forged ones take no place."""
+def test_a_clock_days_ahead_shuts_out_nobody() -> None:
+    """R40: one good signature of a wrong clock is not the measure of all that come after it."""
+    link, other = Capture(), Capture()
+    for one in (link, other):
+        one.setup_signing(KEY)
+    assert taken(link, attitude_at(now() + 5 * DAY, link_id=9)) == ["ATTITUDE"]
+    for one, sysid in ((link, 2), (other, 3)):
+        assert taken(one, attitude_at(now(), sysid=sysid)) == ["ATTITUDE"]
+    assert taken(link, attitude_at(now() - 2 * MINUTE, sysid=4)) == []
+
+
+def test_more_streams_than_there_is_room_for() -> None:
+    """R55: the longest silent makes room, and nothing of it is believed again. Forged ones take no place."""
     link = Capture()
     link.setup_signing(KEY, initial_timestamp=0)
     systems = [(1 + n // 250, 1 + n % 250) for n in range(STREAMS)]
-    forged = signed(30, attitude(1, 0, 0, 0, 0, 0, 1), b"x" * 32, 1, 9, sysid=99)
-    assert taken(link, forged) == []
     for n, (sysid, compid) in enumerate(systems):
         assert taken(link, attitude_at(1000 + n, sysid=sysid, compid=compid)) == ["ATTITUDE"]
-    assert len(link.mav.signing.stream_timestamps) == STREAMS
-    with caplog.at_level(logging.INFO):
-        assert taken(link, attitude_at(5000, sysid=200)) == []
-    assert "too many streams" in caplog.text
-    assert taken(link, attitude_at(5001, sysid=1, compid=1)) == ["ATTITUDE"]
+    full = link.mav.signing.stream_timestamps
+    assert len(full) == STREAMS
+    payload = attitude(1, 0, 0, 0, 0, 0, 1)
+    assert taken(link, signed(30, payload, b"x" * 32, 5000, 3, sysid=99)) == []
+    assert link.mav.signing.stream_timestamps == full
+    assert taken(link, attitude_at(5000, sysid=1, compid=1)) == ["ATTITUDE"]
+    assert taken(link, attitude_at(5001, sysid=200)) == ["ATTITUDE"]
     known = link.mav.signing.stream_timestamps
-    assert (len(known), known.get((3, 200, 1))) == (STREAMS, None)
-    # A program that knows who is gone makes room.
-    del known[3, 2, 1]
-    link.mav.signing.stream_timestamps = known
-    assert taken(link, attitude_at(5002, sysid=200)) == ["ATTITUDE"]
+    assert set(full) - set(known) == {(3, 1, 2)}
+    assert set(known) - set(full) == {(3, 200, 1)}
+    assert taken(link, attitude_at(1001, sysid=1, compid=2)) == []
+    assert taken(link, attitude_at(5002, sysid=1, compid=2)) == ["ATTITUDE"]
+    # An assignment forgets no floor.
+    link.mav.signing.stream_timestamps = {}
+    assert taken(link, attitude_at(1001, sysid=1, compid=2)) == []
+    with pytest.raises(ValueError, match="^stream_timestamps holds 1024 streams, not 1025$"):
+        link.mav.signing.stream_timestamps = {(n % 256, n // 256, 1): 1 for n in range(1025)}
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
 //! The last timestamp of every verified stream.
 //!
-//! Only genuine frames get in, and only so many: peers choose `link_id`, `sysid` and `compid` themselves.
+//! Only genuine frames get in, and only so many: peers choose `link_id`, `sysid` and `compid` themselves. In a full table the
+//! stream that has been silent for longest makes room. Its last timestamp becomes a floor for its link id: a stream that is
+//! not in the table has to begin above it, so that no frame is believed twice.
 
 /// Streams a table holds unless told otherwise.
 const DEFAULT_CAPACITY: usize = 1024;
@@ -16,11 +18,23 @@ pub struct StreamId {
     pub compid: u8,
 }
 
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    id: StreamId,
+    /// The last one.
+    timestamp: u64,
+    /// When it came, counted in timestamps of the table.
+    heard: u64,
+}
+
 /// Last timestamps by stream, sorted.
 #[derive(Debug, Clone)]
 pub struct StreamTable {
-    streams: Vec<(StreamId, u64)>,
+    streams: Vec<Known>,
     capacity: usize,
+    heard: u64,
+    /// By link id, the least timestamp of a stream that is not in the table; empty while none made room.
+    floors: Vec<u64>,
 }
 
 impl Default for StreamTable {
@@ -30,9 +44,9 @@ impl Default for StreamTable {
 }
 
 impl StreamTable {
-    /// A table for at most `capacity` streams.
+    /// A table for `capacity` streams, one at least.
     pub fn with_capacity(capacity: usize) -> Self {
-        Self { streams: Vec::new(), capacity }
+        Self { streams: Vec::new(), capacity: capacity.max(1), heard: 0, floors: Vec::new() }
     }
 
     /// Where a stream stands, or else where it would.
@@ -41,49 +55,71 @@ impl StreamTable {
         // As one number, which is one comparison.
         let number =
             |StreamId { link_id, sysid, compid }| u32::from_be_bytes([0, link_id, sysid, compid]);
-        self.streams.binary_search_by_key(&number(id), |&(id, _)| number(id))
+        self.streams.binary_search_by_key(&number(id), |known| number(known.id))
     }
 
     /// The last timestamp of a stream.
     #[inline]
     pub fn get(&self, id: StreamId) -> Option<u64> {
-        self.find(id).ok().map(|at| self.timestamp(at))
+        self.find(id).ok().map(|at| self.streams[at].timestamp)
     }
 
-    /// The last timestamp of the stream that stands at a place.
+    /// The least timestamp that is none of a replay, for a stream that was looked for.
     #[inline]
-    pub(super) fn timestamp(&self, at: usize) -> u64 {
-        self.streams[at].1
-    }
-
-    /// Sets the last timestamp of a stream; `false` where it is new and the table is full.
-    pub fn set(&mut self, id: StreamId, timestamp: u64) -> bool {
-        self.put(self.find(id), id, timestamp)
-    }
-
-    /// The same, unless the stream is further already.
-    pub fn raise(&mut self, id: StreamId, timestamp: u64) -> bool {
-        let place = self.find(id);
-        place.is_ok_and(|at| self.timestamp(at) >= timestamp) || self.put(place, id, timestamp)
-    }
-
-    /// Sets the last timestamp of a stream that was looked for.
-    #[inline]
-    pub(super) fn put(&mut self, at: Result<usize, usize>, id: StreamId, timestamp: u64) -> bool {
+    pub(super) fn least(&self, at: Result<usize, usize>, id: StreamId) -> u64 {
         match at {
-            Ok(at) => self.streams[at].1 = timestamp,
-            Err(_) if self.streams.len() >= self.capacity => return false,
-            Err(at) => self.streams.insert(at, (id, timestamp)),
+            Ok(at) => self.streams[at].timestamp.saturating_add(1),
+            Err(_) => self.floor(id.link_id),
         }
-        true
+    }
+
+    /// The least timestamp with which a stream with a link id may begin: 0 unless one made room.
+    pub fn floor(&self, link_id: u8) -> u64 {
+        self.floors.get(usize::from(link_id)).copied().unwrap_or(0)
+    }
+
+    /// Sets the last timestamp of a stream. A new one may take the place of another.
+    pub fn set(&mut self, id: StreamId, timestamp: u64) {
+        self.put(self.find(id), id, timestamp, u64::MAX);
+    }
+
+    /// Sets the last timestamp of a stream that was looked for. If it is new to a full table, another one makes room, if
+    /// possible one without timestamps beyond the `horizon`: these would make a floor that only wrong clocks reach.
+    #[inline]
+    pub(super) fn put(
+        &mut self,
+        at: Result<usize, usize>,
+        id: StreamId,
+        timestamp: u64,
+        horizon: u64,
+    ) {
+        self.heard += 1;
+        let known = Known { id, timestamp, heard: self.heard };
+        match at {
+            Ok(at) => self.streams[at] = known,
+            Err(at) if self.streams.len() < self.capacity => self.streams.insert(at, known),
+            Err(at) => self.replace(at, known, horizon),
+        }
+    }
+
+    #[cold]
+    fn replace(&mut self, at: usize, new: Known, horizon: u64) {
+        let silent = self.streams.iter().enumerate();
+        let silent = silent.min_by_key(|(_, one)| (one.timestamp > horizon, one.heard));
+        let Some((place, &Known { id, timestamp, .. })) = silent else { return };
+        self.floors.resize(256, 0);
+        let floor = &mut self.floors[usize::from(id.link_id)];
+        *floor = (*floor).max(timestamp.saturating_add(1));
+        self.streams.remove(place);
+        self.streams.insert(at - usize::from(place < at), new);
     }
 
     /// Forgets a stream; returns its timestamp.
     pub fn remove(&mut self, id: StreamId) -> Option<u64> {
-        self.find(id).ok().map(|at| self.streams.remove(at).1)
+        self.find(id).ok().map(|at| self.streams.remove(at).timestamp)
     }
 
-    /// Forgets all streams.
+    /// Forgets all streams. Those that made room stay refused.
     pub fn clear(&mut self) {
         self.streams.clear();
     }
@@ -93,6 +129,11 @@ impl StreamTable {
         self.streams.len()
     }
 
+    /// How many it has room for.
+    pub fn capacity(&self) -> usize {
+        self.capacity
+    }
+
     /// No streams.
     pub fn is_empty(&self) -> bool {
         self.streams.is_empty()
@@ -100,6 +141,6 @@ impl StreamTable {
 
     /// All streams with their last timestamps, in order.
     pub fn iter(&self) -> impl Iterator<Item = (StreamId, u64)> + '_ {
-        self.streams.iter().copied()
+        self.streams.iter().map(|known| (known.id, known.timestamp))
     }
 }

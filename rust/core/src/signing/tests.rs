@@ -4,6 +4,8 @@ use super::*;
 use crate::frame::{self, IFLAG_SIGNED};
 use crate::testing::{HEARTBEAT_V1, HEARTBEAT_V2, header, unhex};
 use mavwire_schema::WireVersion::V2;
+use proptest::prelude::*;
+use std::collections::HashSet;
 
 const PAYLOAD: [u8; 9] = [4, 0, 0, 0, 2, 3, 0x51, 4, 3];
 
@@ -251,18 +253,97 @@ fn r52_future_timestamps_are_limited_on_request() {
 }
 
 #[test]
-fn r55_the_stream_table_is_bounded() {
+fn r40_r52_one_clock_that_is_days_ahead_closes_the_link_to_nobody() {
+    let (mut state, now) = (receiver(), 100 * MAX_LOCAL_LEAD);
+    let ahead = now + 5 * MAX_LOCAL_LEAD;
+    assert_eq!(check(&mut state, &signed(ahead, 3), Some(now)), GOOD_NEW);
+    assert_eq!(state.timestamp, now + MAX_LOCAL_LEAD, "what is sent follows");
+    assert_eq!(check(&mut state, &signed(now - NEW_STREAM_WINDOW, 4), Some(now)), GOOD_NEW);
+    let old = now - NEW_STREAM_WINDOW - 1;
+    let expected = Verdict::NewStreamTooOld { timestamp: old, local: now };
+    assert_eq!(check(&mut state, &signed(old, 5), Some(now)), expected);
+}
+
+#[test]
+fn r40_timestamps_beyond_what_received_ones_can_do_are_the_measure_of_a_clock_that_went_back() {
+    let (mut state, now) = (receiver(), 1000);
+    state.timestamp = 100 * MAX_LOCAL_LEAD; // as a store kept it
+    let local = 99 * MAX_LOCAL_LEAD;
+    let old = local - NEW_STREAM_WINDOW - 1;
+    let expected = Verdict::NewStreamTooOld { timestamp: old, local };
+    assert_eq!(check(&mut state, &signed(old, 3), Some(now)), expected);
+    assert_eq!(check(&mut state, &signed(old + 1, 3), Some(now)), GOOD_NEW);
+}
+
+#[test]
+fn r55_the_stream_that_is_silent_for_longest_makes_room_and_cannot_be_replayed() {
     let mut state = receiver();
     state.streams = StreamTable::with_capacity(2);
     assert_eq!(check(&mut state, &signed(1, 1), None), GOOD_NEW);
     assert_eq!(check(&mut state, &signed(2, 2), None), GOOD_NEW);
-    assert_eq!(check(&mut state, &signed(3, 3), None), Verdict::TableFull);
-    assert_eq!((streams(&state), state.timestamp), (vec![(1, 1, 1, 1), (2, 1, 1, 2)], 2));
-    assert_eq!(check(&mut state, &signed(4, 1), None), GOOD_KNOWN);
-    assert_eq!(state.streams.remove(StreamId { link_id: 2, sysid: 1, compid: 1 }), Some(2));
+    assert_eq!(check(&mut state, &signed(3, 1), None), GOOD_KNOWN);
+    let forged = signed_with(b'B', 4, 3);
+    assert_eq!(check(&mut state, &forged, None), Verdict::Mismatch { stream: Stream::New });
+    assert_eq!(streams(&state), [(1, 1, 1, 3), (2, 1, 1, 2)], "forged ones take no place");
+    assert_eq!(check(&mut state, &signed(4, 3), None), GOOD_NEW);
+    assert_eq!(streams(&state), [(1, 1, 1, 3), (3, 1, 1, 4)]);
+    let replay = Verdict::NewStreamTooOld { timestamp: 2, local: 4 };
+    assert_eq!(check(&mut state, &signed(2, 2), None), replay);
+    assert_eq!(state.streams.floor(2), 3);
+    assert_eq!(check(&mut state, &signed(1, 4), None), GOOD_NEW, "the floor is of a link id");
+    assert_eq!(check(&mut state, &signed(3, 2), None), GOOD_NEW, "it goes on");
+    assert_eq!(state.streams.remove(StreamId { link_id: 2, sysid: 1, compid: 1 }), Some(3));
     assert_eq!(state.streams.len(), 1);
     state.streams.clear();
     assert!(state.streams.is_empty());
+}
+
+#[test]
+fn r55_a_clock_that_is_ahead_makes_no_floor_while_others_can_make_room() {
+    let (mut state, now) = (receiver(), 100 * NEW_STREAM_WINDOW);
+    state.streams = StreamTable::with_capacity(2);
+    let ahead = now + MAX_LOCAL_LEAD;
+    for (timestamp, link_id) in [(ahead, 1), (now, 2), (now, 3)] {
+        assert_eq!(check(&mut state, &signed(timestamp, link_id), Some(now)), GOOD_NEW);
+    }
+    assert_eq!(streams(&state), [(1, 1, 1, ahead), (3, 1, 1, now)]);
+    assert_eq!([1, 2].map(|link_id| state.streams.floor(link_id)), [0, now + 1]);
+    let mut small = StreamTable::with_capacity(1);
+    (1..4).for_each(|n| small.set(StreamId { link_id: n, sysid: 1, compid: 1 }, MAX_TIMESTAMP));
+    assert_eq!((small.len(), small.floor(2)), (1, MAX_TIMESTAMP + 1));
+}
+
+/// A frame of one of a few streams with a timestamp about the clock's, and whether it is only looked at.
+fn any_frame() -> impl Strategy<Value = (u8, u64, bool)> {
+    (0..12_u8, 0..60_u64, any::<bool>())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    #[test]
+    fn r39_r55_no_frame_is_believed_twice_whatever_makes_room(
+        frames in prop::collection::vec(any_frame(), 1..200),
+        has_clock in any::<bool>(),
+    ) {
+        let (mut state, mut seen) = (receiver(), Sightings::default());
+        state.streams = StreamTable::with_capacity(3);
+        seen.streams = StreamTable::with_capacity(3);
+        let (mut believed, mut shown) = (HashSet::new(), HashSet::new());
+        for (n, (link_id, early, is_look)) in (100..).zip(frames) {
+            let (timestamp, now) = (n - early, has_clock.then_some(n));
+            let frame = signed(timestamp, link_id);
+            if is_look {
+                let is_good = look(&mut state, &mut seen, &frame, now).is_verified();
+                let is_first = !believed.contains(&(link_id, timestamp))
+                    && shown.insert((link_id, timestamp));
+                prop_assert!(!is_good || is_first, "seen twice");
+            } else if check(&mut state, &frame, now).is_verified() {
+                prop_assert!(believed.insert((link_id, timestamp)), "believed twice");
+            }
+            prop_assert!(state.streams.len() <= 3 && seen.streams.len() <= 3);
+        }
+    }
 }
 
 fn look(state: &mut SigningState, seen: &mut Sightings, bytes: &[u8], now: Option<u64>) -> Verdict {
@@ -305,4 +386,15 @@ fn r40_r52_who_looks_obeys_the_rules_of_who_receives() {
     assert_eq!(look(&mut state, &mut seen, &signed(local, 3), None), GOOD_NEW);
     assert_eq!(look(&mut state, &mut seen, &signed(early, 4), None), too_old);
     assert_eq!(look(&mut state, &mut seen.begun_anew(), &signed(early, 4), None), GOOD_NEW);
+}
+
+#[test]
+fn r41_who_only_looks_keeps_nothing_of_a_forged_frame() {
+    let (mut state, mut seen) = (receiver(), Sightings::default());
+    assert_eq!(check(&mut state, &signed(10, 3), None), GOOD_NEW);
+    let forged = Verdict::Mismatch { stream: Stream::Known };
+    assert_eq!(look(&mut state, &mut seen, &signed_with(b'B', 11, 3), None), forged);
+    let old = Verdict::OldTimestamp { timestamp: 10, last: 10 };
+    assert_eq!(look(&mut state, &mut seen, &signed(10, 3), None), old);
+    assert!(seen.streams.is_empty());
 }
