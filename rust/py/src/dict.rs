@@ -10,7 +10,7 @@ use crate::calling::{Calling, import};
 use crate::create::{self, create};
 use crate::frame_bytes::FrameBytes;
 use crate::message::{Message, Origin, flags};
-use crate::meta::Meta;
+use crate::meta::{self, Meta};
 
 /// The instance's own dictionary, as it stands.
 pub(crate) fn instance_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
@@ -40,41 +40,75 @@ pub(crate) fn flags_for(name: &str) -> u32 {
 /// `vars(message)`: the dictionary with every attribute in it.
 #[pyfunction]
 pub(crate) fn message_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
-    let dict = instance_dict(message)?;
     let this = message.get();
-    if this.has(flags::MATERIALISED) {
-        return Ok(dict);
+    if !this.has(flags::MATERIALISED) {
+        let packed = this.packed(message.py());
+        // Python code runs here, and other threads with it: until all is there they see the dictionary as it was.
+        let complete = complete_dict(message)?;
+        if !this.has(flags::MATERIALISED) {
+            complete.update(instance_dict(message)?.as_mapping())?;
+            replace_dict(message, &complete)?;
+            if !this.is_packed_as(message.py(), packed.as_ref()) {
+                meta::refresh(message)?;
+            }
+        }
     }
+    instance_dict(message)
+}
+
+/// Every attribute, in the order of `vars(message)`.
+fn complete_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
     let py = message.py();
-    let written = dict.copy()?;
-    dict.clear();
-    fill_meta(message, &dict)?;
+    let this = message.get();
+    let written = instance_dict(message)?.copy()?;
+    let complete = PyDict::new(py);
+    for meta in Meta::ALL {
+        let value = match written.get_item(meta.name())? {
+            Some(value) => Some(value.unbind()),
+            None => meta.read(message)?,
+        };
+        if let Some(value) = value {
+            complete.set_item(meta.name(), value)?;
+        }
+    }
     if let Some(info) = &this.info {
         for names in &info.names {
             for name in names.raw.iter().chain([&names.name]) {
                 let name = name.bind(py);
-                if written.contains(name)? {
-                    dict.set_item(name, written.get_item(name)?)?;
+                if let Some(value) = written.get_item(name)? {
+                    complete.set_item(name, value)?;
                 } else if this.origin == Origin::Decoded {
-                    dict.set_item(name, message.attribute(name)?)?;
+                    complete.set_item(name, message.attribute(name)?)?;
                 }
             }
         }
     }
     for name in odd_fields(this.origin) {
         if !written.contains(name)? {
-            dict.set_item(name, message.attribute(name)?)?;
+            complete.set_item(name, message.attribute(name)?)?;
         }
     }
     if let Some(seconds) = this.timestamp() {
-        dict.set_item(intern!(py, "_timestamp"), seconds)?;
+        complete.set_item(intern!(py, "_timestamp"), seconds)?;
     }
-    dict.update(written.as_mapping())?;
+    Ok(complete)
+}
+
+/// Makes a dictionary with everything in it the message's own.
+fn replace_dict(message: &Bound<'_, Message>, complete: &Bound<'_, PyDict>) -> PyResult<()> {
+    // SAFETY: two live objects; the call takes a reference of its own or sets an exception.
+    let status = unsafe {
+        let context = std::ptr::null_mut();
+        ffi::PyObject_GenericSetDict(message.as_ptr(), complete.as_ptr(), context)
+    };
+    if status != 0 {
+        return Err(PyErr::fetch(message.py()));
+    }
     Message::written(
         message,
         flags::DICT | flags::META | flags::FIELDS | flags::MATERIALISED | flags::TIMESTAMP_IN_DICT,
     );
-    Ok(dict)
+    Ok(())
 }
 
 /// Fields of messages that no definition describes.
@@ -86,31 +120,24 @@ fn odd_fields(origin: Origin) -> &'static [&'static str] {
     }
 }
 
-/// Puts every underscore attribute into the dictionary that is not there yet.
-pub(crate) fn fill_meta(message: &Bound<'_, Message>, dict: &Bound<'_, PyDict>) -> PyResult<()> {
-    for meta in Meta::ALL {
-        if !dict.contains(meta.name())?
-            && let Some(value) = meta.read(message)?
-        {
-            dict.set_item(meta.name(), value)?;
-        }
-    }
-    Ok(())
-}
-
 /// A new message of the same class with the same frame; `each` copies what Python wrote to it.
 pub(crate) fn copy<'py>(
     message: &Bound<'py, Message>,
     each: impl Fn(&Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, Message>> {
     let this = message.get();
-    let copied = create(&message.get_type(), this.duplicate(message.py()))?;
-    if this.has(flags::DICT) {
+    // All of it at one moment: `each` runs Python code, and other threads may write to the message meanwhile.
+    let bits = this.flags.load(Ordering::Relaxed);
+    let duplicate = this.duplicate(message.py());
+    let has_dict = bits & flags::DICT != 0;
+    let attributes = has_dict.then(|| instance_dict(message)?.copy()).transpose()?;
+    let copied = create(&message.get_type(), duplicate)?;
+    if let Some(attributes) = attributes {
         let target = instance_dict(&copied)?;
-        for (key, value) in instance_dict(message)? {
+        for (key, value) in attributes {
             target.set_item(key, each(&value)?)?;
         }
-        Message::written(&copied, this.flags.load(Ordering::Relaxed));
+        Message::written(&copied, bits);
     }
     Ok(copied)
 }
@@ -124,13 +151,15 @@ pub(crate) fn reduce<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, 
     let frame = decoded.then(|| PyBytes::new(py, &this.frame));
     let timestamp = this.timestamp().filter(|_| decoded);
     let link = this.link.load(Ordering::Relaxed);
-    let state = if decoded && !this.has(flags::DICT) {
+    let attributes = if decoded && !this.has(flags::DICT) {
         None
     } else if decoded {
         Some(instance_dict(message)?)
     } else {
         Some(message_dict(message)?)
     };
+    // A copy: pickle goes through it while other threads write to the message.
+    let state = attributes.map(|attributes| attributes.copy()).transpose()?;
     let flags = this.flags.load(Ordering::Relaxed) & (flags::WIRE | flags::WRITTEN);
     (restore, (message.get_type(), frame, flags, timestamp, link), state).into_pyobject(py)
 }

@@ -15,7 +15,7 @@ use crate::calling::{Calling, class_name, import, truth};
 use crate::extra::Extra;
 use crate::frame_bytes::FrameBytes;
 use crate::info::{Info, MessageInfo};
-use crate::meta::Meta;
+use crate::meta::{self, Meta};
 use crate::{create, dict, pack, shared, text};
 
 /// How a message came to be.
@@ -171,18 +171,24 @@ impl Message {
         }
         this.extra.set(frame.as_any());
         this.set(flags::PACKED);
+        if this.has(flags::MATERIALISED) {
+            return meta::refresh(slf);
+        }
         if this.has(flags::META) {
             let attributes = dict::instance_dict(slf)?;
-            for meta in [Meta::Header, Meta::Payload, Meta::Msgbuf, Meta::Crc] {
+            for meta in Meta::OF_FRAME {
                 if attributes.contains(meta.name())? {
                     attributes.del_item(meta.name())?;
-                }
-                if this.has(flags::MATERIALISED) {
-                    attributes.set_item(meta.name(), meta.read(slf)?)?;
                 }
             }
         }
         Ok(())
+    }
+
+    /// Whether `frame` is still the frame that `pack` made last, if it made one.
+    pub(crate) fn is_packed_as(&self, py: Python<'_>, frame: Option<&Bound<'_, PyBytes>>) -> bool {
+        let packed = self.packed(py);
+        packed.as_ref().map(Bound::as_ptr) == frame.map(Bound::as_ptr)
     }
 
     /// A message out of a log, stamped before anybody sees it.

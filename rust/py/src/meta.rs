@@ -51,6 +51,9 @@ impl Meta {
         Self::Link,
     ];
 
+    /// Those that follow from the frame.
+    pub(crate) const OF_FRAME: [Self; 4] = [Self::Header, Self::Payload, Self::Msgbuf, Self::Crc];
+
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Header => "_header",
@@ -73,15 +76,35 @@ impl Meta {
         Self::ALL.into_iter().find(|meta| meta.name() == name)
     }
 
-    /// The value, or `None` where the attribute is not set.
+    /// The value, or `None` where the attribute is not set. An object with an identity is kept.
     pub(crate) fn read(self, message: &Bound<'_, Message>) -> PyResult<Option<Py<PyAny>>> {
+        let py = message.py();
+        let this = message.get();
+        let packed = this.packed(py);
+        let value = self.value(message)?;
+        if !matches!(self, Self::Header | Self::Payload | Self::Msgbuf) {
+            return Ok(value);
+        }
+        // Making a header runs Python code: another thread may have kept its own meanwhile, or packed another frame.
+        let attributes = instance_dict(message)?;
+        if let Some(kept) = attributes.get_item(self.name())? {
+            return Ok(Some(kept.unbind()));
+        }
+        if this.is_packed_as(py, packed.as_ref()) {
+            attributes.set_item(self.name(), &value)?;
+            Message::written(message, flags::DICT | flags::META);
+        }
+        Ok(value)
+    }
+
+    fn value(self, message: &Bound<'_, Message>) -> PyResult<Option<Py<PyAny>>> {
         let py = message.py();
         let this = message.get();
         let class = message.get_type();
         Ok(Some(match self {
-            Self::Header => keep(message, self, header_object(message)?)?,
-            Self::Payload => keep(message, self, payload_object(py, this)?)?,
-            Self::Msgbuf => keep(message, self, msgbuf_object(py, this))?,
+            Self::Header => header_object(message)?,
+            Self::Payload => payload_object(py, this)?,
+            Self::Msgbuf => msgbuf_object(py, this),
             Self::Crc => crc(py, this).into_py_any(py)?,
             Self::Fieldnames => class.attribute(intern!(py, "fieldnames"))?.unbind(),
             Self::Type => match (this.info, this.origin) {
@@ -105,11 +128,19 @@ impl Meta {
     }
 }
 
-/// Stores a value that has an identity, so that it is the same object next time.
-fn keep(message: &Bound<'_, Message>, meta: Meta, value: Py<PyAny>) -> PyResult<Py<PyAny>> {
-    instance_dict(message)?.set_item(meta.name(), &value)?;
-    Message::written(message, flags::DICT | flags::META);
-    Ok(value)
+/// Brings a dictionary with every attribute in it up to the frame packed last. Values are replaced and never taken out,
+/// since other threads read them meanwhile.
+pub(crate) fn refresh(message: &Bound<'_, Message>) -> PyResult<()> {
+    let py = message.py();
+    let packed = message.get().packed(py);
+    for meta in Meta::OF_FRAME {
+        let value = meta.value(message)?;
+        if !message.get().is_packed_as(py, packed.as_ref()) {
+            return Ok(()); // left to the thread that packed another frame
+        }
+        instance_dict(message)?.set_item(meta.name(), value)?;
+    }
+    Ok(())
 }
 
 fn header_object(message: &Bound<'_, Message>) -> PyResult<Py<PyAny>> {
