@@ -87,7 +87,8 @@ class LogFile:
         here = self.tell()
         if here in self._junk and not self._is_overtaken():
             return self._read_junk(here, size)
-        if here not in self._frame:
+        frame = self._frame
+        if here not in frame:
             head = self._peek(here, RECORD_HEAD)
             if len(head) < RECORD_HEAD:
                 return b""
@@ -97,8 +98,10 @@ class LogFile:
                 return self._read_junk(here, size)
             self._link._seek(here)  # another record, whether or not the last one was taken in
             LogLink.pre_message(self._link)
-            self._frame = range(here + STAMP_LEN, here + STAMP_LEN + length)
-        left = self._frame.stop - self.tell()
+            frame = self._frame = range(here + STAMP_LEN, here + STAMP_LEN + length)
+        left = frame.stop - self.tell()
+        if left < 1:  # another thread has read on meanwhile
+            return self.read_frame(size)
         return LogLink.recv(self._link, left if size is None else min(size, left))
 
     def _is_overtaken(self) -> bool:

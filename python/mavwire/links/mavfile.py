@@ -60,7 +60,7 @@ _HIDDEN = ("_sysid", "_data_map")
 
 def _attributes(link: mavfile) -> dict[str, Any]:
     shown = (*_ATTRIBUTES, *link._own_attributes)
-    own = instance_dict(link)
+    own = instance_dict(link).copy()  # other threads add attributes
     first = {name: own[name] for name in own if name not in shown and name not in _HIDDEN}
     return first | {name: getattr(link, name) for name in shown if hasattr(link, name)}
 

@@ -17,7 +17,7 @@ use crate::window::{CHUNK, FileWindow};
 pub use crate::tally::Contents;
 
 /// An open log.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct DataflashFile {
     window: FileWindow,
     len: u64,

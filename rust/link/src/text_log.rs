@@ -21,7 +21,7 @@ const MAX_KEYS: usize = 4096;
 const KEY_LEN: usize = 4;
 
 /// An open log.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct TextLogFile {
     window: FileWindow,
     len: u64,

@@ -6,6 +6,7 @@
 use std::fs::File;
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Bytes read at a time, unless told otherwise.
 pub const CHUNK: usize = 256 * 1024;
@@ -13,7 +14,7 @@ pub const CHUNK: usize = 256 * 1024;
 /// A file with a buffer that moves over it. The file may grow or shrink while it is read.
 #[derive(Debug)]
 pub struct FileWindow {
-    file: File,
+    file: Arc<File>,
     /// As long as it ever had to be: clearing it again for each read near the end of the file would cost more than the
     /// read.
     buffer: Vec<u8>,
@@ -23,6 +24,19 @@ pub struct FileWindow {
     start: u64,
     /// Bytes read at a time.
     chunk: usize,
+}
+
+/// Another window over the same file, which has read nothing yet.
+impl Clone for FileWindow {
+    fn clone(&self) -> Self {
+        Self {
+            file: Arc::clone(&self.file),
+            buffer: Vec::new(),
+            filled: 0,
+            start: 0,
+            chunk: self.chunk,
+        }
+    }
 }
 
 impl FileWindow {
@@ -39,7 +53,13 @@ impl FileWindow {
     /// # Errors
     /// What the operating system says.
     pub fn in_chunks(path: &Path, chunk: usize) -> io::Result<Self> {
-        Ok(Self { file: File::open(path)?, buffer: Vec::new(), filled: 0, start: 0, chunk })
+        Ok(Self {
+            file: Arc::new(File::open(path)?),
+            buffer: Vec::new(),
+            filled: 0,
+            start: 0,
+            chunk,
+        })
     }
 
     /// Bytes of the file now.

@@ -16,7 +16,7 @@ use super::clock::MicrosClock;
 use super::message::DFMessage;
 use super::shape::{self, Names};
 use super::source::{BUDGET, Source};
-use super::state::{Kind, Search, State, Taken};
+use super::state::{Kind, Search, State, Taken, closed};
 use crate::calling::{Calling, truth};
 use crate::lists::list;
 use crate::lock::Lock;
@@ -162,17 +162,18 @@ impl DataflashReader {
         Ok(())
     }
 
-    /// Goes through the log while others run; `None` if it is closed. What `walk` calls with the offset it has come to
-    /// calls `progress` with each new whole percent, and returns false when that, or a signal, ends it.
+    /// Goes through the log while others run. What `walk` calls with the offset it has come to calls `progress` with each
+    /// new whole percent, and returns false when that, or a signal, ends it. `ValueError` if the log is closed.
     fn walk<T: Send>(
         &self,
         py: Python<'_>,
         progress: Option<Py<PyAny>>,
         walk: impl Send + FnOnce(&mut Source, &mut dyn FnMut(u64) -> bool) -> io::Result<T>,
-    ) -> PyResult<Option<T>> {
-        let mut state = self.state.lock(py);
+    ) -> PyResult<T> {
+        let state = self.state.lock(py);
         let len = state.len.max(1);
-        let Some(mut source) = state.source.take() else { return Ok(None) };
+        // With a buffer of its own: other threads, and what `progress` calls, read on meanwhile.
+        let mut source = state.source.clone().ok_or_else(closed)?;
         drop(state);
         let (mut percent, mut failed) = (0, None);
         let result = py.detach(|| {
@@ -190,10 +191,9 @@ impl DataflashReader {
                 told.map_err(|error| failed = Some(error)).is_ok()
             })
         });
-        self.state.lock(py).source = Some(source);
         match failed {
             Some(error) => Err(error),
-            None => Ok(Some(result?)),
+            None => Ok(result?),
         }
     }
 }
@@ -244,10 +244,7 @@ impl DataflashReader {
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let progress = progress.map(Bound::unbind);
-        match self.walk(py, progress, |source, tell| source.contents(tell))? {
-            Some(contents) => as_dict(py, &contents),
-            None => Ok(PyDict::new(py)),
-        }
+        as_dict(py, &self.walk(py, progress, |source, tell| source.contents(tell))?)
     }
 
     /// Sets what messages of each layout need: its `DFFormat` and the index of its instance field.
@@ -290,18 +287,16 @@ impl DataflashReader {
 
     /// Where the lines of a text log start, by their first characters.
     fn _line_offsets(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u64>)>> {
-        let found = self.walk(py, None, |source, tell| match source {
+        self.walk(py, None, |source, tell| match source {
             Source::Text(file) => file.offsets(tell),
             Source::Binary(_) => Ok(Vec::new()),
-        })?;
-        Ok(found.unwrap_or_default())
+        })
     }
 
     /// Offsets of all records, by layout.
     fn _offsets(&self, py: Python<'_>) -> PyResult<Vec<Vec<u64>>> {
         let count = self.state.lock(py).kinds.len();
-        let offsets = self.walk(py, None, |source, tell| source.offsets(count, tell))?;
-        Ok(offsets.unwrap_or_else(|| vec![Vec::new(); count]))
+        self.walk(py, None, |source, tell| source.offsets(count, tell))
     }
 
     /// Lets go of the file.

@@ -13,6 +13,7 @@ use mavwire_link::text_log::TextLogFile;
 pub(super) const BUDGET: u32 = 1 << 16;
 
 /// A log.
+#[derive(Clone)]
 pub(super) enum Source {
     Binary(Box<DataflashFile>),
     Text(Box<TextLogFile>),

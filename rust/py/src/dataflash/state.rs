@@ -103,9 +103,7 @@ impl State {
         mut budget: u32,
     ) -> PyResult<Search> {
         let py = owner.py();
-        let Some(source) = self.source.as_mut() else {
-            return Err(pyo3::exceptions::PyValueError::new_err("the log is closed"));
-        };
+        let source = self.source.as_mut().ok_or_else(closed)?;
         let wanted = self.latched.as_ref().filter(|_| latched);
         let delimiter = source.delimiter();
         loop {
@@ -166,4 +164,9 @@ impl State {
             kind.keys.insert(bytes, key);
         }
     }
+}
+
+/// The error of reading a log that was closed.
+pub(super) fn closed() -> PyErr {
+    pyo3::exceptions::PyValueError::new_err("the log is closed")
 }
