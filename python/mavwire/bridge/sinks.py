@@ -1,14 +1,17 @@
 """Sinks: what a bridge sees, published over MQTT, Zenoh and WebSocket by a thread on the batch iterator.
 
 `PREFIX/out` gets all frames as they are, those of a batch one behind the other, and `PREFIX/SYSTEM/COMPONENT/TYPE` each
-message as JSON. A sink that is slower than the traffic loses batches, which are counted, and slows nothing.
+message as JSON. A sink hands over one batch at a time and waits until it has left. Frames that come meanwhile wait in the
+bridge's tap, which is bounded: a slow sink loses the oldest frames, which are counted, and slows nothing.
 """
 
 from __future__ import annotations
 
 import json
+import socket
 import threading
-from contextlib import ExitStack
+import time
+from contextlib import ExitStack, suppress
 from urllib.parse import SplitResult, unquote, urlsplit
 
 from .errors import ConfigError
@@ -19,6 +22,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from typing import Any, Protocol, Self
+
+    from mavwire._native import FrameBatch
 
     from .bridge import Bridge
 
@@ -35,8 +40,8 @@ if TYPE_CHECKING:
         def put(self, key: str, data: bytes, frames: int = 1) -> None:
             """Publish what so many frames are in, OSError if that is not possible now."""
 
-        def flush(self) -> None:
-            """Wait until what was put is on its way; OSError if it does not get there."""
+        def flush(self, seconds: float) -> bool:
+            """Wait so long until what was put has left, and say whether it has; OSError if it is lost."""
 
         def close(self) -> None:
             """End the connection."""
@@ -49,8 +54,13 @@ FORMS = (
     "or ws://HOST:PORT/PREFIX"
 )
 MAX_PUBLISHERS = 16_384
-# How long a batch may take to leave before the sink looks whether it shall end.
-FLUSH_TIME = 5.0
+# How often a sink whose batch has not left yet looks whether it shall end, and after how long it says that this is slow.
+INTERVAL = 0.25
+SLOW = 5.0
+# How long `close` waits for the other end.
+CLOSE_TIME = 1.5
+# What the system may hold back of MQTT: what is in there counts as published, and nothing newer can replace it.
+SEND_BUFFER = 64 * 1024
 
 
 class Sink:
@@ -63,6 +73,7 @@ class Sink:
         self.published = 0
         self.failed = 0
         self.error: str | None = None
+        self._closing = threading.Event()
         self._publisher = publisher
         self._prefix = prefix
         self._thread = threading.Thread(target=self._run, name="mavwire-sink", daemon=True)
@@ -96,20 +107,30 @@ class Sink:
         }
 
     def _run(self) -> None:
-        for batch in self._batches:
-            if not self._publisher.is_wanted():
-                continue
-            try:
-                self._publisher.put(f"{self._prefix}/out", batch.raw, len(batch))
-                for message in batch:
-                    self._put(message)
-                self._publisher.flush()
-            except OSError as error:
-                self.failed += len(batch)
-                self.error = str(error)
-            else:
-                self.published += len(batch)
-                self.error = None
+        try:
+            for batch in self._batches:
+                if self._publisher.is_wanted():
+                    self._publish(batch)
+        finally:
+            self._publisher.close()
+
+    def _publish(self, batch: FrameBatch) -> None:
+        try:
+            self._publisher.put(f"{self._prefix}/out", batch.raw, len(batch))
+            for message in batch:
+                self._put(message)
+            begun = time.monotonic()
+            while not self._publisher.flush(INTERVAL):
+                if self._closing.is_set():
+                    raise OSError("closed before all had left")
+                if time.monotonic() - begun > SLOW:
+                    self.error = "the other end is too slow"
+        except OSError as error:
+            self.failed += len(batch)
+            self.error = str(error)
+        else:
+            self.published += len(batch)
+            self.error = None
 
     def _put(self, message: Any) -> None:
         if message.get_msgId() < 0:
@@ -119,10 +140,10 @@ class Sink:
         self._publisher.put(key, json.dumps(described(message)).encode())
 
     def close(self) -> None:
-        """Publish no more, and hang up."""
+        """Publish no more, and hang up. An other end that does not let go within CLOSE_TIME is left to the thread."""
+        self._closing.set()
         self._batches.close()
-        self._thread.join()
-        self._publisher.close()
+        self._thread.join(CLOSE_TIME)
         if self in self._listed:
             self._listed.remove(self)
 
@@ -233,6 +254,7 @@ class _Mqtt:
             self._client.username_pw_set(user, password)
         self._refusal: str | None = None
         self._client.on_connect = self._hear
+        self._client.on_socket_open = _limit_send_buffer
         self._client.connect_async(host, port)
         self._client.loop_start()
         self._last: Any = None
@@ -253,17 +275,25 @@ class _Mqtt:
             )
         self._last = self._client.publish(key, data)
 
-    def flush(self) -> None:
+    def flush(self, seconds: float) -> bool:
         try:
-            self._last.wait_for_publish(FLUSH_TIME)
+            self._last.wait_for_publish(seconds)
+            return bool(self._last.is_published())
         except (RuntimeError, ValueError) as error:
             raise OSError(str(error)) from None
-        if not self._last.is_published():
-            raise OSError("the broker is too slow")
 
     def close(self) -> None:
         self._client.disconnect()
+        connection: Any = self._client.socket()
+        with suppress(OSError):
+            if connection is not None and self._last is not None and not self.flush(0):
+                # The client's thread would send all that is left first, however slowly that is taken.
+                connection.shutdown(socket.SHUT_RDWR)
         self._client.loop_stop()
+
+
+def _limit_send_buffer(client: Any, data: Any, connection: Any) -> None:
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
 
 
 def _zenoh(endpoint: str) -> Publisher:
@@ -317,8 +347,9 @@ class _Zenoh:
         except zenoh.ZError as error:
             raise OSError(str(error)) from None
 
-    def flush(self) -> None:
-        """What was put has left."""
+    def flush(self, seconds: float) -> bool:
+        """What was put has left: `put` waits for it."""
+        return True
 
     def close(self) -> None:
         self._session.close()

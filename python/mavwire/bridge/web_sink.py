@@ -159,13 +159,14 @@ class WebSocketPublisher(HttpServer):
         """Have it sent with the rest of the batch."""
         self._batch.append(_Item(key.removeprefix(f"{self._prefix}/"), data, frames))
 
-    def flush(self) -> None:
-        """The batch is whole."""
+    def flush(self, seconds: float) -> bool:
+        """The batch is whole: it waits for each reader by itself."""
         batch, self._batch = self._batch, []
         with self._lock:
             readers = list(self._readers)
         for reader in readers:
             reader.offer(batch)
+        return True
 
     # -- readers
 

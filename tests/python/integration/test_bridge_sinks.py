@@ -9,15 +9,16 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 from mavwire import Bridge
-from mavwire.bridge import BridgeError, ConfigError
-from mavwire.bridge.sinks import open_sink
+from mavwire.bridge import BridgeError, ConfigError, sinks
+from mavwire.bridge.sinks import Sink, open_sink
 from unit.bridge_tools import LIMIT, wait_until
 from unit.link_tools import heartbeat
 
@@ -160,6 +161,126 @@ def test_a_broker_that_refuses_is_told_from_one_that_is_silent() -> None:
                     return sink.error == "the broker says: Not authorized"
 
                 wait_until("the reason", told)
+
+
+class SlowBroker:
+    """Accepts one client of MQTT 3.1.1, and reads nothing more of it until `go_on` is set."""
+
+    def __init__(self) -> None:
+        self.go_on = threading.Event()
+        self.connected = threading.Event()
+        self.came = bytearray()
+        self._listener = socket.socket()
+        self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        self._listener.bind(("127.0.0.1", 0))
+        self._listener.listen()
+        self.port = int(self._listener.getsockname()[1])
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    def _serve(self) -> None:
+        with suppress(OSError):
+            connection, _ = self._listener.accept()
+            with connection:
+                connection.recv(1000)
+                connection.sendall(bytes([0x20, 2, 0, 0]))  # CONNACK
+                self.connected.set()
+                self.go_on.wait()
+                while data := connection.recv(65536):
+                    self.came += data
+
+    def __enter__(self) -> SlowBroker:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.go_on.set()
+        self._listener.close()
+
+
+def send_many(bridge: Bridge) -> int:
+    """More than the system takes for a broker that does not read."""
+    for _ in range(20):
+        bridge.send(heartbeat(sysid=7) * 1000)
+    return 20_000
+
+
+def test_a_slow_broker_gets_one_batch_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip(
+        "paho.mqtt", reason="paho-mqtt is not installed: pip install 'mavwire[mqtt]'"
+    )
+    monkeypatch.setattr(sinks, "SLOW", 0.1)
+    with SlowBroker() as broker, Bridge() as bridge:
+        with open_sink(bridge, f"mqtt://127.0.0.1:{broker.port}") as sink:
+            assert broker.connected.wait(LIMIT)
+            handed: list[int] = []
+            put = sink._publisher.put  # type: ignore[attr-defined]
+
+            def counted(key: str, data: bytes, frames: int = 0) -> None:
+                handed.append(frames)
+                put(key, data, frames)
+
+            monkeypatch.setattr(sink._publisher, "put", counted)  # type: ignore[attr-defined]
+            sent = send_many(bridge)
+            wait_until("it", lambda: sink.error == "the other end is too slow")
+            time.sleep(0.5)
+            assert sum(handed) < sent and sum(handed) - sink.published <= 1024
+            assert sink.failed == 0
+            broker.go_on.set()
+            wait_until("all", lambda: sink.published + sink.dropped == sent)
+            assert (sink.failed, sink.error) == (0, None)
+        wait_until("the end", lambda: broker.came.endswith(bytes([0xE0, 0])))  # DISCONNECT
+        assert broker.came.count(b"mavlink/7/1/HEARTBEAT") == sink.published
+
+
+def test_a_slow_broker_keeps_nobody() -> None:
+    pytest.importorskip(
+        "paho.mqtt", reason="paho-mqtt is not installed: pip install 'mavwire[mqtt]'"
+    )
+    with SlowBroker() as broker, Bridge() as bridge:
+        sink = open_sink(bridge, f"mqtt://127.0.0.1:{broker.port}")
+        assert broker.connected.wait(LIMIT)
+        send_many(bridge)
+        time.sleep(0.5)
+        begun = time.monotonic()
+        sink.close()
+        assert time.monotonic() - begun < 2
+        wait_until("its threads", lambda: "mavwire-sink" not in thread_names())
+        assert not any(name.startswith("paho") for name in thread_names())
+
+
+def thread_names() -> list[str]:
+    return [thread.name for thread in threading.enumerate()]
+
+
+def test_an_end_that_blocks_is_left_behind() -> None:
+    """Such as Zenoh, whose `put` waits for the other side."""
+    go_on, entered, closed = threading.Event(), threading.Event(), threading.Event()
+
+    class Stuck:
+        dropped = 0
+
+        def is_wanted(self) -> bool:
+            return True
+
+        def put(self, key: str, data: bytes, frames: int = 1) -> None:
+            entered.set()
+            go_on.wait(LIMIT)
+
+        def flush(self, seconds: float) -> bool:
+            return True
+
+        def close(self) -> None:
+            closed.set()
+
+    with Bridge() as bridge:
+        sink = Sink(bridge, Stuck(), "mavlink", "stuck")
+        bridge.send(heartbeat())
+        assert entered.wait(LIMIT)
+        begun = time.monotonic()
+        sink.close()
+        assert time.monotonic() - begun < 2 and not closed.is_set()
+        assert bridge.stats()["sinks"] == []
+        go_on.set()
+        assert closed.wait(LIMIT)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use mavwire_core::frame::Header;
@@ -22,6 +21,8 @@ use crate::wording::in_words;
 const MAX_PENDING: usize = 16 << 20;
 /// More than this is written without waiting for the interval to end.
 const EAGER: usize = 256 << 10;
+/// How long the end of a recording waits for the disk.
+const CLOSE_TIME: Duration = Duration::from_millis(1_500);
 /// Logs that can be begun in one second.
 const MAX_TRIES: u32 = 1_000;
 
@@ -62,6 +63,26 @@ struct State {
     records: u64,
     stats: RecordingStats,
     stopping: bool,
+    /// Everything is written.
+    ended: bool,
+}
+
+impl State {
+    /// Makes room where the disk is too slow. The newest records are those that tell how a flight ended.
+    fn drop_older_half(&mut self) {
+        let (mut len, mut count) = (0, 0);
+        for record in lengths(&self.pending) {
+            if len >= self.pending.len() / 2 {
+                break;
+            }
+            len += record;
+            count += 1;
+        }
+        self.pending.drain(..len);
+        self.records -= count;
+        self.stats.dropped += count;
+        self.stats.error = Some("the disk is too slow".into());
+    }
 }
 
 #[derive(Debug, Default)]
@@ -76,11 +97,11 @@ impl Shared {
     }
 }
 
-/// A recording under way; dropping it writes what is left, and leaves no log behind that has nothing in it.
+/// A recording under way; dropping it writes what is left, and leaves no log behind that has nothing in it. A disk that has
+/// stalled is not waited for: what is left goes to it when it goes on, if the program still runs then.
 #[derive(Debug)]
 pub(super) struct Recorder {
     shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
 }
 
 impl Recorder {
@@ -91,22 +112,23 @@ impl Recorder {
     pub(super) fn start(recording: Recording) -> io::Result<Self> {
         std::fs::create_dir_all(&recording.directory)?;
         let log = Log::begin(&recording.directory)?;
+        Self::with_log(recording, log)
+    }
+
+    fn with_log(recording: Recording, log: Log) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         shared.state().stats =
             RecordingStats { path: log.path.clone(), files: 1, ..Default::default() };
         let writer = Writer { recording, shared: Arc::clone(&shared), log };
-        let thread = std::thread::Builder::new()
-            .name("mavwire-recorder".into())
-            .spawn(move || writer.run())?;
-        Ok(Self { shared, thread: Some(thread) })
+        std::thread::Builder::new().name("mavwire-recorder".into()).spawn(move || writer.run())?;
+        Ok(Self { shared })
     }
 
     pub(super) fn append(&self, frames: &Frames) {
         let mut state = self.shared.state();
         for (info, bytes) in frames.iter() {
             if state.pending.len() > MAX_PENDING {
-                state.stats.dropped += 1;
-                continue;
+                state.drop_older_half();
             }
             state.pending.extend_from_slice(&Stamp::encode(info.time, 0));
             state.pending.extend_from_slice(&recordable(bytes));
@@ -124,11 +146,10 @@ impl Recorder {
 
 impl Drop for Recorder {
     fn drop(&mut self) {
-        self.shared.state().stopping = true;
-        self.shared.wake.notify_one();
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        let mut state = self.shared.state();
+        state.stopping = true;
+        self.shared.wake.notify_all();
+        drop(self.shared.wake.wait_timeout_while(state, CLOSE_TIME, |state| !state.ended));
     }
 }
 
@@ -226,7 +247,9 @@ impl Writer {
                 stats.error = written.and(rotated).err().map(|error| in_words(&error));
             }
             if stopping {
-                return self.log.discard_if_empty();
+                self.log.discard_if_empty();
+                self.shared.state().ended = true;
+                return self.shared.wake.notify_all();
             }
         }
     }
@@ -290,6 +313,50 @@ fn utc_name(seconds: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bridge::frames::FrameInfo;
+
+    /// Frames of version 1 whose sequence numbers count up.
+    fn frames(count: usize) -> Frames {
+        let mut frames = Frames::default();
+        for n in 0..count {
+            let mut bytes = [0; 20];
+            bytes[..6].copy_from_slice(&[0xFE, 12, n as u8, 1, 1, 0]);
+            let info =
+                FrameInfo { len: 20, time: 1, link: 1, sysid: 1, compid: 1, msgid: 0, index: None };
+            frames.push(&bytes, info);
+        }
+        frames
+    }
+
+    #[test]
+    fn a_stalled_disk_costs_the_oldest_records_and_keeps_nobody() {
+        let (reader, disk) = io::pipe().expect("a pipe");
+        let file = File::from(std::os::fd::OwnedFd::from(disk));
+        let log = Log { path: PathBuf::new(), file, begun: Instant::now(), len: 0 };
+        let recording = Recording {
+            directory: PathBuf::new(),
+            max_bytes: None,
+            max_age: None,
+            flush_interval: Duration::ZERO,
+        };
+        let recorder = Recorder::with_log(recording, log).expect("a thread");
+        let mut given = 0;
+        while recorder.stats().dropped == 0 {
+            recorder.append(&frames(10_000));
+            given += 10_000;
+            assert!(given < 10_000_000, "nothing is dropped");
+        }
+        let state = recorder.shared.state();
+        assert!(state.pending.len() <= MAX_PENDING + 256);
+        assert_eq!(state.stats.error.as_deref(), Some("the disk is too slow"));
+        let last = lengths(&state.pending).last().map(|len| state.pending.len() - len);
+        assert_eq!(last.map(|at| state.pending[at + STAMP_LEN + 2]), Some(9_999_u32 as u8));
+        drop(state);
+        let begun = Instant::now();
+        drop(recorder);
+        assert!(begun.elapsed() < Duration::from_secs(2));
+        drop(reader);
+    }
 
     #[test]
     fn times_are_written_as_utc() {
