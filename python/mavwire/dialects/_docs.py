@@ -23,7 +23,8 @@ def _texts(
 
 
 def _wrapped(text: str, indent: str) -> str:
-    if len(text) <= WIDTH and text.isprintable():
+    text = text.strip()
+    if len(indent) + len(text) <= WIDTH and text.isprintable():
         return indent + text
     import textwrap
 
