@@ -3,12 +3,14 @@
 pymavlink's modules are self-contained: each has its own ``MAVLink_message``, ``MAVError``, ``MAVLink`` and so on, so that
 messages of two modules never compare equal and catching one module's ``MAVError`` does not catch another's. So the
 classes are made here once per module, around the native ones.
-"""
 
-from __future__ import annotations
+Annotations are evaluated in this file: ``inspect`` and ``typing.get_type_hints`` find types, as in pymavlink. What only a
+type checker needs is quoted, since ``typing`` is not imported.
+"""
 
 import struct
 import time
+from types import FunctionType
 
 from mavwire import _native
 from mavwire.dialects import _docs, _methods
@@ -17,14 +19,14 @@ from mavwire.dialects._descriptions import Texts
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any, ClassVar
+    from typing import Any
 
 HEX = [f"{byte:x}" for byte in range(256)]
 # The type of a SETUP_SIGNING that the dialect lacks: its key is in no text either.
 KEYED_UNKNOWN = "UNKNOWN_256"
 
 
-def _header_class(namespace: dict[str, Any], marker: int) -> type:
+def _header_class(namespace: "dict[str, Any]", marker: int) -> type:
     class MAVLink_header:
         """Header of a frame."""
 
@@ -71,12 +73,14 @@ def _header_class(namespace: dict[str, Any], marker: int) -> type:
 class SchemaAttr:
     """A class attribute of message classes that is worked out when first read, then kept on the class."""
 
-    def __init__(self, name: str, default: Any, read: Callable[[_native.MessageInfo], Any]) -> None:
+    def __init__(
+        self, name: str, default: "Any", read: "Callable[[_native.MessageInfo], Any]"
+    ) -> None:
         self._name = name
         self._default = default
         self._read = read
 
-    def __get__(self, obj: Any, cls: type) -> Any:
+    def __get__(self, obj: "Any", cls: type) -> "Any":
         owner = defining_class(cls)
         if owner is None:
             return self._default
@@ -93,11 +97,11 @@ def defining_class(cls: type) -> type | None:
     return None
 
 
-def _own(name: str) -> Callable[[_native.MessageInfo], Any]:
+def _own(name: str) -> "Callable[[_native.MessageInfo], Any]":
     return lambda info: getattr(info, name)
 
 
-SCHEMA_ATTRS: dict[str, tuple[Any, Callable[[_native.MessageInfo], Any]]] = {
+SCHEMA_ATTRS: "dict[str, tuple[Any, Callable[[_native.MessageInfo], Any]]]" = {
     "fieldnames": ([], _own("fieldnames")),
     "ordered_fieldnames": ([], _own("ordered_fieldnames")),
     "fieldtypes": ([], _own("fieldtypes")),
@@ -119,40 +123,33 @@ META_ATTRS = (
 ).split()
 
 
-class LazySignature:
-    """``__signature__`` of message classes: the constructor's, before the constructor was ever used."""
-
-    def __get__(self, obj: Any, cls: type) -> Any:
-        import inspect
-
-        owner = defining_class(cls)
-        if owner is None or cls.__init__ is not owner.__init__:  # type: ignore[misc]
-            raise AttributeError("__signature__")
-        if owner.__init__ in (_first_init, _lazy_init):  # type: ignore[misc]
-            _specialise(owner)
-        signature = inspect.signature(owner.__init__)  # type: ignore[misc]
-        return signature.replace(parameters=list(signature.parameters.values())[1:])
-
-
 def _message_base(native: _native.Dialect, header: type) -> type:
     class MAVLink_message(_native.Message):
         """Base class of all messages of this dialect."""
 
-        id: ClassVar[int] = 0
-        msgname: ClassVar[str] = ""
-        crc_extra: ClassVar[int] = 0
-        _info: ClassVar[_native.MessageInfo | None] = None
-        _dialect: ClassVar[_native.Dialect] = native
-        _header_class: ClassVar[type] = header
-        _message_base: ClassVar[type]
+        fieldnames: list[str]
+        ordered_fieldnames: list[str]
+        fieldtypes: list[str]
+        fielddisplays_by_name: dict[str, str]
+        fieldenums_by_name: dict[str, str]
+        fieldunits_by_name: dict[str, str]
+        orders: list[int]
+        lengths: list[int]
+        array_lengths: list[int]
+        instance_field: str | None
+        id = 0
+        msgname = ""
+        crc_extra = 0
+        _info = None
+        _dialect = native
+        _header_class = header
         __dict__ = property(_native.message_dict)
-        __signature__ = LazySignature()
 
         def __init__(self, msgId: int, name: str) -> None:
             self._header = header(msgId)
             self._type = name
 
-    MAVLink_message._message_base = MAVLink_message
+    MAVLink_message._message_base = MAVLink_message  # type: ignore[attr-defined]
     for name, (default, read) in SCHEMA_ATTRS.items():
         setattr(MAVLink_message, name, SchemaAttr(name, default, read))
     for name in META_ATTRS:
@@ -160,15 +157,15 @@ def _message_base(native: _native.Dialect, header: type) -> type:
     return MAVLink_message
 
 
-def _odd_message_classes(base: Any) -> tuple[type, type]:
+def _odd_message_classes(base: "Any") -> tuple[type, type]:
     class MAVLink_bad_data(base):
         """Bytes that are no valid frame, with the reason."""
 
-        fieldnames: ClassVar[list[str]] = ["data", "reason"]
+        fieldnames = ["data", "reason"]  # noqa: RUF012
         data = _native.OddField("data")
         reason = _native.OddField("reason")
 
-        def __init__(self, data: bytes, reason: str) -> None:
+        def __init__(self, data: bytes | bytearray, reason: str) -> None:
             base.__init__(self, -1, "BAD_DATA")
             self.data = data
             self.reason = reason
@@ -180,10 +177,10 @@ def _odd_message_classes(base: Any) -> tuple[type, type]:
     class MAVLink_unknown(base):
         """A frame whose message id the dialect does not define; ``data`` is the whole frame."""
 
-        fieldnames: ClassVar[list[str]] = ["data"]
+        fieldnames = ["data"]  # noqa: RUF012
         data = _native.OddField("data")
 
-        def __init__(self, msgid: int, data: bytes) -> None:
+        def __init__(self, msgid: int, data: bytes | bytearray) -> None:
             base.__init__(self, -2, f"UNKNOWN_{msgid}")
             self.data = data
             self._msgbuf = bytearray(data)
@@ -197,47 +194,11 @@ def _odd_message_classes(base: Any) -> tuple[type, type]:
     return MAVLink_bad_data, MAVLink_unknown
 
 
-def _first_init(self: Any, *args: Any, **kwargs: Any) -> None:
-    """Makes the first message of a class without a constructor, if its values are named by their order: to
-    compile one takes ten times as long, and each link makes one message of its own.
-    """
-    owner = defining_class(type(self))
-    assert owner is not None
-    rest = None if kwargs else _methods.rest_of(owner.__dict__["_info"], len(args))
-    if rest is None:
-        _lazy_init(self, *args, **kwargs)
-        return
-    if owner.__init__ is _first_init:  # type: ignore[misc]
-        owner.__init__ = _lazy_init  # type: ignore[misc]
-    _native.build(self, *args, *rest)
-
-
-def _lazy_init(self: Any, *args: Any, **kwargs: Any) -> None:
-    """Makes the real constructor of the message class when it is used."""
-    owner = defining_class(type(self))
-    assert owner is not None
-    _specialise(owner)(self, *args, **kwargs)
-
-
-def _specialise(owner: type) -> Callable[..., None]:
-    """The real constructor of a message class; it is the class's own unless somebody put another in its place, which
-    calls what was there.
-    """
-    init: Callable[..., None] | None = owner.__dict__.get("_constructor")
-    if init is None:
-        info = owner.__dict__["_info"]
-        init = _methods.make_init(info, owner.__module__, owner.__qualname__)
-        owner._constructor = init  # type: ignore[attr-defined]
-    if owner.__init__ in (_first_init, _lazy_init):  # type: ignore[misc]
-        owner.__init__ = init  # type: ignore[misc]
-    return init
-
-
-def _deprecated_name_property(namespace: dict[str, Any]) -> type:
+def _deprecated_name_property(namespace: "dict[str, Any]") -> type:
     class mavlink_msg_deprecated_name_property:
         """``name`` of message classes that have no field of that name: use ``msgname`` or ``get_type()``."""
 
-        def __get__(self, instance: Any, owner: Any) -> Any:
+        def __get__(self, instance: "Any", owner: "Any") -> "Any":
             import logging
 
             logger = logging.getLogger(namespace["__name__"])
@@ -258,13 +219,14 @@ def _deprecated_name_property(namespace: dict[str, Any]) -> type:
 
 
 def _message_class_maker(
-    native: _native.Dialect, base: type, module: str, name_property: Any, texts: Texts
-) -> Callable[[_native.MessageInfo], type]:
+    native: _native.Dialect, base: type, module: str, name_property: "Any", texts: Texts
+) -> "Callable[[_native.MessageInfo], type]":
     def make(info: _native.MessageInfo) -> type:
         name = f"MAVLink_{info.name.lower()}_message"
+        init = LazyFunction(info.name, _methods.make_init)
         body: dict[str, Any] = {
             "__doc__": _docs.ClassDoc(native, info, texts),
-            "__init__": _first_init,
+            "__init__": init,
             "_info": info,
             "id": info.id,
             "msgname": info.name,
@@ -277,56 +239,53 @@ def _message_class_maker(
             body[field] = _native.FieldGetter(info, field, class_value=own)
         for field in info.char_fields:
             body[f"_{field}_raw"] = _native.FieldGetter(info, field, raw=True)
-        return _native.message_class(module, name, base, body)
+        made = _native.message_class(module, name, base, body)
+        init.__set_name__(made, "__init__")
+        return made
 
     return make
 
 
-MAKERS = {"encode": _methods.make_encode, "send": _methods.make_send}
+class LazyFunction:
+    """``MAVLink.<name>_encode`` or ``_send``, or a message's ``__init__``, before its first use.
 
+    To compile all of them would take a second. Whoever asks for one gets the real function, which replaces this object.
+    """
 
-class LazyMethod:
-    """``MAVLink.<name>_encode`` or ``_send`` before its first use; replaces itself by the real function."""
+    __slots__ = ("_make", "_message", "_owner")
 
-    __slots__ = ("_message", "_owner", "_suffix")
-
-    def __init__(self, message: str, suffix: str) -> None:
+    def __init__(self, message: str, make: "Callable[[Any, Any], FunctionType]") -> None:
+        self._make = make
         self._message = message
         self._owner: Any = None
-        self._suffix = suffix
 
     def __set_name__(self, owner: type, name: str) -> None:
         # The dialect's own class, wherever else it is put.
         self._owner = self._owner or owner
 
-    def __get__(self, obj: Any, cls: Any = None) -> Any:
+    def __get__(self, obj: "Any", cls: "Any" = None) -> "Any":
         return self._function().__get__(obj, cls)
 
-    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+    def __call__(self, *args: "Any", **kwargs: "Any") -> "Any":
         """For who takes it out of the class's dictionary, as those do who wrap all methods of a class."""
         return self._function()(*args, **kwargs)
 
-    def _function(self) -> Any:
+    def _function(self) -> FunctionType:
         owner = self._owner
-        native = owner._dialect
-        message_class = native.message_class(self._message)
-        info = message_class._info
-        function = MAKERS[self._suffix](
-            info, message_class, owner.__module__, lambda: _docs.method_doc(native, info)
-        )
-        name = f"{self._message.lower()}_{self._suffix}"
+        function = self._make(owner, owner._dialect.message_class(self._message))
+        name = function.__name__
         if owner.__dict__.get(name) is self:  # nobody has put another in its place
             setattr(owner, name, function)
         return function
 
 
-def _lazy_methods(native: _native.Dialect) -> dict[str, LazyMethod]:
+def _lazy_methods(native: _native.Dialect) -> dict[str, LazyFunction]:
     """All of them by name."""
     methods = {}
     for message, _ in native.messages():
         lower = message.lower()
-        methods[f"{lower}_encode"] = LazyMethod(message, "encode")
-        methods[f"{lower}_send"] = LazyMethod(message, "send")
+        methods[f"{lower}_encode"] = LazyFunction(message, _methods.make_encode)
+        methods[f"{lower}_send"] = LazyFunction(message, _methods.make_send)
     return methods
 
 
@@ -336,8 +295,7 @@ def _mavlink_class(native: _native.Dialect, marker: int, signing_class: type) ->
 
         # Set one after the other on a class that is there already they would take ten times as long.
         locals().update(_lazy_methods(native))
-        _dialect: ClassVar[_native.Dialect] = native
-        _mavlink_base: ClassVar[type]
+        _dialect = native
         protocol_marker = marker
         little_endian = True
         crc_extra = True
@@ -349,7 +307,7 @@ def _mavlink_class(native: _native.Dialect, marker: int, signing_class: type) ->
         mav_sign_unpacker = struct.Struct("<IH")
 
         def __init__(
-            self, file: Any, srcSystem: int = 0, srcComponent: int = 0, use_native: bool = False
+            self, file: object, srcSystem: int = 0, srcComponent: int = 0, use_native: bool = False
         ) -> None:
             self.file = file
             self.srcSystem = srcSystem
@@ -357,7 +315,7 @@ def _mavlink_class(native: _native.Dialect, marker: int, signing_class: type) ->
             self.startup_time = time.time()
             self.signing = signing_class()
 
-    MAVLink._mavlink_base = MAVLink
+    MAVLink._mavlink_base = MAVLink  # type: ignore[attr-defined]
     return MAVLink
 
 
@@ -377,7 +335,7 @@ def _signing_class() -> type:
         """Signing state of one link."""
 
         @property
-        def __dict__(self) -> dict[str, Any]:  # type: ignore[override]
+        def __dict__(self) -> "dict[str, Any]":  # type: ignore[override]
             return {name: getattr(self, name) for name in SIGNING_ATTRS}
 
     return MAVLinkSigning
@@ -390,8 +348,8 @@ SIGNING_ATTRS = (
 
 
 def make_classes(
-    namespace: dict[str, Any], native: _native.Dialect, texts: Texts
-) -> dict[str, Any]:
+    namespace: "dict[str, Any]", native: _native.Dialect, texts: Texts
+) -> "dict[str, Any]":
     """All classes of the module ``namespace`` by name, and the maker of message classes under ``"_make"``."""
     module = namespace["__name__"]
     marker = 254 if native.wire_protocol == "1.0" else 253
@@ -414,5 +372,9 @@ def make_classes(
     for name, cls in classes.items():
         cls.__module__ = module
         cls.__qualname__ = name
+        for function in vars(cls).values():
+            if type(function) is FunctionType:
+                function.__module__ = module
+                function.__qualname__ = f"{name}.{function.__name__}"
     classes["_make"] = _message_class_maker(native, base, module, name_property(), texts)
     return classes

@@ -1,7 +1,5 @@
 """``enums`` of a dialect module: name -> Enum -> EnumEntry."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from mavwire.dialects import _descriptions

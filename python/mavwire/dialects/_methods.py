@@ -1,7 +1,7 @@
 """The functions that each message has: its constructor, ``<name>_encode`` and ``<name>_send``.
 
-They are real Python functions with real signatures, so that ``help``, ``inspect`` and the texts of ``TypeError`` are what
-callers expect; each is compiled from one template when it is first used.
+They are Python functions with pymavlink's signatures and annotations, for ``help``, ``inspect`` and the texts of
+``TypeError``. Each is compiled from one template when somebody first asks for it.
 """
 
 from __future__ import annotations
@@ -9,14 +9,16 @@ from __future__ import annotations
 import keyword
 
 from mavwire._native import MessageInfo, build, send_values
+from mavwire.dialects import _docs
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
+    from types import FunctionType
     from typing import Any
 
 _INIT = "def __init__(self{parameters}):\n    _build(self, {arguments})\n"
-_ENCODE = "def {lower}_encode(self{parameters}):\n    return _class({arguments})\n"
+_ENCODE = "def {lower}_encode(self{parameters}) -> _class:\n    return _class({arguments})\n"
 _SEND = (
     "def {lower}_send(self{parameters}, force_mavlink1: bool = False) -> None:\n"
     "    _send(self, _info, force_mavlink1, {arguments})\n"
@@ -34,16 +36,6 @@ def _default(field_type: str, array_length: int) -> bytes | tuple[int, ...] | in
     if field_type == "char":
         return b""
     return (0,) * array_length if array_length else 0
-
-
-def rest_of(info: MessageInfo, count: int) -> list[Any] | None:
-    """The default values behind the first `count` fields; None where there are none, or not so many fields."""
-    missing = info.parameters[count:]
-    if count > len(info.parameters) or not all(
-        is_extension for _, _, _, is_extension, _ in missing
-    ):
-        return None
-    return [_default(field_type, length) for _, field_type, length, _, _ in missing]
 
 
 def _parameters(info: MessageInfo, version_default: bool) -> str:
@@ -68,50 +60,45 @@ def _checked(names: Iterable[str]) -> list[str]:
 
 
 def _compile(
-    template: str, name: str, info: MessageInfo, scope: dict[str, Any], version_default: bool
-) -> Callable[..., Any]:
-    names = _checked(info.fieldnames)
+    template: str, owner: type, message_class: Any, scope: dict[str, Any], version_default: bool
+) -> FunctionType:
+    info = message_class._info
+    parameters = _parameters(info, version_default)
     source = template.format(
         lower=info.name.lower(),
-        parameters=_parameters(info, version_default),
-        arguments=", ".join(names),
+        parameters=parameters,
+        arguments=", ".join(_checked(info.fieldnames)),
     )
-    # Annotations stay text: nothing is imported for them.
-    code = "from __future__ import annotations\n" + source
-    exec(compile(code, f"<mavwire {info.name}>", "exec"), scope)
-    function: Callable[..., Any] = scope[name]
+    if "Sequence[" in parameters:
+        from typing import Sequence  # noqa: UP035 - programs compare annotations with it
+
+        scope["Sequence"] = Sequence
+    scope["__name__"] = owner.__module__
+    code = compile(source, f"<mavwire {info.name}>", "exec", dont_inherit=True)
+    exec(code, scope)
+    function: FunctionType = scope[source[len("def ") : source.index("(")]]
+    function.__qualname__ = f"{owner.__qualname__}.{function.__name__}"
     return function
 
 
-def make_init(info: MessageInfo, module: str, qualname: str) -> Callable[..., None]:
-    """The constructor of a message class."""
-    scope: dict[str, Any] = {"_build": build, "__name__": module}
-    function = _compile(_INIT, "__init__", info, scope, version_default=False)
-    function.__qualname__ = f"{qualname}.__init__"
-    return function
+def make_init(owner: type, message_class: Any) -> FunctionType:
+    """The constructor of a message class, which is also ``owner``."""
+    return _compile(_INIT, owner, message_class, {"_build": build}, version_default=False)
 
 
-def make_encode(
-    info: MessageInfo, cls: type, module: str, doc: Callable[[], str]
-) -> Callable[..., Any]:
-    """``MAVLink.<name>_encode``."""
-    name = f"{info.name.lower()}_encode"
-    return _make_method(_ENCODE, name, info, cls, module, doc)
+def make_encode(owner: Any, message_class: Any) -> FunctionType:
+    """``MAVLink.<name>_encode`` of the class ``owner``."""
+    return _make_method(_ENCODE, owner, message_class)
 
 
-def make_send(
-    info: MessageInfo, cls: type, module: str, doc: Callable[[], str]
-) -> Callable[..., Any]:
-    """``MAVLink.<name>_send``."""
-    name = f"{info.name.lower()}_send"
-    return _make_method(_SEND, name, info, cls, module, doc)
+def make_send(owner: Any, message_class: Any) -> FunctionType:
+    """``MAVLink.<name>_send`` of the class ``owner``."""
+    return _make_method(_SEND, owner, message_class)
 
 
-def _make_method(
-    template: str, name: str, info: MessageInfo, cls: type, module: str, doc: Callable[[], str]
-) -> Callable[..., Any]:
-    scope: dict[str, Any] = {"_class": cls, "_info": info, "_send": send_values, "__name__": module}
-    function = _compile(template, name, info, scope, version_default=True)
-    function.__qualname__ = f"MAVLink.{name}"
-    function.__doc__ = doc()
+def _make_method(template: str, owner: Any, message_class: Any) -> FunctionType:
+    info = message_class._info
+    scope = {"_class": message_class, "_info": info, "_send": send_values}
+    function = _compile(template, owner, message_class, scope, version_default=True)
+    function.__doc__ = _docs.method_doc(owner._dialect, info)
     return function

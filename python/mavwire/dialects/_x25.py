@@ -1,7 +1,5 @@
 """The MAVLink checksum as pymavlink's dialect modules offer it."""
 
-from __future__ import annotations
-
 from mavwire._native import x25_accumulate
 
 

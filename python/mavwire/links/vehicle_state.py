@@ -41,8 +41,10 @@ class mavfile_state(SystemState):
         # False until heard, then the armed bit itself: 0 or 128.
         self.armed: int = False
         mavlink = state.mavlink
-        if hasattr(mavlink, "MAVLink_gps_raw_int_message"):
-            self.messages["HOME"] = mavlink.MAVLink_gps_raw_int_message(*[0] * 10)
+        if (gps := getattr(mavlink, "MAVLink_gps_raw_int_message", None)) is not None:
+            # Without its constructor: a tool over a short log would wait for that to be compiled.
+            self.messages["HOME"] = home = gps.__new__(gps)
+            _native.build(home, *[0] * len(gps.fieldnames))
         _name_waypoint_class(mavlink)
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import inspect
-from types import ModuleType
+import sys
+import typing
+from collections.abc import Callable
+from pathlib import Path
+from types import FunctionType, ModuleType
 from typing import Any
 
+import beside
 import pytest
 
 pytest.importorskip("pymavlink", reason="pymavlink 2.4.50 is not installed")
@@ -62,20 +67,110 @@ def test_class_attributes(modules: tuple[ModuleType, ModuleType]) -> None:
         assert our_class.unpacker.format == their_class.unpacker.format, our_class.__name__
 
 
-def _signature(function: Any) -> list[tuple[str, Any, Any]]:
-    return [(p.name, p.default, p.kind) for p in inspect.signature(function).parameters.values()]
+# Each is asked of a class, or of a function, that nobody has used or looked at.
+OF_FUNCTIONS = {
+    "getfullargspec": inspect.getfullargspec,
+    "signature": inspect.signature,
+    "co_varnames": lambda function: function.__code__.co_varnames,
+    "names": lambda function: (function.__qualname__, function.__name__, function.__module__),
+    "defaults": lambda function: function.__defaults__,
+    "annotations": lambda function: function.__annotations__,
+    "get_type_hints": typing.get_type_hints,
+}
+OF_CLASSES = {
+    **{name: lambda cls, ask=ask: ask(cls.__init__) for name, ask in OF_FUNCTIONS.items()},
+    "signature of the class": inspect.signature,
+    "getdoc": inspect.getdoc,
+    "getdoc of the constructor": lambda cls: inspect.getdoc(cls.__init__),
+    "hints of the class": lambda cls: list(typing.get_type_hints(cls)),
+}
 
 
-def test_signatures(modules: tuple[ModuleType, ModuleType]) -> None:
-    ours, theirs = modules
-    for msgid, their_class in theirs.mavlink_map.items():
-        our_class = ours.mavlink_map[msgid]
-        assert _signature(our_class) == _signature(their_class), our_class.__name__
-        lower = our_class.msgname.lower()
-        for method in (f"{lower}_encode", f"{lower}_send"):
-            assert _signature(getattr(ours.MAVLink, method)) == _signature(
-                getattr(theirs.MAVLink, method)
-            ), method
+def _asked(questions: dict[str, Any], first: int, target: Any) -> dict[str, str]:
+    """The answers, beginning with one question of the list: it meets what is fresh."""
+    names = list(questions)
+    names = names[first % len(names) :] + names[: first % len(names)]
+    return {name: repr(questions[name](target)).replace("pymavlink", "mavwire") for name in names}
+
+
+@pytest.fixture
+def fresh(monkeypatch: pytest.MonkeyPatch) -> Callable[[ModuleType], ModuleType]:
+    """Makes the same module again, with classes of its own."""
+
+    def make(module: ModuleType) -> ModuleType:
+        copy = importlib.util.module_from_spec(module.__spec__)
+        module.__spec__.loader.exec_module(copy)
+        monkeypatch.setitem(sys.modules, copy.__name__, copy)
+        return copy
+
+    return make
+
+
+def test_introspection_of_fresh_classes(
+    modules: tuple[ModuleType, ModuleType], fresh: Callable[[ModuleType], ModuleType]
+) -> None:
+    ours, theirs = fresh(modules[0]), modules[1]
+    for first, their_class in enumerate(theirs.mavlink_map.values()):
+        name = their_class.__name__
+        assert _asked(OF_CLASSES, first, getattr(ours, name)) == _asked(
+            OF_CLASSES, first, their_class
+        )
+        for suffix in ("encode", "send"):
+            method = f"{their_class.msgname.lower()}_{suffix}"
+            asked = [
+                _asked(OF_FUNCTIONS, first, getattr(m.MAVLink, method)) for m in (ours, theirs)
+            ]
+            assert asked[0] == asked[1], method
+
+
+# A type that needs no import of `typing` is in the place of `typing.Any`, and of `typing.Union`.
+SPELLINGS = {"object": "Any", "bytes | bytearray": "Union[bytes, bytearray]"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["MAVLink_header", "MAVLink_message", "MAVLink_bad_data", "MAVLink_unknown", "MAVLink",
+     "MAVError", "Enum", "EnumEntry"],
+)  # fmt: skip
+def test_introspection_of_the_other_classes(
+    name: str, fresh: Callable[[ModuleType], ModuleType]
+) -> None:
+    path = "dialects.v20.common"
+    ours = fresh(importlib.import_module(f"mavwire.{path}"))
+    theirs = importlib.import_module(f"pymavlink.{path}")
+    our_signature = str(inspect.signature(getattr(ours, name)))
+    for spelling, typing_name in SPELLINGS.items():
+        our_signature = our_signature.replace(spelling, typing_name)
+    assert our_signature == str(inspect.signature(getattr(theirs, name)))
+    our_init, their_init = (getattr(module, name).__init__ for module in (ours, theirs))
+    assert our_init.__qualname__.endswith("__init__")
+    if isinstance(our_init, FunctionType):
+        assert our_init.__code__.co_varnames == their_init.__code__.co_varnames
+        assert our_init.__qualname__ == their_init.__qualname__
+        assert list(typing.get_type_hints(our_init)) == list(typing.get_type_hints(their_init))
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "inspect.getfullargspec(C.__init__).args",
+        "inspect.signature(C)",
+        "C.__init__.__code__.co_varnames",
+        "C.__init__.__qualname__",
+        "typing.get_type_hints(C.__init__)",
+        "inspect.getdoc(C)",
+        "inspect.signature(M.rc_channels_send)",
+        "typing.get_type_hints(M.file_transfer_protocol_encode)",
+    ],
+)
+def test_the_first_question_of_a_process(question: str, tmp_path: Path, oracle: str) -> None:
+    program = f"""
+import inspect, typing
+C = load("dialects.v20.common").MAVLink_rc_channels_message
+M = load("dialects.v20.common").MAVLink
+show({question!r})
+"""
+    beside.assert_same(program, tmp_path, oracle)
 
 
 def test_enums(modules: tuple[ModuleType, ModuleType]) -> None:
