@@ -128,6 +128,10 @@ class mavmmaplog(mavlogfile):
 
     def rewind(self) -> None:
         """Read from the start again, of any types; messages, params and counters stay."""
+        self._rewind()
+
+    def _rewind(self) -> None:
+        """The name that pymavlink's scripts call, and their subclasses replace."""
         self._restart()
         self.flightmode = "UNKNOWN"
 

@@ -15,10 +15,11 @@ import dataflash_writer
 import pytest
 from dump_logs import environment
 from mavwire.dialects.v20 import ardupilotmega as mavlink
-from tool_runs import Log, flight_log, in_folder, program, random_log
+from tool_runs import Log, compare_files, flight_log, in_folder, program, random_log
 
 pytest.importorskip("matplotlib", reason="matplotlib is not installed")
 
+ALIASED = ("-m", "mavwire", "run")
 RECORDER = str(Path(__file__).with_name("figure_record.py"))
 CASES = (
     "ATTITUDE.roll GPS_RAW_INT.vel:2 VFR_HUD.alt 'degrees(ATTITUDE.pitch)' HEARTBEAT.type:2",
@@ -29,20 +30,22 @@ CASES = (
 )
 
 
-def draw(command: list[str], folder: Path) -> list[str]:
-    """What a program prints that draws in a folder."""
+def draw(command: list[str], folder: Path, run: tuple[str, ...] = ()) -> list[str]:
+    """What a program prints that draws in a folder; `run` is how Python runs it."""
     result = subprocess.run(
-        [sys.executable, RECORDER, *command],
+        [sys.executable, *run, RECORDER, *command],
         capture_output=True, check=True, cwd=folder, env=environment(), timeout=250,
     )  # fmt: skip
     return result.stdout.decode().splitlines()
 
 
-def figure(command: list[str], options: str, folder: Path, *logs: Path) -> tuple[list[str], Any]:
+def figure(
+    command: list[str], options: str, folder: Path, *logs: Path, run: tuple[str, ...] = ()
+) -> tuple[list[str], Any]:
     """What a program prints and what it draws."""
     in_folder(folder, logs)
     names = [log.name for log in logs]
-    printed = draw([*command, *names, *shlex.split(options), "--output", "out.png"], folder)
+    printed = draw([*command, *names, *shlex.split(options), "--output", "out.png"], folder, run)
     return printed, json.loads((folder / "out.png").read_text())
 
 
@@ -70,6 +73,8 @@ def assert_same_axes(ours: Any, theirs: Any) -> None:
 def test_one_log(options: str, tmp_path: Path, oracle: str) -> None:
     log = flight_log(tmp_path / "flight.tlog")
     printed, theirs = figure(program("mavgraph"), options, tmp_path / "theirs", log)
+    aliased = figure(program("mavgraph"), options, tmp_path / "aliased", log, run=ALIASED)
+    assert aliased == (printed, theirs)
     ours_printed, ours = figure(["-m", "mavwire", "graph"], options, tmp_path / "ours", log)
     assert ours_printed == printed
     assert len(ours["axes"]) == len(theirs["axes"])
@@ -133,6 +138,11 @@ def spectra_log(path: Path) -> Path:
     return path
 
 
+def without_speed(lines: list[str]) -> list[str]:
+    """How fast a script was is no output to compare."""
+    return [line for line in lines if "messages/second" not in line]
+
+
 SPECTRA = (
     ("mavfft_isb", "fft_isb", "--overlap --window blackman --output lsd --axis XZ"),
     ("mavfft_isb", "fft_isb", "--scale linear --max-freq 300"),
@@ -146,12 +156,15 @@ def test_spectra(script: str, verb: str, options: str, tmp_path: Path, oracle: s
     if script == "mavfft_isb":
         pytest.importorskip("scipy", reason="mavfft_isb.py needs scipy")
     log = spectra_log(tmp_path / "fast.bin")
-    folders = in_folder(tmp_path / "theirs", (log,)), in_folder(tmp_path / "ours", (log,))
+    folders = [in_folder(tmp_path / name, (log,)) for name in ("theirs", "ours", "aliased")]
     theirs = draw([*program(script), log.name, *options.split()], folders[0])
+    if program(script)[0] != "-m":
+        aliased = draw([*program(script), log.name, *options.split()], folders[2], ALIASED)
+        assert without_speed(aliased) == without_speed(theirs)
+        compare_files(folders[2], folders[0])
     command = ["-m", "mavwire", verb, log.name, *options.split(), "--image", "out.png"]
     ours = draw(command, folders[1])
-    # How fast the script was is no output to compare.
-    assert ours == [line for line in theirs if "messages/second" not in line]
+    assert ours == without_speed(theirs)
     drawn = [json.loads(path.read_text()) for path in sorted(folders[0].glob("*.json"))]
     drawn = [one for one in drawn if one["axes"][0]["lines"]]
     images = sorted(folders[1].glob("out*.png"))
@@ -177,6 +190,8 @@ def test_two_logs(options: str, tmp_path: Path, oracle: str) -> None:
     logs = flight_log(tmp_path / "flight.tlog"), random_log(tmp_path / "random.tlog", 1)
     options = f"ATTITUDE.pitch HEARTBEAT.custom_mode {options}"
     printed, theirs = figure(program("mavgraph"), options, tmp_path / "theirs", *logs)
+    aliased = figure(program("mavgraph"), options, tmp_path / "aliased", *logs, run=ALIASED)
+    assert aliased == (printed, theirs)
     ours_printed, ours = figure(["-m", "mavwire", "graph"], options, tmp_path / "ours", *logs)
     assert ours_printed == printed
     assert_same_axes(ours["axes"][0], theirs["axes"][0])

@@ -17,12 +17,17 @@ START = 1_600_000_000
 SCRIPTS = Path(sys.executable).parent
 
 
-def run(command: list[str], folder: Path) -> tuple[list[str], int]:
-    """Lines on standard output, and the exit code, of a program that works in `folder`."""
-    result = subprocess.run(
+def result_of(command: list[str], folder: Path) -> subprocess.CompletedProcess[bytes]:
+    """What Python does with a program and its arguments in `folder`."""
+    return subprocess.run(
         [sys.executable, *command],
         capture_output=True, check=False, cwd=folder, env=environment(), timeout=250,
     )  # fmt: skip
+
+
+def run(command: list[str], folder: Path) -> tuple[list[str], int]:
+    """Lines on standard output, and the exit code, of a program that works in `folder`."""
+    result = result_of(command, folder)
     return result.stdout.decode(errors="replace").split("\n"), result.returncode
 
 
@@ -40,8 +45,14 @@ def program(script: str) -> list[str]:
     return [str(installed)] if installed.exists() else ["-m", f"pymavlink.tools.{script}"]
 
 
+def aliased(script: str) -> list[str]:
+    """How Python runs an installed script of pymavlink on mavwire."""
+    return ["-m", "mavwire", "run", *program(script)]
+
+
 def compare(script: str, verb: str, options: str, folder: Path, *logs: Path) -> list[str]:
-    """Run pymavlink's script and mavwire's subcommand; what they print, which is the same.
+    """Run pymavlink's script, mavwire's subcommand, and the script where pymavlink is mavwire; what they print, which is
+    the same.
 
     `LOG` in the options stands for the names of the logs, which otherwise follow them.
     """
@@ -50,13 +61,18 @@ def compare(script: str, verb: str, options: str, folder: Path, *logs: Path) -> 
     arguments = shlex.split(text)
     command = program(script)
     their_folder = in_folder(folder / "theirs", logs)
-    our_folder = in_folder(folder / "ours", logs)
     theirs, their_code = run([*command, *arguments], their_folder)
-    ours, our_code = run(["-m", "mavwire", verb, *arguments], our_folder)
-    for number, (our, their) in enumerate(zip_longest(ours, theirs), 1):
-        assert our == their, f"line {number} of {verb} {text}"
-    assert our_code == their_code == 0, text
-    compare_files(our_folder, their_folder)
+    assert their_code == 0, text
+    ways = {"ours": ["-m", "mavwire", verb]}
+    if command[0] != "-m":
+        ways["aliased"] = aliased(script)
+    for name, way in ways.items():
+        our_folder = in_folder(folder / name, logs)
+        ours, our_code = run([*way, *arguments], our_folder)
+        for number, (our, their) in enumerate(zip_longest(ours, theirs), 1):
+            assert our == their, f"line {number} of {way} {text}"
+        assert our_code == 0, (way, text)
+        compare_files(our_folder, their_folder)
     return theirs
 
 
