@@ -14,7 +14,7 @@ import os
 import stat
 import sys
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from mavwire._wording import guarded_output
 from mavwire.generator import mavparse
@@ -60,8 +60,11 @@ _PYTHON = ("python", "python3")
 _DIALECT_PACKAGES = {mavparse.PROTOCOL_1_0: "v10", mavparse.PROTOCOL_2_0: "v20"}
 
 
+_Path: TypeAlias = str | os.PathLike[str]
+
+
 class _Options(Protocol):
-    output: str
+    output: _Path
     wire_protocol: str
     language: str
     validate: bool
@@ -73,7 +76,7 @@ class Opts:
 
     def __init__(
         self,
-        output: str,
+        output: _Path,
         wire_protocol: str = DEFAULT_WIRE_PROTOCOL,
         language: str = DEFAULT_LANGUAGE,
         validate: bool = DEFAULT_VALIDATE,
@@ -86,7 +89,7 @@ class Opts:
         self.strict_units = strict_units
 
 
-def mavgen(opts: _Options, args: Sequence[str]) -> bool:
+def mavgen(opts: _Options, args: Sequence[_Path]) -> bool:
     """Generate ``opts.output`` from the definition files ``args``; says on stdout what it does.
 
     False where the files contradict themselves or the language is not Python. Schema violations end
@@ -94,12 +97,13 @@ def mavgen(opts: _Options, args: Sequence[str]) -> bool:
     a :class:`MAVParseError`.
     """
     opts.language = opts.language.lower()
-    xml, built_in = _read_files(opts, args)
+    filenames = [os.fspath(path) for path in args]
+    xml, built_in = _read_files(opts, filenames)
     if mavparse.check_duplicates(xml) or mavparse.missing_enum(xml, _enum_names(built_in)):
         return False
     print(f"Found {mavparse.total_msgs(xml)} MAVLink message types in {len(xml)} XML files")
     if opts.language not in _PYTHON:
-        _point_upstream(opts, args)
+        _point_upstream(opts, filenames)
         return False
     problems = [problem for file in xml for problem in module_problems(file)]
     problems += _name_problems(opts.output)
@@ -114,7 +118,7 @@ def mavgen(opts: _Options, args: Sequence[str]) -> bool:
     return True
 
 
-def _name_problems(output: str) -> list[str]:
+def _name_problems(output: _Path) -> list[str]:
     """Why no program could import the module, by its name."""
     name = os.path.basename(output).removesuffix(".py")
     if not keyword.iskeyword(name):

@@ -51,13 +51,14 @@ _populate(globals(), name=_NAME, wire_protocol=_WIRE_PROTOCOL, sources=_SOURCES,
 '''
 
 
-def generate(basename: str, xml: list[MAVXML]) -> None:
+def generate(basename: str | os.PathLike[str], xml: list[MAVXML]) -> None:
     """Write ``basename`` (``.py`` is added where missing) from definition files and the files they
     include.
 
     Raises :class:`MAVParseError` where the definitions do not make a module, OSError where it
     cannot be written; a file that was there before is replaced only by a complete new one.
     """
+    basename = os.fspath(basename)
     if os.path.basename(basename) in ("", ".", ".."):
         raise IsADirectoryError(
             errno.EISDIR, "A folder, where a module to write is named", basename

@@ -131,22 +131,36 @@ def merge_enums(xml: list[MAVXML]) -> None:
     """Put the entries of equally named enums into the first one, sort by value and add
     ``<NAME>_ENUM_END``.
     """
-    merged: dict[str, MAVEnum] = {}
+    parts: dict[str, list[MAVEnum]] = {}
     for file in xml:
-        kept: list[MAVEnum] = []
         for enum in file.enum:
-            if enum.name in merged:
-                merged[enum.name].entry.extend(enum.entry)
-                merged[enum.name].description = merged[enum.name].description or enum.description
+            if enum.name in parts:
                 print(f"Merged enum {enum.name}")
-            else:
-                merged[enum.name] = enum
-                kept.append(enum)
-        file.enum = kept
-    for enum in merged.values():
+            parts.setdefault(enum.name, []).append(enum)
+        file.enum = [enum for enum in file.enum if parts[enum.name][0] is enum]
+    for enum, *others in parts.values():
+        for other in others:
+            _move_behind(enum, other)
+            enum.entry.extend(other.entry)
+            enum.description = enum.description or other.description
         enum.entry.sort(key=lambda entry: entry.value)
         end = enum.entry[-1].value + 1 if enum.entry else 0
         enum.entry.append(MAVEnumEntry(enum.name + "_ENUM_END", end, end_marker=True))
+
+
+def _move_behind(enum: MAVEnum, included: MAVEnum) -> None:
+    """Number the entries that a file gives no value behind those of an included file, where the
+    ranges of both files meet: the rule of `NumberedPart` in rust/schema.
+    """
+    if enum.start_value is None or included.start_value is None:
+        return
+    if enum.start_value > included.highest_value or included.start_value > enum.highest_value:
+        return
+    highest = included.highest_value
+    for entry in enum.entry:
+        if entry.autovalue and entry.value <= highest:
+            highest += 1
+            entry.value = highest
 
 
 def check_duplicates(xml: list[MAVXML]) -> bool:

@@ -98,23 +98,76 @@ fn merge_parts(mut parts: Parts) -> Result<Enum, SchemaError> {
     Ok(merged)
 }
 
-/// All entries, those of included files first. An entry without a value gets the highest value before it plus one, so an
-/// including file continues where the included one ends.
+/// All entries with their values, those of included files first.
 fn number_entries(parts: Parts) -> Result<Vec<(Place, EnumEntry)>, SchemaError> {
-    let mut highest = 0;
-    let mut entries = Vec::new();
-    for (file, definition) in parts.into_iter().rev() {
-        for entry in definition.entries {
-            let place = Place { file: Rc::clone(&file), line: entry.line };
-            let value = entry.value.unwrap_or(highest + 1);
-            if value > MAX_VALUE {
-                return Err(place.error(Reason::NoValueLeft(highest)));
-            }
-            highest = highest.max(value);
-            entries.push((place, numbered(entry, value)));
+    let mut merged: Option<NumberedPart> = None;
+    for (file, definition) in parts {
+        let part = NumberedPart::new(&file, definition)?;
+        match &mut merged {
+            Some(merged) => merged.extend(part)?,
+            None => merged = Some(part),
         }
     }
-    Ok(entries)
+    Ok(merged.map(|merged| merged.entries).unwrap_or_default())
+}
+
+/// The entries of an enum in one file, each with a value. Numbers go over the wire: they are those of pymavlink's generator,
+/// whose modules and headers the other side uses.
+struct NumberedPart {
+    entries: Vec<(Place, EnumEntry)>,
+    /// Indices of the entries without a value in the definitions, the main file's first.
+    automatic: Vec<usize>,
+    lowest: i128,
+    highest: i128,
+}
+
+impl NumberedPart {
+    /// An entry without a value gets the highest value before it plus one.
+    fn new(file: &Rc<str>, definition: EnumDef) -> Result<Self, SchemaError> {
+        let mut part =
+            Self { entries: Vec::new(), automatic: Vec::new(), lowest: i128::MAX, highest: 0 };
+        for entry in definition.entries {
+            let place = Place { file: Rc::clone(file), line: entry.line };
+            let value = match entry.value {
+                Some(value) => value,
+                None => next_value(&place, part.highest)?,
+            };
+            if entry.value.is_none() {
+                part.automatic.push(part.entries.len());
+            }
+            part.lowest = part.lowest.min(value);
+            part.highest = part.highest.max(value);
+            part.entries.push((place, numbered(entry, value)));
+        }
+        Ok(part)
+    }
+
+    /// Puts the entries of an included file in front. Where its range of values meets that of the first file, entries
+    /// without a value move behind it; otherwise they stay.
+    fn extend(&mut self, included: Self) -> Result<(), SchemaError> {
+        if self.lowest <= included.highest && included.lowest <= self.highest {
+            let mut highest = included.highest;
+            for &index in &self.automatic {
+                let (place, entry) = &mut self.entries[index];
+                if entry.value <= highest {
+                    highest = next_value(place, highest)?;
+                    entry.value = highest;
+                }
+            }
+        }
+        let count = included.entries.len();
+        self.automatic.iter_mut().for_each(|index| *index += count);
+        self.automatic.extend(included.automatic);
+        self.entries.splice(0..0, included.entries);
+        Ok(())
+    }
+}
+
+fn next_value(place: &Place, highest: i128) -> Result<i128, SchemaError> {
+    match highest + 1 {
+        value if value > MAX_VALUE => Err(place.error(Reason::NoValueLeft(highest))),
+        value => Ok(value),
+    }
 }
 
 fn numbered(entry: EnumEntryDef, value: i128) -> EnumEntry {

@@ -264,6 +264,24 @@ fn missing_values_continue_after_the_highest_so_far() {
 }
 
 #[test]
+fn missing_values_move_behind_an_included_file_whose_range_meets_theirs() {
+    let merged = |main: &str, included: &str| {
+        let main = enum_file(&["a.xml"], "", main);
+        resolve_v2(&[("m.xml", main), ("a.xml", enum_file(&[], "", included))])
+    };
+    let meet = merged(
+        "<entry name=\"M1\"/><entry name=\"M2\"/>",
+        "<entry value=\"0\" name=\"A1\"/><entry value=\"1\" name=\"A2\"/>",
+    );
+    assert_eq!(values(&meet), [("A1", 0), ("A2", 1), ("M1", 2), ("M2", 3)]);
+    let apart = merged(
+        "<entry name=\"M1\"/><entry value=\"4\" name=\"M2\"/>",
+        "<entry value=\"10\" name=\"A1\"/>",
+    );
+    assert_eq!(values(&apart), [("M1", 1), ("M2", 4), ("A1", 10)]);
+}
+
+#[test]
 fn entries_are_used_once() {
     let error = |main: &str, included: &str| {
         let main = enum_file(&["a.xml"], "", main);

@@ -16,6 +16,7 @@ from typing import Any
 
 import mavwire
 import pytest
+from mavwire.dialects import load
 
 pytestmark = pytest.mark.skipif(
     importlib.util.find_spec("pymavlink") is None, reason="needs pymavlink to compare with"
@@ -158,6 +159,52 @@ def test_objects_of_every_dialect() -> None:
     assert ours[1] == theirs[1]
     for mine, other in zip(ours[0], theirs[0], strict=True):
         assert mine == other
+
+
+N = None
+# The values of an enum's entries in three files, each of which includes the next one; N: the entry has none.
+EXTENDED_ENUMS = (
+    [[N, N]], [[N, 5, N]], [[N, N], [0, 1]], [[N], [N]], [[N, 4], [10]], [[N, 5, N], [6]], [[N, 5, N], [7]],
+    [[N, 5, N], [1, 9]], [[10, N], [N, N]], [[N, 6], [N, 12], [8]], [[N], [10], [1]], [[N], [1], [10]],
+    [[N], [-1]], [[-5, N], [-4]], [[], [N], [N]], [[7], [], [N, N]],
+)  # fmt: skip
+# Neither generator makes these: the third file takes a value that an entry has moved to.
+COLLIDING_ENUMS = ([[N], [1], [2]], [[N], [2], [N]], [[N, N, N], [N, N], [N]], [[1], [1]])
+
+
+def extended(folder: Path, enums: tuple[list[list[int | None]], ...]) -> list[Path]:
+    """The files, the one that includes first."""
+    paths = [folder / f"file{depth}.xml" for depth in range(3)]
+    for depth, path in enumerate(paths):
+        include = f"<include>{paths[depth + 1].name}</include>" if depth < 2 else ""
+        definitions = ""
+        for number, parts in enumerate(enums):
+            values = parts[depth] if depth < len(parts) else []
+            given = ["" if value is None else f"value='{value}'" for value in values]
+            entries = "".join(
+                f'<entry name="E{number}_{depth}_{i}" {value}/>' for i, value in enumerate(given)
+            )
+            definitions += f'<enum name="E{number}">{entries}</enum>' if entries else ""
+        path.write_text(
+            f"<mavlink>{include}<enums>{definitions}</enums><messages>"
+            f'<message id="{depth}" name="M{depth}"><description>d</description>'
+            f'<field type="uint8_t" name="x">x</field></message></messages></mavlink>'
+        )
+    return paths
+
+
+def test_entries_without_a_value(tmp_path: Path) -> None:
+    files = extended(tmp_path, EXTENDED_ENUMS)
+    assert dump("mavwire", files) == dump("pymavlink", files)
+    compare(tmp_path, files[:1], "2.0", documented=False)
+
+
+@pytest.mark.parametrize("enum", COLLIDING_ENUMS)
+def test_entries_without_a_value_that_collide(enum: list[list[int | None]], tmp_path: Path) -> None:
+    files = extended(tmp_path, (enum,))
+    assert dump("mavwire", files) == dump("pymavlink", files)
+    with pytest.raises(ValueError, match=r"enum E0: entry E0_\d_\d: value \d is already used by"):
+        load(files[0])
 
 
 GENERATE = """

@@ -417,6 +417,12 @@ def test_merging_enums_over_files(tmp_path: Path) -> None:
     assert second.enum == []
 
 
+def test_paths_in_place_of_names(tmp_path: Path) -> None:
+    path = write(tmp_path, "a.xml", document(message()))
+    assert mavgen.mavgen(mavgen.Opts(tmp_path / "made", "2.0"), [Path(path)])
+    assert (tmp_path / "made.py").exists()
+
+
 def test_other_languages_name_the_upstream_tool(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -384,6 +384,16 @@ def test_a_first_message_with_wrong_arguments(arguments: tuple[object, ...]) -> 
     assert texts[0].startswith("MAVLink_a_message.__init__() ")
 
 
+def test_an_array_of_one_element_is_an_array() -> None:
+    """In pymavlink a decoded one is a number, which the message cannot be packed with again."""
+    module = load("<mavlink><messages><message id='1' name='A'><description/><field type='uint8_t[1]' name='a'/>"
+                  "<extensions/><field type='float[1]' name='b'/></message></messages></mavlink>", name="one")  # fmt: skip
+    frame = module.MAVLink_a_message([7]).pack(module.MAVLink(None))
+    decoded = module.MAVLink(None).decode(bytearray(frame))
+    assert (decoded.a, decoded.b) == ([7], [0.0])
+    assert decoded.pack(module.MAVLink(None)) == frame
+
+
 # -- methods and constructors that are made when they are used
 
 
