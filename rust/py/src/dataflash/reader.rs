@@ -309,7 +309,7 @@ impl DataflashReader {
         let mut state = self.state.lock(py);
         state.offset = 0;
         state.latched = None;
-        state.skipped_to = None;
+        state.filtered_offset = 0;
     }
 
     /// Layouts that filtered reads visit, None before the first after a rewind.
@@ -357,8 +357,9 @@ impl DataflashReader {
     /// The next message of the given types (a name or a collection of names) for which `condition` holds; None at the
     /// end.
     ///
-    /// The types of the first call after a rewind are the ones that later calls visit. Types that tell the state of the
-    /// vehicle are read as well unless `strict`. `blocking` means nothing for a log.
+    /// The types of the first call after a rewind are the ones that later calls visit. A call with types goes on where the
+    /// last one ended, whatever was read without types in between. Types that tell the state of the vehicle are read as
+    /// well unless `strict`. `blocking` means nothing for a log.
     #[pyo3(signature = (condition=None, r#type=None, blocking=false, strict=false))]
     fn recv_match<'py>(
         slf: &Bound<'py, Self>,
@@ -391,7 +392,7 @@ impl DataflashReader {
         Ok(None)
     }
 
-    /// Moves to the next record of one of the types, or to the end; to the one behind it where it was moved to already.
+    /// Moves to the next record that a filtered read would give, or to the end; filtered reads go on behind it.
     #[pyo3(signature = (r#type, strict=false))]
     fn skip_to_type(
         &self,
@@ -409,17 +410,15 @@ impl DataflashReader {
                 return Ok(());
             };
             for _ in 0..BUDGET {
-                let Some(record) = source.record_at(state.offset)? else {
+                let Some(record) = source.record_at(state.filtered_offset)? else {
                     state.offset = state.len;
                     return Ok(());
                 };
-                let been_there = state.skipped_to == Some(record.offset);
-                if wanted[record.layout] && !been_there {
+                state.filtered_offset = record.next;
+                if wanted[record.layout] {
                     state.offset = record.offset;
-                    state.skipped_to = Some(record.offset);
                     return Ok(());
                 }
-                state.offset = record.next;
             }
         }
     }

@@ -55,8 +55,8 @@ pub(super) struct State {
     pub(super) len: u64,
     /// Layouts that a filtered read visits; `None` before the first after a rewind.
     pub(super) latched: Option<Vec<bool>>,
-    /// Where `skip_to_type` went: asked again it goes on from there.
-    pub(super) skipped_to: Option<u64>,
+    /// Where the next filtered read looks, wherever `offset` is: other reads and jumps in between do not move it.
+    pub(super) filtered_offset: u64,
     pub(super) messages: Py<PyDict>,
     /// The clock, if Python need not be asked for the time.
     pub(super) clock: Option<Py<MicrosClock>>,
@@ -89,7 +89,7 @@ impl State {
             offset: 0,
             len: 0,
             latched: None,
-            skipped_to: None,
+            filtered_offset: 0,
             messages: PyDict::new(py).unbind(),
             clock: None,
         }
@@ -106,26 +106,33 @@ impl State {
         let source = self.source.as_mut().ok_or_else(closed)?;
         let wanted = self.latched.as_ref().filter(|_| latched);
         let delimiter = source.delimiter();
+        let mut at = if wanted.is_some() { self.filtered_offset } else { self.offset };
         loop {
             if let Some(wanted) = wanted {
-                let (at, passed) = source.pass(self.offset, wanted, budget)?;
-                self.offset = at;
+                let passed;
+                (at, passed) = source.pass(at, wanted, budget)?;
+                self.filtered_offset = at;
                 budget -= passed;
                 if budget == 0 {
                     return Ok(Search::Paused);
                 }
             }
-            let Some(record) = source.record_at(self.offset)? else {
+            let Some(record) = source.record_at(at)? else {
                 self.offset = self.len;
                 return Ok(Search::End);
             };
-            self.offset = record.next;
+            at = record.next;
             if wanted.is_some_and(|wanted| !wanted[record.layout]) {
+                self.filtered_offset = at;
                 budget -= 1;
                 if budget == 0 {
                     return Ok(Search::Paused);
                 }
                 continue;
+            }
+            self.offset = at;
+            if wanted.is_some() {
+                self.filtered_offset = at;
             }
             let kind = &self.kinds[record.layout];
             let layout = &kind.names.layout;
