@@ -400,8 +400,8 @@ class DFReader(_native.DataflashReader):
 
     def flightmode_list(self) -> list[tuple[str, float, float]]:
         """(mode, start, end) of each stretch in one mode; rewinds the log."""
+        self.rewind()
         if self._flightmodes is None:
-            self.rewind()
             self._flightmodes = self._read_flightmodes()
             self.rewind()
         return self._flightmodes

@@ -142,8 +142,8 @@ class mavmmaplog(mavlogfile):
 
     def flightmode_list(self) -> list[tuple[str, float, float]]:
         """(mode, start, end) of each stretch between heartbeats in one mode; rewinds the log."""
+        self.rewind()
         if self._flightmodes is None:
-            self.rewind()
             self._flightmodes = self._read_flightmodes()
             self.rewind()
         return self._flightmodes
