@@ -241,12 +241,14 @@ class Commands:
         return self.sysid_state[self.sysid].armed
 
     def motors_armed_wait(self) -> None:
-        """Wait until a heartbeat says that the motors are armed."""
+        """Wait until a heartbeat says that the motors are armed: the next one, or a later one."""
+        self.wait_heartbeat()
         while not self.motors_armed():
             self.wait_heartbeat()
 
     def motors_disarmed_wait(self) -> None:
-        """Wait until a heartbeat says that the motors are disarmed."""
+        """Wait until a heartbeat says that the motors are disarmed: the next one, or a later one."""
+        self.wait_heartbeat()
         while self.motors_armed():
             self.wait_heartbeat()
 
