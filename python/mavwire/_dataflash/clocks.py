@@ -229,8 +229,8 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
             return
         seconds = time - self.timebase
         for kind, count in self.counts_since_gps.items():
-            least = DEFAULT_RATE if kind == "IMU" else 0.0
-            self.msg_rate[kind] = max(self.msg_rate.get(kind, least), count / seconds)
+            rate = max(self.msg_rate.get(kind, 0.0), count / seconds)
+            self.msg_rate[kind] = DEFAULT_RATE if kind == "IMU" else rate
         self.timebase = time
         self.counts_since_gps = {}
 

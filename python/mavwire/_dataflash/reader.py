@@ -236,8 +236,7 @@ class DFReader(_native.DataflashReader):
             elif number_in(m, "GPSTime"):
                 px4_gps = m
             if px4_time is not None and px4_gps is not None:
-                self.init_clock_px4(px4_time, px4_gps)
-                return True
+                return self.init_clock_px4(px4_time, px4_gps)
             # One that tells the time and not when that was: two that differ give rates.
             time = time_of_gps(m) if {"Week", "TimeMS"}.issubset(names) else None
             rate_from = time if rate_from is None else rate_from
@@ -299,9 +298,15 @@ class DFReader(_native.DataflashReader):
             self.clock.find_time_base(gps, first)
 
     def _use_rates(self) -> None:
-        clock = DFReaderClock_gps_interpolated()
-        self.clock = clock
-        self.init_clock_gps_interpolated(clock)
+        """Learn the rates of the types between the first two GPS messages of different times."""
+        self.init_clock_gps_interpolated(DFReaderClock_gps_interpolated())
+        self._rewind(keep_messages=True)
+        rate_from = None
+        while (m := self.recv_msg()) is not None:
+            time = time_of_gps(m) if m.get_type() in GPS_TYPES else None
+            rate_from = time if rate_from is None else rate_from
+            if time not in (None, rate_from):
+                return
 
     def init_clock_usec(self) -> None:
         """Take the clock of logs with TimeUS."""
@@ -311,23 +316,18 @@ class DFReader(_native.DataflashReader):
         """Take the clock of logs with TimeMS."""
         self.clock = DFReaderClock_msec()
 
-    def init_clock_px4(self, px4_msg_time: Any, px4_msg_gps: Any) -> None:
+    def init_clock_px4(self, px4_msg_time: Any, px4_msg_gps: Any) -> bool:
         """Take the clock of PX4's logs, with a TIME and a GPS message."""
         clock = DFReaderClock_px4()
         self.clock = clock
         if not self._zero_time_base:
             clock.set_px4_timebase(px4_msg_time)
             clock.find_time_base(px4_msg_gps)
+        return True
 
     def init_clock_gps_interpolated(self, clock: DFReaderClock) -> None:
-        """Learn the rates of the types between the first two GPS messages of different times."""
-        self._rewind(keep_messages=True)
-        rate_from = None
-        while (m := self.recv_msg()) is not None:
-            time = time_of_gps(m) if m.get_type() in GPS_TYPES else None
-            rate_from = time if rate_from is None else rate_from
-            if time not in (None, rate_from):
-                return
+        """Take the clock of logs of which only GPS messages have a time."""
+        self.clock = clock
 
     # -- state
 
