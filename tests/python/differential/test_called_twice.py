@@ -1,0 +1,264 @@
+"""Every public method of a log called at its start, in the middle of reading and at its end, twice in a
+row and again, beside pymavlink's.
+
+The names are those of the reference's objects. A method that needs arguments and has none in `ARGUMENTS`
+fails the test, so that none is forgotten.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import inspect
+import io
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from differential.dataflash_logs import flight, text_log
+from unit.link_tools import T0, heartbeat, pack, record
+
+ROUNDS = 20
+FLIGHT = {"mavlogfile": "flight.tlog", "mavmmaplog": "flight.tlog", "DFReader_binary": "flight.bin",
+          "DFReader_text": "flight.log", "CSVReader": "flight.csv"}  # fmt: skip
+MODULES = {"m": "mavutil", "D": "DFReader", "C": "CSVReader"}
+
+
+def new_format(of: Any) -> Any:
+    return of("DFReader").DFFormat(1, "NEW", 0, "QB", "TimeUS,A")
+
+
+# Arguments of methods that need some; a function makes them for a log and the modules of its package.
+ARGUMENTS: dict[str, Any] = {
+    "add_format": lambda _log, of: (new_format(of),),
+    "auto_mavlink_version": (b"\xfd123",),
+    "check_condition": ("1==1",),
+    "field": ("ATTITUDE", "roll"),
+    "init_clock_gps_interpolated": lambda _log, of: (
+        of("DFReader").DFReaderClock_gps_interpolated(),
+    ),
+    "init_clock_px4": (SimpleNamespace(StartTime=5000), SimpleNamespace(GPSTime=1.5e15)),
+    "make_format_msgbuf": lambda _log, of: (new_format(of),),
+    "make_msgbuf": lambda _log, of: (new_format(of), (1, 2)),
+    "name_to_id": ("CSV",),
+    "param": ("P1", 7),
+    "param_fetch_one": ("X",),
+    "param_set_send": ("X", 1),
+    "post_message": lambda log, _of: (log.mav.parse_char(heartbeat()),),
+    "probably_vehicle_heartbeat": lambda log, _of: (log.mav.parse_char(heartbeat()),),
+    "recv": (10,),
+    "scan_timestamp": ((T0 + 7).to_bytes(8, "big"),),
+    "select": (0.01,),
+    "set_mode": (4,),
+    "set_mode_apm": (4,),
+    "set_mode_flag": (128, True),
+    "set_mode_px4": ("RTL", 0, 0),
+    "set_rtscts": (True,),
+    "set_servo": (1, 2),
+    "setup_logfile": lambda log, _of: (f"{log.address}.received",),
+    "setup_logfile_raw": lambda log, _of: (f"{log.address}.raw",),
+    "setup_signing": (bytes(32),),
+    "skip_to_type": lambda _log, _of: ({"ATTITUDE", "IMU"},),
+    "time_since": ("NONE",),
+    "waypoint_count_send": (1,),
+    "waypoint_request_send": (1,),
+    "waypoint_set_current_send": (1,),
+    "write": (b"abc",),
+}
+# They wait for messages, and at the end of a log for ever. A filter of an indexed log stays in force, so that
+# what some of them wait for may never come.
+WAITING = frozenset(
+    "location motors_armed_wait motors_disarmed_wait wait_gps_fix wait_heartbeat waypoint_current".split()
+)
+FILTER_STAYS = frozenset("location wait_gps_fix waypoint_current".split())
+# Methods that differ, and words of the row of docs/compatibility.md that says so.
+DIFFERENT = {
+    "auto_mavlink_version": "`auto_mavlink_version`",
+    "close": "reading a closed log",
+    "init_arrays": "`init_arrays` of a dataflash log that is open",
+    "init_arrays_fast": "`init_arrays` of a dataflash log that is open",
+    "init_clock": "`messages` right after opening",
+    "init_clock_msec": "logs by TimeMS: GPS messages without `T`",
+    "pre_message": "`pre_message` of a log, called twice",
+    "recv": "`recv` of a telemetry log",
+    "scan_timestamp": "`scan_timestamp` before the first message",
+    "skip_to_type": "`percent` and `remaining` after `skip_to_type`",
+    "write": "`write` on a log opened to be read",
+}
+# An indexed telemetry log has methods of the same names that do not.
+ALIKE = {"mavmmaplog": ("init_arrays", "skip_to_type")}
+PAGE = Path(__file__).parents[3] / "docs" / "compatibility.md"
+
+
+def telemetry(folder: Path) -> None:
+    mavlink = importlib.import_module("mavwire.dialects.v20.all")
+    records: list[bytes] = []
+    for n in range(ROUNDS):
+        armed = 128 * (n // 3 % 2)
+        for msg in (
+            mavlink.MAVLink_heartbeat_message(2, 3, 81 + armed, (0, 5, 4, 9)[n // 5], 4, 3),
+            mavlink.MAVLink_attitude_message(n, 0.5, 0, 0, 0, 0, 0),
+            mavlink.MAVLink_param_value_message(b"P%d" % n, n, 9, 60, n),
+            mavlink.MAVLink_mission_current_message(n),
+            mavlink.MAVLink_gps_raw_int_message(n, 3, 473977418, 85455939, 488000, 1, 1, 1, 1, 9),
+            mavlink.MAVLink_vfr_hud_message(1, 2, 3, 4, n, 6),
+            mavlink.MAVLink_global_position_int_message(n, 473977418, 85455939, 1, 2, 1, 2, 3, 100),
+            mavlink.MAVLink_battery_status_message(n % 2, 1, 0, 0, [65535] * 10, 5, 6, 7, 80),
+        ):
+            at = len(records)
+            records.append(record(pack(msg, at % 256), T0 + at * 100_000))
+    (folder / "flight.tlog").write_bytes(b"".join(records))
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("logs")
+    telemetry(folder)
+    flight(1).write(folder / "flight.bin")
+    (folder / "flight.log").write_text(text_log(0), encoding="utf-8")
+    rows = "".join(f"{n};{n * 2};{n % 3}\n" for n in range(ROUNDS))
+    (folder / "flight.csv").write_text("time;a;b\n" + rows)
+    return folder
+
+
+def shown(value: Any) -> Any:
+    """What can be compared of a value: numbers by value, messages by text and time, times of now as such."""
+    if isinstance(value, float) and abs(value - time.time()) < NOW:
+        return "now"
+    if value is None or isinstance(value, (bool, int, float, str, bytes)):
+        return value
+    if hasattr(value, "get_type"):
+        return value.get_type(), str(value), shown(getattr(value, "_timestamp", None))
+    if isinstance(value, dict):
+        return {key: shown(one) for key, one in value.items()}
+    if isinstance(value, set):
+        return sorted(value)
+    if isinstance(value, (list, tuple)):
+        return [shown(one) for one in value]
+    return type(value).__name__
+
+
+# Seconds around now that count as now.
+NOW = 600
+# Attributes that are no values, or are the insides of the reader, or of which the order says nothing.
+LEFT_OUT = frozenset(
+    "f filehandle data_map unpackers formats reader metadata indexes prev_type type_list".split()
+)
+UNORDERED = ("type_nums",)
+# Those of text logs that docs/compatibility.md lists.
+OF_TEXT_LOGS = ("type_nums", "offset")
+
+
+class Script:
+    """What one package answers, line by line."""
+
+    def __init__(self, package: str, kind: str, path: Path, attributes: list[str]) -> None:
+        self.of: Callable[[str], Any] = lambda module: importlib.import_module(
+            f"{package}.{module}"
+        )
+        mavutil = self.of("mavutil")
+        mavutil.set_dialect("all")
+        mavutil.global_link_id = 0
+        self.kind = kind
+        self.log = getattr(self.of(MODULES[kind[0]]), kind)(str(path))
+        self.attributes = attributes
+        if kind[0] == "m":
+            self.log.write = lambda data: None  # pymavlink's logs raise
+        else:
+            self.log.rewind()  # what `messages` shows right after opening differs
+        self.lines: list[Any] = []
+
+    def state(self) -> dict[str, Any]:
+        """The public attributes that are no methods."""
+        found = {}
+        for name in self.attributes:
+            value = getattr(self.log, name, "absent")
+            if name in OF_TEXT_LOGS and self.kind == "DFReader_text":
+                continue
+            found[name] = sorted(value) if name in UNORDERED and value else shown(value)
+        return found
+
+    def call(self, name: str) -> None:
+        arguments = ARGUMENTS.get(name, ())
+        if callable(arguments):
+            arguments = arguments(self.log, self.of)
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            try:
+                answer = shown(getattr(self.log, name)(*arguments))
+                if name == "time_since":
+                    answer = round(answer)
+            except Exception as error:
+                answer = f"{type(error).__name__}: {error}"
+        self.lines.append((name, answer, printed.getvalue(), self.state()))
+
+    def read(self, most: int, **wanted: Any) -> None:
+        for _ in range(most):
+            msg = self.log.recv_match(**wanted) if wanted else self.log.recv_msg()
+            self.lines.append(shown(msg))
+            if msg is None:
+                break
+
+    def run(self, name: str) -> None:
+        some = {"C": "CSV", "m": "ATTITUDE", "D": "IMU"}[self.kind[0]]
+        self.call(name)
+        self.read(5)
+        self.call(name)
+        self.call(name)
+        if name not in WAITING:
+            self.read(3, type=some)
+            self.call(name)
+            self.read(2)
+            self.read(2, type=[some, "NONE"])
+            self.read(1000)
+            self.call(name)
+            self.call(name)
+        self.read(1000)
+        self.lines.append(self.state())
+        if hasattr(self.log, "close"):
+            self.log.close()
+
+
+def names_of(kind: str, path: Path, oracle: str) -> tuple[list[str], list[str]]:
+    """Public methods of the reference's log of this kind, and its other public attributes."""
+    log = Script(oracle, kind, path, []).log
+    public = [name for name in dir(log) if not name.startswith("_")]
+    methods = [name for name in public if inspect.isroutine(getattr(log, name))]
+    for name in methods:
+        parameters = inspect.signature(getattr(log, name)).parameters.values()
+        required = [one for one in parameters if one.default is one.empty]
+        assert not required or name in ARGUMENTS, f"ARGUMENTS say nothing of {name}"
+    attributes = [name for name in public if name not in methods and name not in LEFT_OUT]
+    return methods, attributes
+
+
+@pytest.mark.parametrize("kind", FLIGHT)
+def test_methods_of_a_log(
+    kind: str, logs: Path, subject: str, oracle: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MAVLINK20", "1")
+    path = logs / FLIGHT[kind]
+    methods, attributes = names_of(kind, path, oracle)
+    assert len(methods) > 5
+    different = {}
+    for name in methods:
+        if name in DIFFERENT and name not in ALIKE.get(kind, ()):
+            continue
+        if kind == "mavmmaplog" and name in FILTER_STAYS:
+            continue
+        scripts = [Script(package, kind, path, attributes) for package in (subject, oracle)]
+        for script in scripts:
+            script.run(name)
+        ours, theirs = (script.lines for script in scripts)
+        first = next((pair for pair in zip(ours, theirs, strict=False) if pair[0] != pair[1]), None)
+        if first or len(ours) != len(theirs):
+            different[name] = first or (len(ours), len(theirs))
+    assert not different
+
+
+def test_differences_are_listed() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    assert not [row for row in DIFFERENT.values() if row not in page]
