@@ -122,8 +122,14 @@ class RecordBatches:
     def slice(self, start: int, rows: int) -> RecordBatches:
         """Some of the rows."""
 
+    @staticmethod
+    def common(tables: Iterator[tuple[str, RecordBatches]]) -> RecordBatches:
+        """A table without rows with the columns of all tables of one type, `(path of the log, table)` each;
+        ValueError where two logs have columns of one name and no common type.
+        """
+
     def fitted(self, like: RecordBatches) -> RecordBatches:
-        """The same rows with the columns of a table of another log; what does not fit them is null."""
+        """The same rows with the columns that `common` gave for several logs; what does not fit is null."""
 
     def stream(self, tables: Iterator[RecordBatches]) -> object:
         """An Arrow stream of tables that an iterator gives, with the columns of this one."""

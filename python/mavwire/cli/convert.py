@@ -80,8 +80,8 @@ def main(args: argparse.Namespace) -> int:
     finally:
         bars.finish()
     if not _is_fleet(args):
-        for name in _undescribed(rows, options["types"] or []):
-            tell(f"mavwire convert: no record type {name!r} is described by the log")
+        for problem in _undescribed(rows, options["types"] or []):
+            tell(f"mavwire convert: {problem}")
     failed = 0
     for row in rows:
         if row.error is None and not row.files and not row.skipped:
@@ -111,18 +111,21 @@ def _hint(path: str, logs: list[str]) -> str:
 
 
 def _undescribed(rows: list[Converted], types: list[str]) -> list[str]:
-    """The wanted types that none of some dataflash logs describes; a log may do without those that another has."""
+    """The errors for types that none of the dataflash logs describes. A log may do without those of another."""
+    from mavwire.logs.query import no_record_type
     from mavwire.logs.reading import described_by
     from mavwire.logs.sources import is_dataflash
 
     written = {os.path.dirname(file) for row in rows for file in row.files}
     missing = [name for name in types if name not in written]
+    known: set[str] = set()
     if missing and all(row.error is None and is_dataflash(row.path) for row in rows):
         for described in described_by([row.path for row in rows]):
+            known.update(described)
             missing = [name for name in missing if name not in described]
             if not missing:
                 break
-        return missing
+        return [no_record_type(name, known) for name in missing]
     return []
 
 

@@ -71,17 +71,15 @@ def decode_as(
     left out: other logs of a fleet may have them.
     """
     path = os.fsdecode(path).removeprefix("file://")
-    module, native = native_dialect(dialect)
-    query = Query.of(module, types, systems, None, start, end, units, enums)
-    query.columns = None if columns is None else names_of(columns)
+    module, native, query = query_of(types, columns, systems, start, end, units, enums, dialect)
     if lenient:
         query.allow(query.names or ())
     with located(path, byte_range, storage_options) as source:
         described = _described(source, path, byte_range, storage_options)
         run = columns_from(described, source, native, query)
-        if described is None:
+        if described is None and not lenient:
             _check(module, native, query)
-        elif not lenient:
+        elif described is not None and not lenient:
             check_described(described.types(), query, query.columns)
         found = joined(run)
         if described is None:
@@ -91,6 +89,24 @@ def decode_as(
         if byte_range is None and described is None:
             check_records(run, path, source)
     return {name: Table(name, found[name], path) for name in sorted(found)}
+
+
+def query_of(
+    types: str | Iterable[str] | None,
+    columns: str | Iterable[str] | None,
+    systems: int | Iterable[int] | None,
+    start: float | str | datetime | None,
+    end: float | str | datetime | None,
+    units: str | None,
+    enums: str | None,
+    dialect: str | os.PathLike[str],
+    storage_options: object = None,
+) -> tuple[Any, Any, Query]:
+    """The module of the dialect, its native form, and the query for the arguments of `decode`."""
+    module, native = native_dialect(dialect)
+    query = Query.of(module, types, systems, None, start, end, units, enums)
+    query.columns = None if columns is None else names_of(columns)
+    return module, native, query
 
 
 def _described(

@@ -6,19 +6,26 @@ import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.common_columns import common_columns, description_of
 from mavwire.logs.extras import extra
 from mavwire.logs.query import names_of
+from mavwire.logs.selection import has_message
+from mavwire.logs.sources import open_dataflash
 from mavwire.logs.table import Table
 
 from .cuts import find_cuts
-from .decoding import decode, decode_as
+from .decoding import decode_as, query_of
 from .grouping import TASK_BYTES, check_at_least_1, grouped, may_be_cut
-from .places import Part, expand, status
+from .places import Part, begins_as_dataflash, expand, located, status
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from datetime import datetime
 
+    from mavwire.logs.common_columns import Described
+
+NAME_LEN = 4
+"""Characters of a type's name in a FMT record."""
 Source = tuple[str, Part | None]
 
 
@@ -41,8 +48,8 @@ def dask_frame(
     Needs dask, pandas and pyarrow. A partition is some `task_bytes` of logs: several small ones, or
     a part of a large one. `columns` are the names of those that are wanted; the other arguments are
     those of `mavwire.read`. Integers of dataflash logs are pandas' nullable ones: another log may
-    lack them. Nothing but large logs is read before the frame is computed. A log that is missing
-    raises OSError here.
+    lack them. Only large logs and dataflash logs are read before the frame is computed. A log that is
+    missing raises OSError here.
     """
     with extra("fleet"):
         import dask
@@ -67,26 +74,41 @@ def dask_frame(
             sources += [((path, one), one[1] - one[0]) for one in ranges]
         else:
             sources.append(((path, None), size))
-    empty, nullable = _empty([source for source, _ in sources], how)
+    described = dask.compute(*[dask.delayed(_described)(path, how) for path in sizes])
+    empty, nullable = _empty(dict(zip(sizes, described, strict=True)), how)
     load = partial(_load, how=how, empty=empty, nullable=nullable)
     meta = _frame(empty, nullable)
     with dask.config.set({"dataframe.convert-string": False}):  # lists are no texts
         return dd.from_map(load, grouped(sources, task_bytes) or [[]], meta=meta)
 
 
-def _empty(sources: list[Source], how: dict[str, Any]) -> tuple[Table, bool]:
-    """A table without rows, and whether some logs may have no values for its columns. The dialect
-    tells them; of a type of dataflash logs, the first log that has it.
+def _described(path: str, how: dict[str, Any]) -> Described | None:
+    """What a dataflash log says of the wanted type; None for a log of telemetry. No dataflash log has a
+    type of a long name that the dialect has: its logs are not read for that.
     """
-    try:
-        return decode(os.devnull, **how)[how["types"]], False
-    except ValueError:
-        for path, byte_range in sources:
-            table = decode_as(path, byte_range, **how, lenient=True).get(how["types"])
-            # One that lacks a column does not tell its type: another log may.
-            if table is not None and set(how["columns"] or ()) <= set(table.columns):
-                return table.slice(0, 0), True
-        raise
+    name, options = how["types"], how["storage_options"]
+    module, _, query = query_of(**how)
+    if (len(name) > NAME_LEN and has_message(module, name)) or not begins_as_dataflash(
+        path, options
+    ):
+        return None
+    with located(path, None, options) as source:
+        tables = open_dataflash(source, path)
+        return None if tables is None else description_of(tables, query)
+
+
+def _empty(described: Mapping[str, Described | None], how: dict[str, Any]) -> tuple[Table, bool]:
+    """A table without rows, and whether some logs may have no values for its columns. ValueError for a
+    type or column that no log has.
+    """
+    module, native, query = query_of(**how)
+    empty = common_columns(described.items(), module, native, query)
+    names, wanted = empty.names, how["columns"]
+    for name in wanted or ():
+        if name not in names:
+            raise ValueError(f"no log has a column {name!r} of {how['types']}")
+    empty = empty if wanted is None else empty.select(wanted)
+    return Table(how["types"], empty), any(described.values())
 
 
 def _load(sources: list[Source], how: dict[str, Any], empty: Table, nullable: bool) -> Any:

@@ -140,13 +140,21 @@ HEAD = 256 << 10
 """First bytes of a log, which tell what it is."""
 
 
+def _head(path: str, options: Mapping[str, Any] | None) -> bytes:
+    if not is_url(path):
+        return head_of(path, HEAD)
+    fs, inner = file_system(path, options)
+    return bytes(fs.cat_file(inner, start=0, end=min(HEAD, fs.size(inner) or HEAD)))
+
+
+def begins_as_dataflash(path: str, options: Mapping[str, Any] | None = None) -> bool:
+    """Whether a log is a dataflash log by its head. OSError, and what fsspec raises, where it cannot be read."""
+    return is_dataflash(_head(path, options))
+
+
 def check_divisible(path: str, options: Mapping[str, Any] | None = None) -> None:
     """Raise LogFormatError for a log of which nothing but ranges from its start can be read."""
-    if is_url(path):
-        fs, inner = file_system(path, options)
-        head = bytes(fs.cat_file(inner, start=0, end=min(HEAD, fs.size(inner) or HEAD)))
-    else:
-        head = head_of(path, HEAD)
+    head = _head(path, options)
     if head.startswith(COMPRESSED):
         what = "a compressed log, which can be read from its start alone"
     elif is_dataflash(head):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import DataflashTables
 
 from .base import Log
-from .query import Query, check_described, names_of
+from .query import Query, check_described, names_of, no_record_type
 from .sources import file_status, is_compressed, is_headless, open_dataflash, read_dataflash
 from .table import Table
 from .telemetry import no_record
@@ -141,7 +141,7 @@ class DataflashLog(Log):
         query = Query(names=[name])
         opened = self._opened(query) if isinstance(name, str) else None
         if opened is None or name not in opened[0].names:
-            raise KeyError(f"the log describes no record type {name!r}")
+            raise KeyError(no_record_type(name, opened[0].names if opened else ()))
         return read_tables(*opened, self.path, query, None, False)[name]
 
     def __contains__(self, what: object) -> bool:

@@ -6,12 +6,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import empty_table
+from mavwire._wording import did_you_mean
 
 from .selection import UNKNOWN, Selection, has_message, no_message, several, types_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from datetime import datetime
+
+    from mavwire._native import RecordBatches
 
 HEADER = ("timestamp", "sysid", "compid", "seq")
 """The columns in front of the fields."""
@@ -177,10 +180,25 @@ def check_described(
     """
     for name in query.names or ():
         if name not in described:
-            raise ValueError(f"no record type {name!r} is described by the log")
+            raise ValueError(no_record_type(name, described))
     if fields is None:
         return
     check_fields({one for name in query.names or described for one in described[name]}, fields)
+
+
+def no_record_type(name: object, described: Iterable[str]) -> str:
+    """The error for a record type that dataflash logs do not describe."""
+    hint = did_you_mean(name.upper(), described) if isinstance(name, str) else ""
+    return f"no record type {name!r} is described by the log{hint}"
+
+
+def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:
+    """The table of a message that is not in a log; of the wanted columns those that it has."""
+    if query.columns is None:
+        return empty_table(native, msgid, query)
+    every = empty_table(native, msgid, replace(query, columns=None)).names
+    columns = [name for name in query.columns if name in every]
+    return empty_table(native, msgid, replace(query, columns=columns))
 
 
 def check_fields(columns: set[str], fields: str | Iterable[str]) -> None:

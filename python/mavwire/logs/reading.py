@@ -6,16 +6,16 @@ import errno
 import os
 import stat
 import sys
-from dataclasses import replace
 from functools import partial
 from operator import index
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import DataflashTables, LogColumns, RecordBatches, empty_table
+from mavwire._native import DataflashTables, LogColumns, RecordBatches
 from mavwire._wording import naming
 
 from .batches import Batches
-from .query import Query, check_described, check_tables, names_of
+from .common_columns import Surveys, empty_of
+from .query import Query, check_described, check_tables, names_of, no_rows
 from .selection import several
 from .sources import columns_from, is_dataflash, open_dataflash, read_dataflash
 from .table import Table, tidy
@@ -158,35 +158,6 @@ def check_records(run: LogColumns, path: str, source: Source | None = None) -> N
     check_run(path if source is None else source, path, run.position, run.bad_bytes, run.damage)
 
 
-def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:
-    """The table of a message that is not in a log; of the wanted columns those that it has."""
-    if query.columns is None:
-        return empty_table(native, msgid, query)
-    every = empty_table(native, msgid, replace(query, columns=None)).names
-    columns = [name for name in query.columns if name in every]
-    return empty_table(native, msgid, replace(query, columns=columns))
-
-
-def empty_of(paths: list[str], module: Any, native: Any, query: Query) -> RecordBatches:
-    """A table without rows of the one type that is wanted, as the first of the dataflash logs that
-    describes it has it, or the dialect. ValueError where none does.
-    """
-    name = (query.names or [""])[0]
-    for path in filter(is_dataflash, paths):
-        tables = DataflashTables.open(path)
-        if tables is not None and name in tables.types():
-            query.check_dataflash()
-            return tables.empty(name, query)
-    try:
-        query.check_telemetry()
-        check_tables(module, native, query)
-    except ValueError:
-        for path in filter(is_dataflash, paths):
-            open_dataflash(path, path)  # which may say why nothing describes the type
-        raise
-    return no_rows(native, (query.types or [0])[0], query)
-
-
 def scan(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     types: str | type | Iterable[str | type] | None = None,
@@ -219,14 +190,16 @@ def scan(
     if every and not is_dataflash(every[0]):  # what makes no sense is said before the first step
         check_beside(every, module, native, query, fields)
     query.batch_rows, query.batch_bytes = rows, BATCH_BYTES
-    begin = partial(_checked_batches, every, module, native, query, fields)
+    surveys = Surveys()
+    begin = partial(_checked_batches, every, surveys, module, native, query, fields)
     one_type = query.names is not None and len(query.names) == 1
-    empty = partial(empty_of, every, module, native, query) if one_type else None
+    empty = partial(empty_of, every, surveys, module, native, query) if one_type else None
     return Batches(begin, empty)
 
 
 def _checked_batches(
     paths: list[str],
+    surveys: Surveys,
     module: Any,
     native: Any,
     query: Query,
@@ -239,7 +212,7 @@ def _checked_batches(
     telemetry = False
     for number, path in enumerate(paths):
         check_readable(path)
-        tables = open_dataflash(path, path)
+        tables = surveys.open(path)
         if tables is None and not telemetry:
             telemetry = True
             check_beside(paths, module, native, query, fields)

@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from .common_columns import Surveys, empty_of
 from .extras import extra
 from .pushdown import narrow
 from .query import Query
-from .reading import BATCH_ROWS, batches_of, check_readable, empty_of, native_dialect, paths_of
-from .sources import open_dataflash
+from .reading import BATCH_ROWS, batches_of, check_readable, native_dialect, paths_of
 from .telemetry import portable, restored
 
 if TYPE_CHECKING:
@@ -38,9 +38,10 @@ def scan_polars(
 ) -> Any:
     """The messages of one type of one or many logs as a `polars.LazyFrame`.
 
-    Needs polars. Columns are those of the dialect, or of the first dataflash log that describes the
-    type; what does not fit them in another log is null. The arguments are those of
-    `mavwire.scan`. Nothing is read before the frame is collected; a text column is always followed by `<name>_raw`.
+    Needs polars. Columns are those of the dialect, or of all dataflash logs that describe the type; a column that
+    a log does not have is null there. ValueError where columns of one name have no common type. The arguments are
+    those of `mavwire.scan`. The rows are read when the frame is collected, and before that the
+    descriptions of dataflash logs alone; a text column is always followed by `<name>_raw`.
     """
     with extra("data"):
         from polars.io.plugins import register_io_source
@@ -67,7 +68,8 @@ class _Source:
         systems, *rest = how
         module, self._native = native_dialect(dialect)
         self._query = Query.of(module, message, systems, None, *rest)
-        self._empty = empty_of(paths, module, self._native, self._query)
+        self._surveys = Surveys()
+        self._empty = empty_of(paths, self._surveys, module, self._native, self._query)
         self._query.allow([message])
         self._paths = paths
         self._arguments = message, dialect, how
@@ -99,7 +101,7 @@ class _Source:
         wanted.batch_rows = batch_size or BATCH_ROWS
         empty = self._empty.select(wanted.columns)
         left = n_rows
-        for table in _tables(self._paths, self._native, wanted, self._query):
+        for table in self._tables(wanted):
             frame = pl.DataFrame(table._batches.fitted(empty))
             if predicate is not None:
                 frame = frame.filter(predicate)
@@ -112,17 +114,16 @@ class _Source:
             if left is not None and left <= 0:
                 return
 
+    def _tables(self, wanted: Query) -> Iterator[Table]:
+        """Batches of all logs. A system that only the filter names is about telemetry alone."""
+        for path in self._paths:
+            check_readable(path)
+            dataflash = self._surveys.open(path)
+            those = wanted if dataflash is None else replace(wanted, systems=self._query.systems)
+            yield from batches_of(dataflash, path, self._native, those)
+
 
 def _restored(
     paths: list[str], message: str, dialect: tuple[str, bool], how: tuple[Any, ...]
 ) -> _Source:
     return _Source(paths, message, restored(*dialect), how)
-
-
-def _tables(paths: list[str], native: Any, wanted: Query, query: Query) -> Iterator[Table]:
-    """Batches of all logs. What was `wanted` of systems beyond `query` is about telemetry alone."""
-    for path in paths:
-        check_readable(path)
-        dataflash = open_dataflash(path, path)
-        those = wanted if dataflash is None else replace(wanted, systems=query.systems)
-        yield from batches_of(dataflash, path, native, those)

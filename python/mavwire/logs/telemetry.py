@@ -164,8 +164,7 @@ class TelemetryLog(Log):
         """The message types that are in the log, and the columns of their tables. They are counted
         when first asked for, and when the file has changed: one pass.
         """
-        from .query import Query
-        from .reading import no_rows
+        from .query import Query, no_rows
 
         status = file_status(self.path)
         if self._typed is None or self._typed[0] != status:

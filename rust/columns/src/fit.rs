@@ -1,4 +1,5 @@
-//! Tables of several logs as one: another log may describe a type otherwise. What does not fit a column there is null.
+//! Tables with the columns of several logs. A column that a log does not have is null in its rows, and so is a value that
+//! does not fit its column.
 
 use std::sync::Arc;
 
@@ -6,23 +7,10 @@ use arrow::array::{
     Array, ArrayRef, AsArray, BooleanArray, RecordBatch, RecordBatchOptions, new_null_array,
 };
 use arrow::compute::{CastOptions, cast_with_options, nullif};
-use arrow::datatypes::{DataType, FieldRef, Float32Type, Float64Type, Schema, SchemaRef};
+use arrow::datatypes::{DataType, FieldRef, Float32Type, Float64Type, SchemaRef};
 use arrow::error::ArrowError;
 
-/// The columns of several logs, by those of one. Messages of telemetry are the same in all logs; of a type that logs
-/// describe themselves each column may lack values.
-pub fn schema_of_all(one: &SchemaRef) -> SchemaRef {
-    if one.metadata().contains_key("msgid") {
-        return Arc::clone(one);
-    }
-    let open = |field: &FieldRef| Arc::new(field.as_ref().clone().with_nullable(true));
-    Arc::new(Schema::new_with_metadata(
-        one.fields().iter().map(open).collect::<Vec<_>>(),
-        one.metadata().clone(),
-    ))
-}
-
-/// A table with the columns of `schema`, which [`schema_of_all`] made.
+/// A table with the columns of `schema`, which [`CommonSchema`](crate::common_schema::CommonSchema) made.
 ///
 /// # Errors
 /// A column that may not lack values lacks some.
@@ -77,14 +65,14 @@ mod tests {
         FixedSizeListArray, Float32Array, Float64Array, Int8Array, Int64Array, StringArray,
         UInt64Array,
     };
-    use arrow::datatypes::{Field, Int32Type};
+    use arrow::datatypes::{Field, Int32Type, Schema};
 
     use super::*;
 
     fn fitted(column: ArrayRef, wanted: DataType) -> ArrayRef {
-        let one: SchemaRef = Arc::new(Schema::new(vec![Field::new("x", wanted, false)]));
+        let one: SchemaRef = Arc::new(Schema::new(vec![Field::new("x", wanted, true)]));
         let table = RecordBatch::try_from_iter([("x", column)]).expect("a column");
-        Arc::clone(fit(&table, &schema_of_all(&one)).expect("fits").column(0))
+        Arc::clone(fit(&table, &one).expect("fits").column(0))
     }
 
     #[test]
@@ -121,12 +109,12 @@ mod tests {
     fn columns_that_are_missing_are_null() {
         let item = Arc::new(Field::new("item", DataType::Int32, false));
         let list = DataType::FixedSizeList(item, 2);
-        let one: SchemaRef = Arc::new(Schema::new(vec![Field::new("list", list, false)]));
+        let one: SchemaRef = Arc::new(Schema::new(vec![Field::new("list", list, true)]));
         let lists =
             FixedSizeListArray::from_iter_primitive::<Int32Type, _, _>([Some([Some(1)])], 1);
         let table =
             RecordBatch::try_from_iter([("other", Arc::new(lists) as ArrayRef)]).expect("a column");
-        let found = fit(&table, &schema_of_all(&one)).expect("fits");
+        let found = fit(&table, &one).expect("fits");
         assert_eq!((found.num_rows(), found.column(0).null_count()), (1, 1));
     }
 }

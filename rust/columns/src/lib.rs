@@ -10,6 +10,7 @@
 
 pub mod align;
 pub mod column;
+pub mod common_schema;
 pub mod convert;
 pub mod dataflash;
 mod decoder;

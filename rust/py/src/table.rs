@@ -1,6 +1,7 @@
 //! `RecordBatches`: a table, handed out by the Arrow C data interface and, column by column, as buffers.
 
 use std::collections::{BTreeSet, VecDeque};
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use mavwire_columns::Error;
@@ -14,7 +15,8 @@ use mavwire_columns::arrow::ffi::FFI_ArrowSchema;
 use mavwire_columns::arrow::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
 use mavwire_columns::arrow::ipc::reader::StreamReader;
 use mavwire_columns::arrow::ipc::writer::StreamWriter;
-use mavwire_columns::fit::{fit, schema_of_all};
+use mavwire_columns::common_schema::CommonSchema;
+use mavwire_columns::fit::fit;
 use mavwire_columns::instances::split;
 use pyo3::exceptions::{PyKeyError, PyKeyboardInterrupt, PyTypeError, PyValueError};
 use pyo3::ffi;
@@ -223,21 +225,36 @@ impl RecordBatches {
         Ok(Self::new(Arc::clone(&self.schema), vec![whole.slice(start, rows)]))
     }
 
-    /// The same rows with the columns of a table of another log; what does not fit them is null.
-    fn fitted(&self, py: Python<'_>, like: &Self) -> PyResult<Self> {
-        let schema = schema_of_all(&like.schema);
-        let fit_all = || self.batches.iter().map(|batch| fit(batch, &schema)).collect();
-        let fitted: Result<Vec<_>, ArrowError> = py.detach(fit_all);
-        Ok(Self::new(schema, fitted.map_err(|error| columns_error(error.into()))?))
+    /// A table without rows with the columns of all tables of one type that an iterator gives, `(path of the log, table)`
+    /// each. `ValueError` where two logs have columns of one name and no common type.
+    #[staticmethod]
+    fn common(tables: &Bound<'_, PyIterator>) -> PyResult<Self> {
+        let mut common = CommonSchema::default();
+        for pair in tables.items()? {
+            let (path, table): (PathBuf, PyRef<'_, Self>) = pair?.extract()?;
+            common.add(&table.schema, path);
+        }
+        let schema = common.schema().map_err(columns_error)?;
+        Ok(Self::new(schema, Vec::new()))
     }
 
-    /// An Arrow stream of tables that an iterator gives, with the columns of this one.
+    /// The same rows with the columns that `common` gave for several logs; what does not fit them is null.
+    fn fitted(&self, py: Python<'_>, like: &Self) -> PyResult<Self> {
+        let fit_all = || self.batches.iter().map(|batch| fit(batch, &like.schema)).collect();
+        let fitted: Result<Vec<_>, ArrowError> = py.detach(fit_all);
+        Ok(Self::new(
+            Arc::clone(&like.schema),
+            fitted.map_err(|error| columns_error(error.into()))?,
+        ))
+    }
+
+    /// An Arrow stream of tables that an iterator gives, with the columns of this one, which `common` gave.
     fn stream<'py>(
         &self,
         py: Python<'py>,
         tables: Py<PyIterator>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        let schema = schema_of_all(&self.schema);
+        let schema = Arc::clone(&self.schema);
         let batches = TableBatches {
             schema: Arc::clone(&schema),
             tables,

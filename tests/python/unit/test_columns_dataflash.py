@@ -307,49 +307,6 @@ def test_whether_a_log_has_a_type_is_known_by_its_first_block(tmp_path, monkeypa
     assert asked == [0, 0, 0]
 
 
-FIRST = [1, 2, 255]
-OTHERS = [
-    ("B", "i", [300, -5, 70_000, 7], [None, None, None, 7]),
-    ("B", "f", [1.5, 2.0, float("nan"), 1e30], [None, 2, None, None]),
-    ("B", "b", [-1, 127], [None, 127]),
-    ("b", "B", [128, 5], [None, 5]),
-    ("Q", "q", [-1, 2**62], [None, 2**62]),
-    ("q", "Q", [2**63, 5], [None, 5]),
-    ("q", "d", [2.0**63, -(2.0**63), 0.5], [None, -(2**63), None]),
-    ("f", "i", [3, -(2**24)], [3.0, -(2.0**24)]),
-    ("f", "d", [0.5], [0.5]),
-    ("B", "Z", [b"7", b"abc"], [None, None]),
-    ("Z", "B", [7], [None]),
-    ("B", "a", [b"\x01" * 64], [None]),
-]
-
-
-@pytest.mark.parametrize(("kind", "other", "values", "expected"), OTHERS)
-def test_logs_that_describe_a_column_otherwise(tmp_path, kind, other, values, expected):
-    """No number becomes another one, whoever reads several logs as one."""
-    pa = pytest.importorskip("pyarrow")
-    pytest.importorskip("polars")
-    paths = []
-    first = {"Z": [b"text"], "b": [1, -2]}.get(kind, FIRST)
-    for form, some in ((kind, first), (other, values)):
-        log = Log().define("TST", f"Q{form}", "TimeUS,X", 1)
-        for n, value in enumerate(some):
-            log.add("TST", 1000 * n, value)
-        paths.append(log.write(tmp_path / f"{len(paths)}.BIN"))
-    column = pa.table(mavwire.scan(paths, "TST"))["X"].to_pylist()[len(first) :]
-    assert column == expected
-    frame = mavwire.scan_polars(paths, "TST").collect()
-    assert frame["X"].to_list()[len(first) :] == expected
-    pytest.importorskip("dask.dataframe")
-    from mavwire.fleet import dask_frame
-
-    lazy = dask_frame(paths, "TST")
-    frame = lazy.compute(scheduler="sync")
-    found = frame["X"].astype(object)[len(first) :]
-    assert found.where(found.notna(), None).tolist() == expected
-    assert frame.dtypes.equals(lazy.dtypes)
-
-
 def text_of(path: str) -> str:
     """A log in its text form, by what DFReader says."""
     lines = []

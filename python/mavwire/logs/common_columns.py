@@ -1,0 +1,96 @@
+"""The columns of one message type over several logs: those of all of them.
+
+A dataflash log describes its types itself, so that each log may have other columns.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mavwire._native import DataflashTables, RecordBatches
+
+from .query import check_described, check_tables, no_rows
+from .sources import file_status, is_dataflash, open_dataflash
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from .query import Query
+
+    Described = tuple[list[str], RecordBatches | None]
+    """The types that a dataflash log describes, and the wanted one without rows, if it is among them."""
+
+KEPT = 64
+"""Logs of a scan whose surveys are kept: up to some 200 KB each."""
+
+
+class Surveys:
+    """Surveys of the logs of a scan. The first `KEPT` are kept, since their columns are needed before their rows."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, tuple[tuple[int, int], DataflashTables]] = {}
+
+    def open(self, path: str) -> DataflashTables | None:
+        """What a dataflash log says about itself; None for another kind of log. LogFormatError as by
+        `open_dataflash`.
+        """
+        status = file_status(path)
+        known, tables = self._kept.get(path, (None, None))
+        if tables is None or known != status:
+            tables = open_dataflash(path, path)
+            if tables is not None and len(self._kept) < KEPT:
+                self._kept[path] = status, tables
+        return tables
+
+
+def empty_of(
+    paths: list[str], surveys: Surveys, module: Any, native: Any, query: Query
+) -> RecordBatches:
+    """A table of the wanted type without rows, with the columns of all logs. ValueError as by
+    `common_columns`.
+    """
+    logs = ((path, surveys.open(path) if is_dataflash(path) else None) for path in paths)
+    described = ((path, tables and description_of(tables, query)) for path, tables in logs)
+    return common_columns(described, module, native, query)
+
+
+def description_of(tables: DataflashTables, query: Query) -> Described:
+    """What a dataflash log says of the wanted type. ValueError for what makes no sense with its kind."""
+    query.check_dataflash()
+    [name] = query.names or [""]
+    names = tables.names
+    return names, tables.empty(name, query) if name in names else None
+
+
+def common_columns(
+    logs: Iterable[tuple[str, Described | None]], module: Any, native: Any, query: Query
+) -> RecordBatches:
+    """A table of the wanted type without rows, with the columns of all logs. A log is a path and its
+    description of the type, None for a log of telemetry. ValueError where no log can have the type, and
+    where columns of one name have no common type.
+    """
+    return RecordBatches.common(_columns_of_each(logs, module, native, query))
+
+
+def _columns_of_each(
+    logs: Iterable[tuple[str, Described | None]], module: Any, native: Any, query: Query
+) -> Iterator[tuple[str, RecordBatches]]:
+    names: set[str] = set()
+    dataflash = telemetry = found = 0
+    for path, described in logs:
+        if described is None:
+            telemetry += 1
+            continue
+        dataflash += 1
+        names.update(described[0])
+        if described[1] is not None:
+            found += 1
+            yield path, described[1]
+    by_dialect = telemetry or not dataflash
+    if by_dialect and query.types:
+        yield f"the dialect {module.DIALECT}", no_rows(native, query.types[0], query)
+    elif not found:
+        if by_dialect:
+            query.check_telemetry()
+            check_tables(module, native, query)
+        check_described(dict.fromkeys(names, ()), query)
