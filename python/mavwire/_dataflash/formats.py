@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+from array import array
 
 from mavwire import _native
 
@@ -93,10 +94,11 @@ class DFFormat:
         self.columns = null_term(columns).split(",") if columns else []
         self.instance_field: str | None = None
         self.units: list[str] | None = None
-        known = [FORMAT_TO_STRUCT[c] for c in self.format if c in FORMAT_TO_STRUCT]
-        self.msg_struct = "<" + "".join(code for code, _, _ in known)
-        self.msg_types = [kind for _, _, kind in known]
-        self.msg_mults = [factor for _, factor, _ in known]
+        known = [c for c in self.format if c in FORMAT_TO_STRUCT]
+        self.msg_struct = "<" + "".join(FORMAT_TO_STRUCT[c][0] for c in known)
+        # The table says str of arrays, pymavlink's too, and the types of the values are here.
+        self.msg_types = [array if c == "a" else FORMAT_TO_STRUCT[c][2] for c in known]
+        self.msg_mults = [FORMAT_TO_STRUCT[c][1] for c in known]
         self.msg_fmts = list(self.format)
         self.colhash = {column: index for index, column in enumerate(self.columns)}
         self.a_indexes = [n for n, c in enumerate(self.msg_fmts) if c == "a"]

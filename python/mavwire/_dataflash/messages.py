@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import time
+from array import array
 
 from .formats import FORMAT_TO_STRUCT, is_quiet_nan
 
@@ -38,6 +39,8 @@ def get_msgbuf(message: Any) -> bytes | None:
 def _stored(element: Any, character: str, scaled: bool) -> Any:
     _, factor, kind = FORMAT_TO_STRUCT[character]
     if kind is str:
+        if isinstance(element, array):
+            return element.tobytes()
         return element.encode() if isinstance(element, str) else element
     if character == "M":
         return element

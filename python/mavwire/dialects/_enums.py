@@ -1,6 +1,6 @@
 """``enums`` of a dialect module: name -> Enum -> EnumEntry."""
 
-from typing import Any
+from typing import Any, cast
 
 from mavwire.dialects import _descriptions
 
@@ -18,8 +18,14 @@ class EnumEntry:
         self.has_location = False
 
 
+_STORED = EnumEntry.__dict__["__dict__"]
+"""The attributes that an entry has stored."""
+
+
 class _DefinedEntry(EnumEntry):
     """An entry whose texts are looked up when they are first read."""
+
+    __slots__ = ("_enum", "_own_description", "_params", "_texts")
 
     def __init__(self, enum: str, row: tuple[Any, ...], texts: _descriptions.Texts) -> None:
         _, self.name, self._own_description, self.has_location, self._params = row
@@ -37,6 +43,15 @@ class _DefinedEntry(EnumEntry):
             return self.param
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
+    @property
+    def __dict__(self) -> dict[str, Any]:  # type: ignore[override]
+        """All attributes, as programs write them to JSON."""
+        _ = self.description, self.param
+        return cast("dict[str, Any]", _STORED.__get__(self))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _entry, (self.__dict__,)
+
     def _command_params(self) -> dict[int, str]:
         if "MAV_CMD" not in self._enum or self.name.endswith("_ENUM_END"):
             return {}
@@ -48,6 +63,16 @@ class _DefinedEntry(EnumEntry):
                 text = RESERVED.format(default if default is not None else 0)
             params[index] = _untabbed(text)
         return params
+
+
+_DefinedEntry.__name__ = _DefinedEntry.__qualname__ = EnumEntry.__name__
+
+
+def _entry(attributes: dict[str, Any]) -> EnumEntry:
+    """An entry that was copied or pickled."""
+    entry = EnumEntry("", "")
+    vars(entry).update(attributes)
+    return entry
 
 
 def _untabbed(text: str) -> str:

@@ -15,13 +15,14 @@ pub(super) fn text_of(bytes: &[u8]) -> String {
     decode_line(&bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())])
 }
 
-/// The value as it is stored; texts as bytes with all their NULs.
+/// The value as it is stored; texts as bytes with all their NULs, arrays as `array.array`.
 pub(super) fn stored<'py>(py: Python<'py>, value: Value<'_>) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::Integer(number) => number.into_pyobject(py)?.into_any(),
         Value::Unsigned(number) => number.into_pyobject(py)?.into_any(),
         Value::Float(number) => PyFloat::new(py, number).into_any(),
-        Value::Text(bytes) | Value::Array(bytes) => PyBytes::new(py, bytes).into_any(),
+        Value::Text(bytes) => PyBytes::new(py, bytes).into_any(),
+        Value::Array(bytes) => array(py, bytes)?,
     })
 }
 
@@ -45,7 +46,6 @@ pub(super) fn from_body<'py>(
                 Err(_) => Ok(PyString::new(py, &decode_line(bytes)).into_any()),
             }
         }
-        Value::Array(bytes) => array(py, bytes),
         other => stored(py, other),
     }
 }
