@@ -424,7 +424,7 @@ class DFReader(_native.DataflashReader):
             return 0.0
         self.offset = self._last_offset
         m = self.recv_msg()
-        return 0.0 if m is None else float(m._timestamp)
+        return 0.0 if m is None else m._timestamp
 
     @property
     def percent(self) -> float:

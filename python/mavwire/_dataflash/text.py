@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     from typing import Any
 
 PROBE = 8000
+LONGEST_NAME = 65
+"""Bytes of a type's name, and the comma."""
+_TIMES = {"TimeUS", "TimeMS"}
 
 
 def DFReader_is_text_log(filename: str) -> bool:
@@ -56,3 +59,17 @@ class DFReader_text(DFReader):
         """Types that a filtered read visits, None before the first after a rewind."""
         latched = self._latched()
         return None if latched is None else [self._layouts[index].name for index in latched]
+
+    def last_timestamp(self) -> float:
+        """The time of the last line that has one, to which this moves. Of the last line where none has."""
+        timed = tuple(f"{fmt.name},".encode() for fmt in self._layouts if _TIMES & set(fmt.columns))
+        log = self.data_map
+        end = log.rfind(b"\n") + 1
+        while end > 0:
+            start = log.rfind(b"\n", 0, end - 1) + 1
+            if log[start : min(end, start + LONGEST_NAME)].startswith(timed):
+                self.offset = start
+                m = self.recv_msg()
+                return super().last_timestamp() if m is None else m._timestamp
+            end = start
+        return super().last_timestamp()

@@ -269,3 +269,21 @@ fn units_and_columns_of_a_text_log_are_bounded() {
         assert_eq!(layout(&line, Delimiter::CommaSpace).is_ok(), is_layout, "{columns}");
     }
 }
+
+#[test]
+fn a_type_of_a_text_log_may_have_no_fields() {
+    use super::text::{Delimiter, TextDefinitions, trimmed};
+
+    let delimiter = Delimiter::CommaSpace;
+    let mut definitions = TextDefinitions::new(delimiter);
+    definitions.collect(b"FMT, 10, 3, STRT, , \n", 0);
+    let layout = &definitions.layouts()[1];
+    assert_eq!(
+        (layout.name.as_str(), layout.columns.len(), layout.format.as_str()),
+        ("STRT", 0, "")
+    );
+    for line in ["STRT", "STRT, ", "STRT,\r\n", "STRT, 5"] {
+        let expected = (line != "STRT,\r\n").then_some(1);
+        assert_eq!(definitions.of_line(trimmed(line.as_bytes()), 50), expected, "{line:?}");
+    }
+}

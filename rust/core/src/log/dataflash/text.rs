@@ -56,10 +56,13 @@ const MAX_NAME_LEN: usize = 64;
 /// Bytes of the names of all columns of a type at most; binary logs have 64.
 const MAX_COLUMN_NAMES_LEN: usize = 16 * MAX_COLUMNS;
 
-/// A line without the white space at its end.
+/// A line without the white space at its end. The space behind a last comma stays: an empty value follows that delimiter,
+/// as where a FMT line describes a type without fields.
 pub fn trimmed(line: &[u8]) -> &[u8] {
     let end = line.iter().rposition(|byte| !byte.is_ascii_whitespace());
-    &line[..end.map_or(0, |end| end + 1)]
+    let end = end.map_or(0, |end| end + 1);
+    let is_delimiter = line[..end].ends_with(b",") && line.get(end) == Some(&b' ');
+    &line[..end + usize::from(is_delimiter)]
 }
 
 /// Where the values of a line stand, behind its name.
