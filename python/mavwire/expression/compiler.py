@@ -1,9 +1,13 @@
 """From the text of an expression to a closure over the messages.
 
 Each kind of syntax node that is allowed has one function here that returns a closure for it; a
-kind without one is refused. A closure takes the mapping of messages and returns the value, so an
-evaluation is a few Python calls. The shapes that conditions are made of, ``NAME.field`` and a
-comparison with a constant, are single closures.
+kind without one is refused. A closure takes the mapping of messages and the budget of the
+evaluation, and returns the value, so an evaluation is a few Python calls. The usual shapes of
+conditions, ``NAME.field`` and a comparison with a constant, are single closures.
+
+A value is charged to the budget where an operation, a call or a list takes it or makes it, unless it
+is a number or None. An expression without those constructs has no budget: it makes nothing.
+Without a loop each construct runs once, so it has a fixed share of the budget.
 """
 
 from __future__ import annotations
@@ -14,21 +18,28 @@ from collections.abc import Callable
 from typing import Any
 
 from mavwire.expression.attributes import METHOD_OWNERS, check_name
-from mavwire.expression.comprehension import Clause, Closure, Scope, collect
+from mavwire.expression.comprehension import Clause, Closure, collect
 from mavwire.expression.limits import (
     BINARY_OPERATORS,
     CALLED,
     MAX_DEPTH,
     MAX_LENGTH,
     MAX_NODES,
+    NUMBERS,
+    SCALARS,
+    STEP_ITEMS,
+    Budget,
     ExpressionError,
-    check_flat,
+    Share,
 )
 from mavwire.expression.names import known_names, lookup
 
+Compiled = tuple[Closure, Any]
+"""A closure and its budget, which is None where the expression makes nothing."""
 
-def compile_text(text: str) -> Closure:
-    """The closure of an expression without a condition in braces.
+
+def compile_text(text: str) -> Compiled:
+    """The closure of an expression without a condition in braces, and the budget to call it with.
 
     Raises SyntaxError for what is no Python expression and ExpressionError for what is refused.
     """
@@ -40,22 +51,25 @@ def compile_text(text: str) -> Closure:
         raise ExpressionError("nested too deeply to be parsed") from None
     except ValueError as error:  # a NUL character, before Python 3.12
         raise SyntaxError(str(error)) from None
-    loops = _check_size(tree.body)
+    makers, loops = _check_size(tree.body)
     value = build(tree.body)
-    return (lambda variables: value(Scope(variables))) if loops else value
+    if loops:
+        return (lambda variables, _: value(variables, Budget())), None
+    return value, Share(makers) if makers else None
 
 
-def _check_size(root: ast.AST) -> bool:
-    """Refuse a tree too deep or too large; returns whether it holds comprehensions."""
-    pending, nodes, loops = [(root, 1)], 0, False
+def _check_size(root: ast.AST) -> tuple[int, bool]:
+    """Refuse a tree too deep or too large. Count the constructs that make values, and find loops."""
+    pending, nodes, makers, loops = [(root, 1)], 0, 0, False
     while pending:
         node, depth = pending.pop()
         nodes += 1
         if depth > MAX_DEPTH or nodes > MAX_NODES:
             raise ExpressionError(f"deeper than {MAX_DEPTH} or larger than {MAX_NODES} constructs")
+        makers += not isinstance(node, _MAKES_NOTHING)
         loops = loops or isinstance(node, ast.comprehension)
         pending.extend((child, depth + 1) for child in ast.iter_child_nodes(node))
-    return loops
+    return makers, loops
 
 
 def build(node: ast.AST) -> Closure:
@@ -66,6 +80,10 @@ def build(node: ast.AST) -> Closure:
     return builder(node)
 
 
+_MAKES_NOTHING = (
+    *(ast.Constant, ast.Name, ast.Attribute, ast.Subscript, ast.UnaryOp, ast.BoolOp, ast.IfExp),
+    *(ast.Compare, ast.operator, ast.unaryop, ast.boolop, ast.cmpop, ast.expr_context),
+)
 _WORDS: dict[type[ast.AST], str] = {
     ast.Await: "await",
     ast.JoinedStr: "an f-string",
@@ -90,20 +108,22 @@ def _refused(node: ast.AST, reason: str) -> ExpressionError:
 
 def _constant(node: ast.Constant) -> Closure:
     value = node.value
-    return lambda variables: value
+    return lambda variables, budget: value
 
 
 def _name(node: ast.Name) -> Closure:
     name, column = node.id, node.col_offset
     check_name(name, column)
 
-    def load(variables: Any) -> Any:
+    def load(variables: Any, budget: Budget) -> Any:
         try:
             return variables[name]
         except KeyError:
             return lookup(name, column)
 
-    def load_known(variables: Any) -> Any:  # a failed lookup costs more than the question
+    def load_known(
+        variables: Any, budget: Budget
+    ) -> Any:  # a failed lookup costs more than the question
         return variables[name] if name in variables else lookup(name, column)
 
     return load_known if name in known_names() else load
@@ -115,7 +135,7 @@ def _attribute(node: ast.Attribute) -> Closure:
     if isinstance(node.value, ast.Name):
         return _message_field(node.value, attribute)
     value = build(node.value)
-    return lambda variables: getattr(value(variables), attribute)
+    return lambda variables, budget: getattr(value(variables, budget), attribute)
 
 
 def _message_field(node: ast.Name, attribute: str) -> Closure:
@@ -123,7 +143,7 @@ def _message_field(node: ast.Name, attribute: str) -> Closure:
     name, column = node.id, node.col_offset
     check_name(name, column)
 
-    def load(variables: Any) -> Any:
+    def load(variables: Any, budget: Budget) -> Any:
         try:
             message = variables[name]
         except KeyError:
@@ -135,9 +155,15 @@ def _message_field(node: ast.Name, attribute: str) -> Closure:
 
 def _subscript(node: ast.Subscript) -> Closure:
     value, index = build(node.value), build(node.slice)
+    if isinstance(node.slice, ast.Slice):
+        return lambda variables, budget: budget.make(
+            value(variables, budget)[index(variables, budget)], node
+        )
 
-    def load(variables: Any) -> Any:
-        owner, key = value(variables), index(variables)
+    def load(variables: Any, budget: Budget) -> Any:
+        owner, key = value(variables, budget), index(variables, budget)
+        if budget is not None and type(key) not in SCALARS:
+            budget.take(key, node)
         try:
             return owner[key]
         except IndexError as error:
@@ -152,7 +178,9 @@ def _subscript(node: ast.Subscript) -> Closure:
 def _slice(node: ast.Slice) -> Closure:
     parts = [build(part or ast.Constant(None)) for part in (node.lower, node.upper, node.step)]
     lower, upper, step = parts
-    return lambda variables: slice(lower(variables), upper(variables), step(variables))
+    return lambda variables, budget: slice(
+        lower(variables, budget), upper(variables, budget), step(variables, budget)
+    )
 
 
 _UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {
@@ -168,7 +196,7 @@ def _unary(node: ast.UnaryOp) -> Closure:
     if isinstance(folded, ast.Constant):
         return _constant(folded)
     apply, operand = _UNARY[type(node.op)], build(node.operand)
-    return lambda variables: apply(operand(variables))
+    return lambda variables, budget: apply(operand(variables, budget))
 
 
 def _signed_number(node: ast.expr) -> ast.expr:
@@ -182,17 +210,21 @@ def _signed_number(node: ast.expr) -> ast.expr:
 
 
 def _binary(node: ast.BinOp) -> Closure:
-    return _applied(BINARY_OPERATORS[type(node.op).__name__], node.left, node.right)
-
-
-def _applied(apply: Callable[[Any, Any], Any], first: ast.expr, second: ast.expr) -> Closure:
-    """An operation on two operands, of which the second often is a constant."""
-    left, second = build(first), _signed_number(second)
-    if isinstance(second, ast.Constant):
-        constant = second.value
-        return lambda variables: apply(left(variables), constant)
+    apply = BINARY_OPERATORS[type(node.op).__name__]
+    left, second = build(node.left), _signed_number(node.right)
+    if isinstance(second, ast.Constant) and type(second.value) in NUMBERS:
+        return _binary_with(apply, left, second.value, node)
     right = build(second)
-    return lambda variables: apply(left(variables), right(variables))
+
+    def run(variables: Any, budget: Budget) -> Any:
+        first, second = left(variables, budget), right(variables, budget)
+        if type(first) in NUMBERS and type(second) in NUMBERS:
+            return apply(first, second)
+        budget.take(first, node)
+        budget.take(second, node)
+        return budget.make(apply(first, second), node)
+
+    return run
 
 
 def _boolean(node: ast.BoolOp) -> Closure:
@@ -200,19 +232,21 @@ def _boolean(node: ast.BoolOp) -> Closure:
     *first, last = operands
     stop_at = isinstance(node.op, ast.Or)
 
-    def run(variables: Any) -> Any:
+    def run(variables: Any, budget: Budget) -> Any:
         for operand in first:
-            value = operand(variables)
+            value = operand(variables, budget)
             if bool(value) is stop_at:
                 return value
-        return last(variables)
+        return last(variables, budget)
 
     return run
 
 
 def _conditional(node: ast.IfExp) -> Closure:
     test, body, otherwise = build(node.test), build(node.body), build(node.orelse)
-    return lambda variables: body(variables) if test(variables) else otherwise(variables)
+    return lambda variables, budget: (
+        body(variables, budget) if test(variables, budget) else otherwise(variables, budget)
+    )
 
 
 _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
@@ -229,10 +263,45 @@ _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
 }
 
 
+def _binary_with(
+    apply: Callable[[Any, Any], Any], left: Closure, constant: Any, node: ast.BinOp
+) -> Closure:
+    def run(variables: Any, budget: Budget) -> Any:
+        first = left(variables, budget)
+        if type(first) in NUMBERS:
+            return apply(first, constant)
+        budget.take(first, node)
+        return budget.make(apply(first, constant), node)
+
+    return run
+
+
 def _compare(node: ast.Compare) -> Closure:
     if len(node.ops) > 1:
         return _chained(node)
-    return _applied(_COMPARISONS[type(node.ops[0])], node.left, node.comparators[0])
+    holds = _COMPARISONS[type(node.ops[0])]
+    left, second = build(node.left), _signed_number(node.comparators[0])
+    if isinstance(second, ast.Constant):
+        constant = second.value
+        return lambda variables, budget: holds(left(variables, budget), constant)
+    right = build(second)
+    if isinstance(second, ast.List | ast.Tuple) and _are_constants(second.elts):
+        return lambda variables, budget: holds(left(variables, budget), right(variables, budget))
+
+    def run(variables: Any, budget: Budget) -> Any:
+        first, second = left(variables, budget), right(variables, budget)
+        if budget is not None:
+            _charge_compared(first, second, budget, node)
+        return holds(first, second)
+
+    return run
+
+
+def _charge_compared(first: Any, second: Any, budget: Budget, node: ast.Compare) -> None:
+    if type(first) not in SCALARS:
+        budget.take(first, node)
+    if type(second) not in SCALARS and not isinstance(second, dict):  # which ``in`` looks up
+        budget.take(second, node)
 
 
 def _chained(node: ast.Compare) -> Closure:
@@ -242,10 +311,12 @@ def _chained(node: ast.Compare) -> Closure:
         (_COMPARISONS[type(op)], build(c)) for op, c in zip(node.ops, node.comparators, strict=True)
     ]
 
-    def run(variables: Any) -> Any:
-        value, result = left(variables), True
+    def run(variables: Any, budget: Budget) -> Any:
+        value, result = left(variables, budget), True
         for holds, operand in links:
-            following = operand(variables)
+            following = operand(variables, budget)
+            if budget is not None:
+                _charge_compared(value, following, budget, node)
             result = holds(value, following)
             if not result:
                 break
@@ -257,22 +328,45 @@ def _chained(node: ast.Compare) -> Closure:
 
 def _elements(nodes: list[ast.expr]) -> Closure:
     """A closure for the list of the values of ``nodes``, with ``*items`` spread out."""
-    if not any(isinstance(node, ast.Starred) for node in nodes):
-        values = [build(node) for node in nodes]
-        return lambda variables: [value(variables) for value in values]
+    if any(isinstance(node, ast.Starred) for node in nodes):
+        return _spread(nodes)
+    if _are_constants(nodes):
+        constants = [node.value for node in nodes]  # type: ignore[attr-defined]
+        return lambda variables, budget: constants.copy()
+    parts = [(build(node), node) for node in nodes]
+
+    def run(variables: Any, budget: Budget) -> list[Any]:
+        result: list[Any] = []
+        for value, node in parts:
+            item = value(variables, budget)
+            if type(item) not in SCALARS:
+                budget.take(item, node)
+            result.append(item)
+        return result
+
+    return run
+
+
+def _are_constants(nodes: list[ast.expr]) -> bool:
+    return all(isinstance(node, ast.Constant) for node in nodes)
+
+
+def _spread(nodes: list[ast.expr]) -> Closure:
     spread = [
-        (
-            isinstance(node, ast.Starred),
-            build(node.value if isinstance(node, ast.Starred) else node),
-        )
+        (node, build(node.value)) if isinstance(node, ast.Starred) else (None, build(node))
         for node in nodes
     ]
 
-    def run(variables: Any) -> list[Any]:
+    def run(variables: Any, budget: Budget) -> list[Any]:
         result: list[Any] = []
         for starred, value in spread:
-            item = value(variables)
-            result.extend(item) if starred else result.append(item)
+            item = value(variables, budget)
+            if starred:
+                budget.take(item, starred)
+                result.extend(item)
+            else:
+                result.append(item)
+        budget.make(result, nodes[0])
         return result
 
     return run
@@ -284,37 +378,56 @@ def _list(node: ast.List) -> Closure:
 
 def _tuple(node: ast.Tuple) -> Closure:
     elements = _elements(node.elts)
-    return lambda variables: tuple(elements(variables))
+    return lambda variables, budget: tuple(elements(variables, budget))
 
 
 def _set(node: ast.Set) -> Closure:
     elements = _elements(node.elts)
-    return lambda variables: set(elements(variables))
+    return lambda variables, budget: set(elements(variables, budget))
 
 
 def _dict(node: ast.Dict) -> Closure:
     if None in node.keys:
         raise _refused(node, "** is not allowed")
     keys, values = _elements([key for key in node.keys if key]), _elements(node.values)
-    return lambda variables: dict(zip(keys(variables), values(variables), strict=True))
+    return lambda variables, budget: dict(
+        zip(keys(variables, budget), values(variables, budget), strict=True)
+    )
 
 
 def _call(node: ast.Call) -> Closure:
     function = _function(node.func)
-    keywords = {}
     for keyword in node.keywords:
         if keyword.arg is None or keyword.arg == "key":
             raise _refused(node, f"the argument {keyword.arg or '**'!r} is not allowed")
-        keywords[keyword.arg] = build(keyword.value)
-    if len(node.args) == 1 and not keywords and not isinstance(node.args[0], ast.Starred):
-        argument = build(node.args[0])
-        return lambda variables: function(variables)(argument(variables))
+    if len(node.args) == 1 and not node.keywords and not isinstance(node.args[0], ast.Starred):
+        return _call_of_one(node, function)
     arguments = _elements(node.args)
-    if not keywords:
-        return lambda variables: function(variables)(*arguments(variables))
-    return lambda variables: function(variables)(
-        *arguments(variables), **{name: value(variables) for name, value in keywords.items()}
-    )
+    keywords = {str(keyword.arg): build(keyword.value) for keyword in node.keywords}
+
+    def run(variables: Any, budget: Budget) -> Any:
+        called, positional = function(variables, budget), arguments(variables, budget)
+        named = {name: value(variables, budget) for name, value in keywords.items()}
+        for value in named.values():
+            budget.take(value, node)
+        result = called(*positional, **named)
+        return result if type(result) in SCALARS else budget.make(result, node)
+
+    return run
+
+
+def _call_of_one(node: ast.Call, function: Closure) -> Closure:
+    argument = build(node.args[0])
+    free = SCALARS | {str} if isinstance(node.args[0], ast.Constant) else SCALARS
+
+    def run(variables: Any, budget: Budget) -> Any:
+        called, value = function(variables, budget), argument(variables, budget)
+        if type(value) not in free:
+            budget.take(value, node)
+        result = called(value)
+        return result if type(result) in SCALARS else budget.make(result, node)
+
+    return run
 
 
 def _function(node: ast.expr) -> Closure:
@@ -329,11 +442,11 @@ def _function(node: ast.expr) -> Closure:
 def _known_function(node: ast.Name) -> Closure:
     name, column = node.id, node.col_offset
     check_name(name, column)
-    bounded = CALLED.get(name)
+    bounded, known = CALLED.get(name), known_names()
 
-    def load(variables: Any) -> Any:
+    def load(variables: Any, budget: Budget) -> Any:
         if name not in variables:
-            return bounded or lookup(name, column)
+            return bounded or known.get(name) or lookup(name, column)
         if callable(variables[name]):
             raise ExpressionError(f"{name!r} is no function registered for expressions", column)
         return variables[name]
@@ -346,11 +459,14 @@ def _method(node: ast.Attribute) -> Closure:
     if name not in METHOD_OWNERS:
         raise _refused(node, f"the method {name!r} is not available")
     owners = METHOD_OWNERS[name]
+    looked_up = object in owners or dict in owners  # which takes no longer the more there is
 
-    def load(variables: Any) -> Any:
-        owner = value(variables)
+    def load(variables: Any, budget: Budget) -> Any:
+        owner = value(variables, budget)
         if not isinstance(owner, owners):
             raise ExpressionError(f"the method {name!r} of {type(owner).__name__}", column)
+        if not looked_up:
+            budget.take(owner, node)
         return getattr(owner, name)
 
     return load
@@ -359,27 +475,24 @@ def _method(node: ast.Attribute) -> Closure:
 def _comprehension(
     node: ast.ListComp | ast.SetComp | ast.GeneratorExp, make: Callable[[Any], Any]
 ) -> Closure:
-    return collect(_clauses(node, node.elt), build(node.elt), make)
+    return collect(_clauses(node, node.elt), build(node.elt), make, node)
 
 
 def _dict_comprehension(node: ast.DictComp) -> Closure:
     pair = ast.Tuple([node.key, node.value], ast.Load())
-    return collect(_clauses(node, pair), build(pair), dict)
+    return collect(_clauses(node, pair), build(pair), dict, node)
 
 
-def _clauses(node: ast.AST, element: ast.AST) -> list[Clause]:
-    cost = sum(1 for _ in ast.walk(element))
+def _clauses(node: Any, element: ast.AST) -> list[Clause]:
     clauses = []
-    for generator in node.generators:  # type: ignore[attr-defined]
+    follows = [*(generator.iter for generator in node.generators[1:]), element]
+    for generator, following in zip(node.generators, follows, strict=True):
+        each_time = (generator.target, *generator.ifs, following)
+        visits = sum(1 for part in each_time for _ in ast.walk(part))
         conditions = [build(condition) for condition in generator.ifs]
-        bind = _target(generator.target)
-        clauses.append(Clause(bind, build(generator.iter), conditions, cost + len(conditions)))
+        bind, items = _target(generator.target), build(generator.iter)
+        clauses.append(Clause(bind, items, conditions, visits * STEP_ITEMS, node))
     return clauses
-
-
-def _bind(bound: dict[str, Any], name: str, item: Any) -> None:
-    check_flat(item)
-    bound[name] = item
 
 
 def _target(node: ast.AST) -> Callable[[dict[str, Any], Any], None]:
@@ -387,7 +500,7 @@ def _target(node: ast.AST) -> Callable[[dict[str, Any], Any], None]:
     if isinstance(node, ast.Name):
         name = node.id
         check_name(name, node.col_offset)
-        return lambda bound, item: _bind(bound, name, item)
+        return lambda bound, item: bound.__setitem__(name, item)
     if not isinstance(node, ast.Tuple | ast.List):
         raise _refused(node, f"{_in_words(node)} is not allowed as a variable")
     targets = [_target(part) for part in node.elts]

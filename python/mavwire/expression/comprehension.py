@@ -1,28 +1,27 @@
-"""Comprehensions: the only loops of an expression, so the only place that counts steps.
+"""Comprehensions: the only loops of an expression, so the only place that charges steps.
 
-Their variables live in a scope over the messages. One evaluation has one budget of steps, shared
-by all its comprehensions however they nest. A generator expression gives a list.
+Their variables live in a scope over the messages. A generator expression gives a list.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import ast
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from mavwire.expression.limits import MAX_STEPS, ExpressionError
+from mavwire.expression.limits import SCALARS, Budget
 
-Closure = Callable[[Any], Any]
+Closure = Callable[[Any, Budget], Any]
 
 
 class Scope:
     """The messages, and over them the variables of comprehensions."""
 
-    __slots__ = ("below", "bound", "budget")
+    __slots__ = ("below", "bound")
 
     def __init__(self, below: Any) -> None:
         self.below = below
         self.bound: dict[str, Any] = {}
-        self.budget: list[int] = below.budget if isinstance(below, Scope) else [MAX_STEPS]
 
     def __getitem__(self, name: str) -> Any:
         return self.bound[name] if name in self.bound else self.below[name]
@@ -30,14 +29,9 @@ class Scope:
     def __contains__(self, name: str) -> bool:
         return name in self.bound or name in self.below
 
-    def spend(self, steps: int) -> None:
-        self.budget[0] -= steps
-        if self.budget[0] < 0:
-            raise ExpressionError(f"comprehensions of more than {MAX_STEPS} steps")
-
 
 class Clause:
-    """One ``for target in iterable if ... if ...``; ``cost`` is what an iteration spends."""
+    """One ``for target in iterable if ... if ...`` of ``node``; an iteration spends ``cost``."""
 
     def __init__(
         self,
@@ -45,35 +39,41 @@ class Clause:
         iterable: Closure,
         conditions: list[Closure],
         cost: int,
+        node: ast.AST,
     ) -> None:
-        self.bind, self.iterable, self.conditions, self.cost = bind, iterable, conditions, cost
+        self.bind, self.iterable, self.conditions = bind, iterable, conditions
+        self.cost, self.node = cost, node
 
-    def run(self, scope: Scope) -> Iterator[None]:
+    def run(self, scope: Scope, budget: Budget) -> Iterator[None]:
         """Bind one item after the other, yielding where the conditions hold."""
-        items: Iterable[Any] = self.iterable(scope)
-        for item in items:
-            scope.spend(self.cost)
+        for item in self.iterable(scope, budget):
+            budget.spend(self.cost, self.node)
             self.bind(scope.bound, item)
-            if all(condition(scope) for condition in self.conditions):
+            if all(condition(scope, budget) for condition in self.conditions):
                 yield
 
 
-def _run_all(clauses: list[Clause], scope: Scope) -> Iterator[None]:
+def _run_all(clauses: list[Clause], scope: Scope, budget: Budget) -> Iterator[None]:
     first, rest = clauses[0], clauses[1:]
-    for _ in first.run(scope):
+    for _ in first.run(scope, budget):
         if rest:
-            yield from _run_all(rest, scope)
+            yield from _run_all(rest, scope, budget)
         else:
             yield
 
 
 def collect(
-    clauses: list[Clause], element: Closure, make: Callable[[Iterator[Any]], Any]
+    clauses: list[Clause], element: Closure, make: Callable[[Iterator[Any]], Any], node: ast.AST
 ) -> Closure:
     """A closure that gives ``make`` the element of every iteration."""
 
-    def run(variables: Any) -> Any:
+    def run(variables: Any, budget: Budget) -> Any:
         scope = Scope(variables)
-        return make(element(scope) for _ in _run_all(clauses, scope))
+        return make(_elements(scope, budget))
+
+    def _elements(scope: Scope, budget: Budget) -> Iterator[Any]:
+        for _ in _run_all(clauses, scope, budget):
+            item = element(scope, budget)
+            yield item if type(item) in SCALARS else budget.make(item, node)
 
     return run

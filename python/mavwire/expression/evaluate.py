@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
-from mavwire.expression.compiler import compile_text
+from mavwire.expression.compiler import Compiled, compile_text
 from mavwire.expression.limits import ExpressionError
 
 _NO_VALUE_NOW = (NameError, ZeroDivisionError, IndexError)
@@ -32,20 +32,25 @@ def _nothing(variables: Any, nocondition: bool) -> None:
     return None
 
 
-def _plain(value: Callable[[Any], Any]) -> Program:
+def _plain(compiled: Compiled) -> Program:
+    value, budget = compiled
+
     def run(variables: Any, nocondition: bool) -> Any:
         try:
-            return value(variables)
+            return value(variables, budget)
         except _NO_VALUE_NOW:
             return None
 
     return run
 
 
-def _conditional(value: Callable[[Any], Any], condition: Callable[[Any], Any]) -> Program:
+def _conditional(compiled: Compiled, holding: Compiled) -> Program:
+    value, budget = compiled
+    condition, own_budget = holding
+
     def run(variables: Any, nocondition: bool) -> Any:
         try:
-            holds = condition(variables)
+            holds = condition(variables, own_budget)
         except ExpressionError:
             raise
         except Exception:
@@ -53,24 +58,24 @@ def _conditional(value: Callable[[Any], Any], condition: Callable[[Any], Any]) -
         if not holds and not nocondition:
             return None
         try:
-            return value(variables)
+            return value(variables, budget)
         except _NO_VALUE_NOW:
             return None
 
     return run
 
 
-def _compile_or_raise_later(text: str) -> Callable[[Any], Any]:
+def _compile_or_raise_later(text: str) -> Compiled:
     """A syntax error behind a condition shows once the condition holds."""
     try:
         return compile_text(text)
     except SyntaxError as error:
         caught = error
 
-        def fail(variables: Any) -> Any:
+        def fail(variables: Any, budget: Any) -> Any:
             raise caught
 
-        return fail
+        return fail, None
 
 
 @lru_cache(maxsize=512)
@@ -104,5 +109,5 @@ def evaluate_condition(condition: str | None, vars: Mapping[str, Any]) -> Any:
     """The value of a condition, usually a bool: True for no condition, False for no value."""
     if condition is None:
         return True
-    value = evaluate_expression(condition, vars)
+    value = _program(condition)({} if vars is None else vars, False)
     return False if value is None else value

@@ -1,12 +1,14 @@
-"""What an expression may cost, and the operators and functions that could cost more.
+"""The cost that an expression may have, and the operators and functions that could cost more.
 
-An expression has no loops but comprehensions, so its cost is bounded by its length unless one
-operation alone is huge: ``9**9**9``, ``"x" * 10**9``, ``factorial(10**8)``. Those are guarded
-here; everything else is the operator of Python itself.
+One evaluation has one :class:`Budget`. The values that an operation, a call, a list or a loop takes
+and makes are charged to it, each with all that it holds, so nothing grows step by step. Small
+operands can make a huge value at once: ``9**9**9``, ``"x" * 10**9``, ``factorial(10**8)``. Those
+operations are guarded here. Everything else is the operator of Python itself.
 """
 
 from __future__ import annotations
 
+import ast
 import functools
 import math
 import operator
@@ -18,11 +20,13 @@ MAX_LENGTH = 4096  # characters of an expression
 MAX_DEPTH = 100  # of nested constructs
 MAX_NODES = 4000  # of the syntax tree
 MAX_BITS = 4096  # of an integer that an operation makes
-MAX_ITEMS = 1024  # of a sequence that an operation makes
-MAX_TEXT = 4096  # characters or bytes that an operation makes
-MAX_STEPS = 20_000  # node visits of all comprehensions in one evaluation
+MAX_TEXT = 16_384  # characters of one text: some searches take the square of it
+MAX_RANGE = 1024  # numbers of a range
 MAX_WIDTH = 256  # of a number in a %-format
-MAX_ZIPPED = 8  # sequences side by side
+MAX_BYTES = 16 << 20  # of all values that one evaluation makes
+ITEM_BYTES = 64  # that an element or a character counts; few take more
+STEP_ITEMS = 8  # that the visit of a node in a comprehension counts
+OBJECT_ITEMS = 64  # that a message or a vector counts
 
 
 class ExpressionError(ValueError):
@@ -49,57 +53,85 @@ def _check_bits(bits: int) -> None:
 
 _TEXT = (str, bytes, bytearray)
 _SEQUENCES = (*_TEXT, list, tuple)
-_CONTAINERS = (list, tuple, dict, set, frozenset)
+_VIEWS: tuple[type, ...] = (type({}.keys()), type({}.values()), type({}.items()))
+_CONTAINERS = (list, tuple, dict, set, frozenset, range, slice, *_VIEWS)
+
+NUMBERS = frozenset((float, int, bool))
+SCALARS = NUMBERS | {type(None)}
+"""Types whose values cost no more than the construct that makes them."""
 
 
-def _check_items(sequence: Any, items: int) -> None:
-    limit = MAX_TEXT if isinstance(sequence, _TEXT) else MAX_ITEMS
-    if items > limit:
-        raise ExpressionError(f"a sequence of {items} items, more than {limit}")
+class Budget:
+    """The items that one evaluation may still make, or go through again in its loops."""
+
+    def __init__(self, shares: int = 1) -> None:
+        self.left = MAX_BYTES // ITEM_BYTES // shares
+
+    def make(self, value: Any, node: ast.AST) -> Any:
+        """Charge a value that ``node`` has made, and return it."""
+        self.spend(weight(value, self.left), node)
+        return value
+
+    def take(self, value: Any, node: ast.AST) -> None:
+        """Charge a value that ``node`` goes through."""
+        self.make(value, node)
+
+    def spend(self, items: int, node: ast.AST) -> None:
+        """Charge work; ExpressionError names the part of the expression that is too much."""
+        self.left -= items
+        if self.left < 0:
+            raise _too_much(node)
 
 
-def check_flat(value: Any) -> None:
-    """Refuse a container of containers where it could be multiplied.
+class Share(Budget):
+    """A share of the budget for each construct of an expression without a loop.
 
-    Each nesting of shared containers multiplies the cost of comparing or printing them, so a few
-    lines could make one that never ends; one level is bounded by MAX_ITEMS.
+    None of them runs twice, so nothing has to be counted, and going through a value is free.
     """
-    if not isinstance(value, _CONTAINERS):
-        return
-    items = value.values() if isinstance(value, dict) else value
-    if any(isinstance(item, _CONTAINERS) for item in items):
-        raise ExpressionError("a container of containers, repeated or in a variable")
+
+    def take(self, value: Any, node: ast.AST) -> None:
+        pass
+
+    def spend(self, items: int, node: ast.AST) -> None:
+        if items > self.left:
+            raise _too_much(node)
 
 
-def _check_printed(value: Any) -> None:
-    """Refuse what would be a text of more than MAX_TEXT characters, without making it."""
-    length, left = 0, [value]
-    while left:
-        one = left.pop()
-        if isinstance(one, _CONTAINERS):
-            length += len(one)
-            left.extend(one)
-            if isinstance(one, dict):
-                left.extend(one.values())
-        elif isinstance(one, _TEXT):
-            length += len(one)
-        elif _is_int(one):
-            length += one.bit_length() // 4
-        if length > MAX_TEXT:
-            raise ExpressionError(f"a text of more than {MAX_TEXT} characters")
+def _too_much(node: ast.AST) -> ExpressionError:
+    part = ast.unparse(node)
+    part = part if len(part) <= 40 else f"{part[:37]}..."
+    bounds = f"{MAX_BYTES >> 20} MB of values or {MAX_TEXT} characters of a text"
+    return ExpressionError(f"{part!r} takes more than {bounds}", getattr(node, "col_offset", None))
 
 
-def _printing(function: Callable[..., str]) -> Callable[..., str]:
-    def bounded(*arguments: Any, **keywords: Any) -> str:
-        for value in arguments:
-            _check_printed(value)
-        return function(*arguments, **keywords)
+def weight(value: Any, limit: int) -> int:
+    """The items of a value and of all values in it, or any number above the limit.
 
-    return bounded
+    A container that is held twice counts twice, because to compare or print it takes twice as long.
+    """
+    items, pending = 0, [value]
+    while pending and items <= limit:
+        one = pending.pop()
+        if isinstance(one, _TEXT):
+            items += 1 + len(one) if len(one) <= MAX_TEXT else limit + 1
+        elif isinstance(one, _CONTAINERS):
+            inside = _inside(one)
+            items += 1 + len(inside)
+            if items <= limit:
+                pending.extend(inside)
+        elif isinstance(one, int):
+            items += 1 + one.bit_length() // 32
+        else:
+            items += 1 if type(one) in SCALARS else OBJECT_ITEMS
+    return items
 
 
-CALLED: dict[str, Callable[..., str]] = {one.__name__: _printing(one) for one in (str, repr, ascii)}
-"""What a call of a builtin calls instead; ``str`` is also a class that ``isinstance`` takes."""
+def _inside(container: Any) -> Any:
+    if isinstance(container, dict):
+        return container.items()
+    if isinstance(container, slice):
+        return container.start, container.stop, container.step
+    return container
 
 
 def power(base: Any, exponent: Any) -> Any:
@@ -130,30 +162,21 @@ def multiply(left: Any, right: Any) -> Any:
 
 
 def _check_repetition(sequence: Any, times: int) -> None:
-    check_flat(sequence)
-    _check_items(sequence, len(sequence) * times)
-
-
-def add(left: Any, right: Any) -> Any:
-    """``left + right``, bounded where it joins sequences."""
-    if isinstance(left, _SEQUENCES) and isinstance(right, _SEQUENCES):
-        _check_items(left, len(left) + len(right))
-    return left + right
+    if len(sequence) * times > MAX_BYTES // ITEM_BYTES:
+        raise ExpressionError(f"a sequence of {len(sequence)} items, {times} times")
 
 
 _CONVERSION = re.compile(r"%[-+ #0]*(\*|\d+)?(?:\.(\*|\d+))?")
-_NUMBER = re.compile(r"(\*|\d+)()")
 
 
 def modulo(left: Any, right: Any) -> Any:
-    """``left % right``; as a text format, without ``*`` and with bounded widths."""
-    if isinstance(left, str | bytes):
+    """``left % right``; as a text format, without ``*`` and names, and with bounded widths."""
+    if isinstance(left, _TEXT):
         text = left if isinstance(left, str) else left.decode("latin-1")
-        # conversions with a (name) nest parentheses, so there any number counts as a width
-        widths = (_NUMBER if "(" in text else _CONVERSION).findall(text)
-        if any(_is_too_wide(width) for pair in widths for width in pair):
+        if "%(" in text:  # a value could be printed many times
+            raise ExpressionError(f"a format with names: {text[:40]!r}")
+        if any(_is_too_wide(width) for pair in _CONVERSION.findall(text) for width in pair):
             raise ExpressionError(f"a format wider than {MAX_WIDTH}: {text[:40]!r}")
-        _check_printed(right)
     return left % right
 
 
@@ -168,11 +191,22 @@ def rounded(number: Any, ndigits: Any = None) -> Any:
     return round(number, ndigits)
 
 
+def bounded_int(*arguments: Any, **keywords: Any) -> int:
+    """``int``, of a text that holds no more than MAX_BITS."""
+    if any(isinstance(one, _TEXT) and len(one) > MAX_BITS // 4 for one in arguments):
+        raise ExpressionError(f"an integer of more than {MAX_BITS // 4} digits")
+    return int(*arguments, **keywords)
+
+
+CALLED: dict[str, Callable[..., Any]] = {"int": bounded_int}
+"""The function that a call of a builtin calls instead; ``int`` is also a class for ``isinstance``."""
+
+
 def bounded_range(*bounds: Any) -> range:
-    """``range`` of at most MAX_ITEMS numbers."""
+    """``range`` of at most MAX_RANGE numbers below 2**60, none of which share a hash."""
     numbers = range(*bounds)
-    if len(numbers) > MAX_ITEMS:
-        raise ExpressionError(f"a range of more than {MAX_ITEMS} numbers")
+    if len(numbers) > MAX_RANGE or max(abs(numbers.start), abs(numbers.stop)) > 2**60:
+        raise ExpressionError(f"a range of more than {MAX_RANGE} numbers, or beyond 2**60")
     return numbers
 
 
@@ -181,22 +215,18 @@ def _total_bits(values: Iterable[Any]) -> int:
 
 
 def bounded_prod(values: Iterable[Any], /, *, start: Any = 1) -> Any:
-    """``math.prod``, each step of it bounded."""
-    return functools.reduce(multiply, iter(values), start)
+    """``math.prod`` of numbers, each step of it bounded."""
+    numbers = [start, *values]
+    if any(isinstance(one, _SEQUENCES) for one in numbers):
+        raise ExpressionError("prod() of sequences")
+    return functools.reduce(multiply, numbers)
 
 
 def bounded_sum(values: Iterable[Any], /, start: Any = 0) -> Any:
-    """The builtin ``sum``, each step of it bounded where it joins sequences."""
-    if isinstance(start, list | tuple):
-        return functools.reduce(add, iter(values), start)
-    return sum(values, start)  # which refuses to join texts
-
-
-def bounded_zip(*iterables: Any, strict: bool = False) -> Any:
-    """``zip`` of a few: each of its items is as long as they are many."""
-    if len(iterables) > MAX_ZIPPED:
-        raise ExpressionError(f"zip() of more than {MAX_ZIPPED} sequences")
-    return zip(*iterables, strict=strict)
+    """The builtin ``sum``, which takes the square of the time to join sequences."""
+    if isinstance(start, _SEQUENCES):
+        raise ExpressionError("builtin_sum() of sequences")
+    return sum(values, start)
 
 
 def bounded_lcm(*values: Any) -> int:
@@ -217,7 +247,7 @@ def small_integers(function: Callable[..., int]) -> Callable[..., int]:
 
 
 BINARY_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
-    "Add": add,
+    "Add": operator.add,
     "Sub": operator.sub,
     "Mult": multiply,
     "Div": operator.truediv,

@@ -17,7 +17,7 @@ from mavwire.expression import attributes, limits
 
 _BUILTINS = (
     "abs all any ascii bin bool chr complex dict divmod enumerate float frozenset hex int "
-    "isinstance len list max min oct ord repr reversed set slice sorted str tuple"
+    "isinstance len list max min oct ord repr reversed set slice sorted str tuple zip"
 )
 
 _ALL_BUILTINS = frozenset(vars(builtins))
@@ -28,7 +28,6 @@ _GUARDED: dict[str, Any] = {
     "getattr": attributes.safe_getattr,
     "hasattr": attributes.safe_hasattr,
     "builtin_sum": limits.bounded_sum,
-    "zip": limits.bounded_zip,
     "prod": limits.bounded_prod,
     "lcm": limits.bounded_lcm,
     "factorial": limits.small_integers(math.factorial),

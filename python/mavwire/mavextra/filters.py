@@ -33,6 +33,7 @@ class _Window:
 
     def push(self, value: float) -> float:
         """Put a value in the place of the oldest; the sum."""
+        value = float(value)
         oldest = self._values.popleft()
         self._values.append(value)
         self._age += 1
@@ -66,9 +67,10 @@ def average(var: float, key: Any, N: int) -> float:
         return var
     if isinstance(history, _Window):
         return history.push(var) / N
-    history.pop(0)
-    history.append(var)
-    return sum_of(history) / N
+    recent = [*history[1:], var]
+    total = sum_of(recent)  # before it is kept, because it refuses values that are not numbers
+    history[:] = recent
+    return total / N
 
 
 def _second_derivative(var: float, key: Any, weights: tuple[int, ...], scale: float) -> float:
@@ -79,11 +81,12 @@ def _second_derivative(var: float, key: Any, weights: tuple[int, ...], scale: fl
         state.remember(state.derivative_data, key, (now, [var] * len(weights)))
         return 0
     history = [*history[1:], var]
-    state.derivative_data[key] = (now, history)
     step = now - last_time
     # A value without a weight has no part in it, be it infinite.
     pairs = zip(weights, history, strict=True)
-    change: float = sum_of(weight * value for weight, value in pairs if weight) / (scale * step**2)
+    total: float = sum_of(weight * value for weight, value in pairs if weight)
+    state.derivative_data[key] = (now, history)
+    change: float = total / (scale * step**2)
     return change
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mavwire.expression.limits import ExpressionError
+from mavwire.expression.limits import ExpressionError, weight
 
 average_data: dict[Any, Any] = {}
 derivative_data: dict[Any, tuple[float, list[float]]] = {}
@@ -40,14 +40,19 @@ SCALARS: dict[str, Any] = {
 # Bounds for expressions from elsewhere: keys of all histories together, and values of averages.
 MAX_KEYS = 4096
 MAX_VALUES = 1_000_000
+MAX_KEY = 256  # items of one key
+MAX_STATE = 4096  # items of one history at first
 
 _KEPT = frozenset({"EleModel"})  # a cache that does not depend on the log
 
 
 def remember(history: dict[Any, Any], key: Any, value: Any) -> None:
-    """Keep a filter's state; ExpressionError where a key changes for ever."""
-    if key not in history and sum(map(len, _HISTORIES)) >= MAX_KEYS:
-        raise ExpressionError(f"filters under more than {MAX_KEYS} keys; a key names a signal")
+    """Keep a filter's state; ExpressionError where a key changes for ever, or is no name."""
+    if key not in history:
+        if sum(map(len, _HISTORIES)) >= MAX_KEYS:
+            raise ExpressionError(f"filters under more than {MAX_KEYS} keys; a key names a signal")
+        if weight(key, MAX_KEY) > MAX_KEY or weight(value, MAX_STATE) > MAX_STATE:
+            raise ExpressionError("a filter of something that is not a number, or with a long key")
     history[key] = value
 
 

@@ -208,7 +208,8 @@ def why_nothing(text: str, messages: Mapping[str, Any], condition: str | None = 
         if not evaluate_condition(needed, messages):
             return f"{needed} does not hold"
     try:
-        compile_text(value)(messages)
+        program, budget = compile_text(value)
+        program(messages, budget)
     except Exception as error:  # whatever a function of an expression raises
         return in_words(error)
     return None

@@ -6,8 +6,10 @@ import math
 import re
 import subprocess
 import sys
+import tracemalloc
 import types
 from collections.abc import Iterator
+from contextlib import contextmanager
 from random import Random
 from typing import Any
 
@@ -31,6 +33,18 @@ class Message:
 
 
 MESSAGES = {"ATT": Message(), "f": lambda *_: 1 / 0, "s": "text", "n": 9, "nan": float("nan")}
+
+
+@contextmanager
+def bounded_memory(limit: int = 64 << 20) -> Iterator[None]:
+    """Some bytes more than the budget counts, because Python's objects differ in size."""
+    tracemalloc.start()
+    try:
+        yield
+        assert tracemalloc.get_traced_memory()[1] < limit
+    finally:
+        tracemalloc.stop()
+
 
 OUT_OF_REACH = [
     "__import__('os')",
@@ -152,6 +166,56 @@ def test_nothing_that_an_expression_knows_is_a_module() -> None:
         assert not name.startswith("_"), name
 
 
+def grown(step: str) -> str:
+    """A comprehension with 24 clauses, each of which makes more of the value before it."""
+    clauses = (f" for x{n + 1} in [{step.format(f'x{n}')}]" for n in range(24))
+    return f"[0 for x0 in [[1]]{''.join(clauses)}]"
+
+
+GROWTH = [
+    "[*{0}, *{0}]", "[{0}, {0}]", "({0}, {0})", "{{1: {0}, 2: {0}}}", "dict(a={0}, b={0})",
+    "{{1: {0}, 2: {0}}}.items()", "{{1: {0}, 2: {0}}}.values()", "slice({0}, {0})",
+    "list(zip({0}, {0}))", "[x for x in [{0}, {0}]]", "{0} + {0}", "{0} * 2", "[{0}] * 2",
+    "[{0}[:]] + [{0}[:]]", "str({0}) * 2", "'%s%s' % ({0}, {0})", "repr([{0}, {0}])",
+    "sorted([{0}, {0}])", "list(enumerate([{0}, {0}]))", "list(reversed([{0}, {0}]))",
+    "str({0}).encode().hex()", "list({{1: {0}, 2: {0}}}.items())", "str({0}).encode('utf-32')",
+    "({0} if 1 else 0, {0} or 0)",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("step", GROWTH)
+def test_nothing_grows_step_by_step(step: str) -> None:
+    """R69."""
+    with watched(), bounded_memory(), pytest.raises(ExpressionError) as raised:
+        evaluate_expression(grown(step), MESSAGES)
+    assert raised.value.column is not None
+    assert " takes more than 16 MB of values " in raised.value.reason
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"len('a'.encode(){'.hex().encode()' * 21}) > 0",
+        f"len(('a' * 4096).encode(){'.hex().encode()' * 21}) > 0",
+        "[str(x) + ''.lower() for x in [['a' * 4096] * 60] for y in range(9)]",
+    ],
+)
+def test_a_chain_of_methods_does_not_grow(text: str) -> None:
+    """R69."""
+    with bounded_memory(), pytest.raises(ExpressionError, match="takes more than"):
+        evaluate_expression(text, MESSAGES)
+
+
+def test_the_error_names_the_part_of_the_expression() -> None:
+    text = "ATT.Roll > 1 and len([1] * 200000 + [ATT.Roll] * 200000) > 0"
+    with pytest.raises(ExpressionError) as raised:
+        evaluate_expression(text, MESSAGES)
+    assert str(raised.value) == (
+        "expression refused at column 21: '[1] * 200000' takes more than 16 MB of values "
+        "or 16384 characters of a text"
+    )
+
+
 TOO_MUCH = [
     "9**9**9**9",
     "2**5000",
@@ -159,8 +223,8 @@ TOO_MUCH = [
     "[x * x * x * x for x in [2**2000]]",
     "'x' * 10**9",
     "10**9 * [1]",
-    "[0] * 600 + [0] * 600",
-    "[[0] * 2] * 2",
+    "[0] * 100_000 + [0] * 100_000",
+    "[[0] * 200] * 1000",
     "factorial(10**8)",
     "comb(10**8, 10**7)",
     "prod([2**4000, 2**4000])",
@@ -170,6 +234,9 @@ TOO_MUCH = [
     "builtin_sum([[1] * 1000], [1] * 1000)",
     "builtin_sum(([1] * 1000 for i in range(1000)), [])",
     "list(zip(*[range(1000)] * 1000))",
+    "({*range(0, 2**69, 2**61 - 1)})",
+    "int('f' * 4096, 16)",
+    "('%(a)s%(a)s' % {'a': 1})",
     "lcm(2**4000 - 1, 2**4000 - 3)",
     "round(5, -10**9)",
     "range(10**12)",
@@ -182,15 +249,31 @@ TOO_MUCH = [
     "b'%1000d' % n",
     "str(['a' * 4096] * 1024)",
     "repr([str(['a' * 2048] * 2)] * 64)",
-    "ascii((['a' * 4000], {'b': 'c' * 4000}))",
+    "ascii((['a' * 4096] * 4, {'b': 'c' * 4096}))",
     "str([2**4000] * 1024)",
-    "'%s' % (['a' * 4096] * 2,)",
-    "'%s%s' % ('a' * 4096, 'b')",
-    "[[y] for y in [[[1]]]]",
-    "[{1: y} for y in [{1: {}}]]",
-    "[y for y in [((1,),)]]",
+    "'%s' % (['a' * 4096] * 8,)",
+    "'%s%s' % ('a' * 16384, 'b')",
+    "str(slice('a' * 4096, 'b' * 4096, 'c' * 4096)) * 2",
     "[x for x in range(1000) for y in range(1000)]",
     "[[x for x in range(1000)] == [y for y in range(1000)] for z in range(1000)]",
+    "[1 for x in range(1000) if [0, ATT.Roll] * 1000]",
+    "[a == b for a in [[1] * 9000] for b in [[1] * 9000] for c in range(999)]",
+    "[a < b <= 'c' for a in ['b' * 9000] for b in ['b' * 9000] for c in range(999)]",
+    "[a[:-1] for a in ['b' * 9000] for c in range(999)]",
+    "[a.find('c') for a in ['b' * 9000] for c in range(999)]",
+    "[{a: 1}[a] for a in [(1,) * 9000] for c in range(999)]",
+    "[0 for x in range(999) if (" + " or ".join(["0"] * 99) + ")]",
+    "[0 for x in range(999) for y in (" + " or ".join(["0"] * 99) + " or [1])]",
+    "[x for x in range(1000) for y in range(1000)]",
+    "[[x for x in range(1000)] == [y for y in range(1000)] for z in range(1000)]",
+    "[1 for x in range(1000) if [0, ATT.Roll] * 1000]",
+    "[a == b for a in [[1] * 9000] for b in [[1] * 9000] for c in range(999)]",
+    "[a < b <= 'c' for a in ['b' * 9000] for b in ['b' * 9000] for c in range(999)]",
+    "[a[:-1] for a in ['b' * 9000] for c in range(999)]",
+    "[a.find('c') for a in ['b' * 9000] for c in range(999)]",
+    "[{a: 1}[a] for a in [(1,) * 9000] for c in range(999)]",
+    "[0 for x in range(999) if (" + " or ".join(["0"] * 99) + ")]",
+    "[0 for x in range(999) for y in (" + " or ".join(["0"] * 99) + " or [1])]",
     "(" * 150 + "1" + ")" * 150 + "+" + "-" * 150 + "1",
     "-" * 2000 + "1",
     "a" + ".b" * 1500,
@@ -206,7 +289,7 @@ TOO_MUCH = [
     ("text", "value"),
     [
         ("prod([2, 3.5])", 7.0), ("prod([])", 1), ("prod((2, 3), start=2)", 12),
-        ("builtin_sum([1, 2.5])", 3.5), ("builtin_sum([[1], [2]], [])", [1, 2]),
+        ("builtin_sum([1, 2.5])", 3.5), ("[y for y in [((1,),)]]", [((1,),)]),
         ("builtin_sum((1, 2), 3)", 6), ("list(zip('ab', [1, 2]))", [("a", 1), ("b", 2)]),
     ],
 )  # fmt: skip
@@ -222,11 +305,9 @@ def test_cost_is_bounded(text: str) -> None:
 
 
 def test_worst_allowed_loop_ends_soon() -> None:
-    text = "[list('a' * 4096 + '') for x in range(1000)]"
-    with pytest.raises(ExpressionError):  # 4096 characters may be made, but not joined to more
-        evaluate_expression(text.replace("''", "'b'"), MESSAGES)
-    with watched():
-        assert len(evaluate_expression(text, MESSAGES)) == 1000
+    text = "[x.rfind('b' + x[:8000]) for x in ['a' * 16000] for y in range(3)]"
+    with watched(), bounded_memory():
+        assert len(evaluate_expression(text, MESSAGES)) == 3
 
 
 @pytest.mark.parametrize(
@@ -299,6 +380,29 @@ def test_keys_that_change_for_ever_are_refused(call: str) -> None:
     with pytest.raises(ExpressionError, match="keys"):
         for number in range(10_000):
             evaluate_expression(call, {"n": number})
+
+
+@pytest.mark.usefixtures("forgetful")
+@pytest.mark.parametrize(
+    "call",
+    [
+        "diff([1] * 9000, 'a')", "diff(1, 'a' * 300)", "lowpassHz('a' * 9000, 'a', 9, 1)",
+        "average([1] * 9000, 'a', 2)", "delta_angle(['a' * 9000], 'a', 1)", "sum(1, (1,) * 300)",
+    ],
+)  # fmt: skip
+def test_filters_keep_numbers_under_short_keys(call: str) -> None:
+    with pytest.raises(ExpressionError, match="not a number, or with a long key"):
+        evaluate_expression(call, {})
+
+
+@pytest.mark.usefixtures("forgetful")
+@pytest.mark.parametrize("call", ["average({}, 'a', 9)", "average({}, 'a', 2000)"])
+def test_filters_refuse_other_values_before_they_keep_them(call: str) -> None:
+    assert evaluate_expression(call.format(1.5), {}) == 1.5
+    before = evaluate_expression(call.format(1.5), {})
+    with pytest.raises(TypeError):
+        evaluate_expression(call.format("[1]"), {})
+    assert evaluate_expression(call.format(1.5), {}) == before
 
 
 @pytest.mark.usefixtures("forgetful")
