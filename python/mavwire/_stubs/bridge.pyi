@@ -85,9 +85,11 @@ class FrameBatch:
     def frames(self) -> list[bytes]:
         """The bytes of each frame."""
 
-    def tables(self, *, units: str | None = None, enums: str | None = None) -> dict[str, Table]:
+    def tables(
+        self, *, units: str | None = None, enums: str | None = None, invalid: str | None = None
+    ) -> dict[str, Table]:
         """A table for each message type, as `mavwire.read` gives of a log; ValueError for another
-        word than its `units` and `enums` have.
+        word than its `units`, `enums` and `invalid` have.
         """
 
     def columns(self, query: Query) -> LogColumns:

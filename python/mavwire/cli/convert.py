@@ -46,6 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fields", help="fields to keep, separated by commas (default: all)")
     parser.add_argument("--units", choices=["si"], help="si: metres, volts, ... (default: as sent)")
     parser.add_argument("--enums", choices=["names"], help="names of values (default: numbers)")
+    parser.add_argument(
+        "--invalid",
+        choices=["null", "keep"],
+        help="values that stand for none, as 65535 mV: left out, or as sent (default: left out with "
+        "--units si and in mcap)",
+    )
     parser.add_argument("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00")
     parser.add_argument("--end", help="first time that is not wanted any more")
     parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
@@ -67,6 +73,7 @@ def main(args: argparse.Namespace) -> int:
         "fields": split(args.fields, "--fields"),
         "units": args.units,
         "enums": args.enums,
+        "invalid": args.invalid,
         "start": time_of(args.start),
         "end": time_of(args.end),
         "dialect": args.dialect,

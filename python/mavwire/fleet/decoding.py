@@ -33,6 +33,7 @@ def decode(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
+    invalid: str | None = None,
     dialect: str | os.PathLike[str] = "all",
     storage_options: Mapping[str, Any] | None = None,
 ) -> dict[str, Table]:
@@ -48,7 +49,7 @@ def decode(
     """
     return decode_as(
         path, byte_range, types, columns, systems=systems, start=start, end=end, units=units,
-        enums=enums, dialect=dialect, storage_options=storage_options,
+        enums=enums, invalid=invalid, dialect=dialect, storage_options=storage_options,
     )  # fmt: skip
 
 
@@ -63,6 +64,7 @@ def decode_as(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
+    invalid: str | None = None,
     dialect: str | os.PathLike[str] = "all",
     storage_options: Mapping[str, Any] | None = None,
     lenient: bool = False,
@@ -71,7 +73,9 @@ def decode_as(
     left out: other logs of a fleet may have them.
     """
     path = os.fsdecode(path).removeprefix("file://")
-    module, native, query = query_of(types, columns, systems, start, end, units, enums, dialect)
+    module, native, query = query_of(
+        types, columns, systems, start, end, units, enums, invalid, dialect
+    )
     if lenient:
         query.allow(query.names or ())
     with located(path, byte_range, storage_options) as source:
@@ -99,12 +103,13 @@ def query_of(
     end: float | str | datetime | None,
     units: str | None,
     enums: str | None,
+    invalid: str | None,
     dialect: str | os.PathLike[str],
     storage_options: object = None,
 ) -> tuple[Any, Any, Query]:
     """The module of the dialect, its native form, and the query for the arguments of `decode`."""
     module, native = native_dialect(dialect)
-    query = Query.of(module, types, systems, None, start, end, units, enums)
+    query = Query.of(module, types, systems, None, start, end, units, enums, invalid)
     query.columns = None if columns is None else names_of(columns)
     return module, native, query
 

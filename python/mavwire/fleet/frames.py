@@ -39,6 +39,7 @@ def dask_frame(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
+    invalid: str | None = None,
     dialect: str | os.PathLike[str] = "all",
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
@@ -61,7 +62,7 @@ def dask_frame(
     wanted = None if columns is None else names_of(columns)
     how = {
         "types": type, "columns": wanted, "systems": systems, "start": start, "end": end,
-        "units": units, "enums": enums, "dialect": dialect, "storage_options": storage_options,
+        "units": units, "enums": enums, "invalid": invalid, "dialect": dialect, "storage_options": storage_options,
     }  # fmt: skip
     sizes = {path: status(path, storage_options)[0] for path in expand(paths, storage_options)}
     large = [path for path, size in sizes.items() if may_be_cut(path, size, task_bytes)]

@@ -28,6 +28,7 @@ class Log:
         *,
         units: str | None = None,
         enums: str | None = None,
+        invalid: str | None = None,
         wide: bool = False,
     ) -> dict[str, Table]:
         """`{type: table}` in one pass."""
@@ -47,6 +48,7 @@ class Log:
         end: float | str | datetime | None = None,
         units: str | None = None,
         enums: str | None = None,
+        invalid: str | None = None,
     ) -> Table:
         """One wide table of several types on a common clock; see `mavwire.logs.align`."""
         from .align import align, check_clock, of_fields, possible_columns
@@ -57,7 +59,7 @@ class Log:
         fields = None if fields is None else names_of(fields)
         wanted = {*names, on} if on is not None else set(names)
         # All columns: the one that tells instances apart is needed whatever is wanted.
-        every = self.read(sorted(wanted), systems, None, start, end, units=units, enums=enums)
+        every = self.read(sorted(wanted), systems, None, start, end, units=units, enums=enums, invalid=invalid)
         if fields is not None:
             check_fields(set().union(*map(possible_columns, every.values())), fields)
         tables = of_fields(every, fields, several=True)

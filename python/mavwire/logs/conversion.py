@@ -64,13 +64,15 @@ def convert(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
+    invalid: str | None = None,
     dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[str, float], object] | None = None,
 ) -> list[Converted]:
     """Convert logs of any kind to `out/MESSAGE/LOG.parquet` (or .csv, .jsonl, .arrow), or to
     `out/LOG.mcap`, which holds all messages.
 
-    `fields`, `units` and `enums` are those of `mavwire.read`; MCAP has values as they are sent.
+    `fields`, `units`, `enums` and `invalid` are those of `mavwire.read`. MCAP has values as they are
+    sent, and none where they stand for none, unless `invalid="keep"`.
     Returns a row for each log, in the order given, and writes them to `out/manifest.json`. Logs
     that the manifest has with the same size, time, options and definitions, and whose files are all there, are
     not converted again. Logs of one name are numbered, and keep their numbers in later runs. With
@@ -89,7 +91,7 @@ def convert(
     logs = [absolute(path) for path in logs]
     compression, native, query, how = prepare(
         format, compression, types, systems, fields, start, end, dialect,
-        units=units, enums=enums, logs=logs,
+        units=units, enums=enums, invalid=invalid, logs=logs,
     )  # fmt: skip
     allow_described(logs, query)
     out = os.fsdecode(out)
@@ -126,6 +128,7 @@ def prepare(
     *,
     units: str | None = None,
     enums: str | None = None,
+    invalid: str | None = None,
     logs: Iterable[str] = (),
 ) -> tuple[str, Any, Query, dict[str, Any]]:
     """The compression, the native dialect, what to read, and the options that a manifest keeps.
@@ -142,8 +145,10 @@ def prepare(
     module, native = native_dialect(dialect)
     if format in ONE_FILE and (units is not None or enums is not None):
         raise ValueError(f"{format} has values as they are sent: leave units and enums out")
+    if format in ONE_FILE:
+        invalid = invalid or "null"  # programs that draw graphs read them
     fields = None if fields is None else names_of(fields)
-    query = Query.of(module, types, systems, fields, start, end, units, enums)
+    query = Query.of(module, types, systems, fields, start, end, units, enums, invalid)
     if fields is not None or query.foreign is None:
         check_fields(list(logs), module, native, query, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.

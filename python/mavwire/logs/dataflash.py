@@ -164,16 +164,17 @@ class DataflashLog(Log):
         *,
         units: str | None = None,
         enums: str | None = None,
+        invalid: str | None = None,
         wide: bool = False,
     ) -> dict[str, Table]:
         """Tables of several types in one pass: `mavwire.read` on this log.
 
-        `systems` is there for `TelemetryLog`; ValueError for anything but None. `enums` changes
-        nothing: no column has an enum.
+        `systems` is there for `TelemetryLog`; ValueError for anything but None. `enums` and
+        `invalid` change nothing: no column has an enum or a value that stands for none.
         """
         fields = None if fields is None else names_of(fields)
         columns = None if wide else fields  # all: one of them tells instances apart
-        query = Query.of_dataflash(types, systems, columns, start, end, units, enums)
+        query = Query.of_dataflash(types, systems, columns, start, end, units, enums, invalid)
         return read_tables(*self._opened(query), self.path, query, fields, wide)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:

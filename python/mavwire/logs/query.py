@@ -35,6 +35,7 @@ class Query:
     columns: list[str] | None = None
     si: bool = False
     enum_names: bool = False
+    null_invalid: bool = False
     untimed: bool = False
     """Records without times are wanted whatever `start` and `end` are; else that is an error."""
     batch_rows: int | None = None
@@ -55,12 +56,15 @@ class Query:
         end: float | str | datetime | None = None,
         units: str | None = None,
         enums: str | None = None,
+        invalid: str | None = None,
     ) -> Query:
         """From the arguments of `read`; ValueError names one that makes no sense."""
         if units not in (None, "si"):
             raise ValueError(f"units must be None or 'si', not {units!r}")
         if enums not in (None, "names"):
             raise ValueError(f"enums must be None or 'names', not {enums!r}")
+        if invalid not in (None, "null", "keep"):
+            raise ValueError(f"invalid must be None, 'null' or 'keep', not {invalid!r}")
         wanted = None if types is None else types_of(types)
         known, foreign = _telemetry_types(dialect, wanted)
         selection = Selection.of(dialect, known, systems, start, end)
@@ -74,6 +78,7 @@ class Query:
             columns=None if fields is None else columns_of(fields),
             si=units == "si",
             enum_names=enums == "names",
+            null_invalid=invalid == "null" or (invalid is None and units == "si"),
             foreign=foreign,
         )
 
@@ -87,9 +92,10 @@ class Query:
         end: float | str | datetime | None = None,
         units: str | None = None,
         enums: str | None = None,
+        invalid: str | None = None,
     ) -> Query:
         """For a log that is known to be a dataflash log; ValueError as by `of`."""
-        query = cls.of(None, None, systems, fields, start, end, units, enums)
+        query = cls.of(None, None, systems, fields, start, end, units, enums, invalid)
         if types is not None:
             query.names = [_name_of(one) for one in types_of(types)]
         return query

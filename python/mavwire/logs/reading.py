@@ -71,6 +71,7 @@ def read(
     *,
     units: str | None = None,
     enums: str | None = None,
+    invalid: str | None = None,
     wide: bool = False,
     dialect: str | os.PathLike[str] | ModuleType = "all",
 ) -> dict[str, Table]:
@@ -79,7 +80,9 @@ def read(
 
     `types`, `systems`, `start` and `end` are those of `TelemetryLog.messages`; `fields` names the
     fields that become columns. `units="si"` scales values to SI units (angles stay degrees or
-    radians), `enums="names"` makes names of enum values. A file ending in gzip or zstd is
+    radians), `enums="names"` makes names of enum values. `invalid="null"` makes nulls of values that
+    stand for none, such as 65535 mV or NaN, as the definitions say; `"keep"` keeps them. The default
+    is "null" with `units="si"` and "keep" otherwise. A file ending in gzip or zstd is
     decompressed on the way. Types that are asked for and are not in the log give empty tables.
     `wide=True` gives types with an instance field as `Table.wide` does, a column for each instance.
 
@@ -91,7 +94,7 @@ def read(
     module, native = native_dialect(dialect)
     fields = None if fields is None else names_of(fields)
     columns = None if wide else fields  # all: one of them tells instances apart
-    query = Query.of(module, types, systems, columns, start, end, units, enums)
+    query = Query.of(module, types, systems, columns, start, end, units, enums, invalid)
     opened = read_dataflash(path, path, query)
     if opened is not None:
         from .dataflash import read_tables
@@ -106,9 +109,11 @@ def read(
     return tables_of(found, path, fields, wide)
 
 
-def tables_of_batch(batch: FrameBatch, units: str | None, enums: str | None) -> dict[str, Table]:
+def tables_of_batch(
+    batch: FrameBatch, units: str | None, enums: str | None, invalid: str | None
+) -> dict[str, Table]:
     """What `FrameBatch.tables` gives: the native class calls this."""
-    query = Query.of(None, units=units, enums=enums)
+    query = Query.of(None, units=units, enums=enums, invalid=invalid)
     found = joined(batch.columns(query))
     return {name: tidy(name, batches) for name, batches in sorted(found.items())}
 
@@ -168,6 +173,7 @@ def scan(
     *,
     units: str | None = None,
     enums: str | None = None,
+    invalid: str | None = None,
     dialect: str | os.PathLike[str] | ModuleType = "all",
     batch_rows: int = BATCH_ROWS,
 ) -> Batches:
@@ -186,7 +192,7 @@ def scan(
         raise ValueError(f"batch_rows must be at least 1, not {batch_rows!r}")
     module, native = native_dialect(dialect)
     fields = None if fields is None else names_of(fields)
-    query = Query.of(module, types, systems, fields, start, end, units, enums)
+    query = Query.of(module, types, systems, fields, start, end, units, enums, invalid)
     if every and not is_dataflash(every[0]):  # what makes no sense is said before the first step
         check_beside(every, module, native, query, fields)
     query.batch_rows, query.batch_bytes = rows, BATCH_BYTES

@@ -34,6 +34,7 @@ def scan_polars(
     end: float | str | datetime | None = None,
     units: str | None = None,
     enums: str | None = None,
+    invalid: str | None = None,
     dialect: str | os.PathLike[str] | ModuleType = "all",
 ) -> Any:
     """The messages of one type of one or many logs as a `polars.LazyFrame`.
@@ -48,7 +49,7 @@ def scan_polars(
 
     if not isinstance(message, str):
         raise ValueError(f"a scan is of one message type, not of {message!r}")
-    source = _Source(paths_of(paths), message, dialect, (systems, start, end, units, enums))
+    source = _Source(paths_of(paths), message, dialect, (systems, start, end, units, enums, invalid))
     return register_io_source(source, schema=source.schema, is_pure=True)
 
 

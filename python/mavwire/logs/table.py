@@ -131,7 +131,7 @@ class Table:
         valid = view.valid()
         if valid is not None:
             array = array.astype(array.dtype if view.is_time else "float64")
-            array[~np.frombuffer(valid, bool)] = "NaT" if view.is_time else "nan"
+            array[~np.frombuffer(valid, bool).reshape(array.shape)] = "NaT" if view.is_time else "nan"
         return array
 
     def __iter__(self) -> Iterator[str]:

@@ -188,6 +188,7 @@ class TelemetryLog(Log):
         *,
         units: str | None = None,
         enums: str | None = None,
+        invalid: str | None = None,
         wide: bool = False,
     ) -> dict[str, Table]:
         """`{type: table}` in one pass: `mavwire.read` on this log.
@@ -199,7 +200,7 @@ class TelemetryLog(Log):
         self._check_open()
         return read(
             self.path, types, systems, fields, start, end,
-            units=units, enums=enums, wide=wide, dialect=self.dialect,
+            units=units, enums=enums, invalid=invalid, wide=wide, dialect=self.dialect,
         )  # fmt: skip
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:

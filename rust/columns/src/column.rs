@@ -12,10 +12,10 @@ use arrow::datatypes::{
     Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
 };
 use mavwire_core::log::dataflash::{half, text::decode_line};
-use mavwire_schema::{Field, FieldType};
+use mavwire_schema::{Field, FieldType, Invalid};
 
 use crate::gather::{
-    Rows, each_text, gather, gather_scaled, logged, number_in, parse, place_of, shown,
+    Rows, each_text, each_valid, gather, gather_scaled, logged, number_in, parse, place_of, shown,
 };
 use crate::layout::{Column, Source};
 use crate::units::Scale;
@@ -48,6 +48,10 @@ pub struct Growing {
     values: Values,
     /// Which rows have a value; of numbers only, the others know themselves.
     valid: NullBufferBuilder,
+    /// Which elements of an array have one.
+    valid_elements: NullBufferBuilder,
+    /// Which values stand for none.
+    invalid: Option<Invalid>,
     /// Numbers of a row.
     elements: usize,
     /// About how many bytes the name of a number may come to.
@@ -70,7 +74,14 @@ impl Growing {
             },
         };
         let name_len = column.names.as_ref().map_or(0, |names| names.mask_len);
-        Self { values, valid: NullBufferBuilder::new(0), elements, name_len }
+        Self {
+            values,
+            valid: NullBufferBuilder::new(0),
+            valid_elements: NullBufferBuilder::new(0),
+            invalid: column.invalid.clone(),
+            elements,
+            name_len,
+        }
     }
 
     /// Bytes of a row; of texts those that each has.
@@ -110,7 +121,12 @@ impl Growing {
     /// Appends a value for each row.
     pub fn append(&mut self, rows: &Rows<'_>, source: &Source) {
         let place = place_of(source);
-        self.valid.append_n_non_nulls(rows.times.len());
+        match &self.invalid {
+            None => self.valid.append_n_non_nulls(rows.times.len()),
+            Some(invalid) => {
+                each_valid(rows, place, invalid, &mut self.valid, &mut self.valid_elements)
+            }
+        }
         match &mut self.values {
             Values::Time(values) => values.extend_from_slice(rows.times),
             Values::NoTime(count) => *count += rows.times.len(),
@@ -153,6 +169,9 @@ impl Growing {
             return self.valid.append_n_non_nulls(rows);
         }
         self.valid.append_n_nulls(rows);
+        if self.invalid.is_some() {
+            self.valid_elements.append_n_nulls(zeros);
+        }
         match &mut self.values {
             Values::Time(_) => {}
             Values::NoTime(count) => *count += rows,
@@ -222,7 +241,7 @@ impl Growing {
     /// What was appended, as arrow has it; the column is empty then.
     pub fn take(&mut self, column: &Column) -> ArrayRef {
         use std::mem::take;
-        let valid = self.valid.finish();
+        let valid = (self.valid.finish(), self.valid_elements.finish());
         match &mut self.values {
             Values::Time(v) => {
                 v.shrink_to_fit();
@@ -283,7 +302,7 @@ number!(u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
 
 fn finish<T: ArrowPrimitiveType>(
     mut values: Vec<T::Native>,
-    valid: Option<NullBuffer>,
+    (valid, valid_elements): (Option<NullBuffer>, Option<NullBuffer>),
     column: &Column,
 ) -> ArrayRef
 where
@@ -293,20 +312,21 @@ where
     let (Source::Numbers(field) | Source::Half(field)) = &column.source else {
         return Arc::new(PrimitiveArray::<T>::new(ScalarBuffer::from(values), valid));
     };
-    let (valid, of_lists) = if field.is_numeric_array() { (None, valid) } else { (valid, None) };
+    let (valid, of_lists) =
+        if field.is_numeric_array() { (valid_elements, valid) } else { (valid, None) };
     let array: ArrayRef = if let Some(names) = &column.names {
-        names.dictionary(values.iter().map(|number| number.integer()))
+        names.dictionary(values.iter().map(|number| number.integer()), valid)
     } else {
         Arc::new(PrimitiveArray::<T>::new(ScalarBuffer::from(values), valid))
     };
-    in_lists(field, array, of_lists)
+    in_lists(field, array, of_lists, column.invalid.is_some())
 }
 
 /// The elements of an array field by record.
-fn in_lists(field: &Field, array: ArrayRef, valid: Option<NullBuffer>) -> ArrayRef {
+fn in_lists(field: &Field, array: ArrayRef, valid: Option<NullBuffer>, nullable: bool) -> ArrayRef {
     if !field.is_numeric_array() {
         return array;
     }
-    let item = Arc::new(ArrowField::new("item", DataType::clone(array.data_type()), false));
+    let item = Arc::new(ArrowField::new("item", DataType::clone(array.data_type()), nullable));
     Arc::new(FixedSizeListArray::new(item, field.array_length.into(), array, valid))
 }

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use arrow::array::{ArrayRef, DictionaryArray, Int32Array, StringBuilder};
+use arrow::buffer::NullBuffer;
 use arrow::datatypes::Int32Type;
 use mavwire_schema::Enum;
 
@@ -72,19 +73,27 @@ impl Names {
     }
 
     /// A dictionary column of values.
-    pub fn dictionary(&self, values: impl Iterator<Item = i128>) -> ArrayRef {
+    pub fn dictionary(
+        &self,
+        values: impl Iterator<Item = i128>,
+        valid: Option<NullBuffer>,
+    ) -> ArrayRef {
         let mut keys: HashMap<i128, i32> = HashMap::new();
         let mut texts = StringBuilder::new();
-        let keys: Int32Array = values
-            .map(|value| {
+        let keys: Vec<i32> = values
+            .enumerate()
+            .map(|(row, value)| {
+                if valid.as_ref().is_some_and(|valid| valid.is_null(row)) {
+                    return 0; // a key without a meaning
+                }
                 let next = keys.len() as i32;
                 *keys.entry(value).or_insert_with(|| {
                     texts.append_value(self.text(value));
                     next
                 })
             })
-            .collect::<Vec<_>>()
-            .into();
+            .collect();
+        let keys = Int32Array::new(keys.into(), valid);
         Arc::new(DictionaryArray::<Int32Type>::new(keys, Arc::new(texts.finish())))
     }
 }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use arrow::array::NullBufferBuilder;
 use mavwire_core::codec::{read, text_bytes};
 use mavwire_core::log::dataflash::{half, text::decode_line};
-use mavwire_schema::FieldType;
+use mavwire_schema::{FieldType, Invalid};
 
 use crate::layout::Source;
 use crate::units::Scale;
@@ -81,6 +81,26 @@ pub(crate) fn gather<T, const N: usize>(
     } else {
         for row in each {
             values.extend((0..elements).map(|n| decode(read(row, offset + n * N))));
+        }
+    }
+}
+
+/// Which rows have a value of a field, and of arrays which elements.
+pub(crate) fn each_valid(
+    rows: &Rows<'_>,
+    (offset, elements): (usize, usize),
+    invalid: &Invalid,
+    valid: &mut NullBufferBuilder,
+    valid_elements: &mut NullBufferBuilder,
+) {
+    for row in rows.bytes.chunks_exact(rows.stride) {
+        let field = &row[offset..];
+        if elements == 1 || !invalid.is_by_element() {
+            valid.append(!invalid.is_invalid(field, 0));
+            valid_elements.append_n_non_nulls(elements);
+        } else {
+            valid.append_non_null();
+            (0..elements).for_each(|n| valid_elements.append(!invalid.is_invalid(field, n)));
         }
     }
 }

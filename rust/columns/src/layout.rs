@@ -2,14 +2,14 @@
 //!
 //! First `timestamp` (microseconds, UTC; null in a raw stream), `sysid`, `compid` and `seq`, then the fields in XML order.
 //! A field that bears one of those names, or that of a column before it, gets underscores behind its own. Metadata tells the
-//! rest: `field` (the name in the definition), `unit`, `enum`, `bitmask`, `multiplier`, `invalid`.
+//! rest: `field` (the name in the definition), `unit`, `enum`, `bitmask`, `multiplier`, `invalid` (as sent, before scaling).
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow::datatypes::{DataType, Field as ArrowField, Schema, SchemaRef, TimeUnit};
 use mavwire_core::registry::Registry;
-use mavwire_schema::{Dialect, Enum, Field, FieldType, Message};
+use mavwire_schema::{Dialect, Enum, Field, FieldType, Invalid, Message};
 
 use crate::enums::{Names, mask_len};
 use crate::error::Error;
@@ -26,6 +26,8 @@ pub struct Options {
     pub si: bool,
     /// Enum values by name.
     pub enum_names: bool,
+    /// Nulls in the place of values that stand for none.
+    pub null_invalid: bool,
     /// The columns that are wanted, in their order; `None` for all.
     pub columns: Option<Vec<String>>,
 }
@@ -80,6 +82,8 @@ pub struct Column {
     pub scale: Option<Scale>,
     /// What makes names of its values.
     pub names: Option<Names>,
+    /// Which values become nulls.
+    pub invalid: Option<Invalid>,
 }
 
 /// The columns of a message type.
@@ -141,7 +145,7 @@ impl Layout {
 pub(crate) fn plain(name: &str, source: Source, data_type: DataType) -> (Column, ArrowField) {
     let nullable = source == Source::Timestamp;
     let field = ArrowField::new(name, data_type, nullable);
-    (Column { name: name.to_owned(), source, scale: None, names: None }, field)
+    (Column { name: name.to_owned(), source, scale: None, names: None, invalid: None }, field)
 }
 
 /// The type of `timestamp`.
@@ -215,7 +219,8 @@ fn numbers(
     let names = definition.map(|definition| Names::new(definition, is_bitmask(field)));
     let si = if options.si && field.enum_name.is_none() { to_si(field) } else { None };
     let scale = si.map(|(scale, _)| scale);
-    let (mut column, arrow) = numbers_of(field, scale, names, metadata(field, si));
+    let invalid = options.null_invalid.then(|| Invalid::of(field, &dialect.enums)).flatten();
+    let (mut column, arrow) = numbers_of(field, scale, names, invalid, metadata(field, si));
     name.clone_into(&mut column.name);
     (column, arrow.with_name(name))
 }
@@ -225,6 +230,7 @@ pub(crate) fn numbers_of(
     field: &Field,
     scale: Option<Scale>,
     names: Option<Names>,
+    invalid: Option<Invalid>,
     metadata: HashMap<String, String>,
 ) -> (Column, ArrowField) {
     let element = if names.is_some() {
@@ -235,7 +241,7 @@ pub(crate) fn numbers_of(
         element_type(field.field_type)
     };
     let data_type = if field.is_numeric_array() {
-        let item = Arc::new(ArrowField::new("item", element, false));
+        let item = Arc::new(ArrowField::new("item", element, invalid.is_some()));
         DataType::FixedSizeList(item, field.array_length.into())
     } else {
         element
@@ -243,7 +249,9 @@ pub(crate) fn numbers_of(
     let (mut column, arrow) = plain("", Source::Numbers(field.clone()), data_type);
     column.scale = scale;
     column.names = names;
-    (column, arrow.with_metadata(metadata))
+    let arrow = arrow.with_nullable(invalid.is_some()).with_metadata(metadata);
+    column.invalid = invalid;
+    (column, arrow)
 }
 
 fn enum_of<'a>(field: &Field, dialect: &'a Dialect) -> Option<&'a Enum> {
@@ -298,9 +306,9 @@ pub(crate) fn metadata(
         None => {
             add("unit", field.units.as_deref());
             add("multiplier", field.multiplier.as_deref());
-            add("invalid", field.invalid.as_deref());
         }
     }
+    add("invalid", field.invalid.as_deref());
     add("enum", field.enum_name.as_deref());
     add("bitmask", is_bitmask(field).then_some("true"));
     metadata

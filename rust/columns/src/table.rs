@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn no_more_room_is_made_ahead_than_is_allowed() {
         let (name, source) = ("timestamp".to_owned(), Source::Timestamp);
-        let column = Column { name, source, scale: None, names: None };
+        let column = Column { name, source, scale: None, names: None, invalid: None };
         let layout = Layout {
             message: String::new(),
             max_len: 0,

@@ -45,7 +45,11 @@ pub fn converters(data: &[u8]) {
     let format = FORMATS[usize::from(input.byte()) % FORMATS.len()];
     let compression = COMPRESSIONS[usize::from(input.byte()) % COMPRESSIONS.len()];
     let flags = input.byte();
-    let options = Options { si: flags & 1 != 0, enum_names: flags & 2 != 0, columns: None };
+    let options = Options {
+        si: flags & 1 != 0,
+        enum_names: flags & 2 != 0,
+        ..Options::default()
+    };
     let limits = small_limits(&mut input);
     on_threads(flags & 4 != 0, || {
         let Some(mut reader) = any_reader(flags >> 4, input, &options, limits) else { return };

@@ -103,7 +103,11 @@ pub fn tables(data: &[u8]) {
     let mut input = Input::new(data);
     let flags = input.byte();
     let framing = if flags & 1 == 0 { Framing::Stamped } else { Framing::Raw };
-    let options = Options { si: flags & 2 != 0, enum_names: flags & 4 != 0, columns: None };
+    let options = Options {
+        si: flags & 2 != 0,
+        enum_names: flags & 4 != 0,
+        ..Options::default()
+    };
     let (steps, limits) = (small_steps(&mut input, 1), small_limits(&mut input));
     let bytes = any_telemetry(input, framing.lead());
     let (found, bad) = on_threads(false, || tables_of(steps, limits, &bytes, framing, &options));

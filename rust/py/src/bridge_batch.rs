@@ -89,15 +89,16 @@ impl FrameBatch {
     }
 
     /// A table for each message type, by name.
-    #[pyo3(signature = (*, units=None, enums=None))]
+    #[pyo3(signature = (*, units=None, enums=None, invalid=None))]
     fn tables<'py>(
         slf: &Bound<'py, Self>,
         units: Option<Bound<'py, PyAny>>,
         enums: Option<Bound<'py, PyAny>>,
+        invalid: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         let module = import(py, intern!(py, "mavwire.logs.reading"))?;
-        module.invoke_method1(intern!(py, "tables_of_batch"), (slf, units, enums))
+        module.invoke_method1(intern!(py, "tables_of_batch"), (slf, units, enums, invalid))
     }
 
     /// The frames as a run over a log, for `tables`.

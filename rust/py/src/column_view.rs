@@ -100,10 +100,23 @@ impl ColumnView {
         matches!(self.values.data_type(), DataType::Timestamp(..))
     }
 
-    /// A byte for each row, 1 where there is a value; `None` where all rows have one.
+    /// A byte for each value, 1 where there is one, those of lists one by one; `None` where there are all.
     fn valid(&self) -> Option<Cow<'static, [u8]>> {
-        let nulls = self.values.nulls().filter(|nulls| nulls.null_count() > 0)?;
-        Some(Cow::Owned(nulls.iter().map(u8::from).collect()))
+        if self.values.null_count() == 0 && !has_null_elements(&self.values) {
+            return None;
+        }
+        let Some(lists) = self.values.as_any().downcast_ref::<FixedSizeListArray>() else {
+            return Some(
+                (0..self.values.len()).map(|row| self.values.is_valid(row).into()).collect(),
+            );
+        };
+        let elements = lists.value_length() as usize;
+        let of_row = |row: usize| {
+            let first = lists.value_offset_at(row);
+            let each = first..first + elements;
+            each.map(move |at| u8::from(lists.is_valid(row) && lists.values().is_valid(at)))
+        };
+        Some((0..lists.len()).flat_map(of_row).collect())
     }
 
     /// How many elements the lists of a column have; `None` where its values are no lists.
@@ -194,6 +207,11 @@ impl ColumnView {
     unsafe fn __releasebuffer__(&self, view: *mut ffi::Py_buffer) {
         let _ = view;
     }
+}
+
+fn has_null_elements(array: &ArrayRef) -> bool {
+    let lists = array.as_any().downcast_ref::<FixedSizeListArray>();
+    lists.is_some_and(|lists| lists.values().null_count() > 0)
 }
 
 /// Whether values of a type are shown as a list of texts or bytes.

@@ -43,6 +43,7 @@ pub(crate) struct Query {
     columns: Option<Vec<String>>,
     si: bool,
     enum_names: bool,
+    null_invalid: bool,
     /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
     untimed: bool,
     /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.
@@ -75,7 +76,12 @@ impl Query {
     }
 
     pub(crate) fn options(&self) -> Options {
-        Options { si: self.si, enum_names: self.enum_names, columns: self.columns.clone() }
+        Options {
+            si: self.si,
+            enum_names: self.enum_names,
+            null_invalid: self.null_invalid,
+            columns: self.columns.clone(),
+        }
     }
 
     pub(crate) fn limits(&self) -> Limits {

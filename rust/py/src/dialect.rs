@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 use mavwire_core::builtin;
 use mavwire_core::registry::Registry;
 use mavwire_schema::{
-    Definitions, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion, dialect_name,
-    parse_definitions, reserved, resolve,
+    Definitions, Invalid, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion,
+    dialect_name, parse_definitions, reserved, resolve,
 };
 use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
@@ -294,6 +294,22 @@ impl Dialect {
             room.copy_from_slice(&bytes);
             Ok(())
         })
+    }
+
+    /// Fields of a message with values that stand for none: for each element, whether it does. A payload may be cut.
+    fn invalid_fields(&self, msgid: u32, payload: &[u8]) -> HashMap<&str, Vec<bool>> {
+        let Some(entry) = self.registry.lookup(msgid) else { return HashMap::new() };
+        let message = self.registry.message(entry.index);
+        let mut whole = payload.to_vec();
+        whole.resize(usize::from(message.max_len).max(payload.len()), 0);
+        let enums = &self.registry.dialect().enums;
+        let marked = message.fields.iter().filter_map(|field| {
+            let (invalid, bytes) = (Invalid::of(field, enums)?, &whole[field.offset.into()..]);
+            let marks: Vec<_> =
+                (0..field.elements()).map(|n| invalid.is_invalid(bytes, n)).collect();
+            marks.contains(&true).then_some((field.name.as_str(), marks))
+        });
+        marked.collect()
     }
 
     /// Descriptions that the definitions themselves carry: `(message text, {field: text})`; empty for built-in ones.

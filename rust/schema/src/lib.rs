@@ -16,6 +16,7 @@ mod dialect;
 mod error;
 mod guard;
 mod includes;
+mod invalid;
 mod layout;
 mod library;
 pub mod limits;
@@ -30,6 +31,7 @@ pub use definitions::{
 };
 pub use dialect::{Dialect, Enum, EnumEntry, Field, Message, WireVersion};
 pub use error::{Reason, SchemaError};
+pub use invalid::Invalid;
 pub use library::{Library, decode_blob, encode_blob};
 pub use parse::{ParseOptions, dialect_name, parse_definitions, reserved};
 pub use resolve::resolve;

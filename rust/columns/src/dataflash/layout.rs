@@ -270,5 +270,5 @@ fn scaled(field: &Field, scale: Option<Scale>, options: &Options) -> (Column, Ar
         (Some(one), Some((other, _))) => Some(one.and(other)),
         (one, other) => one.or(other.map(|(scale, _)| scale)),
     };
-    numbers_of(field, both, None, metadata(field, si))
+    numbers_of(field, both, None, None, metadata(field, si))
 }

@@ -1,0 +1,207 @@
+//! Values that stand for none: the attribute `invalid` of a field.
+//!
+//! `NaN`, `-1` or `UINT16_MAX` is a scalar without a value. Of arrays, `[x]` marks each element that is `x`, `[x:]` marks all
+//! elements if the first is `x`, and `[x,,y]` marks the elements in the places of its numbers. (MAVLink guide, "MAVLink XML
+//! schema": `invalid`.)
+
+use crate::definitions::FieldType;
+use crate::dialect::{Enum, Field};
+use crate::number::parse_value;
+
+/// Which values of a field stand for none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Invalid {
+    field_type: FieldType,
+    marks: Marks,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Marks {
+    /// Each element that is this one.
+    Each(Number),
+    /// All elements, if the first is this one.
+    First(Number),
+    /// Elements by their places; the others always have a value.
+    Places(Vec<Option<Number>>),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Number {
+    Integer(i128),
+    Float(f64),
+}
+
+impl Invalid {
+    /// Of a field; `None` where each of its values is one, and for an attribute that makes no sense with its type.
+    pub fn of(field: &Field, enums: &[Enum]) -> Option<Self> {
+        let text = field.invalid.as_deref()?.trim();
+        let entries = || {
+            let name = field.enum_name.as_deref()?;
+            enums.iter().find(|definition| definition.name == name)
+        };
+        let number = |text: &str| {
+            let text = text.trim();
+            number(text, field.field_type).or_else(|| {
+                let entry = entries()?.entries.iter().find(|entry| entry.name == text)?;
+                Some(Number::Integer(entry.value))
+            })
+        };
+        let marks = match (text.strip_prefix('['), field.is_numeric_array()) {
+            (None, false) => Marks::Each(number(text)?),
+            (Some(list), true) => {
+                let list = list.strip_suffix(']')?;
+                match list.strip_suffix(':') {
+                    Some(first) => Marks::First(number(first)?),
+                    None if list.contains(',') => {
+                        let places = list.split(',').map(|one| match one.trim() {
+                            "" => Some(None),
+                            one => number(one).map(Some),
+                        });
+                        Marks::Places(places.collect::<Option<_>>()?)
+                    }
+                    None => Marks::Each(number(list)?),
+                }
+            }
+            _ => return None,
+        };
+        (!field.is_char()).then_some(Self { field_type: field.field_type, marks })
+    }
+
+    /// Whether elements have a value each on their own; else all have one or none.
+    pub fn is_by_element(&self) -> bool {
+        !matches!(self.marks, Marks::First(_))
+    }
+
+    /// Whether an element stands for no value. `field` begins with the bytes of the field on the wire.
+    #[inline]
+    pub fn is_invalid(&self, field: &[u8], element: usize) -> bool {
+        let (number, element) = match &self.marks {
+            Marks::Each(number) => (*number, element),
+            Marks::First(number) => (*number, 0),
+            Marks::Places(places) => match places.get(element) {
+                Some(Some(number)) => (*number, element),
+                _ => return false,
+            },
+        };
+        let size = self.field_type.size();
+        let Some(bytes) = field.get(element * size..(element + 1) * size) else { return false };
+        let mut whole = [0; 8];
+        whole[..size].copy_from_slice(bytes);
+        let unsigned = u64::from_le_bytes(whole);
+        let float = match self.field_type {
+            FieldType::F32 => f64::from(f32::from_bits(unsigned as u32)),
+            FieldType::F64 => f64::from_bits(unsigned),
+            FieldType::I8 | FieldType::I16 | FieldType::I32 | FieldType::I64 => {
+                let unused = 64 - 8 * size as u32;
+                let signed = (unsigned << unused) as i64 >> unused;
+                return number == Number::Integer(i128::from(signed));
+            }
+            _ => return number == Number::Integer(i128::from(unsigned)),
+        };
+        matches!(number, Number::Float(none) if none == float || none.is_nan() && float.is_nan())
+    }
+}
+
+/// A number of the type, in one of the forms of definitions.
+fn number(text: &str, field_type: FieldType) -> Option<Number> {
+    let limit = match text {
+        "UINT8_MAX" => Some(i128::from(u8::MAX)),
+        "UINT16_MAX" => Some(i128::from(u16::MAX)),
+        "UINT32_MAX" => Some(i128::from(u32::MAX)),
+        "UINT64_MAX" => Some(i128::from(u64::MAX)),
+        "INT8_MAX" => Some(i128::from(i8::MAX)),
+        "INT16_MAX" => Some(i128::from(i16::MAX)),
+        "INT32_MAX" => Some(i128::from(i32::MAX)),
+        "INT64_MAX" => Some(i128::from(i64::MAX)),
+        "INT8_MIN" => Some(i128::from(i8::MIN)),
+        "INT16_MIN" => Some(i128::from(i16::MIN)),
+        "INT32_MIN" => Some(i128::from(i32::MIN)),
+        "INT64_MIN" => Some(i128::from(i64::MIN)),
+        "UINT8_MIN" | "UINT16_MIN" | "UINT32_MIN" | "UINT64_MIN" => Some(0),
+        _ => parse_value(text),
+    };
+    match field_type {
+        // As the field holds it, so that 0.1 is equal to the nearest float.
+        FieldType::F32 => match limit {
+            Some(limit) => Some(Number::Float(f64::from(limit as f32))),
+            None => text.parse::<f32>().ok().map(|float| Number::Float(f64::from(float))),
+        },
+        FieldType::F64 => match limit {
+            Some(limit) => Some(Number::Float(limit as f64)),
+            None => text.parse().ok().map(Number::Float),
+        },
+        _ => limit.map(Number::Integer),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dialect::EnumEntry;
+
+    fn marked(text: &str, field_type: FieldType, array_length: u8, field: &[u8]) -> Vec<bool> {
+        let entry = EnumEntry { name: "UNDEFINED".into(), value: 3, ..EnumEntry::default() };
+        let enums = [Enum { name: "STATE".into(), entries: vec![entry], ..Enum::default() }];
+        let field_of = Field {
+            field_type,
+            array_length,
+            invalid: Some(text.into()),
+            enum_name: Some("STATE".into()),
+            ..Field::default()
+        };
+        let Some(invalid) = Invalid::of(&field_of, &enums) else { return Vec::new() };
+        (0..field_of.elements()).map(|n| invalid.is_invalid(field, n)).collect()
+    }
+
+    #[test]
+    fn scalars() {
+        for (text, field_type, field) in [
+            ("UINT16_MAX", FieldType::U16, &[255, 255][..]),
+            ("0xFFFF", FieldType::U16, &[255, 255]),
+            ("-1", FieldType::I8, &[255]),
+            ("-1000", FieldType::I16, &(-1000_i16).to_le_bytes()),
+            ("INT32_MAX", FieldType::I32, &i32::MAX.to_le_bytes()),
+            ("INT64_MIN", FieldType::I64, &i64::MIN.to_le_bytes()),
+            ("UINT64_MAX", FieldType::U64, &[255; 8]),
+            ("UINT16_MIN", FieldType::U16, &[0, 0]),
+            ("UNDEFINED", FieldType::U8, &[3]),
+            ("NAN", FieldType::F32, &f32::NAN.to_le_bytes()),
+            ("NaN", FieldType::F64, &(-f64::NAN).to_le_bytes()),
+            ("-1.0", FieldType::F32, &(-1_f32).to_le_bytes()),
+            ("0.1", FieldType::F32, &0.1_f32.to_le_bytes()),
+            ("0", FieldType::F32, &(-0_f32).to_le_bytes()),
+        ] {
+            assert_eq!(marked(text, field_type, 0, field), [true], "{text}");
+            assert_eq!(marked(text, field_type, 0, &[1; 8]), [false], "{text}");
+        }
+    }
+
+    #[test]
+    fn arrays() {
+        let of = |text| marked(text, FieldType::U8, 4, &[9, 8, 9, 8]);
+        assert_eq!(of("[9]"), [true, false, true, false]);
+        assert_eq!(of("[9:]"), [true; 4]);
+        assert_eq!(of("[8:]"), [false; 4]);
+        assert_eq!(of("[9,]"), [true, false, false, false]);
+        assert_eq!(of("[8,,9,]"), [false, false, true, false]);
+        assert_eq!(of("[,8]"), [false, true, false, false]);
+    }
+
+    #[test]
+    fn senseless_attributes_mark_nothing() {
+        for (text, length) in [
+            ("", 0),
+            ("[9]", 0),
+            ("9", 4),
+            ("NaN", 0),
+            ("-0.5", 0),
+            ("[9", 4),
+            ("[]", 4),
+            ("[x,9]", 4),
+            ("NOBODY", 0),
+        ] {
+            assert_eq!(marked(text, FieldType::U8, length, &[9; 4]), [], "{text}");
+        }
+        assert_eq!(marked("0", FieldType::Char, 0, &[0]), []);
+    }
+}
