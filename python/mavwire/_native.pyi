@@ -182,10 +182,8 @@ class Dialect:
     def layout_bytes(self, types: set[int] | None = None) -> bytes:
         """What tables of some messages are made of, or of all; it differs where any of it does."""
 
-    def invalid_fields(self, msgid: int, payload: bytes) -> dict[str, list[bool]]:
-        """Fields of a message with values that stand for none: for each element, whether it does.
-        A payload may be cut.
-        """
+    def invalid_fields(self, frame: bytes) -> dict[str, list[bool]]:
+        """Fields of a frame with values that stand for none: for each element, whether it does."""
 
     def descriptions(self, name: str) -> tuple[str, dict[str, str]]:
         """What the definitions themselves say of a message and its fields, empty for built-in ones.

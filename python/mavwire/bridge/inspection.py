@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 MAX_KINDS = 4000
 MAX_COMPONENTS = 1000
 MAX_OPEN = 64
+# In the place of a value that stands for none, such as 65535 mV.
+NO_VALUE = "no value"
 # Numbers that JavaScript holds exactly.
 MAX_SAFE = 2**53
 
@@ -90,8 +92,18 @@ class View:
 
     def _fields(self, message: Any) -> list[list[Any]]:
         """Value and meaning of each field."""
-        pairs = [(name, getattr(message, name)) for name in message.fieldnames]
-        return [[plain(value), self._meaning(message, name, value)] for name, value in pairs]
+        marks = self._bridge._native_dialect().invalid_fields(bytes(message.get_msgbuf()))
+        return [self._shown(message, name, marks.get(name)) for name in message.fieldnames]
+
+    def _shown(self, message: Any, name: str, marks: list[bool] | None) -> list[Any]:
+        """Value and meaning of a field; `marks` are its elements that stand for no value."""
+        value = getattr(message, name)
+        if marks is None:
+            return [plain(value), self._meaning(message, name, value)]
+        if isinstance(value, list | tuple):
+            each = zip(value, marks, strict=True)
+            return [[NO_VALUE if mark else plain(one) for one, mark in each], ""]
+        return [NO_VALUE, ""]
 
     def _meaning(self, message: Any, field: str, value: object) -> str:
         """What an enum calls the value; the names of the bits that are set for a bit mask."""

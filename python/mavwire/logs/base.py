@@ -59,7 +59,9 @@ class Log:
         fields = None if fields is None else names_of(fields)
         wanted = {*names, on} if on is not None else set(names)
         # All columns: the one that tells instances apart is needed whatever is wanted.
-        every = self.read(sorted(wanted), systems, None, start, end, units=units, enums=enums, invalid=invalid)
+        every = self.read(
+            sorted(wanted), systems, None, start, end, units=units, enums=enums, invalid=invalid
+        )
         if fields is not None:
             check_fields(set().union(*map(possible_columns, every.values())), fields)
         tables = of_fields(every, fields, several=True)

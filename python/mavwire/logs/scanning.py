@@ -49,7 +49,9 @@ def scan_polars(
 
     if not isinstance(message, str):
         raise ValueError(f"a scan is of one message type, not of {message!r}")
-    source = _Source(paths_of(paths), message, dialect, (systems, start, end, units, enums, invalid))
+    source = _Source(
+        paths_of(paths), message, dialect, (systems, start, end, units, enums, invalid)
+    )
     return register_io_source(source, schema=source.schema, is_pure=True)
 
 

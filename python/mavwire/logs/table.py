@@ -130,8 +130,10 @@ class Table:
             array = array.view("datetime64[us]")
         valid = view.valid()
         if valid is not None:
-            array = array.astype(array.dtype if view.is_time else "float64")
-            array[~np.frombuffer(valid, bool).reshape(array.shape)] = "NaT" if view.is_time else "nan"
+            array = array.astype("float64" if array.dtype.kind in "iu" else array.dtype)
+            array[~np.frombuffer(valid, bool).reshape(array.shape)] = (
+                "NaT" if view.is_time else "nan"
+            )
         return array
 
     def __iter__(self) -> Iterator[str]:

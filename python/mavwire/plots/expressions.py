@@ -60,6 +60,8 @@ class Expression:
     """It can be computed over columns."""
     conditional: bool = False
     """It has a value only where its condition holds."""
+    places: frozenset[tuple[str, str, int | None]] = frozenset()
+    """Fields of messages that it reads: type, field, and the index where one element is named."""
 
     @property
     def type(self) -> str:
@@ -99,7 +101,10 @@ def parse(text: str) -> Expression:
     if not types:
         raise ValueError(f"no message is named in {text!r}: write TYPE.field, as in ATTITUDE.roll")
     plain = condition is None and len(types) == 1 and _is_plain(trees[0].body)
-    return Expression(body, right, types, _instances(trees, types), plain, condition is not None)
+    return Expression(
+        body, right, types, _instances(trees, types), plain, condition is not None,
+        _places(trees, types),
+    )  # fmt: skip
 
 
 def _messages(trees: list[ast.Expression]) -> set[str]:
@@ -109,6 +114,22 @@ def _messages(trees: list[ast.Expression]) -> set[str]:
     known = known_names()
     names = {node.id for node in nodes} - bound - STATE_NAMES
     return {name for name in names if name not in known}
+
+
+def _places(
+    trees: list[ast.Expression], types: frozenset[str]
+) -> frozenset[tuple[str, str, int | None]]:
+    """The fields that expressions read, and elements of them."""
+    found = set()
+    for node in (node for tree in trees for node in ast.walk(tree)):
+        item = node.value if isinstance(node, ast.Subscript) else node
+        index = _index(node.slice) if isinstance(node, ast.Subscript) else None
+        if isinstance(item, ast.Attribute):
+            owner = item.value.value if isinstance(item.value, ast.Subscript) else item.value
+            if isinstance(owner, ast.Name) and owner.id in types:
+                found.add((owner.id, item.attr, index))
+    elements = {place[:2] for place in found if place[2] is not None}
+    return frozenset(one for one in found if one[2] is not None or one[:2] not in elements)
 
 
 def _instances(trees: list[ast.Expression], types: frozenset[str]) -> dict[str, int]:

@@ -140,7 +140,7 @@ def _tables(
         if one.type in known:
             fields |= _instance_fields(native, known[one.type].id)
     types = sorted({"HEARTBEAT", *(one.type for one in plain)})
-    tables = read(path, types, fields=sorted(fields), dialect=dialect)
+    tables = read(path, types, fields=sorted(fields), invalid="null", dialect=dialect)
     if any(len(t) and bool(_is_nat(t["timestamp"][:1])) for t in tables.values()):
         raise ValueError(f"a raw stream has no times to plot over: {path!r}")
     return tables
@@ -271,6 +271,7 @@ class _Collector:
         self.expression = expression
         self._xaxis = how.xaxis
         self._condition = how.condition
+        self._dialect = how.dialect
         self._times: list[float] = []
         self._values: list[float] = []
         self._failed = 0
@@ -287,7 +288,7 @@ class _Collector:
         if instance is None and self._is_other_instance(kind, instance_of(msg)):
             self._mixed = kind
         try:
-            number = _number(self.expression, messages)
+            number = nan if self._lacks_value(messages) else _number(self.expression, messages)
             place = msg._timestamp if self._xaxis is None else _number(self._xaxis, messages)
         except Exception as error:  # whatever a function of an expression raises
             self._failed += 1
@@ -301,6 +302,22 @@ class _Collector:
             return
         self._times.append(place)
         self._values.append(number)
+
+    def _lacks_value(self, messages: dict[str, Any]) -> bool:
+        """Whether a field that the expression reads holds what stands for no value."""
+        from mavwire.logs.reading import native_dialect
+
+        for kind, name, index in self.expression.places:
+            msg = messages.get(kind)
+            if msg is None or hasattr(msg, "fmt"):  # a dataflash log has no such values
+                continue
+            _, native = native_dialect(self._dialect)
+            marks = native.invalid_fields(bytes(msg.get_msgbuf())).get(name, [])
+            if index is None and marks and all(marks):
+                return True
+            if index is not None and index < len(marks) and marks[index]:
+                return True
+        return False
 
     def _is_other_instance(self, kind: str, instance: Any) -> bool:
         return bool(self._instances.setdefault(kind, instance) != instance)

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, OnceLock};
 
 use mavwire_core::builtin;
+use mavwire_core::frame::FrameRef;
 use mavwire_core::registry::Registry;
 use mavwire_schema::{
     Definitions, Invalid, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion,
@@ -296,12 +297,15 @@ impl Dialect {
         })
     }
 
-    /// Fields of a message with values that stand for none: for each element, whether it does. A payload may be cut.
-    fn invalid_fields(&self, msgid: u32, payload: &[u8]) -> HashMap<&str, Vec<bool>> {
-        let Some(entry) = self.registry.lookup(msgid) else { return HashMap::new() };
-        let message = self.registry.message(entry.index);
+    /// Fields of a frame with values that stand for none: for each element, whether it does.
+    fn invalid_fields(&self, frame: &[u8]) -> HashMap<&str, Vec<bool>> {
+        let known = FrameRef::parse(frame).ok().and_then(|frame| {
+            let entry = self.registry.lookup(frame.header().msgid)?;
+            Some((self.registry.message(entry.index), frame.payload()))
+        });
+        let Some((message, payload)) = known else { return HashMap::new() };
         let mut whole = payload.to_vec();
-        whole.resize(usize::from(message.max_len).max(payload.len()), 0);
+        whole.resize(payload.len().max(message.max_len.into()), 0);
         let enums = &self.registry.dialect().enums;
         let marked = message.fields.iter().filter_map(|field| {
             let (invalid, bytes) = (Invalid::of(field, enums)?, &whole[field.offset.into()..]);

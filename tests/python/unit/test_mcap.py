@@ -81,7 +81,7 @@ def compare(path: Path, log: Path | str, **options: Any) -> int:
     """Assert that a file holds the columns of a telemetry log; how many messages that are."""
     found = {t: rows for t, rows in messages(path).items() if t.split("/")[-1] not in EXTRA}
     count = 0
-    for name, table in mavwire.read(log, **options).items():
+    for name, table in mavwire.read(log, invalid="null", **options).items():
         senders = list(zip(table["sysid"].tolist(), table["compid"].tolist(), strict=True))
         order = np.argsort(table["timestamp"], kind="stable")
         iterators = {
@@ -94,8 +94,8 @@ def compare(path: Path, log: Path | str, **options: Any) -> int:
             assert sequence == table["seq"][row]
             for column in table.columns[4:]:
                 value = table[column][row]
-                if value is None:
-                    assert column not in content
+                if value is None or (isinstance(value, np.floating) and np.isnan(value)):
+                    assert content.pop(column, None) is None
                     continue
                 dtype = table[column].dtype
                 assert same(content.pop(column), value, dtype), (name, column, row)
