@@ -67,7 +67,9 @@ class Summary:
 
     @property
     def span(self) -> float:
-        """Seconds between the first and the last message."""
+        """Seconds between the first and the last message. A step back of the clock takes no time."""
+        if self.info is not None:
+            return self.info.count.seconds
         return (self.last or 0.0) - (self.first or 0.0)
 
     @property
@@ -97,6 +99,7 @@ class Summary:
             },
             "first": self.first,
             "last": self.last,
+            "span": self.span,
             "lost": self.lost,
             "repeated": self.repeated,
             "bad_messages": self.bad_messages,
@@ -121,6 +124,7 @@ def _details(info: LogInfo) -> dict[str, Any]:
         "signed": info.signed,
         "stamped": info.stamped,
         "reboots": {f"{ids[0]}/{ids[1]}": one.reboots for ids, one in info.senders.items()},
+        "shared": [f"{ids[0]}/{ids[1]}" for ids, one in info.senders.items() if one.shared],
     }
 
 
@@ -155,10 +159,10 @@ def summary_of(info: LogInfo, size: int, seconds: float, telemetry: bool = True)
     summary.systems = {
         ids: System(one.count.messages, one.lost, one.repeated) for ids, one in info.senders.items()
     }
-    if info.messages and info.stamped:
+    if info.messages and (info.stamped or info.count.last):
         summary.first, summary.last = info.count.first, info.count.last
         # No clock that was set by GPS is earlier; without a fix there is the time since the start.
-        summary.since_start = not telemetry and info.count.last < GPS_EPOCH
+        summary.since_start = not (telemetry and info.stamped) and info.count.last < GPS_EPOCH
     summary.bad_messages, summary.bad_bytes = info.bad_count, info.bad_bytes
     return summary
 
@@ -183,8 +187,11 @@ def _place_lines(info: LogInfo) -> list[str]:
     reboots = [f"{s}/{c}: {one.reboots}" for (s, c), one in info.senders.items() if one.reboots]
     if reboots:
         lines.append(f"  reboots  {', '.join(reboots)}")
+    if shared := ", ".join(f"{s}/{c}" for (s, c), one in info.senders.items() if one.shared):
+        lines.append(f"  shared   {shared}: several vehicles have this id, and lost counts both")
     if info.times_back:
-        lines.append(f"  clock    went back {info.times_back:,} times")
+        far = f", by {info.set_back:,.1f} s" if info.set_back else ""
+        lines.append(f"  clock    went back {info.times_back:,} times{far}")
     return lines
 
 

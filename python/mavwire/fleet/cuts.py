@@ -3,7 +3,8 @@
 What a reader finds at a place depends on the bytes before it: whether it stands in the middle of
 damage, which time it believed last, which unknown ids it has met. So the log is read once, without
 making tables, and is cut only at places the reader came by where none of that matters: between good
-records, far from damage, in a log that holds no unknown ids. Where there are none, it stays whole. What kind of log it
+records, far from damage, in a log that holds no unknown ids. Where there are none, it stays whole.
+A raw stream does too: its times depend on all frames before. What kind of log it
 is goes with each part: nobody has to guess that again by what a part begins with.
 """
 
@@ -33,15 +34,14 @@ def find_cuts(path: str, part_bytes: int, dialect: str | os.PathLike[str] = "all
         return []
     places: list[int] = []
     info = summarise(path, native_dialect(dialect)[1], places.append)
-    if any(name.startswith(UNKNOWN) for name in info.types):
+    if not info.stamped or any(name.startswith(UNKNOWN) for name in info.types):
         return []
     cuts = [0]
     for place in places:
         far = place - cuts[-1] >= part_bytes and info.bytes - place >= part_bytes
         if far and _is_clean(place, info):
             cuts.append(place)
-    kind = [info.stamped] * len(cuts)
-    ranges = list(zip(cuts, [*cuts[1:], info.bytes], kind, strict=True))
+    ranges = [(start, end, True) for start, end in zip(cuts, [*cuts[1:], info.bytes], strict=True)]
     return ranges if len(ranges) > 1 else []
 
 

@@ -10,7 +10,14 @@ import math
 import os
 
 from . import state
-from .recognise import check_usable, is_log_name, is_serial_name, log_kind, mode_of
+from .recognise import (
+    check_usable,
+    is_log_name,
+    is_raw_stream,
+    is_serial_name,
+    log_kind,
+    mode_of,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -199,13 +206,14 @@ def _opened(reader: Any) -> Any:
 
 
 def _telemetry_log(device: str, o: Options) -> Any:
-    if not (o.write or o.append or o.notimestamps):
+    unstamped = o.notimestamps or (not o.write and is_raw_stream(device))
+    if not (o.write or o.append or unstamped):
         # The index depends on the policy, so that it has to be known before it is made.
         resync = {} if o.resync is None else {"resync": o.resync}
         return state.public.mavmmaplog(device, progress_callback=o.progress_callback, **resync)
     return state.public.mavlogfile(
         device, planner_format=o.planner_format, write=o.write, append=o.append,
-        robust_parsing=o.robust_parsing, notimestamps=o.notimestamps, **o.common,
+        robust_parsing=o.robust_parsing, notimestamps=unstamped, **o.common,
     )  # fmt: skip
 
 

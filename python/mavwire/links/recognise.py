@@ -69,6 +69,21 @@ def looks_like_tlog(head: bytes) -> bool:
     return 0 < ofs <= len(head)
 
 
+def is_raw_stream(device: str) -> bool:
+    """Whether a file is a raw stream: frames without time stamps."""
+    head = read_head(device, TEXT_LOG_PROBE)
+    if looks_like_tlog(head) or head.startswith((DATAFLASH_HEAD, b"FMT,")) or not head:
+        return False
+    from mavwire._native import is_raw_stream
+
+    try:
+        return is_raw_stream(device)
+    except OSError as error:
+        if from_handler(error):
+            raise
+        return False
+
+
 def log_kind(device: str, readonly: bool) -> str | None:
     """The kind of a log, "dataflash", "text" or "tlog"; None for what is not a log file.
 
@@ -77,7 +92,7 @@ def log_kind(device: str, readonly: bool) -> str | None:
     lower = device.lower()
     exists = stat.S_ISREG(mode_of(device))
     head = read_head(device, TEXT_LOG_PROBE) if exists else b""
-    if looks_like_tlog(head):
+    if looks_like_tlog(head) or (exists and readonly and is_raw_stream(device)):
         return "tlog"
     if lower.endswith(DATAFLASH_SUFFIXES):
         return "dataflash"

@@ -20,12 +20,13 @@ class Count:
     messages: int
     first: float
     last: float
+    seconds: float
+    """How long the messages took. A step back of the clock takes no time."""
 
     @property
     def rate(self) -> float:
         """Messages per second between the first and the last; 0 where that is no time."""
-        span = self.last - self.first
-        return (self.messages - 1) / span if span > 0 else 0.0
+        return (self.messages - 1) / self.seconds if self.seconds > 0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,13 @@ class Sender:
     repeated: int
     """Messages that were there before, as where two links hear the same."""
     reboots: int
-    """How often its clock (`time_boot_ms`) started anew: went back by more than 5 s."""
+    """How often its clock (`time_boot_ms`) started anew: went back by more than 5 s. The wrap of the
+    clock after 49.7 days is no reboot. 0 where the id is shared.
+    """
+    shared: bool
+    """Several vehicles send under this id: their clocks take turns. Their numbers are mixed, too, so
+    `lost` counts messages that were not lost.
+    """
 
     @property
     def loss(self) -> float:
@@ -55,7 +62,7 @@ class LogInfo:
     bytes: int
     """Of the log, decompressed."""
     stamped: bool
-    """False for a raw stream, whose records have no times."""
+    """False for a raw stream. Its times are seconds since the sender's start, 0 where none is known."""
     count: Count
     types: dict[str, Count]
     """By message name, the most frequent first; ids that the dialect lacks as UNKNOWN_<id>."""
@@ -66,6 +73,8 @@ class LogInfo:
     gap_count: int
     times_back: int
     """Records with a time before that of the record in front."""
+    set_back: float
+    """Seconds by which the clock was set back, in all."""
     distrusted: int
     """Records behind damage whose time was days off and is replaced by that of the last good one."""
     bad: list[tuple[int, int]]
@@ -116,7 +125,7 @@ def info_of(path: str, found: dict[str, Any]) -> LogInfo:
     }
     count = _count(found.pop("count"))
     if unlisted := found.pop("unlisted"):
-        types["UNKNOWN"] = Count(unlisted, 0, 0)
+        types["UNKNOWN"] = Count(unlisted, 0, 0, 0)
     return LogInfo(
         path=path,
         count=count,
@@ -128,6 +137,6 @@ def info_of(path: str, found: dict[str, Any]) -> LogInfo:
     )
 
 
-def _count(row: tuple[int, int, int]) -> Count:
-    messages, first, last = row
-    return Count(messages, first * 1e-6, last * 1e-6)
+def _count(row: tuple[int, int, int, int]) -> Count:
+    messages, *micros = row
+    return Count(messages, *(one * 1e-6 for one in micros))

@@ -22,6 +22,10 @@ COLOURS = (
 MOST_SPANS = 10_000
 """Changes of mode that are shown; whoever makes a log chooses their number."""
 UNKNOWN = "UNKNOWN"
+EQUIPMENT = NOT_VEHICLES | {5, *range(30, 35), *range(36, 43), 44, 48}
+"""Values of MAV_TYPE that are no vehicles, though an autopilot may drive them: antenna trackers,
+cameras, winches and the like.
+"""
 
 
 @dataclass(frozen=True)
@@ -42,10 +46,20 @@ def vehicle_rows(heartbeats: Table) -> Any:
     return ~others & ~gimbal & (heartbeats["autopilot"] != MAV_AUTOPILOT_INVALID)
 
 
-def vehicle_of(heartbeats: Table) -> int | None:
-    """The system of the first autopilot that is heard."""
-    systems = heartbeats["sysid"][vehicle_rows(heartbeats)]
-    return int(systems[0]) if len(systems) else None
+def vehicle_of(heartbeats: Table, tables: Iterable[Table]) -> int | None:
+    """The system that is the vehicle: the first autopilot that is heard. One of a vehicle type comes
+    before an antenna tracker and the like, then one with rows in `tables` before one without.
+    """
+    import numpy as np
+
+    rows = vehicle_rows(heartbeats)
+    systems = heartbeats["sysid"][rows]
+    if not len(systems):
+        return None
+    equipment = np.isin(heartbeats["type"][rows], list(EQUIPMENT))
+    heard = [table["sysid"] for table in tables]
+    silent = ~np.isin(systems, np.concatenate(heard) if heard else [])
+    return int(systems[np.argmin(2 * equipment + silent)])
 
 
 def mode_changes(

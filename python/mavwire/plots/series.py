@@ -85,7 +85,8 @@ def read_series(
     tables = _tables(path, plain, dialect)
     heartbeats = tables["HEARTBEAT"]
     if system is None:
-        system = vehicle_of(heartbeats) or busiest_system(path, dialect)
+        shown = (table for name, table in tables.items() if name != "HEARTBEAT")
+        system = vehicle_of(heartbeats, shown) or busiest_system(path, dialect)
     found = {one: _from_table(one, tables[one.type], system) for one in plain}
     other = [one for one in expressions if found.get(one) is None]
     if other:
@@ -141,8 +142,8 @@ def _tables(
             fields |= _instance_fields(native, known[one.type].id)
     types = sorted({"HEARTBEAT", *(one.type for one in plain)})
     tables = read(path, types, fields=sorted(fields), invalid="null", dialect=dialect)
-    if any(len(t) and bool(_is_nat(t["timestamp"][:1])) for t in tables.values()):
-        raise ValueError(f"a raw stream has no times to plot over: {path!r}")
+    if any(len(table) and bool(_is_nat(table["timestamp"]).all()) for table in tables.values()):
+        raise ValueError(f"a raw stream without a clock has no times to plot over: {path!r}")
     return tables
 
 
@@ -166,10 +167,10 @@ def busiest_system(path: str, dialect: str | os.PathLike[str]) -> int | None:
     return max(counts, key=lambda one: counts[one], default=None)
 
 
-def _is_nat(times: Any) -> bool:
+def _is_nat(times: Any) -> Any:
     import numpy as np
 
-    return bool(np.isnat(times).any())
+    return np.isnat(times)
 
 
 def _from_table(one: Expression, table: Table, system: int | None) -> Series | None:
@@ -194,8 +195,9 @@ def _from_table(one: Expression, table: Table, system: int | None) -> Series | N
         return None
     if values.ndim > 1:
         raise ValueError(f"{one.text} is an array: name an element, as in {one.text}[0]")
-    times = table["timestamp"][rows].astype("int64") * 1e-6
-    good = np.isfinite(values)
+    stamps = table["timestamp"][rows]
+    times = stamps.astype("int64") * 1e-6
+    good = np.isfinite(values) & ~_is_nat(stamps)
     left_out = int(np.count_nonzero(~good))
     error = NO_NUMBER if left_out else None
     instances = table[table.instance_field][rows] if table.instance_field else values[:0]

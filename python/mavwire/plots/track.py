@@ -122,7 +122,8 @@ def _from_tables(path: str, system: int | None, dialect: str | os.PathLike[str])
     names += "MISSION_COUNT MISSION_ITEM MISSION_ITEM_INT".split()
     tables = read(path, names, dialect=dialect)
     if system is None:
-        system = vehicle_of(tables["HEARTBEAT"]) or busiest_system(path, dialect)
+        positions = (tables["GLOBAL_POSITION_INT"], tables["GPS_RAW_INT"])
+        system = vehicle_of(tables["HEARTBEAT"], positions) or busiest_system(path, dialect)
     columns = _positions(tables["GLOBAL_POSITION_INT"], system)
     if not columns[1].any():
         columns = _positions(tables["GPS_RAW_INT"], system)
@@ -154,10 +155,11 @@ def _positions(table: Table, system: int | None) -> tuple[Any, Any, Any, Any]:
     import numpy as np
 
     stamps = table["timestamp"][rows]
-    if np.isnat(stamps).any():  # a raw stream
-        stamps = np.arange(len(stamps))
+    unknown = np.isnat(stamps)
+    # The start of a raw stream has no clock yet, and some streams never have one.
+    micros = np.where(unknown, np.arange(len(stamps)) if unknown.all() else 0, stamps.view("int64"))
     lat, lon, alt = (table[name][rows] for name in ("lat", "lon", "alt"))
-    return stamps.astype("int64") * 1e-6, lat / 1e7, lon / 1e7, alt / 1e3
+    return micros * 1e-6, lat / 1e7, lon / 1e7, alt / 1e3
 
 
 def _mission(tables: dict[str, Table], system: int | None) -> dict[int, Place]:

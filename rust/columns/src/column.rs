@@ -15,7 +15,8 @@ use mavwire_core::log::dataflash::{half, text::decode_line};
 use mavwire_schema::{Field, FieldType, Invalid};
 
 use crate::gather::{
-    Rows, each_text, each_valid, gather, gather_scaled, logged, number_in, parse, place_of, shown,
+    NO_TIME, Rows, each_text, each_valid, gather, gather_scaled, logged, number_in, parse, place_of,
+    shown,
 };
 use crate::layout::{Column, Source};
 use crate::units::Scale;
@@ -24,8 +25,8 @@ use crate::units::Scale;
 #[derive(Debug)]
 enum Values {
     Time(Vec<i64>),
-    /// No times at all.
-    NoTime(usize),
+    /// Times, or [`NO_TIME`].
+    SomeTimes(Vec<i64>),
     U8(Vec<u8>),
     I8(Vec<i8>),
     U16(Vec<u16>),
@@ -64,7 +65,7 @@ impl Growing {
         let (_, elements) = place_of(&column.source);
         let values = match &column.source {
             Source::Timestamp if stamped => Values::Time(Vec::new()),
-            Source::Timestamp => Values::NoTime(0),
+            Source::Timestamp => Values::SomeTimes(Vec::new()),
             Source::Sysid | Source::Compid | Source::Seq => Values::U8(Vec::new()),
             Source::Text(_) | Source::LogText(_) => Values::Text(StringBuilder::new()),
             Source::RawText(_) | Source::Bytes(_) => Values::RawText(BinaryBuilder::new()),
@@ -87,7 +88,6 @@ impl Growing {
     /// Bytes of a row; of texts those that each has.
     pub(crate) fn width(&self) -> usize {
         match &self.values {
-            Values::NoTime(_) => 0,
             Values::U8(_) | Values::I8(_) => self.elements,
             Values::U16(_) | Values::I16(_) => 2 * self.elements,
             Values::U32(_) | Values::I32(_) | Values::F32(_) => 4 * self.elements,
@@ -104,7 +104,7 @@ impl Growing {
         }
         let count = rows.saturating_mul(self.elements);
         match &mut self.values {
-            Values::Time(v) | Values::I64(v) => more(v, count),
+            Values::Time(v) | Values::SomeTimes(v) | Values::I64(v) => more(v, count),
             Values::U8(v) => more(v, count),
             Values::I8(v) => more(v, count),
             Values::U16(v) => more(v, count),
@@ -114,7 +114,7 @@ impl Growing {
             Values::U64(v) => more(v, count),
             Values::F32(v) => more(v, count),
             Values::F64(v) | Values::Scaled(v, _) => more(v, count),
-            Values::NoTime(_) | Values::Text(_) | Values::RawText(_) => {}
+            Values::Text(_) | Values::RawText(_) => {}
         }
     }
 
@@ -128,8 +128,9 @@ impl Growing {
             }
         }
         match &mut self.values {
-            Values::Time(values) => values.extend_from_slice(rows.times),
-            Values::NoTime(count) => *count += rows.times.len(),
+            Values::Time(values) | Values::SomeTimes(values) => {
+                values.extend_from_slice(rows.times);
+            }
             Values::U8(values) => gather(values, rows, place, u8::from_le_bytes),
             Values::I8(values) => gather(values, rows, place, i8::from_le_bytes),
             Values::U16(values) => gather(values, rows, place, u16::from_le_bytes),
@@ -164,7 +165,7 @@ impl Growing {
     /// Appends the times of rows, or rows without a value.
     pub(crate) fn append_missing(&mut self, times: &[i64]) {
         let (rows, zeros) = (times.len(), times.len() * self.elements);
-        if let Values::Time(values) = &mut self.values {
+        if let Values::Time(values) | Values::SomeTimes(values) = &mut self.values {
             values.extend_from_slice(times);
             return self.valid.append_n_non_nulls(rows);
         }
@@ -173,8 +174,7 @@ impl Growing {
             self.valid_elements.append_n_nulls(zeros);
         }
         match &mut self.values {
-            Values::Time(_) => {}
-            Values::NoTime(count) => *count += rows,
+            Values::Time(_) | Values::SomeTimes(_) => {}
             Values::U8(v) => v.resize(v.len() + zeros, 0),
             Values::I8(v) => v.resize(v.len() + zeros, 0),
             Values::U16(v) => v.resize(v.len() + zeros, 0),
@@ -211,7 +211,7 @@ impl Growing {
             }
             Values::Text(v) => v.append_value(decode_line(text)),
             Values::RawText(v) => v.append_value(text),
-            Values::Time(_) | Values::NoTime(_) => self.append_missing(&[0]),
+            Values::Time(_) | Values::SomeTimes(_) => self.append_missing(&[NO_TIME]),
         }
     }
 
@@ -222,7 +222,6 @@ impl Growing {
 
     fn held(&self) -> usize {
         match &self.values {
-            Values::NoTime(count) => *count,
             Values::U8(v) => v.len(),
             Values::I8(v) => v.len(),
             Values::U16(v) => v.len() * 2,
@@ -231,7 +230,7 @@ impl Growing {
             Values::I32(v) => v.len() * 4,
             Values::F32(v) => v.len() * 4,
             Values::U64(v) => v.len() * 8,
-            Values::Time(v) | Values::I64(v) => v.len() * 8,
+            Values::Time(v) | Values::SomeTimes(v) | Values::I64(v) => v.len() * 8,
             Values::F64(v) | Values::Scaled(v, _) => v.len() * 8,
             Values::Text(v) => v.values_slice().len() + 4 * v.offsets_slice().len(),
             Values::RawText(v) => v.values_slice().len() + 4 * v.offsets_slice().len(),
@@ -248,8 +247,9 @@ impl Growing {
                 let times: TimestampMicrosecondArray = take(v).into();
                 Arc::new(times.with_timezone("UTC"))
             }
-            Values::NoTime(count) => {
-                let times = TimestampMicrosecondArray::new_null(take(count));
+            Values::SomeTimes(v) => {
+                let times = take(v).into_iter().map(|time| (time != NO_TIME).then_some(time));
+                let times: TimestampMicrosecondArray = times.collect();
                 Arc::new(times.with_timezone("UTC"))
             }
             Values::U8(v) => finish::<UInt8Type>(take(v), valid, column),

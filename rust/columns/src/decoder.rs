@@ -10,7 +10,7 @@ use mavwire_core::registry::Registry;
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::gather::{PAYLOAD, Rows};
+use crate::gather::{NO_TIME, PAYLOAD, Rows};
 use crate::layout::{Layout, Options, names_len};
 use crate::piece::{Chosen, PIECE, Piece, portions};
 use crate::reader::{Batch, Limits};
@@ -100,8 +100,8 @@ impl Decoder {
         let each = pieces.par_iter_mut().zip(records.par_chunks(PIECE)).with_max_len(1);
         each.for_each(|(piece, records)| {
             let chosen = records.iter().filter(wants).map(|&Located { at, index }| {
-                let time = if lead == 0 { 0 } else { scanned.time(block, at) };
-                let time = i64::try_from(time).unwrap_or(i64::MAX);
+                let time = scanned.time(block, at);
+                let time = time.map_or(NO_TIME, |time| i64::try_from(time).unwrap_or(i64::MAX));
                 Chosen { table: index, kind: 0, at, time }
             });
             let fill = |record: Chosen, row: &mut [u8]| {

@@ -20,8 +20,8 @@ pub enum Error {
     /// An MCAP file of a log without times.
     #[error("MCAP needs a time for each message, and this log has none: convert to another format")]
     NoTimes,
-    /// Some time is wanted of a raw stream, or of a dataflash log without a clock.
-    #[error("the records of this log have no times: leave start and end out")]
+    /// A span of time is wanted of a raw stream, or of a dataflash log without a clock.
+    #[error("the records of this log have no time stamps: leave start and end out")]
     Untimed,
     /// More message types and senders than an MCAP file has room for.
     #[error("MCAP has room for {0} message types and senders: choose some types or systems")]

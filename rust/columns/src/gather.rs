@@ -14,13 +14,16 @@ use crate::units::Scale;
 /// Records side by side: the ids of the sender, then the payload at its full length.
 #[derive(Debug)]
 pub struct Rows<'a> {
-    /// Microseconds since 1970.
+    /// Microseconds since 1970, or [`NO_TIME`] in a table that has such rows.
     pub times: &'a [i64],
     /// `stride` bytes for each record.
     pub bytes: &'a [u8],
     /// Bytes of a record.
     pub stride: usize,
 }
+
+/// A row without a time.
+pub(crate) const NO_TIME: i64 = i64::MIN;
 
 /// Where the payload begins in a row: behind `sysid`, `compid` and `seq`.
 pub const PAYLOAD: usize = 3;

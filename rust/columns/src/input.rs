@@ -4,6 +4,7 @@ use std::io::{self, Read};
 
 use mavwire_core::registry::Registry;
 
+use crate::dataflash::Form;
 use crate::gzip::Members;
 use crate::head;
 use crate::pool;
@@ -70,6 +71,16 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
 /// What reading says.
 pub fn framing_of(source: Box<dyn Read + Send>, registry: &Registry) -> io::Result<Framing> {
     Ok(Framing::of(head::telling(&head::read(source)?), registry))
+}
+
+/// Whether a file that is not compressed is a raw stream of a dialect that comes with mavwire, by its first bytes.
+///
+/// # Errors
+/// What reading says.
+pub fn is_raw_stream(source: Box<dyn Read + Send>) -> io::Result<bool> {
+    let head = head::read(source)?;
+    let telling = head::telling(&head);
+    Ok(Form::of(telling).is_none() && Framing::of(telling, &head::TELEMETRY) == Framing::Raw)
 }
 
 /// A block that was read, behind its headroom.

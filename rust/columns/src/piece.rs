@@ -61,7 +61,7 @@ pub(crate) struct Chosen {
     pub(crate) kind: u16,
     /// Where it starts.
     pub(crate) at: u32,
-    /// Microseconds since 1970.
+    /// Microseconds since 1970, or [`crate::gather::NO_TIME`].
     pub(crate) time: i64,
 }
 

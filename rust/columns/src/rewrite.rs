@@ -163,7 +163,7 @@ fn put(
     let (start, before) = (record.at as usize + lead, out.len());
     let frame = &block[start..start + header.frame_len()];
     if framing == Framing::Stamped {
-        out.extend_from_slice(&scanned.time(block, record.at).to_be_bytes());
+        out.extend_from_slice(&time_of(scanned, block, record).to_be_bytes());
     }
     match anonymizer {
         None => out.extend_from_slice(frame),
@@ -176,6 +176,11 @@ fn put(
         }
     }
     true
+}
+
+/// The time of a record of a log that has time stamps.
+fn time_of(scanned: &Scanned, block: &[u8], record: Located) -> u64 {
+    scanned.time(block, record.at).unwrap_or_default()
 }
 
 /// Several logs being merged in the order of time.
@@ -301,7 +306,7 @@ impl Input {
             for record in &scanned.records {
                 let framing = Framing::Stamped;
                 if put(bytes, block, framing, &scanned, *record, scanner.registry(), None) {
-                    records.push((scanned.time(block, record.at), bytes.len()));
+                    records.push((time_of(&scanned, block, *record), bytes.len()));
                 }
             }
             outcome.add(&scanned, in_damage);

@@ -4,140 +4,23 @@
 //! over the runs that it reaches. On a log without damage it walks a few steps for each block, on a damaged one through
 //! the damage. Its outcome is that of one scanner over the whole log, whatever the blocks and the number of threads.
 
-use std::iter;
 use std::ops::Range;
 use std::sync::Arc;
 
-use mavwire_core::frame::{Header, MAX_FRAME_LEN, STX_V1, STX_V2};
+use mavwire_core::frame::Header;
+pub use mavwire_core::log::tlog::Framing;
 use mavwire_core::log::tlog::{
-    Before, FoundRecord, Located, RecordScanner, Runs, STAMP_LEN, Stamp, find_runs, is_date,
+    Before, FoundRecord, Located, RecordScanner, Runs, Stamp, find_runs,
 };
 use mavwire_core::registry::Registry;
+use mavwire_core::telemetry::{BootTimes, StreamClock};
 use rayon::prelude::*;
 
 /// Bytes that are searched in one go: few enough for the last processor not to be waited for long.
 pub(crate) const STRETCH: usize = 256 << 10;
 
-/// Good records in a row that no other kind of log has.
-const SURE_RECORDS: usize = 3;
-
-/// Of so many dates one at most goes back.
-const DATES_BACK: usize = 8;
-
 /// [`Located::index`] of ids that the dialect does not know.
 pub const UNKNOWN: u16 = u16::MAX;
-
-/// What a log looks like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Framing {
-    /// Records of time stamp and frame.
-    Stamped,
-    /// Frames alone.
-    Raw,
-}
-
-impl Framing {
-    /// Bytes of a record in front of its frame.
-    pub fn lead(self) -> usize {
-        match self {
-            Self::Stamped => STAMP_LEN,
-            Self::Raw => 0,
-        }
-    }
-
-    /// What a log is that begins with these bytes: the way in which more records follow each other, or failing that the one in
-    /// which the first record is good, or the one of which frames have dates in front, in their order, or none.
-    pub fn of(head: &[u8], registry: &Registry) -> Self {
-        let stamped: Vec<_> = Self::Stamped.records(head, registry).collect();
-        let is_dated = are_dated(stamped.iter().map(|record| stamp_at(head, record.start as u32)));
-        if is_dated && !begins_with_frame(head) && is_whole(&stamped, head) {
-            return Self::Stamped; // as nearly every log: frames alone need not be looked for
-        }
-        let raw: Vec<_> = Self::Raw.records(head, registry).collect();
-        let begins = |found: &[Range<usize>]| found.first().is_some_and(|first| first.start == 0);
-        let for_stamped = (following(&stamped), begins(&stamped), is_dated);
-        let for_raw = (following(&raw), begins(&raw), !raw.is_empty() && !is_dated);
-        if for_raw > for_stamped { Self::Raw } else { Self::Stamped }
-    }
-
-    /// Whether these bytes have good records one behind the other in either form: chance makes no three of them.
-    pub fn is_in(head: &[u8], registry: &Registry) -> bool {
-        [Self::Stamped, Self::Raw].into_iter().any(|framing| {
-            let (mut end, mut in_a_row) = (0, 0);
-            framing.records(head, registry).any(|record| {
-                in_a_row = if record.start == end { in_a_row + 1 } else { 1 };
-                end = record.end;
-                in_a_row == SURE_RECORDS
-            })
-        })
-    }
-
-    /// Bytes that good records have in the form that gives more of them.
-    pub(crate) fn bytes_in(head: &[u8], registry: &Registry) -> usize {
-        let bytes =
-            |framing: Self| framing.records(head, registry).map(|one| one.len()).sum::<usize>();
-        bytes(Self::Stamped).max(bytes(Self::Raw))
-    }
-
-    /// Where the good records of known messages are in these bytes.
-    fn records(self, head: &[u8], registry: &Registry) -> impl Iterator<Item = Range<usize>> {
-        let (mut scanner, mut at) = (self.scanner(), 0);
-        iter::from_fn(move || {
-            loop {
-                let start = at;
-                match scanner.next(&head[at..], registry, true) {
-                    FoundRecord::Record { len, entry, .. } => {
-                        at += len;
-                        if entry.is_some() {
-                            return Some(start..at);
-                        }
-                    }
-                    FoundRecord::Junk { len } => at += len,
-                    FoundRecord::Incomplete { .. } => return None,
-                }
-            }
-        })
-    }
-
-    fn scanner(self) -> RecordScanner {
-        match self {
-            Self::Stamped => RecordScanner::new(),
-            Self::Raw => RecordScanner::unstamped(),
-        }
-    }
-}
-
-fn begins_with_frame(head: &[u8]) -> bool {
-    head.first().is_some_and(|first| matches!(*first, STX_V1 | STX_V2))
-}
-
-/// Whether these records are all that there is, but for one that goes on behind the head.
-fn is_whole(records: &[Range<usize>], head: &[u8]) -> bool {
-    let all = following(records) + 1 == records.len();
-    let (first, last) = (records.first(), records.last());
-    all && first.is_some_and(|first| first.start == 0)
-        && last.is_some_and(|last| head.len() - last.end < STAMP_LEN + MAX_FRAME_LEN)
-}
-
-/// How many records begin where the one in front of them ends.
-fn following(records: &[Range<usize>]) -> usize {
-    records.windows(2).filter(|two| two[0].end == two[1].start).count()
-}
-
-/// Whether most of what stands in front of frames are dates, of which hardly one goes back: the ends of HEARTBEATs, which look
-/// like dates as well, do half of the time.
-fn are_dated(stamps: impl Iterator<Item = u64>) -> bool {
-    let (mut frames, mut dates, mut back, mut last) = (0, 0, 0, 0);
-    for stamp in stamps {
-        frames += 1;
-        if is_date(stamp) {
-            dates += 1;
-            back += usize::from(stamp < last);
-            last = stamp;
-        }
-    }
-    2 * dates > frames && DATES_BACK * back <= dates
-}
 
 /// The records of a block. Positions are counted from its start.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -148,6 +31,8 @@ pub struct Scanned {
     pub records: Vec<Located>,
     /// Records whose time stamp is not believed, and what to take for it.
     pub distrusted: Vec<(u32, u64)>,
+    /// In a raw stream, the records from which on the stream's clock shows another time.
+    clock: Option<Vec<(u32, u64)>>,
     /// Bytes that belong to no record; what touches is one range.
     pub bad: Vec<Range<usize>>,
 }
@@ -157,6 +42,8 @@ pub struct Scanned {
 pub struct LogScanner {
     registry: Arc<Registry>,
     scanner: RecordScanner,
+    /// Of a raw stream.
+    clock: Option<StreamClock>,
     before: Option<Before>,
     after_damage: bool,
     stretch: usize,
@@ -166,7 +53,9 @@ impl LogScanner {
     /// A scanner at the start of a log.
     pub fn new(registry: Arc<Registry>, framing: Framing) -> Self {
         let scanner = framing.scanner();
-        Self { registry, scanner, before: None, after_damage: false, stretch: STRETCH }
+        let clock = || StreamClock::new(BootTimes::of(registry.dialect()));
+        let clock = (framing == Framing::Raw).then(clock);
+        Self { registry, scanner, clock, before: None, after_damage: false, stretch: STRETCH }
     }
 
     /// Searches in stretches of another size.
@@ -203,7 +92,9 @@ impl LogScanner {
 
     fn put_together(&mut self, block: &[u8], at_end: bool, found: &[Runs]) -> Scanned {
         let count = found.iter().map(|runs| runs.records.len()).sum();
-        let mut out = Scanned { records: Vec::with_capacity(count), ..Scanned::default() };
+        let clock = self.clock.as_ref().map(|clock| clock.now().map(|now| (0, now)).into_iter());
+        let clock = clock.map(Iterator::collect);
+        let mut out = Scanned { records: Vec::with_capacity(count), clock, ..Scanned::default() };
         let mut ahead = found
             .iter()
             .flat_map(|runs| runs.runs.iter().map(|run| (run, &runs.records[..])))
@@ -247,8 +138,8 @@ impl LogScanner {
     fn take_run(&mut self, block: &[u8], records: &[Located], out: &mut Scanned) {
         let (Some(first), Some(last)) = (records.first(), records.last()) else { return };
         out.records.extend_from_slice(records);
-        if self.lead() == 0 {
-            return; // a raw stream has no times to believe
+        if let (Some(clock), Some(times)) = (&mut self.clock, &mut out.clock) {
+            return hear(clock, block, records, times);
         }
         let mut before = Before::of(stamp_at(block, first.at));
         if self.after_damage
@@ -270,15 +161,33 @@ pub fn stamp_at(block: &[u8], at: u32) -> u64 {
 }
 
 impl Scanned {
-    /// The time of a record, microseconds since 1970.
+    /// The time of a record in microseconds: since 1970, or in a raw stream as [`StreamClock`] says.
     #[inline]
-    pub fn time(&self, block: &[u8], at: u32) -> u64 {
+    pub fn time(&self, block: &[u8], at: u32) -> Option<u64> {
+        if let Some(clock) = &self.clock {
+            let past = clock.partition_point(|&(since, _)| since <= at);
+            return past.checked_sub(1).map(|last| clock[last].1);
+        }
         if !self.distrusted.is_empty()
             && let Ok(found) = self.distrusted.binary_search_by_key(&at, |&(at, _)| at)
         {
-            return self.distrusted[found].1;
+            return Some(self.distrusted[found].1);
         }
-        stamp_at(block, at)
+        Some(stamp_at(block, at))
+    }
+}
+
+/// Notes the records of a raw stream at which its clock shows another time.
+fn hear(
+    clock: &mut StreamClock,
+    block: &[u8],
+    records: &[Located],
+    times: &mut Vec<(u32, u64)>,
+) {
+    for &Located { at, index } in records {
+        let before = clock.now();
+        let now = clock.hear(index, &block[at as usize..]);
+        times.extend(now.filter(|_| now != before).map(|now| (at, now)));
     }
 }
 

@@ -80,8 +80,8 @@ impl Wanted {
     fn wants_record(&self, block: &[u8], lead: usize, scanned: &Scanned, record: Located) -> bool {
         let from =
             |sysid: u8| self.systems.as_ref().is_none_or(|wanted| wanted[usize::from(sysid)]);
-        let time = seconds(scanned.time(block, record.at) as f64);
-        let in_time = lead == 0 || (time >= self.start && time < self.end);
+        let is_in_span = |time| (self.start..self.end).contains(&seconds(time as f64));
+        let in_time = lead == 0 || scanned.time(block, record.at).is_some_and(is_in_span);
         in_time && header_at(block, record.at, lead).is_some_and(|header| from(header.sysid))
     }
 }

@@ -5,10 +5,10 @@ use std::io::Read;
 use std::ops::Range;
 use std::sync::Arc;
 
-use mavwire_core::codec::read;
 use mavwire_core::frame::Header;
 use mavwire_core::registry::Registry;
-use mavwire_schema::{FieldType, Message, WireVersion};
+use mavwire_core::telemetry::{BootClocks, BootTimes, SteadyTime};
+use mavwire_schema::WireVersion;
 
 use crate::error::Error;
 use crate::input::Blocks;
@@ -17,28 +17,40 @@ use crate::sequence::{Heard, Sequence};
 
 /// Places that are listed; beyond that they are only counted, since whoever makes a log chooses their number.
 const MOST_LISTED: usize = 1000;
-/// A clock of a sender that goes back by more milliseconds says that it started anew. By less it goes back, too, where messages
-/// overtake each other.
-const REBOOT_MS: u32 = 5000;
 
 /// Messages of one type.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Count {
     /// How many.
     pub messages: u64,
-    /// Time of the first, microseconds since 1970.
+    /// Time of the first that has one, microseconds since 1970.
     pub first: u64,
     /// Time of the last.
     pub last: u64,
+    /// Microseconds between the two, in which a clock that was set back goes on.
+    pub elapsed: u64,
+    /// Steady time of the first.
+    began: Option<u64>,
+}
+
+/// The time of a record.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moment {
+    /// What its time stamp says.
+    time: u64,
+    /// The same on a clock that is never set back.
+    steady: u64,
 }
 
 impl Count {
-    pub(crate) fn add(&mut self, time: u64) {
-        if self.messages == 0 {
+    pub(crate) fn add(&mut self, moment: Option<Moment>) {
+        self.messages += 1;
+        let Some(Moment { time, steady }) = moment else { return };
+        if self.began.is_none() {
             self.first = time;
         }
-        self.messages += 1;
         self.last = time;
+        self.elapsed = steady.saturating_sub(*self.began.get_or_insert(steady));
     }
 }
 
@@ -51,10 +63,9 @@ pub struct Sender {
     pub lost: u64,
     /// Messages that were there before, as where two links hear the same.
     pub repeated: u64,
-    /// Times that its clock started anew.
-    pub reboots: u64,
+    /// What its clocks since start tell.
+    pub clocks: BootClocks,
     sequence: Sequence,
-    boot_ms: Option<u32>,
 }
 
 /// What is in a log.
@@ -80,6 +91,8 @@ pub struct Summary {
     pub gap_count: u64,
     /// Records whose time is before that of the record in front.
     pub times_back: u64,
+    /// The clock that gave the times.
+    pub steady: SteadyTime,
     /// Records whose time was not believed.
     pub distrusted: u64,
     /// Bytes of no record, as places in the log.
@@ -113,13 +126,13 @@ impl Summary {
         let (mut blocks, framing) =
             Blocks::new(source).and_then(|b| b.with_framing(&registry)).map_err(Error::from)?;
         let mut scanner = LogScanner::new(Arc::clone(&registry), framing);
-        let boot_offsets: Vec<_> = registry.dialect().messages.iter().map(boot_offset).collect();
-        let types = vec![Count::default(); boot_offsets.len()];
+        let boot_times = BootTimes::of(registry.dialect());
+        let types = vec![Count::default(); registry.dialect().messages.len()];
         let mut sum = Self { stamped: framing == Framing::Stamped, types, ..Self::default() };
         loop {
             let next = blocks.next(|block, at_end| {
                 let found = scanner.scan(block, at_end);
-                sum.add(block, framing.lead(), &found, gap, &boot_offsets);
+                sum.add(block, framing.lead(), &found, gap, &boot_times);
                 (found.consumed, ())
             });
             if next.map_err(Error::from)?.is_none() {
@@ -136,27 +149,24 @@ impl Summary {
         lead: usize,
         scanned: &Scanned,
         gap: u64,
-        boot_offsets: &[Option<usize>],
+        boot_times: &BootTimes,
     ) {
         for record in &scanned.records {
             let Some(header) = header_at(block, record.at, lead) else { continue };
-            let time = if lead == 0 { 0 } else { scanned.time(block, record.at) };
-            self.add_time(time, gap);
+            let moment = self.add_time(scanned.time(block, record.at), gap);
             let payload = &block[record.at as usize + lead + header.len()..]
                 [..usize::from(header.payload_len)];
-            let boot = (record.index != UNKNOWN)
-                .then(|| boot_offsets[usize::from(record.index)])
-                .flatten()
-                .map(|offset| u32::from_le_bytes(read(payload, offset)));
-            self.add_record(record.index, &header, time, boot);
+            let boot = boot_times.millis(record.index, payload);
+            self.add_record(record.index, &header, moment, boot);
         }
         self.distrusted += scanned.distrusted.len() as u64;
         self.add_bad(&scanned.bad);
         self.bytes += scanned.consumed as u64;
     }
 
-    pub(crate) fn add_time(&mut self, time: u64, gap: u64) {
-        if self.count.messages > 0 {
+    /// Counts a record.
+    pub(crate) fn add_time(&mut self, time: Option<u64>, gap: u64) -> Option<Moment> {
+        if let (Some(time), Some(_)) = (time, self.count.began) {
             let before = self.count.last;
             self.times_back += u64::from(time < before);
             if time.saturating_sub(before) > gap {
@@ -166,31 +176,36 @@ impl Summary {
                 }
             }
         }
-        self.count.add(time);
+        let moment = time.map(|time| Moment { time, steady: self.steady.of(time) });
+        self.count.add(moment);
+        moment
     }
 
-    fn add_record(&mut self, index: u16, header: &Header, time: u64, boot: Option<u32>) {
+    fn add_record(
+        &mut self,
+        index: u16,
+        header: &Header,
+        moment: Option<Moment>,
+        boot: Option<u32>,
+    ) {
         self.version1 += u64::from(header.version == WireVersion::V1);
         self.signed += u64::from(header.is_signed());
         if index != UNKNOWN {
-            self.types[usize::from(index)].add(time);
+            self.types[usize::from(index)].add(moment);
         } else if self.unknown.len() < MOST_LISTED || self.unknown.contains_key(&header.msgid) {
-            self.unknown.entry(header.msgid).or_default().add(time);
+            self.unknown.entry(header.msgid).or_default().add(moment);
         } else {
             self.unlisted += 1;
         }
         let sender = self.senders.entry((header.sysid, header.compid)).or_default();
-        sender.count.add(time);
-        match sender.sequence.add(header.seq, time) {
+        sender.count.add(moment);
+        match sender.sequence.add(header.seq, moment.map_or(0, |moment| moment.time)) {
             Heard::After(lost) => sender.lost += u64::from(lost),
             Heard::Late => sender.lost -= 1,
             Heard::Again => sender.repeated += 1,
         }
-        // Some senders leave the field of some messages empty: 0 ms is no time that a message is sent at.
-        if let Some(boot) = boot.filter(|boot| *boot != 0) {
-            let before = sender.boot_ms.replace(boot);
-            let back = before.is_some_and(|before| before.saturating_sub(boot) > REBOOT_MS);
-            sender.reboots += u64::from(back);
+        if let Some(boot) = boot {
+            sender.clocks.hear(boot);
         }
     }
 
@@ -209,13 +224,6 @@ impl Summary {
             }
         }
     }
-}
-
-/// Where a message has the milliseconds since its sender started.
-fn boot_offset(message: &Message) -> Option<usize> {
-    let is_clock = |name: &str, field_type| name == "time_boot_ms" && field_type == FieldType::U32;
-    let field = message.fields.iter().find(|field| is_clock(&field.name, field.field_type))?;
-    (field.array_length == 0).then_some(field.offset.into())
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ pub mod scan;
 pub mod sequence;
 pub mod signing;
 pub mod stream;
+pub mod telemetry;
 pub mod text;
 pub mod x25;
 

@@ -210,8 +210,8 @@ pub(crate) fn empty_table(dialect: &Dialect, msgid: u32, query: Query) -> PyResu
     Ok(RecordBatches::new(layout.schema, Vec::new()))
 }
 
-pub(crate) fn count_row(count: &Count) -> (u64, u64, u64) {
-    (count.messages, count.first, count.last)
+pub(crate) fn count_row(count: &Count) -> (u64, u64, u64, u64) {
+    (count.messages, count.first, count.last, count.elapsed)
 }
 
 /// What is in a log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
@@ -262,8 +262,9 @@ pub(crate) fn summary_dict<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let senders = PyDict::new(py);
     for (ids, sender) in &sum.senders {
-        let Sender { lost, repeated, reboots, .. } = *sender;
-        senders.set_item(ids, (count_row(&sender.count), lost, repeated, reboots))?;
+        let Sender { lost, repeated, clocks, .. } = sender;
+        let (reboots, shared) = (clocks.reboots(), clocks.is_shared());
+        senders.set_item(ids, (count_row(&sender.count), lost, repeated, reboots, shared))?;
     }
     let bad = PyList::new(py, sum.bad.iter().map(|range| (range.start, range.end - range.start)))?;
     let dict = PyDict::new(py);
@@ -276,6 +277,7 @@ pub(crate) fn summary_dict<'py>(
     dict.set_item("gaps", &sum.gaps)?;
     dict.set_item("gap_count", sum.gap_count)?;
     dict.set_item("times_back", sum.times_back)?;
+    dict.set_item("set_back", sum.steady.set_back as f64 * 1e-6)?;
     dict.set_item("distrusted", sum.distrusted)?;
     dict.set_item("bad", bad)?;
     dict.set_item("bad_count", sum.bad_count)?;

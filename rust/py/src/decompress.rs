@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use mavwire_columns::Error;
 use mavwire_columns::dataflash::begins_as_text;
-use mavwire_columns::input::{Blocks, decompressed};
+use mavwire_columns::input::{self, Blocks, decompressed};
 use mavwire_link::files::{self, Draft};
 use pyo3::prelude::*;
 
@@ -43,6 +43,12 @@ pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow
         blocks.with_head(<[u8]>::to_vec)
     });
     Ok(Cow::Owned(head?.1))
+}
+
+/// Whether a file is a raw stream, the frames of which have no time stamps.
+#[pyfunction]
+pub(crate) fn is_raw_stream(py: Python<'_>, path: PathBuf) -> PyResult<bool> {
+    Ok(py.detach(|| input::is_raw_stream(files::open(&path)?))?)
 }
 
 /// Whether a dataflash text log begins like this.

@@ -13,7 +13,7 @@ use super::layout::{TableLayout, table_layout};
 use super::survey::{Form, NO_TABLE, Survey};
 use super::walk::{Stretch, Walk, Walked};
 use crate::error::Error;
-use crate::gather::Rows;
+use crate::gather::{NO_TIME, Rows};
 use crate::layout::{Options, Source};
 use crate::piece::{Chosen, Piece, Side, portions};
 use crate::reader::{Batch, Limits};
@@ -233,9 +233,11 @@ impl Sorter<'_> {
             return None;
         }
         let Wanted { start, end, .. } = *self.wanted;
+        let has_time = self.survey.clock.is_some();
         let any_time = start == f64::NEG_INFINITY && end == f64::INFINITY;
         let is_in_time =
-            any_time || self.survey.clock.is_none() || (start..end).contains(&seconds(time as f64));
+            any_time || !has_time || (start..end).contains(&seconds(time as f64));
+        let time = if has_time { time } else { NO_TIME };
         is_in_time.then_some(Chosen { table, kind: place.layout, at: place.at, time })
     }
 }

@@ -25,13 +25,13 @@ pub fn summary<E: From<Error>>(
         let next = blocks.next(|block, at_end| {
             let walked = walk.block(block, at_end);
             for (place, time) in walked.stretches.iter().flat_map(|some| walk.timed(block, some)) {
-                let time = u64::try_from(time).unwrap_or(0);
-                sum.add_time(time, gap);
+                let time = survey.clock.is_some().then(|| u64::try_from(time).unwrap_or(0));
+                let moment = sum.add_time(time, gap);
                 let table = survey.table_of[usize::from(place.layout)];
                 if table == NO_TABLE {
                     sum.unlisted += 1;
                 } else {
-                    sum.types[usize::from(table)].add(time);
+                    sum.types[usize::from(table)].add(moment);
                 }
             }
             sum.add_bad(&walked.bad);

@@ -4,11 +4,13 @@
 //! stands in front of it. [`find_runs`] looks at any stretch of a log by itself, so that many can do so side by side, for a
 //! [`RecordScanner`] to put together. [`recordable`] is for writers.
 
+mod framing;
 mod recordable;
 mod records;
 mod runs;
 mod times;
 
+pub use framing::Framing;
 pub use recordable::recordable;
 pub use records::{FoundRecord, RecordScanner};
 pub use runs::{Located, Run, Runs, find_runs};

@@ -1,0 +1,11 @@
+//! What a receiver concludes from the messages it hears, as plain data.
+
+mod boot_clocks;
+mod boot_time;
+mod steady_time;
+mod stream_clock;
+
+pub use boot_clocks::BootClocks;
+pub use boot_time::BootTimes;
+pub use steady_time::SteadyTime;
+pub use stream_clock::StreamClock;
