@@ -1,13 +1,14 @@
-"""Files of parameters, a name and a value a line, and how two of them differ.
+"""Files of parameters, and how two of them differ.
 
-Name and value are separated by spaces, tabs or commas; `#` starts a comment. A file is read as a whole before
-the first value is used, so that a mistake at its end does not leave a vehicle with half of it.
+A line has a name and a value, or as QGroundControl writes it the ids of vehicle and component, name,
+value and type. Spaces, tabs or commas separate them; `#` starts a comment. A file is read as a whole
+before the first value is used, so that a mistake at its end does not leave a vehicle with half of it.
 """
 
 from __future__ import annotations
 
 import fnmatch
-from typing import NamedTuple
+from dataclasses import dataclass, field
 
 from mavwire._wording import printable
 
@@ -30,17 +31,31 @@ MOST_SHOWN = 80
 
 
 class MAVParmFileError(ValueError):
-    """A value in a parameter file that is no number; the text names the file and the line."""
+    """A value in a parameter file that is no number, or a file without a parameter; the text names
+    the file, and the line.
+    """
 
     __module__ = "mavwire.mavparm"
 
 
-class ParameterFile(NamedTuple):
+@dataclass
+class ParameterFile:
     """What a file says: `values` as it has them, and lines that are none."""
 
     path: str
-    values: list[tuple[str, float]]
-    invalid: list[str]
+    values: list[tuple[str, float]] = field(default_factory=list)
+    invalid: list[str] = field(default_factory=list)
+    names: int = 0
+    """Lines with a parameter, wanted or not."""
+    component: tuple[str, ...] = ()
+    """The vehicle and component of the first line that names them. Those of others are left out."""
+
+    def why_empty(self) -> str:
+        """What to say of a file without a single parameter; nothing of another."""
+        if self.names:
+            return ""
+        expected = "a line should have a name and a value, or QGroundControl's five columns"
+        return f"no parameter in {self.path}: {expected}"
 
     def show_invalid(self) -> None:
         """Print what is no line of such a file."""
@@ -50,7 +65,13 @@ class ParameterFile(NamedTuple):
     def show_loaded(self) -> None:
         """Print that, and how many values there are."""
         self.show_invalid()
-        print(f"Loaded {len(self.values)} parameters from {self.path}")
+        print(self.why_empty() or f"Loaded {len(self.values)} parameters from {self.path}")
+
+    def check_any(self) -> None:
+        """Raise MAVParmFileError for a file without a single parameter."""
+        if why := self.why_empty():
+            self.show_invalid()
+            raise MAVParmFileError(printable(why))
 
 
 def read_parameter_file(
@@ -59,7 +80,7 @@ def read_parameter_file(
     """The values whose names match `wildcard` and are not `excluded`. Raises OSError that names the
     file, and MAVParmFileError for a value that is no number.
     """
-    found = ParameterFile(path, [], [])
+    found = ParameterFile(path)
     try:
         with open(path, encoding="utf-8-sig", errors="replace") as file:
             for number, line in enumerate(file, start=1):
@@ -76,9 +97,14 @@ def _read_line(
     words = text.split()
     if not words:
         return
+    if _is_of_component(words):
+        found.component = found.component or tuple(words[:2])
+        if tuple(words[:2]) == found.component:
+            words = words[2:4]
     if len(words) != 2:
         found.invalid.append(text)
         return
+    found.names += 1
     name, number_text = words
     if name in excluded or not matches(name, wildcard):
         return
@@ -91,6 +117,13 @@ def _read_line(
         text = f"{found.path}:{number}: the value of {name} is no number: {number_text}"
         raise MAVParmFileError(printable(text)) from error
     found.values.append((name, value))
+
+
+def _is_of_component(words: list[str]) -> bool:
+    """Whether a line is one of QGroundControl: vehicle, component, name, value, type."""
+    return len(words) == 5 and all(
+        one.isascii() and one.isdigit() for one in (*words[:2], words[4])
+    )
 
 
 def number_of(text: str) -> float:

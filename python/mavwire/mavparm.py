@@ -95,6 +95,7 @@ class MAVParmDict(dict[str, Any]):
         use_excludes: bool = True,
     ) -> bool:
         """Read a parameter file; False, and a text on standard output, when it cannot be opened.
+        A text says, too, that a file has no parameter.
 
         With a link `mav` the values that differ are set on the vehicle, and `check` leaves out
         those that it does not have. Raises MAVParmFileError for a value that is no number.
@@ -110,6 +111,9 @@ class MAVParmDict(dict[str, Any]):
             return False
         if mav is None:
             self.update(file.values)
+            file.show_loaded()
+            return True
+        if file.why_empty():
             file.show_loaded()
             return True
         file.show_invalid()

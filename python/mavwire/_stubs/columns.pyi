@@ -298,8 +298,8 @@ def decompress(path: str | PathLike[str], out: str | PathLike[str]) -> str | Non
 def log_head(log: _Log, size: int) -> bytes:
     """The first bytes of a log, `size` of them and no more than are whole of a compressed one."""
 
-def is_raw_stream(path: str | PathLike[str]) -> bool:
-    """Whether a file is a raw stream, the frames of which have no time stamps."""
+def is_stamped(path: str | PathLike[str]) -> bool | None:
+    """Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one."""
 
 def begins_as_text_log(head: bytes) -> bool:
     """Whether a dataflash text log begins like this."""

@@ -13,8 +13,8 @@ from . import state
 from .recognise import (
     check_usable,
     is_log_name,
-    is_raw_stream,
     is_serial_name,
+    is_stamped,
     log_kind,
     mode_of,
 )
@@ -206,7 +206,7 @@ def _opened(reader: Any) -> Any:
 
 
 def _telemetry_log(device: str, o: Options) -> Any:
-    unstamped = o.notimestamps or (not o.write and is_raw_stream(device))
+    unstamped = o.notimestamps or (not o.write and is_stamped(device) is False)
     if not (o.write or o.append or unstamped):
         # The index depends on the policy, so that it has to be known before it is made.
         resync = {} if o.resync is None else {"resync": o.resync}

@@ -69,19 +69,23 @@ def looks_like_tlog(head: bytes) -> bool:
     return 0 < ofs <= len(head)
 
 
-def is_raw_stream(device: str) -> bool:
-    """Whether a file is a raw stream: frames without time stamps."""
+def is_stamped(device: str) -> bool | None:
+    """Whether the records of a telemetry log have time stamps. False for a raw stream, whose records
+    are frames alone; None for a file that is no telemetry log beyond doubt.
+    """
     head = read_head(device, TEXT_LOG_PROBE)
-    if looks_like_tlog(head) or head.startswith((DATAFLASH_HEAD, b"FMT,")) or not head:
-        return False
-    from mavwire._native import is_raw_stream
+    if looks_like_tlog(head):
+        return True
+    if not head or head.startswith((DATAFLASH_HEAD, b"FMT,")):
+        return None
+    from mavwire._native import is_stamped
 
     try:
-        return is_raw_stream(device)
+        return is_stamped(device)
     except OSError as error:
         if from_handler(error):
             raise
-        return False
+        return None
 
 
 def log_kind(device: str, readonly: bool) -> str | None:
@@ -92,7 +96,7 @@ def log_kind(device: str, readonly: bool) -> str | None:
     lower = device.lower()
     exists = stat.S_ISREG(mode_of(device))
     head = read_head(device, TEXT_LOG_PROBE) if exists else b""
-    if looks_like_tlog(head) or (exists and readonly and is_raw_stream(device)):
+    if looks_like_tlog(head) or (exists and readonly and is_stamped(device) is not None):
         return "tlog"
     if lower.endswith(DATAFLASH_SUFFIXES):
         return "dataflash"

@@ -20,6 +20,8 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     try:
         files = [read_parameter_file(path) for path in (args.defaults, args.params)]
+        for file in files:
+            file.check_any()
     except ValueError as error:
         raise CommandError(str(error)) from error
     for file in files:

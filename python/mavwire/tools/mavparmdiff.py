@@ -48,6 +48,8 @@ def main(args: Namespace) -> int:
         first, second = (
             read_parameter_file(path, excluded=excluded) for path in (args.file1, args.file2)
         )
+        first.check_any()
+        second.check_any()
     except ValueError as error:
         raise CommandError(str(error)) from error
     second.show_loaded()

@@ -18,7 +18,9 @@ pub enum Error {
     #[error("MCAP: {0}")]
     Mcap(mcap::McapError),
     /// An MCAP file of a log without times.
-    #[error("MCAP needs a time for each message, and this log has none: convert to another format")]
+    #[error(
+        "MCAP needs a time stamp for each message, and this log has none: convert to another format"
+    )]
     NoTimes,
     /// A span of time is wanted of a raw stream, or of a dataflash log without a clock.
     #[error("the records of this log have no time stamps: leave start and end out")]

@@ -73,14 +73,17 @@ pub fn framing_of(source: Box<dyn Read + Send>, registry: &Registry) -> io::Resu
     Ok(Framing::of(head::telling(&head::read(source)?), registry))
 }
 
-/// Whether a file that is not compressed is a raw stream of a dialect that comes with mavwire, by its first bytes.
+/// How a file that is not compressed is framed, by its first bytes; `None` where it is in doubt that they are of a telemetry
+/// log with messages that come with mavwire.
 ///
 /// # Errors
 /// What reading says.
-pub fn is_raw_stream(source: Box<dyn Read + Send>) -> io::Result<bool> {
+pub fn telemetry_framing(source: Box<dyn Read + Send>) -> io::Result<Option<Framing>> {
     let head = head::read(source)?;
     let telling = head::telling(&head);
-    Ok(Form::of(telling).is_none() && Framing::of(telling, &head::TELEMETRY) == Framing::Raw)
+    let framing = Framing::of(telling, &head::TELEMETRY);
+    let is_sure = Form::of(telling).is_none() && framing.is_sure(telling, &head::TELEMETRY);
+    Ok(is_sure.then_some(framing))
 }
 
 /// A block that was read, behind its headroom.

@@ -178,12 +178,7 @@ impl Scanned {
 }
 
 /// Notes the records of a raw stream at which its clock shows another time.
-fn hear(
-    clock: &mut StreamClock,
-    block: &[u8],
-    records: &[Located],
-    times: &mut Vec<(u32, u64)>,
-) {
+fn hear(clock: &mut StreamClock, block: &[u8], records: &[Located], times: &mut Vec<(u32, u64)>) {
     for &Located { at, index } in records {
         let before = clock.now();
         let now = clock.hear(index, &block[at as usize..]);

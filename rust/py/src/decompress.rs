@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use mavwire_columns::Error;
 use mavwire_columns::dataflash::begins_as_text;
 use mavwire_columns::input::{self, Blocks, decompressed};
+use mavwire_columns::scan::Framing;
 use mavwire_link::files::{self, Draft};
 use pyo3::prelude::*;
 
@@ -45,10 +46,11 @@ pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow
     Ok(Cow::Owned(head?.1))
 }
 
-/// Whether a file is a raw stream, the frames of which have no time stamps.
+/// Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one.
 #[pyfunction]
-pub(crate) fn is_raw_stream(py: Python<'_>, path: PathBuf) -> PyResult<bool> {
-    Ok(py.detach(|| input::is_raw_stream(files::open(&path)?))?)
+pub(crate) fn is_stamped(py: Python<'_>, path: PathBuf) -> PyResult<Option<bool>> {
+    let framing = py.detach(|| input::telemetry_framing(files::open(&path)?))?;
+    Ok(framing.map(|framing| framing == Framing::Stamped))
 }
 
 /// Whether a dataflash text log begins like this.

@@ -135,7 +135,7 @@ mod _native {
     #[pymodule_export]
     use crate::dataflash_tables::DataflashTables;
     #[pymodule_export]
-    use crate::decompress::{begins_as_text_log, decompress, draft_stem, is_raw_stream, log_head};
+    use crate::decompress::{begins_as_text_log, decompress, draft_stem, is_stamped, log_head};
     #[pymodule_export]
     use crate::describe::describe;
     #[pymodule_export]

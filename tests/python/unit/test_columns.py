@@ -308,17 +308,25 @@ def test_batches_are_the_whole(flight):
             assert joined.tolist() == 2 * table[column].tolist()
 
 
-def test_a_raw_stream_has_no_times(flight, tmp_path):
+def test_a_raw_stream_has_the_times_that_its_messages_carry(flight, tmp_path):
     messages = list(mavwire.open_log(flight))
     path = tmp_path / "flight.raw"
     path.write_bytes(b"".join(msg.get_msgbuf() for msg in messages))
     tables = mavwire.read(path)
     expected = mavwire.read(flight)
     assert tables.keys() == expected.keys()
+    clock, times = np.datetime64("NaT"), {name: [] for name in tables}
+    for msg in messages:
+        if getattr(msg, "time_boot_ms", 0):
+            clock = np.datetime64(msg.time_boot_ms * 1000, "us")
+        times[msg.get_type()].append(clock)
     for name, table in tables.items():
-        assert np.isnat(table["timestamp"]).all()
+        np.testing.assert_array_equal(table["timestamp"], np.array(times[name]))
         assert table["seq"].tolist() == expected[name]["seq"].tolist()
     assert not mavwire.open_log(path).info().stamped
+    # In blocks, as in one.
+    parts = [table["timestamp"] for table in mavwire.scan(path, "HEARTBEAT", batch_rows=7)]
+    np.testing.assert_array_equal(np.concatenate(parts), np.array(times["HEARTBEAT"]))
 
 
 def test_compressed_logs(flight, tmp_path):
@@ -424,18 +432,19 @@ def test_messages_of_a_raw_stream(flight, raw, resync):
     found = [bytes(msg.get_msgbuf()) for msg in messages if msg.get_type() != "BAD_DATA"]
     assert found == frames if resync == "rescan" else set(found) <= set(frames)
     assert len(found) > len(frames) - 50
-    assert {msg._timestamp for msg in messages} == {0.0}
     assert len(log) == len(messages)
     if resync == "rescan":
         assert log.info().messages == len(log)
-        assert compare_without_times(messages, log.read()) == len(log)
+        assert compare_times(messages, log.read()) == len(log)
 
 
-def compare_without_times(messages, tables):
+def compare_times(messages, tables):
     rows = dict.fromkeys(tables, 0)
     for msg in messages:
         kind = msg.get_type()
         assert tables[kind]["seq"][rows[kind]] == msg.get_seq()
+        stamp = tables[kind]["timestamp"][rows[kind]]
+        assert msg._timestamp == (0.0 if np.isnat(stamp) else int(stamp.astype("int64")) * 1e-6)
         rows[kind] += 1
     assert rows == {name: len(table) for name, table in tables.items()}
     return sum(rows.values())
@@ -444,12 +453,12 @@ def compare_without_times(messages, tables):
 @pytest.mark.parametrize("span", [{"start": 4e9}, {"end": 5e9}, {"start": 4e9, "end": 5e9}])
 def test_times_of_what_has_none(raw, tmp_path, span):
     for read in (mavwire.read, lambda path, **span: list(mavwire.scan(path, **span))):
-        with pytest.raises(ValueError, match="no times"):
+        with pytest.raises(ValueError, match="no time stamps"):
             read(raw, **span)
-    with pytest.raises(ValueError, match="no times"):
+    with pytest.raises(ValueError, match="no time stamps"):
         list(mavwire.open_log(raw).messages(**span))
     (row,) = convert([raw], tmp_path / "out", **span)
-    assert "no times" in str(row.error) and not row.files
+    assert "no time stamps" in str(row.error) and not row.files
 
 
 def test_a_filter_by_time_finds_nothing_in_a_raw_stream(raw):

@@ -291,9 +291,14 @@ def test_a_compressed_log_that_is_cut_off_is_converted_once(flight, tmp_path, ca
     assert capsys.readouterr().err == ""
 
 
-def test_info_of_a_raw_stream_says_that_it_has_no_times(flight, tmp_path, capsys):
+def test_info_of_a_raw_stream_says_which_times_it_has(flight, tmp_path, capsys):
     raw = tmp_path / "s.raw"
-    raw.write_bytes(b"".join(msg.get_msgbuf() for msg in mavwire.open_log(flight)))
+    messages = list(mavwire.open_log(flight))
+    raw.write_bytes(b"".join(msg.get_msgbuf() for msg in messages))
+    assert cli.main(["info", str(raw)]) == 0
+    assert "time     0.100 to 9.400 s since start, 9.3 s" in capsys.readouterr().out
+    clockless = [msg.get_msgbuf() for msg in messages if not hasattr(msg, "time_boot_ms")]
+    raw.write_bytes(b"".join(clockless))
     assert cli.main(["info", str(raw)]) == 0
     assert "time     none, a log without times" in capsys.readouterr().out
 

@@ -235,8 +235,7 @@ impl Sorter<'_> {
         let Wanted { start, end, .. } = *self.wanted;
         let has_time = self.survey.clock.is_some();
         let any_time = start == f64::NEG_INFINITY && end == f64::INFINITY;
-        let is_in_time =
-            any_time || !has_time || (start..end).contains(&seconds(time as f64));
+        let is_in_time = any_time || !has_time || (start..end).contains(&seconds(time as f64));
         let time = if has_time { time } else { NO_TIME };
         is_in_time.then_some(Chosen { table, kind: place.layout, at: place.at, time })
     }

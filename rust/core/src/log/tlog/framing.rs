@@ -48,13 +48,21 @@ impl Framing {
 
     /// Whether these bytes have good records one behind the other in either form: chance makes no three of them.
     pub fn is_in(head: &[u8], registry: &Registry) -> bool {
-        [Self::Stamped, Self::Raw].into_iter().any(|framing| {
-            let (mut end, mut in_a_row) = (0, 0);
-            framing.records(head, registry).any(|record| {
-                in_a_row = if record.start == end { in_a_row + 1 } else { 1 };
-                end = record.end;
-                in_a_row == SURE_RECORDS
-            })
+        [Self::Stamped, Self::Raw].into_iter().any(|framing| framing.has_row(head, registry))
+    }
+
+    /// The same of this form. Fewer records do where there is nothing else.
+    pub fn is_sure(self, head: &[u8], registry: &Registry) -> bool {
+        let bytes = || self.records(head, registry).map(|one| one.len()).sum::<usize>();
+        self.has_row(head, registry) || !head.is_empty() && bytes() == head.len()
+    }
+
+    fn has_row(self, head: &[u8], registry: &Registry) -> bool {
+        let (mut end, mut in_a_row) = (0, 0);
+        self.records(head, registry).any(|record| {
+            in_a_row = if record.start == end { in_a_row + 1 } else { 1 };
+            end = record.end;
+            in_a_row == SURE_RECORDS
         })
     }
 
@@ -125,4 +133,3 @@ fn are_dated(stamps: impl Iterator<Item = Stamp>) -> bool {
     }
     2 * dates > frames && DATES_BACK * back <= dates
 }
-
