@@ -105,6 +105,13 @@ def _cell(text: str) -> float | str:
         return text
 
 
+def _encoding_of(filename: str) -> str:
+    """The encoding that a byte order mark tells, which is no part of the first heading."""
+    with open(filename, "rb") as file:
+        head = file.read(2)
+    return "utf-16" if head in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
+
+
 class CSVReader:
     """A CSV file. `CSV_SEPARATOR` in the environment goes before `separator`.
 
@@ -132,7 +139,8 @@ class CSVReader:
         self.percent = 0
         self.linecount: int | None = None
         self._flightmodes: list[tuple[str, float, float]] = []
-        self.f = open(filename, newline="", encoding="utf-8", errors="backslashreplace")
+        encoding = _encoding_of(filename)
+        self.f = open(filename, newline="", encoding=encoding, errors="backslashreplace")
         self.messages: dict[str, Any] = {"MAV": self}
         self._look_ahead()
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
+from contextlib import contextmanager
+
+from mavwire import _native
+
 from .reader import DFReader
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from typing import Any
 
 PROBE = 8000
@@ -18,7 +23,23 @@ _TIMES = {"TimeUS", "TimeMS"}
 def DFReader_is_text_log(filename: str) -> bool:
     """Whether the head of a file has a FMT line."""
     with open(filename, "rb") as file:
-        return b"FMT," in file.read(PROBE)
+        return b"FMT," in _native.plain_head(file.read(PROBE))
+
+
+@contextmanager
+def _plain(filename: str) -> Iterator[str]:
+    """The path of a text log, or for the time being that of a copy in UTF-8 with line feeds."""
+    with open(filename, "rb") as file:
+        head = file.read(PROBE)
+    if _native.plain_head(head) == head:
+        yield filename
+        return
+    from tempfile import TemporaryDirectory
+
+    with TemporaryDirectory(prefix="mavwire-", ignore_cleanup_errors=True) as folder:
+        copy = os.path.join(folder, "log")
+        _native.decompress(filename, copy)
+        yield copy
 
 
 class DFReader_text(DFReader):
@@ -32,7 +53,8 @@ class DFReader_text(DFReader):
     ) -> None:
         super().__init__()
         self._zero_time_base = zero_time_base
-        self._open_log(filename, text=True)
+        with _plain(filename) as path:
+            self._open_log(path, text=True)
         self.delimiter = self._delimiter()
         self.init_arrays(progress_callback)
         self.init_clock()

@@ -302,7 +302,10 @@ def is_stamped(path: str | PathLike[str]) -> bool | None:
     """Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one."""
 
 def begins_as_text_log(head: bytes) -> bool:
-    """Whether a dataflash text log begins like this."""
+    """Whether a dataflash text log begins like this, in whatever encoding."""
+
+def plain_head(head: bytes) -> bytes:
+    """The start of a text log as UTF-8 with line feeds; other bytes as they are."""
 
 def empty_table(dialect: Dialect, msgid: int, query: _Query) -> RecordBatches:
     """A table without rows of a message; ValueError if there is none of that id."""

@@ -10,6 +10,8 @@ import errno
 import os
 import stat
 
+from mavwire._native import plain_head
+
 from .readiness import from_handler
 
 LOG_SUFFIXES = ("mavlink", "log", "raw", "tlog")
@@ -100,7 +102,7 @@ def log_kind(device: str, readonly: bool) -> str | None:
         return "tlog"
     if lower.endswith(DATAFLASH_SUFFIXES):
         return "dataflash"
-    if lower.endswith(".log") and b"FMT," in head:
+    if lower.endswith(".log") and b"FMT," in plain_head(head):
         return "text"
     if exists and readonly and head.startswith(DATAFLASH_HEAD):
         return "dataflash"

@@ -7,6 +7,7 @@ use mavwire_core::registry::Registry;
 use crate::dataflash::Form;
 use crate::gzip::Members;
 use crate::head;
+use crate::plain_text::converted;
 use crate::pool;
 use crate::scan::{Framing, STRETCH};
 
@@ -47,7 +48,7 @@ impl Steps {
     }
 }
 
-/// Undoes gzip and zstd, which are told by their first bytes. A zstd file may begin with a frame that is skipped (`0x184D2A5?`),
+/// Undoes gzip and zstd, which are told by their first bytes, and makes plain text of text logs in other encodings. A zstd file may begin with a frame that is skipped (`0x184D2A5?`),
 /// as those of pzstd do.
 ///
 /// # Errors
@@ -56,7 +57,7 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     let mut magic = Vec::with_capacity(MAGIC);
     source.by_ref().take(MAGIC as u64).read_to_end(&mut magic)?;
     let whole = io::Cursor::new(magic.clone()).chain(source);
-    Ok(match *magic {
+    converted(match *magic {
         [0x1F, 0x8B, 8, _] => Box::new(Members::new(whole)),
         [0x28, 0xB5, 0x2F, 0xFD] | [0x50..=0x5F, 0x2A, 0x4D, 0x18] => {
             Box::new(zstd::stream::read::Decoder::new(whole)?)

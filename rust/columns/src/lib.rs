@@ -25,6 +25,7 @@ pub mod instances;
 pub mod layout;
 pub mod mcap;
 mod piece;
+pub mod plain_text;
 pub mod pool;
 pub mod reader;
 pub mod rewrite;

@@ -135,7 +135,9 @@ mod _native {
     #[pymodule_export]
     use crate::dataflash_tables::DataflashTables;
     #[pymodule_export]
-    use crate::decompress::{begins_as_text_log, decompress, draft_stem, is_stamped, log_head};
+    use crate::decompress::{
+        begins_as_text_log, decompress, draft_stem, is_stamped, log_head, plain_head,
+    };
     #[pymodule_export]
     use crate::describe::describe;
     #[pymodule_export]

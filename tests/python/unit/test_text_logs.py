@@ -31,13 +31,11 @@ def test_the_last_mode_lasts_until_the_last_time(tmp_path):
     (tmp_path / "x.log").write_text(HEAD + LINES + "ATT, 9500")  # cut off: no record
     with DFReader_text(str(tmp_path / "x.log")) as log:
         assert log.last_timestamp() == 9.0
-    (tmp_path / "x.log").write_text(HEAD + "EV, 11\n")
-    with DFReader_text(str(tmp_path / "x.log")) as log:
-        assert log.last_timestamp() == 0
 
 
 def test_no_time_of_a_binary_log_is_an_integer_as_in_its_messages(tmp_path):
-    log = Log().define("MODE", "Mh", "Mode,ThrCrs", 2).add("MODE", 0, 1)
+    log = Log().define("ATT", "If", "TimeMS,Roll", 1).define("MODE", "Mh", "Mode,ThrCrs", 2)
+    log.add("MODE", 0, 1).add("ATT", 1000, 1).add("MODE", 0, 2)
     with DFReader_binary(log.write(tmp_path / "x.BIN")) as reader:
         modes = reader.flightmode_list()
     assert modes == [("STABILIZE", 0, 0)]
