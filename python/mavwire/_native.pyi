@@ -25,6 +25,7 @@ from mavwire._stubs.columns import (
     empty_table,
     log_head,
     log_summary,
+    plain_head,
     write_table,
 )
 from mavwire._stubs.dataflash import DataflashReader, DataflashShape, DFMessage, MicrosClock
@@ -106,6 +107,7 @@ __all__ = [
     "log_summary",
     "message_class",
     "message_dict",
+    "plain_head",
     "receive_batch",
     "recordable",
     "reserved_name",

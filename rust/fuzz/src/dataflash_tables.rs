@@ -11,6 +11,7 @@ use mavwire_columns::dataflash::{
 use mavwire_columns::error::Error;
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
+use mavwire_columns::plain_text::converted_head;
 use mavwire_columns::reader::{Decode, Limits};
 use mavwire_core::codec::Number;
 use mavwire_core::log::dataflash::text::decode_line;
@@ -68,7 +69,9 @@ pub(crate) fn in_any_steps(
     let options = Options { si: input.byte() & 1 == 1, ..Options::default() };
     let (steps, limits) = (small_steps(input, 256), small_limits(input));
     let bytes = log(std::mem::take(input));
-    if looks_compressed(&bytes) {
+    let plain = converted_head(&bytes);
+    assert!(plain.len() <= 2 * bytes.len());
+    if looks_compressed(&bytes) || plain != bytes {
         return None;
     }
     let survey = on_threads(true, || surveyed(Steps::default(), &bytes));

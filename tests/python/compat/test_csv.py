@@ -13,7 +13,6 @@ FILES = {
     "comma.csv": "t,x\n1,2\n2,3\n",
     "colon.csv": "t:x\n1:2\n2:3\n",
     "tab.csv": "t\tx\n1\t2\n",
-    "mark.csv": "\ufefft;x\n1;2\n",
     "long.csv": "t;x\n1;2;7\n1.5;4\n",
     "headings.csv": "t;x\n",
     "crlf.csv": "t;x\r\n1; 2\r\n1e3;0x10\r\n",
