@@ -74,6 +74,23 @@ impl CommonSchema {
     }
 }
 
+/// A column whose values in two logs fit no common type.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "column {column:?} of {message} is {kind} in {} and {other_kind} in {}. One frame cannot hold both: read these logs \
+     in two frames, or leave the column out (fields=, columns=)",
+    path.display(),
+    other_path.display()
+)]
+pub struct MixedColumn {
+    message: String,
+    column: String,
+    kind: String,
+    path: PathBuf,
+    other_kind: String,
+    other_path: PathBuf,
+}
+
 /// Whether the dialect gives the columns.
 fn is_telemetry(schema: &Schema) -> bool {
     schema.metadata().contains_key("msgid")
@@ -102,14 +119,15 @@ impl<'a> Column<'a> {
     /// Takes in the column of the same name of another log.
     fn join(&mut self, field: &FieldRef, path: &'a Path, message: &str) -> Result<(), Error> {
         let Some(data_type) = common_type(&self.data_type, field.data_type()) else {
-            return Err(Error::MixedColumn {
+            return Err(Box::new(MixedColumn {
                 message: message.to_owned(),
                 column: self.name.to_owned(),
                 kind: in_words(&self.data_type),
                 path: self.path.to_owned(),
                 other_kind: in_words(field.data_type()),
                 other_path: path.to_owned(),
-            });
+            })
+            .into());
         };
         if data_type != self.data_type {
             (self.data_type, self.path) = (data_type, path);

@@ -1,6 +1,6 @@
 //! What can go wrong.
 
-use std::path::PathBuf;
+use crate::common_schema::MixedColumn;
 
 /// Why columns could not be made or written.
 #[derive(Debug, thiserror::Error)]
@@ -37,25 +37,8 @@ pub enum Error {
         column: String,
     },
     /// A column whose values in two logs fit no common type.
-    #[error(
-        "column {column:?} of {message} is {kind} in {} and {other_kind} in {}. One frame cannot hold \
-         both: read these logs in two frames, or leave the column out (fields=, columns=)",
-        path.display(), other_path.display()
-    )]
-    MixedColumn {
-        /// The message.
-        message: String,
-        /// The column.
-        column: String,
-        /// The values in one log, in words.
-        kind: String,
-        /// That log.
-        path: PathBuf,
-        /// The values in another one.
-        other_kind: String,
-        /// The other log.
-        other_path: PathBuf,
-    },
+    #[error(transparent)]
+    MixedColumn(#[from] Box<MixedColumn>),
     /// More columns of several logs than a frame may have.
     #[error(
         "the logs describe {columns} columns of {message}, and one frame has {most} at most: read fewer logs at \

@@ -43,8 +43,8 @@ impl Unit {
             Self::Utf16Big => u16::from_be_bytes,
         };
         let (pairs, rest) = bytes.as_chunks::<2>();
-        let is_high = |pair: &&[u8; 2]| (0xD800..0xDC00).contains(&unit(**pair));
-        let held = usize::from(!at_end && pairs.last().filter(is_high).is_some());
+        let is_high = |pair: &[u8; 2]| (0xD800..0xDC00).contains(&unit(*pair));
+        let held = usize::from(!at_end && pairs.last().is_some_and(is_high));
         let units = pairs[..pairs.len() - held].iter().map(|pair| unit(*pair));
         let text = char::decode_utf16(units).map(|one| one.unwrap_or(char::REPLACEMENT_CHARACTER));
         into.extend_from_slice(text.collect::<String>().as_bytes());
