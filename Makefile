@@ -181,6 +181,10 @@ audit: | $(BIN)/python ## Check licences and sources of all crates, and look up 
 	@$(PIP) install -r requirements/audit.txt || echo 'pip-audit does not install here and is left out'
 	@$(BIN)/python tools/audit.py
 
+.PHONY: targets
+targets: $(VENV)/.requirements-targets ## Check that it compiles for other systems (TARGETS="aarch64-apple-darwin")
+	@$(BIN)/python tools/check_targets.py $(TARGETS)
+
 .PHONY: sbom
 sbom: | $(BIN)/python ## Write the bill of materials into dist, as CycloneDX
 	@$(BIN)/python tools/sbom.py

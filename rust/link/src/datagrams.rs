@@ -140,7 +140,7 @@ impl Scratch {
             header.msg_iov = &raw mut self.parts[n];
             header.msg_iovlen = 1;
         }
-        let (headers, flags) = (self.headers.as_mut_ptr(), libc::MSG_DONTWAIT);
+        let (headers, flags) = (self.headers.as_mut_ptr(), libc::MSG_DONTWAIT as _); // musl takes it unsigned
         // SAFETY: each of the BATCH headers points to a name, a part and bytes of its own, all of which `self` owns and
         // nobody else touches before the call returns. The system keeps none of the pointers.
         let received = unsafe {

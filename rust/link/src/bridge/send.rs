@@ -114,10 +114,11 @@ pub(super) fn send_batch(
     datagrams.take(BATCH).for_each(|datagram| batch.push(datagram, grouped));
     batch.finish(name.as_mut());
     let (headers, count) = (batch.headers.as_mut_ptr(), batch.used as libc::c_uint);
+    let (socket, flags) = (socket.as_raw_fd(), libc::MSG_DONTWAIT as _); // musl takes it unsigned
     // SAFETY: the first `count` headers point to a part each, which points to bytes that the caller lends, to one name,
     // and some to a control message of the length given; all of them live until the call returns, which keeps none and
     // writes to the headers only.
-    let sent = unsafe { libc::sendmmsg(socket.as_raw_fd(), headers, count, libc::MSG_DONTWAIT) };
+    let sent = unsafe { libc::sendmmsg(socket, headers, count, flags) };
     let sent = usize::try_from(sent).map_err(|_| io::Error::last_os_error())?;
     Ok(batch.segments[..sent].iter().sum())
 }
