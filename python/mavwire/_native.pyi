@@ -35,6 +35,7 @@ from mavwire._stubs.links import (
     SystemState,
     forget_states,
     instance_dict,
+    peer_to_replace,
     receive_batch,
     recordable,
 )
@@ -107,6 +108,7 @@ __all__ = [
     "log_summary",
     "message_class",
     "message_dict",
+    "peer_to_replace",
     "plain_head",
     "receive_batch",
     "recordable",

@@ -88,6 +88,11 @@ class Link:
     def _fix_home(self, sysid: int) -> None:
         """The home position of a system is known for good."""
 
+def peer_to_replace(host: str, peers: list[tuple[str, bool, float]]) -> int | None:
+    """Which of the peers of a link that has no place left makes room for a new one from `host`, None if none does. Of each
+    the host, whether it sent something to a system, and for how many seconds it has been silent.
+    """
+
 def receive_batch(link: LiveLink, messages: list[Any], limit: int) -> bool:
     """Append to `messages` what `link` has received, `limit` at most; whether there may be more.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import errno
 import time
 
-from mavwire._native import MAVLink, PortError, ask_port, hang_up
+from mavwire._native import MAVLink, PortError, ask_port, hang_up, peer_to_replace
 
 from .chunked import ChunkedLink
 from .names import look_up
@@ -30,9 +30,8 @@ if TYPE_CHECKING:
     from mavwire._native import Message
 
 UDP_MAX_PACKET_LEN = 65535
-# Each reply target costs a send per message. A full table replaces a peer silent this long.
+# Each reply target costs a send per message.
 MAX_CLIENTS = 128
-CLIENT_SILENCE = 60.0
 # Looking up a name may block for seconds: the least time between two attempts.
 LOOKUP_PAUSE = 10.0
 
@@ -82,6 +81,8 @@ class mavudp(ChunkedLink):
         self.timeout = timeout
         self.clients: set[Any] = set()
         self.clients_last_alive: dict[Any, float] = {}
+        # Those that sent something to a system: they make room last.
+        self._useful_clients: set[Any] = set()
         self.resolved_destination_addr: Any = None
         super().__init__(
             self.port.fileno(), device, source_system=source_system,
@@ -157,34 +158,40 @@ class mavudp(ChunkedLink):
         """
         is_new = not getattr(msg, "_posted", False)
         if is_new and self.last_address is not None and self._is_trusted(msg):
-            self._heard(self.last_address)
+            self._heard(self.last_address, _is_targeted(msg))
         super().post_message(msg)
 
     def _is_trusted(self, msg: Message) -> bool:
         """Whether `msg` may say who is there: with a key, what a callback let pass may not."""
         return msg.get_msgId() >= 0 and (not self._has_key() or bool(msg.get_signed()))
 
-    def _heard(self, address: Any) -> None:
-        """A valid message came from `address`: answer it from now on."""
+    def _heard(self, address: Any, is_targeted: bool = False) -> None:
+        """A valid message came from `address`, be it one for a system: answer it from now on."""
         if self.udp_server:
             now = time.time()
-            if address in self.clients or self._room_for_client(now):
+            if address in self.clients or self._room_for_client(address, now):
                 self.clients_last_alive[address] = now
                 self.clients.add(address)
+                if is_targeted:
+                    self._useful_clients.add(address)
         elif self.broadcast:
             self.broadcast = False
             self.destination_addr = address
             self._found(address)
 
-    def _room_for_client(self, now: float) -> bool:
+    def _room_for_client(self, address: Any, now: float) -> bool:
         heard = {} if len(self.clients) < MAX_CLIENTS else self._heard_at()
         if len(heard) < MAX_CLIENTS:
             return True
-        silent = min(heard, key=heard.__getitem__)
-        if now - heard[silent] < CLIENT_SILENCE:
+        peers = [
+            (str(one[0]), one in self._useful_clients, now - moment)
+            for one, moment in heard.items()
+        ]
+        silent = peer_to_replace(str(address[0]), peers)
+        if silent is None:
             self.clients_refused += 1
             return False
-        self._forget_client(silent)
+        self._forget_client(list(heard)[silent])
         return True
 
     def _heard_at(self) -> dict[Any, float]:
@@ -194,6 +201,7 @@ class mavudp(ChunkedLink):
 
     def _forget_client(self, address: Any) -> None:
         self.clients.discard(address)
+        self._useful_clients.discard(address)
         self.clients_last_alive.pop(address, None)
 
     def _forget_silent_clients(self) -> None:
@@ -297,3 +305,8 @@ class mavudp(ChunkedLink):
             return None
         own = self.port.family
         return min(found, key=lambda entry: entry[0] != own)[4]
+
+
+def _is_targeted(msg: Message) -> bool:
+    """Whether `msg` is for one system, which MANUAL_CONTROL calls its target."""
+    return bool(getattr(msg, "target_system", 0) or getattr(msg, "target", 0))

@@ -90,6 +90,11 @@ impl Border {
         Self { options, signing }
     }
 
+    /// Only frames with a good signature, and a few named ones, get in.
+    pub fn verifies(&self) -> bool {
+        self.options.verify
+    }
+
     /// A good frame as it enters; `None` if it has no good signature and needs one. `now` in units of signing timestamps.
     pub fn incoming<'a>(&self, frame: &'a [u8], now: u64) -> Option<Entered<'a>> {
         let whole = FrameRef::parse(frame).ok()?;

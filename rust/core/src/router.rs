@@ -122,6 +122,8 @@ struct Port {
     limiter: Option<Limiter>,
     /// The links of its group, itself among them.
     group: LinkSet,
+    /// A frame came for a system that is known.
+    has_targeted: bool,
     stats: LinkStats,
 }
 
@@ -183,6 +185,7 @@ impl Router {
             options,
             limiter,
             group: LinkSet::EMPTY,
+            has_targeted: false,
             stats: LinkStats::default(),
         };
         if free == self.ports.len() {
@@ -264,7 +267,7 @@ impl Router {
         }
         self.table.advance(now);
         let home = self.table.hear(Sender { sysid, compid, seq, len: frame.len() }, group, now);
-        let reached = self.reached(frame, header, entry);
+        let reached = self.reached(frame, header, entry, source);
         if reached.is_none() {
             self.count(source, |stats| stats.unroutable += 1);
         }
@@ -288,9 +291,15 @@ impl Router {
         !self.screen(LinkSet::only(link), frame, header, entry, LinkSet::EMPTY, now).is_empty()
     }
 
-    /// The links that a frame is meant for; `None` if nobody knows its target.
+    /// The links that a frame from `source` is meant for; `None` if nobody knows its target.
     #[inline]
-    fn reached(&self, frame: &[u8], header: &Header, entry: Option<Entry>) -> Option<LinkSet> {
+    fn reached(
+        &mut self,
+        frame: &[u8],
+        header: &Header,
+        entry: Option<Entry>,
+        source: LinkId,
+    ) -> Option<LinkSet> {
         let none = TargetOffsets { system: NONE, component: NONE };
         let offsets = entry.map_or(none, |entry| self.targets[usize::from(entry.index)]);
         let byte = |offset| match offset {
@@ -302,7 +311,13 @@ impl Router {
             (system, 0) => self.table.system(system),
             (system, component) => self.table.component(system, component),
         };
-        (!links.is_empty()).then_some(links)
+        if links.is_empty() {
+            return None;
+        }
+        if let Some(port) = &mut self.ports[source.index()] {
+            port.has_targeted = true;
+        }
+        Some(links)
     }
 
     /// The links that get everything.
@@ -358,6 +373,11 @@ impl Router {
     /// What a link's frames came to.
     pub fn link_stats(&self, link: LinkId) -> Option<LinkStats> {
         Some(self.ports.get(link.index())?.as_ref()?.stats)
+    }
+
+    /// Whether a frame for a system that was known came over a link.
+    pub fn has_targeted(&self, link: LinkId) -> bool {
+        self.ports.get(link.index()).and_then(Option::as_ref).is_some_and(|port| port.has_targeted)
     }
 
     /// Everyone who was heard: system, component, what came, and the links that lead there now.

@@ -141,6 +141,12 @@ impl Info {
         boot.or_else(|| self.usec.and_then(number).map(|us| us * 1.0e-6))
     }
 
+    /// The message is for one system.
+    pub(crate) fn is_targeted(&self, payload: &[u8]) -> bool {
+        let offset = self.definition.target_system_offset;
+        offset.and_then(|at| payload.get(usize::from(at))).is_some_and(|&system| system != 0)
+    }
+
     /// Field by attribute name.
     pub(crate) fn field(&self, name: &str) -> Option<(usize, &Field)> {
         self.definition.fields.iter().enumerate().find(|(_, f)| f.name == name)

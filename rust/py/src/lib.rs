@@ -173,6 +173,8 @@ mod _native {
     #[pymodule_export]
     use crate::open_log::LogScan;
     #[pymodule_export]
+    use crate::peers::peer_to_replace;
+    #[pymodule_export]
     use crate::ports::{DescriptorPort, PortError, ask_port};
     #[pymodule_export]
     use crate::recording::recordable;

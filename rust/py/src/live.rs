@@ -182,11 +182,12 @@ impl LiveLink {
         source.drained && source.inbox.is_empty() && state.native_mav.as_ref().is_some_and(empty)
     }
 
-    /// Announces a peer.
+    /// Announces a peer, and whether it sent a message, be it one for a system.
     pub(crate) fn announce(
         slf: &Bound<'_, Self>,
         address: Address,
         sent_message: bool,
+        is_targeted: bool,
     ) -> PyResult<()> {
         let py = slf.py();
         let shown = slf.get().source().peers.shown(py, address);
@@ -200,7 +201,7 @@ impl LiveLink {
         };
         slf.set_attribute(intern!(py, "last_address"), &shown)?;
         if sent_message {
-            slf.invoke_method1(intern!(py, "_heard"), (shown,))?;
+            slf.invoke_method1(intern!(py, "_heard"), (shown, is_targeted))?;
         }
         Ok(())
     }

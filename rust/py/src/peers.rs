@@ -3,6 +3,9 @@
 //! Frames may be cut anywhere, so every peer's bytes are joined with its own only. A peer costs a few bytes, but anyone can
 //! send from any number of addresses: the table is capped, and peers that never sent a good frame make room first.
 
+use core::net::IpAddr;
+
+use mavwire_core::peer_places::{Origin, Peer as Rival, Place, Standing, place_for};
 use mavwire_link::address::Address;
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
@@ -121,6 +124,30 @@ impl Peers {
         }
         (place == self.current && std::mem::take(&mut self.changed)) || is_due
     }
+}
+
+/// Which of the peers of a link that has no place left makes room for a new one from `host`, None if none does. Of each the
+/// host, whether it sent something to a system, and for how many seconds it has been silent.
+#[pyfunction]
+pub(crate) fn peer_to_replace(host: &str, peers: Vec<(String, bool, f64)>) -> Option<usize> {
+    let rivals: Vec<Rival> = peers
+        .into_iter()
+        .map(|(host, is_useful, silence)| Rival {
+            origin: origin(&host),
+            standing: if is_useful { Standing::Useful } else { Standing::Heard },
+            silence: (silence * 1e6) as u64,
+        })
+        .collect();
+    match place_for(origin(host), &rivals, rivals.len()) {
+        Place::Of(position) => Some(position),
+        Place::Free | Place::None => None,
+    }
+}
+
+/// Where a host that Python shows is; hosts that are no numeric addresses are one.
+fn origin(host: &str) -> Origin {
+    let address = host.split('%').next().unwrap_or(host).parse();
+    Origin::from(address.unwrap_or(IpAddr::from([0; 4])))
 }
 
 /// An address as Python's sockets show it.

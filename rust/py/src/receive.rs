@@ -174,7 +174,10 @@ fn deliver<'py>(
     fresh: Fresh<'py>,
 ) -> PyResult<Bound<'py, Message>> {
     if let Some(from) = fresh.news {
-        LiveLink::announce(slf, from, true)?;
+        let class = mav.get().dialect.get().known_class(fresh.index);
+        let payload = payload_of(&fresh.bytes);
+        let is_targeted = class.is_some_and(|class| class.info.is_targeted(payload));
+        LiveLink::announce(slf, from, true, is_targeted)?;
     }
     let class = mav.get().dialect.get().class(slf.py(), fresh.index)?;
     let message =
@@ -208,7 +211,9 @@ fn deliver_other<'py>(
         && (message.get().has(flags::SIGNED) || !mav.get().parser().checks_signatures());
     let news = slf.get().source().news(from, is_good, unix_seconds());
     if let Some(from) = news {
-        LiveLink::announce(slf, from, is_good)?;
+        let Message { info, frame, .. } = message.get();
+        let is_targeted = is_good && info.is_some_and(|info| info.is_targeted(payload_of(frame)));
+        LiveLink::announce(slf, from, is_good, is_targeted)?;
     }
     if slf.as_super().get().state().records_messages() {
         slf.invoke_method1(intern!(slf.py(), "_record"), (&message,))?;

@@ -117,12 +117,47 @@ def test_with_a_key_a_broadcaster_does_not_lock_on_to_what_a_callback_let_pass(p
 def test_clients_are_capped_and_the_silent_one_makes_room(server, peer, monkeypatch):
     """R61."""
     monkeypatch.setattr(udp, "MAX_CLIENTS", 2)
-    for address in (("127.0.0.1", 1), ("127.0.0.1", 2), ("127.0.0.1", 3)):
+    one, two, three = [("127.0.0.1", port) for port in (1, 2, 3)]
+    for address in (one, two, three):
         server._heard(address)
     assert (len(server.clients), server.clients_refused) == (2, 1)
-    server.clients_last_alive[("127.0.0.1", 1)] -= 1000
-    server._heard(("127.0.0.1", 3))
-    assert server.clients == {("127.0.0.1", 2), ("127.0.0.1", 3)}
+    server.clients_last_alive[one] -= 6
+    server._heard(three)
+    assert server.clients == {two, three}
+
+
+def test_a_crowd_keeps_no_other_address_out_and_who_commands_goes_last(server):
+    """R61: an address may have all places, and three quarters of them are its share."""
+    crowd = [("10.0.0.9", port) for port in range(1, 129)]
+    for address in crowd:
+        server._heard(address)
+    assert server.clients == set(crowd)
+    others = [("10.0.0.1", port) for port in range(1, 34)]
+    for address in others:
+        server._heard(address, True)
+    assert (server.clients_refused, len(server.clients)) == (1, 128)
+    assert set(others[:32]) < server.clients
+    for address in server.clients:
+        server.clients_last_alive[address] -= 60
+    for port in range(200, 250):  # they take the places of their own address
+        server._heard(("10.0.0.9", port))
+    for n in range(40):
+        server._heard((f"10.0.1.{n}", 1))
+    assert set(others[:32]) < server.clients
+
+
+@pytest.mark.parametrize("native", [True, False])
+def test_who_sends_to_a_system_is_known_as_useful(server, peer, native):
+    """R61."""
+    if not native:
+        server.recv = server.recv
+    peer.send(heartbeat())
+    assert receive(server)
+    assert server._useful_clients == set()
+    until(lambda: time.time() - server.clients_last_alive[peer.getsockname()] > 0.02)
+    peer.send(pack(mavlink.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0)))
+    assert server.recv_match(type="MANUAL_CONTROL", blocking=True, timeout=WAIT)
+    assert server._useful_clients == {peer.getsockname()}
 
 
 def test_silent_clients_are_dropped_but_never_the_last(server):
@@ -167,7 +202,7 @@ def test_clients_come_and_go_while_others_are_looked_through(server, monkeypatch
     monkeypatch.setattr(Shared, "meanwhile", staticmethod(meanwhile))
     server.write(heartbeat())
     assert len(server.clients) >= 1
-    monkeypatch.setattr(udp, "CLIENT_SILENCE", 0)
+    monkeypatch.setattr(server, "clients_last_alive", {})
     others.extend(Shared(("127.0.0.1", port)) for port in range(9, 15))
     server._heard(Shared(("127.0.0.1", 15)))
     assert ("127.0.0.1", 15) in server.clients

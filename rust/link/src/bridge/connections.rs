@@ -6,23 +6,24 @@ use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::rc::Rc;
 use std::time::Duration;
 
+use mavwire_core::peer_places::{Origin, Peer, Place, place_for};
 use mavwire_core::router::LinkId;
 
 use super::BridgeError;
 use super::endpoint::{Connection, LinkSpec, Opened, Stream};
 use super::event_loop::{Command, EventLoop, PROGRAM_NAME, TICK, TURNS};
 use super::latency::Latency;
-use super::port::{Standing, Wire};
+use super::port::Wire;
 use super::stats::Traffic;
 use crate::address::Address;
 use crate::wording::in_words;
 
 /// Peers of a UDP server, and connections to a TCP server.
 const MAX_PEERS: usize = 64;
+/// Ports that peers leave to links that the program adds.
+const KEPT_FREE: usize = 32;
 /// The first pause before a connection is tried again, doubled up to the limit of the link; microseconds.
 const FIRST_RETRY: u64 = 250_000;
-/// A peer has this long to prove itself before another may have its place; microseconds.
-const TIME_TO_PROVE: u64 = 1_000_000;
 
 /// What a link has besides its ports.
 pub(super) enum Kind {
@@ -189,8 +190,8 @@ impl EventLoop {
 
     /// A port for a new peer of a server; `None` if there is no room for it.
     pub(super) fn welcome(&mut self, number: u32, wire: Wire, from: SocketAddr) -> Option<LinkId> {
-        let count = self.switch.ports().filter(|port| port.link == number).count();
-        let room = count < MAX_PEERS || self.make_room(number);
+        let origin = Origin::from(from.ip());
+        let room = self.make_room(number, origin);
         let link = self.links.get_mut(&number)?;
         let added = room.then(|| self.switch.add_peer(number, wire, &link.spec.port)).flatten();
         let Some(port) = added else {
@@ -198,22 +199,26 @@ impl EventLoop {
             return None;
         };
         port.peer = Some(from.to_string());
+        port.origin = Some(origin);
         link.welcomed += 1;
         Some(port.id)
     }
 
-    /// Sends away the peer of a server that has waited for longest without proving itself, and had the time for it: those
-    /// without the key, where one is needed, or who never said anything do not keep out those who have something to say.
-    fn make_room(&mut self, number: u32) -> bool {
-        let now = self.switch.moment.now;
-        let unproven = self.switch.ports().filter(|port| {
-            port.link == number
-                && port.standing != Standing::Proven
-                && now.saturating_sub(port.heard) > TIME_TO_PROVE
-        });
-        let Some(id) = unproven.min_by_key(|port| port.heard).map(|port| port.id) else {
-            return false;
-        };
+    /// Whether there is a place for a new peer of a server, be it that of a less useful one, which is sent away. Where the
+    /// bridge can have no more ports the peers of all servers compete.
+    fn make_room(&mut self, number: u32, origin: Origin) -> bool {
+        let is_own = |&(link, ..): &(u32, LinkId, Peer)| link == number;
+        let mut rivals: Vec<_> = self.switch.peers().collect();
+        let is_full = rivals.iter().filter(|rival| is_own(rival)).count() >= MAX_PEERS;
+        if !is_full && self.switch.free() > KEPT_FREE {
+            return true;
+        }
+        if is_full {
+            rivals.retain(is_own);
+        }
+        let peers: Vec<Peer> = rivals.iter().map(|&(.., peer)| peer).collect();
+        let Place::Of(n) = place_for(origin, &peers, peers.len()) else { return false };
+        let (number, id, _) = rivals[n];
         let Some(link) = self.links.get_mut(&number) else { return false };
         if let Kind::DatagramServer(_, peers) = &mut link.kind {
             peers.retain(|_, port| *port != id);

@@ -7,6 +7,7 @@ use std::rc::Rc;
 
 use mavwire_core::border::Border;
 use mavwire_core::frame::Header;
+use mavwire_core::peer_places::{self, Origin, Peer};
 use mavwire_core::registry::Entry;
 use mavwire_core::router::LinkId;
 use mavwire_core::scan::Resync;
@@ -61,6 +62,8 @@ pub(super) struct Port {
     /// Number of the link that it belongs to.
     pub(super) link: u32,
     pub(super) peer: Option<String>,
+    /// Where the peer of a server comes from.
+    pub(super) origin: Option<Origin>,
     pub(super) wire: Wire,
     /// Taken out while it is being fed.
     pub(super) stream: Option<Box<FrameStream>>,
@@ -95,6 +98,7 @@ impl Port {
             id,
             link,
             peer: None,
+            origin: None,
             wire,
             stream: Some(Box::new(FrameStream::new(Resync::Rescan))),
             outbox: Outbox::new(spec.queue, spec.datagram),
@@ -139,6 +143,18 @@ impl Port {
         } else {
             self.outbox.push(frame, urgent, since);
         }
+    }
+
+    /// The peer of a server as it competes for its place; `has_targeted` if it sent something to a known system.
+    pub(super) fn as_peer(&self, has_targeted: bool, now: u64) -> Option<Peer> {
+        let is_verified = self.border.as_ref().is_some_and(Border::verifies);
+        let standing = match self.standing {
+            Standing::New | Standing::Muted => peer_places::Standing::Unproven,
+            Standing::Proven if is_verified || has_targeted => peer_places::Standing::Useful,
+            Standing::Proven => peer_places::Standing::Heard,
+        };
+        let silence = now.saturating_sub(self.heard);
+        self.origin.map(|origin| Peer { origin, standing, silence })
     }
 
     /// Whether there is anyone to send to.

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use mavwire_core::border::{Border, BorderOptions};
 use mavwire_core::frame::{FrameBuffer, Header};
+use mavwire_core::peer_places::Peer;
 use mavwire_core::registry::{Entry, Registry};
-use mavwire_core::router::{Fate, LinkId, LinkOptions, LinkSet, Router, Settings};
+use mavwire_core::router::{Fate, LinkId, LinkOptions, LinkSet, MAX_LINKS, Router, Settings};
 use mavwire_core::scan::{Found, Resync, Scanner};
 use mavwire_core::signing::{SecretKey, SigningState, timestamp_from_unix_micros};
 use mavwire_core::stream::Piece;
@@ -145,6 +146,19 @@ impl Switch {
 
     pub(super) fn ports(&self) -> impl Iterator<Item = &Port> {
         self.ports.iter().flatten()
+    }
+
+    /// The peers of all servers: their link, port and usefulness.
+    pub(super) fn peers(&self) -> impl Iterator<Item = (u32, LinkId, Peer)> {
+        self.ports().filter_map(|port| {
+            let peer = port.as_peer(self.router.has_targeted(port.id), self.moment.now)?;
+            Some((port.link, port.id, peer))
+        })
+    }
+
+    /// How many more ports there can be.
+    pub(super) fn free(&self) -> usize {
+        MAX_LINKS - self.ports().count()
     }
 
     /// The port of the program around the bridge.
