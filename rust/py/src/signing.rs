@@ -429,7 +429,9 @@ impl Signing {
             }
             streams.received.clear();
             streams.seen = Sightings::default();
-            rows.into_iter().for_each(|(id, timestamp)| streams.received.set(id, timestamp));
+            for (id, timestamp) in rows {
+                streams.received.set(id, timestamp);
+            }
             Ok(())
         })
     }

@@ -309,7 +309,9 @@ fn r55_a_clock_that_is_ahead_makes_no_floor_while_others_can_make_room() {
     assert_eq!(streams(&state), [(1, 1, 1, ahead), (3, 1, 1, now)]);
     assert_eq!([1, 2].map(|link_id| state.streams.floor(link_id)), [0, now + 1]);
     let mut small = StreamTable::with_capacity(1);
-    (1..4).for_each(|n| small.set(StreamId { link_id: n, sysid: 1, compid: 1 }, MAX_TIMESTAMP));
+    for link_id in 1..4 {
+        small.set(StreamId { link_id, sysid: 1, compid: 1 }, MAX_TIMESTAMP);
+    }
     assert_eq!((small.len(), small.floor(2)), (1, MAX_TIMESTAMP + 1));
 }
 
