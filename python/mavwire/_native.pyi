@@ -596,6 +596,9 @@ def build(message: Message, /, *values: Any) -> None:
 def send_values(mav: Any, info: MessageInfo, force_mavlink1: object, /, *values: Any) -> None:
     """Sends a message without making an object of it, unless somebody is there to see one."""
 
+def is_device(name: str) -> bool:
+    """Whether Windows takes the name of a file or folder for a device, such as `nul` or `COM1.txt`."""
+
 def reserved_name(name: str, is_field: bool) -> str | None:
     """Why a field, or else an enum entry, cannot have this name; None where it can."""
 

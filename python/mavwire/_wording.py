@@ -11,10 +11,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from typing import Any
 
-# What terminals act upon: C0 but for tabs, DEL and C1.
+# Characters that turn the direction of a text, so that it looks like another one.
+_BIDIRECTIONAL = (0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A))
+# What terminals act upon: C0 but for tabs, DEL, C1 and directions of text.
 _CONTROLS = {
     code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0)) if code != ord("\t")
-}
+} | {code: f"\\u{code:04x}" for code in _BIDIRECTIONAL}
 _CONTROLS_WITHIN_LINES = {code: text for code, text in _CONTROLS.items() if code != ord("\n")}
 
 

@@ -11,14 +11,21 @@ import stat
 import sys
 from typing import IO
 
+from mavwire._native import is_device
 from mavwire._replacing import Replacement
 
 
 def local_name(remote: str) -> str:
     """The name of a remote file in the current directory; ValueError when it has none.
 
-    Only what comes after the last slash: a path that the vehicle named leads to no other directory.
+    A path that the vehicle named leads to no other directory, and to no device of Windows.
     """
+    name = last_name(remote)
+    return f"%{ord(name[0]):02X}{name[1:]}" if is_device(name) else name
+
+
+def last_name(remote: str) -> str:
+    """The part of a path after its last slash; ValueError when it names no file."""
     name = remote.replace("\\", "/").rpartition("/")[2]
     if name in ("", ".", "..") or "\0" in name:
         raise ValueError(f"no file name in {remote!r}")

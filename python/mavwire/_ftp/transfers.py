@@ -12,7 +12,7 @@ from mavwire.mavftp_op import OP_TerminateSession
 from . import log
 from .commands import POLL_SECONDS, Args, Commands, PathError, encode, refusing, usage
 from .download import Download
-from .local import Destination, LocalFile, Memory, local_name, open_source
+from .local import Destination, LocalFile, Memory, last_name, local_name, open_source
 from .result import FtpError, MAVFTPReturn
 from .settings import MAVFTPSettings
 from .upload import Upload
@@ -98,7 +98,7 @@ class Transfers(Commands):
             return usage("CreateFile", "put [FILENAME <REMOTENAME>]")
         local = args[0]
         try:
-            remote = args[1] if len(args) > 1 else local_name(local)
+            remote = args[1] if len(args) > 1 else last_name(local)
             encoded = encode(remote)
             source = open_source(local) if fh is None else fh
         except PathError:

@@ -9,6 +9,7 @@ pip install 'mavwire[fleet]').
 
 from __future__ import annotations
 
+import argparse
 import glob
 import os
 from typing import TYPE_CHECKING
@@ -21,7 +22,6 @@ from mavwire.cli._progress import Progress
 from mavwire.cli._rewriting import split, systems_of, time_of
 
 if TYPE_CHECKING:
-    import argparse
     from typing import Any
 
     from mavwire.logs.manifest import Converted
@@ -52,6 +52,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="values that stand for none, as 65535 mV: left out, or as sent (default: left out with "
         "--units si and in mcap)",
     )
+    parser.add_argument(
+        "--csv-safe",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="csv: an apostrophe in front of texts that spreadsheets take for formulas (default: yes)",
+    )
     parser.add_argument("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00")
     parser.add_argument("--end", help="first time that is not wanted any more")
     parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
@@ -74,6 +80,7 @@ def main(args: argparse.Namespace) -> int:
         "units": args.units,
         "enums": args.enums,
         "invalid": args.invalid,
+        "csv_safe": args.csv_safe,
         "start": time_of(args.start),
         "end": time_of(args.end),
         "dialect": args.dialect,

@@ -59,6 +59,7 @@ def convert(
     units: str | None = None,
     enums: str | None = None,
     invalid: str | None = None,
+    csv_safe: bool = True,
     dialect: str | os.PathLike[str] = "all",
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
@@ -82,7 +83,7 @@ def convert(
     logs = expand(paths, storage_options)
     compression, _, query, how = prepare(
         format, compression, types, systems, fields, start, end, dialect,
-        units=units, enums=enums, invalid=invalid, logs=logs,
+        units=units, enums=enums, invalid=invalid, csv_safe=csv_safe, logs=logs,
     )  # fmt: skip
     check_at_least_1(workers=workers, task_bytes=task_bytes)
     allow_described(logs, query)

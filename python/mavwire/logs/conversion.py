@@ -65,6 +65,7 @@ def convert(
     units: str | None = None,
     enums: str | None = None,
     invalid: str | None = None,
+    csv_safe: bool = True,
     dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[str, float], object] | None = None,
 ) -> list[Converted]:
@@ -72,7 +73,10 @@ def convert(
     `out/LOG.mcap`, which holds all messages.
 
     `fields`, `units`, `enums` and `invalid` are those of `mavwire.read`. MCAP has values as they are
-    sent, and none where they stand for none, unless `invalid="keep"`.
+    sent, and none where they stand for none, unless `invalid="keep"`. `csv_safe` puts an apostrophe in front of
+    texts in CSV files that begin with = + - @, a tab or a line break and are no numbers: a
+    spreadsheet would take them for formulas. A log with more than 1,000 types is refused unless
+    `types` names those that are wanted.
     Returns a row for each log, in the order given, and writes them to `out/manifest.json`. Logs
     that the manifest has with the same size, time, options and definitions, and whose files are all there, are
     not converted again. Logs of one name are numbered, and keep their numbers in later runs. With
@@ -91,7 +95,7 @@ def convert(
     logs = [absolute(path) for path in logs]
     compression, native, query, how = prepare(
         format, compression, types, systems, fields, start, end, dialect,
-        units=units, enums=enums, invalid=invalid, logs=logs,
+        units=units, enums=enums, invalid=invalid, csv_safe=csv_safe, logs=logs,
     )  # fmt: skip
     allow_described(logs, query)
     out = os.fsdecode(out)
@@ -129,6 +133,7 @@ def prepare(
     units: str | None = None,
     enums: str | None = None,
     invalid: str | None = None,
+    csv_safe: bool = True,
     logs: Iterable[str] = (),
 ) -> tuple[str, Any, Query, dict[str, Any]]:
     """The compression, the native dialect, what to read, and the options that a manifest keeps.
@@ -149,6 +154,7 @@ def prepare(
         invalid = invalid or "null"  # programs that draw graphs read them
     fields = None if fields is None else names_of(fields)
     query = Query.of(module, types, systems, fields, start, end, units, enums, invalid)
+    query.csv_safe = csv_safe and format == "csv"
     if fields is not None or query.foreign is None:
         check_fields(list(logs), module, native, query, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.

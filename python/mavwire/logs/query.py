@@ -36,6 +36,8 @@ class Query:
     si: bool = False
     enum_names: bool = False
     null_invalid: bool = False
+    csv_safe: bool = False
+    """An apostrophe in front of texts in CSV files that a spreadsheet would take for formulas."""
     untimed: bool = False
     """Records without times are wanted whatever `start` and `end` are; else that is an error."""
     batch_rows: int | None = None

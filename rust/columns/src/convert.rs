@@ -1,10 +1,11 @@
 //! Record batches to files of other programs.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::sync::Arc;
 
 use arrow::array::{
-    Array, ArrayRef, FixedSizeListArray, RecordBatch, RecordBatchOptions,
+    Array, ArrayRef, FixedSizeListArray, RecordBatch, RecordBatchOptions, StringArray,
     TimestampMicrosecondArray, UInt32Array,
 };
 use arrow::compute::{cast, take};
@@ -41,6 +42,8 @@ pub enum Format {
     Parquet,
     /// Comma-separated values; array fields as a column for each element.
     Csv,
+    /// The same, with an apostrophe in front of texts that a spreadsheet would take for formulas.
+    GuardedCsv,
     /// A JSON object on each line.
     JsonLines,
     /// Arrow IPC file, whose memory others can map.
@@ -69,7 +72,7 @@ impl Format {
             Compression::None => true,
             Compression::Zstd => self != Self::Arrow,
             Compression::Snappy => self == Self::Parquet,
-            Compression::Gzip => matches!(self, Self::Csv | Self::JsonLines),
+            Compression::Gzip => matches!(self, Self::Csv | Self::GuardedCsv | Self::JsonLines),
             Compression::Lz4 => false,
         }
     }
@@ -83,7 +86,7 @@ pub struct Sink<W: Write + Send> {
 
 enum Writer<W: Write + Send> {
     Parquet(Box<RowGroups<W>>),
-    Csv(Box<Squeeze<W>>, SchemaRef),
+    Csv(Box<Squeeze<W>>, SchemaRef, bool),
     JsonLines(Box<LineDelimitedWriter<Squeeze<W>>>),
     Arrow(Box<FileWriter<W>>, SchemaRef),
 }
@@ -103,11 +106,12 @@ impl<W: Write + Send> Sink<W> {
             Format::Parquet => {
                 Writer::Parquet(Box::new(RowGroups::new(out, Arc::clone(schema), compression)))
             }
-            Format::Csv => {
-                let (mut out, flat) = (Squeeze::new(out, compression)?, flat_schema(schema));
+            Format::Csv | Format::GuardedCsv => {
+                let guard = format == Format::GuardedCsv;
+                let (mut out, flat) = (Squeeze::new(out, compression)?, flat_schema(schema, guard));
                 // The header stands there even if no row follows.
                 write_lines(&mut out, &RecordBatch::new_empty(Arc::clone(&flat)), true)?;
-                Writer::Csv(Box::new(out), flat)
+                Writer::Csv(Box::new(out), flat, guard)
             }
             Format::JsonLines => {
                 let out = Squeeze::new(out, compression)?;
@@ -143,7 +147,9 @@ impl<W: Write + Send> Sink<W> {
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
         match &mut self.writer {
             Writer::Parquet(writer) => writer.write(batch)?,
-            Writer::Csv(out, schema) => write_lines(out, &flat(batch, schema)?, false)?,
+            Writer::Csv(out, schema, guard) => {
+                write_lines(out, &flat(batch, schema, *guard)?, false)?;
+            }
             Writer::JsonLines(writer) => writer.write(&with_plain_times(batch)?)?,
             Writer::Arrow(writer, schema) => writer.write(&cast_all(batch, schema)?)?,
         }
@@ -158,7 +164,7 @@ impl<W: Write + Send> Sink<W> {
     pub fn finish(self) -> Result<W, Error> {
         Ok(match self.writer {
             Writer::Parquet(writer) => writer.finish()?,
-            Writer::Csv(out, _) => out.finish()?,
+            Writer::Csv(out, ..) => out.finish()?,
             Writer::JsonLines(mut writer) => {
                 writer.finish()?;
                 writer.into_inner().finish()?
@@ -200,9 +206,15 @@ fn write_lines(out: &mut impl Write, rows: &RecordBatch, header: bool) -> Result
     Ok(())
 }
 
+/// A text as a cell of which no spreadsheet makes a formula. Texts that are numbers stay numbers.
+fn guarded(text: &str) -> Cow<'_, str> {
+    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
+    if is_formula && text.parse::<f64>().is_err() { format!("'{text}").into() } else { text.into() }
+}
+
 /// A schema without lists: a column for each element.
-fn flat_schema(schema: &Schema) -> SchemaRef {
-    let mut fields = Vec::new();
+fn flat_schema(schema: &Schema, guard: bool) -> SchemaRef {
+    let mut fields: Vec<Field> = Vec::new();
     for field in schema.fields() {
         if let DataType::FixedSizeList(item, length) = field.data_type() {
             fields.extend((0..*length).map(|n| {
@@ -212,6 +224,15 @@ fn flat_schema(schema: &Schema) -> SchemaRef {
         } else {
             fields.push(plain_time(field));
         }
+    }
+    if guard {
+        fields = fields
+            .into_iter()
+            .map(|field| {
+                let name = guarded(field.name()).into_owned();
+                field.with_name(name)
+            })
+            .collect();
     }
     Arc::new(Schema::new(fields))
 }
@@ -273,7 +294,7 @@ fn cast_all(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, Erro
     Ok(RecordBatch::try_new_with_options(Arc::clone(schema), arrays, &options)?)
 }
 
-fn flat(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, Error> {
+fn flat(batch: &RecordBatch, schema: &SchemaRef, guard: bool) -> Result<RecordBatch, Error> {
     let batch = with_plain_times(batch)?;
     let mut arrays: Vec<ArrayRef> = Vec::new();
     for array in batch.columns() {
@@ -284,6 +305,11 @@ fn flat(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, Error> {
                 }
             }
             None => arrays.push(Arc::clone(array)),
+        }
+    }
+    for array in arrays.iter_mut().filter(|_| guard) {
+        if let Some(texts) = array.as_any().downcast_ref::<StringArray>() {
+            *array = Arc::new(texts.iter().map(|text| text.map(guarded)).collect::<StringArray>());
         }
     }
     let options = RecordBatchOptions::new().with_row_count(Some(batch.num_rows()));
@@ -343,6 +369,21 @@ impl<W: Write> Write for Squeeze<W> {
             Self::Plain(out) => out.flush(),
             Self::Gzip(out) => out.flush(),
             Self::Zstd(out) => out.flush(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::guarded;
+
+    #[test]
+    fn formulas_become_texts_and_numbers_stay() {
+        for text in ["=1+1", "+a", "-a", "@a", "\ta", "\ra", "\na", "=", "-1+cmd|' /C calc'!A0"] {
+            assert_eq!(guarded(text), format!("'{text}"));
+        }
+        for text in ["", "a=1", "-1", "+1.5e3", "-inf", "1+1", " =1", "'=1"] {
+            assert_eq!(guarded(text), text);
         }
     }
 }

@@ -28,6 +28,9 @@ pub enum Error {
     /// More message types and senders than an MCAP file has room for.
     #[error("MCAP has room for {0} message types and senders: choose some types or systems")]
     TooManyChannels(usize),
+    /// More message types than a log has files for.
+    #[error("more than {0} message types, each of which is a file: name the types that are wanted")]
+    TooManyFiles(usize),
     /// A column that the message does not have.
     #[error("{message} has no column {column:?}")]
     NoColumn {

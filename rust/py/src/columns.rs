@@ -44,6 +44,8 @@ pub(crate) struct Query {
     si: bool,
     enum_names: bool,
     null_invalid: bool,
+    /// Cells of CSV files are no formulas.
+    pub(crate) csv_safe: bool,
     /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
     untimed: bool,
     /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.

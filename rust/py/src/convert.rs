@@ -49,15 +49,24 @@ fn check(takes: bool, format: &str, compression: &str) -> PyResult<()> {
 }
 
 /// What a log becomes.
-fn output(folder: PathBuf, file: String, format: &str, compression: &str) -> PyResult<Output> {
+fn output(
+    folder: PathBuf,
+    file: String,
+    format: &str,
+    compression: &str,
+    query: &Query,
+) -> PyResult<Output> {
     let how = compression_of(compression)?;
     if format == "mcap" {
         check(mcap::takes(how), format, compression)?;
         return Ok(Output::mcap(folder.join(file), how));
     }
-    let kind = format_of(format)?;
+    let kind = match format_of(format)? {
+        Format::Csv if query.csv_safe => Format::GuardedCsv,
+        kind => kind,
+    };
     check(kind.takes(how), format, compression)?;
-    Ok(Output::tables(folder, file, kind, how))
+    Ok(Output::tables(folder, file, kind, how, query.names.is_some()))
 }
 
 /// A log, and the files that become of it.
@@ -99,8 +108,9 @@ impl Converter {
         file: String,
         format: &str,
         compression: &str,
+        query: &Query,
     ) -> PyResult<Self> {
-        let output = output(folder, file, format, compression)?;
+        let output = output(folder, file, format, compression, query)?;
         Ok(Self {
             work: Mutex::new(Some(Work {
                 reader,
@@ -132,7 +142,7 @@ impl Converter {
         compression: &str,
     ) -> PyResult<Self> {
         let reader = py.detach(|| query.open(&log, dialect)).map_err(columns_error)?;
-        Self::new(reader, folder, file, format, compression)
+        Self::new(reader, folder, file, format, compression, &query)
     }
 
     /// Converts some more blocks of the log; false at its end.

@@ -11,6 +11,10 @@ use mavwire_columns::convert::{Compression, Format, Sink, write_all};
 use mavwire_columns::mcap::McapSink;
 use mavwire_columns::reader::Batch;
 use mavwire_link::files::{Draft, commit_all};
+use pyo3::prelude::*;
+
+/// Files that a log makes by itself. One that names more types than this means harm, or some of them are named.
+const MOST_FILES: usize = 1000;
 
 /// The files of a log, which appear when all of them are complete, and are gone if that never happens.
 pub(crate) enum Output {
@@ -26,6 +30,8 @@ pub(crate) struct Tables {
     file: String,
     format: Format,
     compression: Compression,
+    /// How many files there may be.
+    limit: usize,
     /// By message index.
     sinks: BTreeMap<u16, (PathBuf, Sink<Draft>)>,
 }
@@ -36,8 +42,10 @@ impl Output {
         file: String,
         format: Format,
         compression: Compression,
+        types_are_named: bool,
     ) -> Self {
-        Self::Tables(Tables { folder, file, format, compression, sinks: BTreeMap::new() })
+        let limit = if types_are_named { usize::MAX } else { MOST_FILES };
+        Self::Tables(Tables { folder, file, format, compression, limit, sinks: BTreeMap::new() })
     }
 
     pub(crate) fn mcap(path: PathBuf, compression: Compression) -> Self {
@@ -90,7 +98,11 @@ impl Tables {
 
     /// Begins the file of a batch where there is none yet.
     fn begin(&mut self, batch: &Batch) -> Result<(), Error> {
+        let files = self.sinks.len();
         if let Entry::Vacant(missing) = self.sinks.entry(batch.index) {
+            if files == self.limit {
+                return Err(Error::TooManyFiles(self.limit));
+            }
             let path = self.folder.join(folder_of(&batch.message)).join(&self.file);
             let draft = Draft::create(&path)?;
             let sink = Sink::new(draft, &batch.rows.schema(), self.format, self.compression)?;
@@ -110,15 +122,52 @@ impl Tables {
     }
 }
 
+/// Whether Windows takes the name of a file or folder for a device, such as `nul` or `COM1.txt`.
+#[pyfunction]
+pub(crate) fn is_device(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or_default();
+    let name = stem.trim_end_matches(' ').to_ascii_uppercase();
+    let numbered = |kind| {
+        name.strip_prefix(kind).is_some_and(|number| matches!(number.as_bytes(), [b'0'..=b'9']))
+    };
+    matches!(&*name, "CON" | "PRN" | "AUX" | "NUL") || numbered("COM") || numbered("LPT")
+}
+
 /// The folder of a type: a log names its types, and whoever made the log shall not choose where files go.
 fn folder_of(name: &str) -> String {
     let mut folder = String::with_capacity(name.len());
-    for byte in name.bytes() {
-        if byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-') {
+    let device = is_device(name);
+    for (place, byte) in name.bytes().enumerate() {
+        let is_plain = byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-');
+        if is_plain && !(device && place == 0) {
             folder.push(char::from(byte));
         } else {
             let _ = write!(folder, "%{byte:02X}");
         }
     }
     folder
+}
+
+#[cfg(test)]
+mod tests {
+    use super::folder_of;
+
+    #[test]
+    fn no_type_chooses_its_folder() {
+        for (name, folder) in [
+            ("ATT", "ATT"),
+            ("..", "%2E%2E"),
+            ("a/b", "a%2Fb"),
+            ("NUL", "%4EUL"),
+            ("con", "%63on"),
+            ("Aux", "%41ux"),
+            ("COM1", "%43OM1"),
+            ("LPT9", "%4CPT9"),
+            ("COMX", "COMX"),
+            ("NUL.x", "%4EUL%2Ex"),
+            ("COM", "COM"),
+        ] {
+            assert_eq!(folder_of(name), folder);
+        }
+    }
 }

@@ -139,7 +139,7 @@ impl DataflashTables {
         compression: &str,
     ) -> PyResult<Converter> {
         let reader = py.detach(|| self.reader(&query)).map_err(columns_error)?;
-        Converter::new(reader, folder, file, format, compression)
+        Converter::new(reader, folder, file, format, compression, &query)
     }
 
     /// What is in the log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.

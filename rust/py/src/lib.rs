@@ -125,6 +125,8 @@ mod _native {
     #[pymodule_export]
     use crate::convert::{Converter, write_table};
     #[pymodule_export]
+    use crate::convert_output::is_device;
+    #[pymodule_export]
     use crate::dataflash::clock::MicrosClock;
     #[pymodule_export]
     use crate::dataflash::message::DFMessage;
