@@ -28,11 +28,13 @@ NEEDED = (
     "mavwire/bridge/inspector.html",
     "mavwire/plots/_assets/chart.js",
     "mavwire/dialects/v20/ardupilotmega.pyi",
+    "mavwire/dialects/v10/common.xml",
+    "mavwire/dialects/v20/common.xml",
 )
 NATIVE = re.compile(r"mavwire/_native(\.abi3\.so|\.pyd)")
 LICENCES = re.compile(r"[^/]+\.dist-info/licenses/LICENSE-(APACHE|MIT)")
 ALLOWED = re.compile(
-    r"mavwire/.+\.(pyi?|json|toml|js|css|html)|mavwire/py\.typed|[^/]+\.dist-info/.+"
+    r"mavwire/.+\.(pyi?|json|toml|js|css|html|xml)|mavwire/py\.typed|[^/]+\.dist-info/.+"
 )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
+from xml.etree import ElementTree
 
 import beside
 import pytest
@@ -208,3 +209,21 @@ def test_every_name_is_there(modules: tuple[ModuleType, ModuleType]) -> None:
     names = {name for name in vars(theirs) if not name.startswith("__")} - NOT_OURS
     assert names <= set(dir(ours))
     assert not {name for name in names if not hasattr(ours, name)}
+
+
+@pytest.mark.parametrize("version", ["v10", "v20"])
+def test_definitions_beside_the_modules(version: str) -> None:
+    """pymavlink's files are there, with the same messages and enums."""
+    ours, theirs = (
+        Path(importlib.import_module(f"{name}.dialects.{version}").__path__[0])
+        for name in ("mavwire", "pymavlink")
+    )
+    for path in theirs.glob("*.xml"):
+        roots = [ElementTree.parse(folder / path.name).getroot() for folder in (ours, theirs)]
+        for element in ("include", "enums/enum/entry", "messages/message/field"):
+            found = [
+                [(one.text if element == "include" else (one.get("name"), one.get("value"), one.get("type")))
+                 for one in root.iterfind(element)]
+                for root in roots
+            ]  # fmt: skip
+            assert found[0] == found[1], (path.name, element)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import mavwire
 import pytest
@@ -29,3 +30,20 @@ def test_importing_it_imports_no_module_of_it() -> None:
 def test_what_there_is_not_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="module 'mavwire' has no attribute 'fleets'"):
         mavwire.fleets  # noqa: B018
+
+
+@pytest.mark.parametrize("folder", ["v10", "v20"])
+def test_definitions_are_beside_the_dialects(folder: str) -> None:
+    """Programs look for them by the place of the package, as they do in pymavlink."""
+    source = Path(__file__).parents[3] / "message_definitions" / "v1.0"
+    program = (
+        "import mavwire; mavwire.install_as_pymavlink(); import os, pymavlink\n"
+        f"print(os.path.join(os.path.dirname(pymavlink.__file__), 'dialects', {folder!r}))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], check=True, capture_output=True, text=True
+    )
+    copies = {path.name: path.read_bytes() for path in Path(done.stdout.strip()).glob("*.xml")}
+    assert copies == {path.name: path.read_bytes() for path in source.glob("*.xml")}
+    dialects = {path.stem for path in Path(mavwire.__path__[0], "dialects", folder).glob("*.py")}
+    assert {Path(name).stem for name in copies} == dialects - {"__init__"}

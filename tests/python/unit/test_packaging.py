@@ -91,6 +91,10 @@ def test_the_source_distribution_builds(source_files: set[str]) -> None:
         assert not found - source_files
 
 
+def test_copies_of_definitions_are_left_to_the_build(source_files: set[str]) -> None:
+    assert not {name for name in source_files if name.startswith("python") and ".xml" in name}
+
+
 def test_nothing_else_is_in_the_source_distribution(source_files: set[str]) -> None:
     assert not {name for name in source_files if UNWANTED.search(name)}
 
