@@ -46,7 +46,7 @@ class AliasError(ImportError):
 
 def install_as_pymavlink() -> None:
     """Make ``import pymavlink`` and ``import pymavlink.x`` give mavwire, in this process, from now
-    on.
+    on, wherever another pymavlink is.
 
     Calling it again does nothing. Raises :class:`AliasError` where pymavlink was imported before:
     its classes and mavwire's would live side by side in one program.
@@ -62,8 +62,17 @@ def install_as_pymavlink() -> None:
                 "or start the program with: mavwire run",
                 name=foreign[0],
             )
+        _finder.steps_back = False
         if _finder not in sys.meta_path:
             sys.meta_path.insert(0, _finder)
+
+
+def install_for_environment() -> None:
+    """The same for a process that did not ask for it. A pymavlink in front of the installed packages
+    on ``sys.path`` stays: a source tree brings its own, and expects no other.
+    """
+    install_as_pymavlink()
+    _finder.steps_back = True
 
 
 def uninstall_as_pymavlink() -> None:
@@ -96,17 +105,39 @@ def _real_name(name: str) -> str:
     return _REAL + name[len(_ALIAS) :]
 
 
+def _another_comes_first() -> bool:
+    """Whether a pymavlink is on ``sys.path`` in front of the installed packages."""
+    import os
+    import site
+    from importlib.machinery import PathFinder
+
+    folders = [*site.getsitepackages(), site.getusersitepackages()]
+    installed = {os.path.normcase(os.path.abspath(folder)) for folder in folders}
+    front = []
+    for entry in sys.path:
+        if os.path.normcase(os.path.abspath(entry)) in installed:
+            break
+        front.append(entry)
+    spec = PathFinder.find_spec(_ALIAS, front)
+    return spec is not None and spec.origin is not None  # a folder without __init__.py has none
+
+
 class _Finder:
     """Answers ``pymavlink`` and below; other imports cost one comparison."""
+
+    steps_back = False
 
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         if name == _ALIAS:
-            return _package_spec()
-        if name.startswith(_ALIAS + "."):
+            return None if self._has_to_step_back() else _package_spec()
+        if name.startswith(_ALIAS + ".") and (_ALIAS not in sys.modules or _is_ours(_ALIAS)):
             return _module_spec(name)
         return None
+
+    def _has_to_step_back(self) -> bool:
+        return self.steps_back and _another_comes_first()
 
     def find_distributions(
         self, context: DistributionFinder.Context | None = None
@@ -115,7 +146,7 @@ class _Finder:
         as they are.
         """
         name = getattr(context, "name", None)
-        if isinstance(name, str) and name.lower() == _ALIAS:
+        if isinstance(name, str) and name.lower() == _ALIAS and not self._has_to_step_back():
             from mavwire._alias_metadata import AliasDistribution
 
             yield AliasDistribution(COMPATIBLE_VERSION)

@@ -9,6 +9,14 @@ from importlib.metadata import Distribution, DistributionFinder, MetadataPathFin
 from pathlib import Path
 
 
+def installed_folder() -> Path | None:
+    """Where the packages of an installed pymavlink are, whatever the alias says; None without one."""
+    context = DistributionFinder.Context(name="pymavlink")
+    for installed in MetadataPathFinder.find_distributions(context):
+        return Path(str(installed.locate_file("")))
+    return None
+
+
 class AliasDistribution(Distribution):
     """``pymavlink`` as a distribution without files."""
 
@@ -26,7 +34,4 @@ class AliasDistribution(Distribution):
         """Where the file would be: in an installed pymavlink, else beside mavwire, where there is
         none.
         """
-        context = DistributionFinder.Context(name="pymavlink")
-        for installed in MetadataPathFinder.find_distributions(context):
-            return Path(str(installed.locate_file(path)))
-        return Path(__file__).parent.parent / path
+        return (installed_folder() or Path(__file__).parent.parent) / path

@@ -25,7 +25,7 @@ PTH_NAME = "zz_mavwire_alias.pth"
 # One line, or site.py would not run it. Whatever goes wrong here would be reported at every start
 # of Python, also long after mavwire has gone: so it is silent, and --status finds out.
 PTH_LINE = (
-    'import sys; exec("try:\\n from mavwire._alias import install_as_pymavlink as _install'
+    'import sys; exec("try:\\n from mavwire._alias import install_for_environment as _install'
     '\\n _install()\\nexcept Exception:\\n pass", {})\n'
 )
 
@@ -101,7 +101,9 @@ def status(folder: str) -> int:
         print("not enabled")
     what = _what_pymavlink_is()
     print(_describe(what))
-    if enabled and what != "mavwire":
+    if enabled and what.startswith("pymavlink"):
+        print("this one comes first on sys.path: PYTHONPATH names its folder")
+    elif enabled and what != "mavwire":
         print(
             "the file has no effect: can this interpreter import mavwire, "
             "and does it read its site-packages?"

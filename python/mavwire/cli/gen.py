@@ -24,7 +24,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         dest="language",
         choices=mavgen.supportedLanguages,
         default=mavgen.DEFAULT_LANGUAGE,
-        help="language of generated code; mavwire writes Python [default: %(default)s]",
+        help="language of generated code; others than Python need pymavlink installed [default: %(default)s]",
     )
     parser.add_argument(
         "--wire-protocol",

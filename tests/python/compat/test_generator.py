@@ -392,3 +392,34 @@ def test_templates() -> None:
     pairs = [(a, b) for a, b in zip(ours, theirs, strict=True) if b[:1] != ["IndexError"]]
     assert len(pairs) > 2900
     assert [a for a, _ in pairs] == [b for _, b in pairs]
+
+
+@pytest.mark.parametrize("language", ["C", "C++11", "Java", "WLua"])
+def test_other_languages(language: str, tmp_path: Path) -> None:
+    """An installed pymavlink generates them, in a process of its own."""
+    (tmp_path / "a.xml").write_text(
+        '<mavlink><enums></enums><messages><message id="1" name="A"><description>d</description>'
+        '<field type="uint8_t" name="x">x</field></message></messages></mavlink>'
+    )
+    program = f"""
+import pathlib, sys
+mavgen = __import__(sys.argv[1] + ".generator.mavgen", fromlist=["mavgen"])
+opts = mavgen.Opts("out", wire_protocol="2.0", language={language!r})
+print(mavgen.mavgen(opts, [pathlib.Path("../a.xml")]))
+assert "pymavlink" not in sys.modules or sys.argv[1] == "pymavlink"
+"""
+    printed = {}
+    for package in ("mavwire", "pymavlink"):
+        (tmp_path / package).mkdir()
+        printed[package] = run(program, package, cwd=tmp_path / package)
+    assert printed["mavwire"] == printed["pymavlink"]
+    ours, theirs = (
+        {
+            path.relative_to(tmp_path / package): path.read_bytes()
+            for path in (tmp_path / package).rglob("*")
+            if path.is_file()
+        }
+        for package in printed
+    )
+    assert ours == theirs
+    assert ours

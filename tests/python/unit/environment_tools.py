@@ -23,12 +23,12 @@ class Environment:
         self.mavwire_pth.write_text(PACKAGE_FOLDER)
         self.alias_pth = self.site_packages / "zz_mavwire_alias.pth"
 
-    def run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+    def run(self, *arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
         clean = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
         return subprocess.run(
             [self.python, *arguments],
-            capture_output=True, text=True, env=clean, timeout=60, check=False,
+            capture_output=True, text=True, env=clean | variables, timeout=60, check=False,
         )  # fmt: skip
 
-    def alias(self, action: str) -> subprocess.CompletedProcess[str]:
-        return self.run("-m", "mavwire", "alias", action)
+    def alias(self, action: str, **variables: str) -> subprocess.CompletedProcess[str]:
+        return self.run("-m", "mavwire", "alias", action, **variables)

@@ -52,6 +52,63 @@ def test_installed_pymavlink_returns_after_disable(environment: Environment) -> 
     assert "gives pymavlink 9.9 from" in environment.alias("--disable").stdout
 
 
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    """A source tree with a pymavlink of its own, and a script beside it."""
+    package = tmp_path / "tree" / "pymavlink"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text(FAKE_PYMAVLINK)
+    (package / "own.py").write_text("")
+    (package.parent / "show.py").write_text(SHOW)
+    return package.parent
+
+
+def test_a_pymavlink_in_front_of_the_installed_one_stays(
+    environment: Environment, tree: Path
+) -> None:
+    (environment.site_packages / "pymavlink").mkdir()
+    (environment.site_packages / "pymavlink" / "__init__.py").write_text("__version__ = '1.1'")
+    environment.alias("--enable")
+    assert environment.run(str(tree / "show.py")).stdout == "9.9\n"
+    for position, version in ((0, "9.9"), (len(sys.path) + 9, "2.4.50")):
+        program = f"import sys; sys.path.insert({position}, {str(tree)!r}); {SHOW}"
+        assert environment.run("-c", program).stdout == f"{version}\n"
+    program = f"""
+import sys; sys.path.insert(0, {str(tree)!r})
+import importlib.util, pymavlink.own
+assert importlib.util.find_spec("pymavlink.mavutil") is None
+from importlib import metadata
+try:
+    print(metadata.version("pymavlink"))
+except metadata.PackageNotFoundError:
+    print("own alone")
+"""
+    done = environment.run("-c", program)
+    assert (done.stdout, done.stderr) == ("own alone\n", "")
+
+
+def test_a_folder_that_is_no_package_does_not_count(environment: Environment, tree: Path) -> None:
+    (tree / "pymavlink" / "__init__.py").unlink()
+    environment.alias("--enable")
+    assert environment.run(str(tree / "show.py")).stdout == "2.4.50\n"
+
+
+def test_a_program_that_asks_for_mavwire_gets_it(environment: Environment, tree: Path) -> None:
+    environment.alias("--enable")
+    asking = "import mavwire; mavwire.install_as_pymavlink()"
+    program = f"import sys; sys.path.insert(0, {str(tree)!r}); {asking}; {SHOW}"
+    assert environment.run("-c", program).stdout == "2.4.50\n"
+    assert environment.run("-m", "mavwire", "run", str(tree / "show.py")).stdout == "2.4.50\n"
+
+
+def test_status_names_the_pymavlink_that_comes_first(environment: Environment, tree: Path) -> None:
+    environment.alias("--enable")
+    status = environment.alias("--status", PYTHONPATH=str(tree))
+    assert status.returncode == 1
+    assert f"gives pymavlink 9.9 from {tree}" in status.stdout
+    assert "this one comes first on sys.path" in status.stdout
+
+
 def test_silent_after_mavwire_was_uninstalled(environment: Environment) -> None:
     environment.alias("--enable")
     environment.mavwire_pth.unlink()

@@ -1,0 +1,37 @@
+"""Languages other than Python: an installed pymavlink generates them, in a process of its own.
+
+Nothing of it is imported here: it is under another licence, and under the alias its name is ours.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+_PROGRAM = """
+import json, sys
+folder, options, files = json.loads(sys.argv[1])
+alias = sys.modules.get("mavwire._alias")
+if alias is not None:
+    alias.uninstall_as_pymavlink()
+sys.path.insert(0, folder)
+from pymavlink.generator import mavgen
+sys.exit(not mavgen.mavgen(mavgen.Opts(**options), files))
+"""
+
+
+def generate(folder: Path, options: dict[str, Any], filenames: Sequence[str]) -> bool:
+    """Run the generator of the pymavlink in `folder`; what it prints is printed, whether it succeeded is
+    returned.
+    """
+    task = json.dumps([str(folder), options, list(filenames)])
+    # -P: the current folder may hold a module of the name of one that pymavlink imports.
+    command = [sys.executable, "-P", "-c", _PROGRAM, task]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    print(done.stdout, end="")
+    print(done.stderr, end="", file=sys.stderr)
+    return done.returncode == 0
