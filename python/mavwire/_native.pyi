@@ -23,6 +23,7 @@ from mavwire._stubs.columns import (
     decompress,
     draft_stem,
     empty_table,
+    is_stamped,
     log_head,
     log_summary,
     plain_head,
@@ -84,6 +85,7 @@ __all__ = [
     "Section",
     "SequenceGaps",
     "Signing",
+    "StatusTexts",
     "StreamWriter",
     "SystemState",
     "TlsPort",
@@ -104,6 +106,7 @@ __all__ = [
     "forget_states",
     "hang_up",
     "instance_dict",
+    "is_stamped",
     "log_head",
     "log_summary",
     "message_class",
@@ -386,6 +389,19 @@ class Message:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
+class StatusTexts:
+    """Joins the parts of long STATUSTEXT messages."""
+
+    def __new__(cls) -> StatusTexts: ...
+    def hear(self, message: Message) -> list[tuple[Message, bytes]]:
+        """The texts that end with a message that was received: `(first message, text)`.
+
+        None for the start of a longer one, and for a message that is no STATUSTEXT.
+        """
+
+    def finish(self) -> list[tuple[Message, bytes]]:
+        """Gives up the texts that are incomplete."""
+
 class SequenceGaps:
     """Counts messages and the gaps before them, of each component, or of its types apart."""
 

@@ -19,6 +19,7 @@ __all__ = [
     "decompress",
     "draft_stem",
     "empty_table",
+    "is_stamped",
     "log_head",
     "log_summary",
     "write_table",

@@ -64,8 +64,8 @@ class Json:
     def __init__(self, args: Namespace) -> None:
         self._show_source = args.show_source
 
-    def line(self, msg: Any) -> str:
-        """The message without a newline."""
+    def line(self, msg: Any, text: bytes | None = None) -> str:
+        """The message without a newline; `text` stands in the place of a part of it."""
         meta: dict[str, Any] = {"type": msg.get_type(), "timestamp": msg._timestamp}
         if self._show_source:
             meta["srcSystem"] = msg.get_srcSystem()
@@ -73,6 +73,8 @@ class Json:
         data = {field: shown(field, value) for field, value in msg.to_dict().items()}
         if data.pop("mavpackettype") == f"UNKNOWN_{SETUP_SIGNING}":
             data["data"] = recordable(bytes(data["data"]))
+        if text is not None:
+            data["text"] = text.decode("ascii", "replace")
         return json.dumps({"meta": meta, "data": data}, default=_plain)
 
 

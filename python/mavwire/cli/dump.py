@@ -11,6 +11,7 @@ import os
 import sys
 from contextlib import ExitStack, contextmanager, redirect_stdout
 
+from mavwire._native import StatusTexts
 from mavwire._wording import is_terminal, shown_to
 from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection, unknown_types
@@ -247,6 +248,7 @@ def _dump_messages(args: Namespace, log: Reading, selection: Selection, sink: Si
         elif selection.passes(msg, kind):
             sink.record(msg)
             sink.show(msg)
+    sink.finish()
     if args.show_types:
         for kind in sorted(seen):
             sink.writer.line(kind)
@@ -275,6 +277,7 @@ class Sink:
         self._shows = not (args.show_types and args.format == "standard")
         self._loss: int | None = 0 if args.show_loss else None
         self._prompt = args.follow or writer.to_terminal
+        self._texts = StatusTexts() if args.format == "json" else None
 
     def record(self, msg: Any) -> None:
         """Append the message to the output file, if there is one."""
@@ -293,10 +296,21 @@ class Sink:
         if self._tables is not None:
             self._tables.add(msg)
             return
-        if self._shows:
+        if self._texts is not None and msg.get_type() == "STATUSTEXT" and self._stamped:
+            self._show_texts(self._texts.hear(msg))
+        elif self._shows:
             self.writer.line(self._shape.line(msg))
         if self._loss is not None and self._loss != self._log.mav_loss:
             self.writer.line(f"lost {self._log.mav_loss - self._loss} messages")
             self._loss = self._log.mav_loss
         if self._prompt:
             self.writer.flush()
+
+    def finish(self) -> None:
+        """Print the texts that have not come to their end."""
+        if self._texts is not None and not self._silent:
+            self._show_texts(self._texts.finish())
+
+    def _show_texts(self, texts: list[tuple[Any, bytes]]) -> None:
+        for first, text in texts:
+            self.writer.line(self._shape.line(first, text))

@@ -7,12 +7,13 @@ use std::vec::IntoIter;
 use mavwire_core::frame::Header;
 use mavwire_core::log::tlog::Located;
 use mavwire_core::registry::Registry;
+use mavwire_core::telemetry::TextFields;
 use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::gather::{NO_TIME, PAYLOAD, Rows};
 use crate::layout::{Layout, Options, names_len};
-use crate::piece::{Chosen, PIECE, Piece, portions};
+use crate::piece::{Chosen, PIECE, Piece, Side, portions};
 use crate::reader::{Batch, Limits};
 use crate::scan::{Framing, Scanned};
 use crate::select::Wanted;
@@ -80,7 +81,8 @@ impl Decoder {
         let Self { registry, framing, options, tables, pieces, .. } = self;
         let new = |index| {
             let layout = Layout::new(registry, index as u16, *framing, options);
-            TableBuilder::new(Arc::new(layout))
+            let fields = TextFields::of(registry.message(index as u16));
+            TableBuilder::new(Arc::new(layout)).with_long_texts(fields)
         };
         tables.append(pieces, done, new, append);
         tables.complete()
@@ -125,7 +127,7 @@ fn fill(row: &mut [u8], frame: &[u8]) {
 
 /// Appends the records of a type in a piece to its table.
 fn append(table: &mut TableBuilder, index: usize, piece: &Piece) {
-    for side in piece.of(index).groups(GROUP) {
-        table.append(&Rows { times: side.times, bytes: side.bytes, stride: side.stride });
+    for Side { times, bytes, stride, .. } in piece.of(index).groups(GROUP) {
+        table.append(&Rows { times, bytes, stride, texts: &[] });
     }
 }

@@ -20,6 +20,8 @@ pub struct Rows<'a> {
     pub bytes: &'a [u8],
     /// Bytes of a record.
     pub stride: usize,
+    /// The texts of the records, where these are longer than their fields; else empty.
+    pub texts: &'a [Vec<u8>],
 }
 
 /// A row without a time.
@@ -138,6 +140,9 @@ pub(crate) fn gather_scaled(values: &mut Vec<f64>, rows: &Rows<'_>, source: &Sou
 
 /// The bytes of a text field in each row, without trailing NULs.
 pub(crate) fn each_text(rows: &Rows<'_>, source: &Source, mut take: impl FnMut(&[u8])) {
+    if !rows.texts.is_empty() {
+        return rows.texts.iter().for_each(|text| take(text));
+    }
     let rows = rows.bytes.chunks_exact(rows.stride).map(|row| &row[PAYLOAD..]);
     match source {
         Source::Text(field) | Source::RawText(field) | Source::LogText(field) => {

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use arrow::array::RecordBatch;
 use arrow::error::ArrowError;
+use mavwire_core::telemetry::{StatusTexts, TextFields};
 
 use crate::column::Growing;
-use crate::gather::Rows;
+use crate::gather::{PAYLOAD, Rows};
 use crate::layout::{Layout, Source};
 
 /// Records that the gathers of all columns go over before the next ones: what stays in the first cache.
@@ -35,6 +36,17 @@ pub struct TableBuilder {
     room: usize,
     /// Rows that room was asked for last.
     recent: usize,
+    long_texts: Option<LongTexts>,
+}
+
+/// A row with its time and text.
+type TextRow = (i64, Vec<u8>);
+
+/// The parts of texts that are longer than a message, until they are complete.
+#[derive(Debug)]
+struct LongTexts {
+    fields: TextFields,
+    texts: StatusTexts<TextRow>,
 }
 
 impl TableBuilder {
@@ -42,7 +54,15 @@ impl TableBuilder {
     pub fn new(layout: Arc<Layout>) -> Self {
         let stamped = layout.framing.lead() > 0;
         let columns = layout.columns.iter().map(|column| Growing::new(column, stamped)).collect();
-        Self { layout, columns, rows: 0, room: 0, recent: 0 }
+        Self { layout, columns, rows: 0, room: 0, recent: 0, long_texts: None }
+    }
+
+    /// Makes one row of the parts of a text.
+    #[must_use]
+    pub(crate) fn with_long_texts(mut self, fields: Option<TextFields>) -> Self {
+        let long_texts = |fields| LongTexts { fields, texts: StatusTexts::default() };
+        self.long_texts = fields.map(long_texts);
+        self
     }
 
     /// Its columns.
@@ -87,6 +107,42 @@ impl TableBuilder {
 
     /// Appends records that are laid side by side.
     pub(crate) fn append(&mut self, rows: &Rows<'_>) {
+        match self.long_texts.take() {
+            None => self.append_whole(rows),
+            Some(mut long) => {
+                self.append_joined(rows, &mut long);
+                self.long_texts = Some(long);
+            }
+        }
+    }
+
+    /// The same where some records have parts of texts: a row for each text, when it is complete.
+    fn append_joined(&mut self, rows: &Rows<'_>, long: &mut LongTexts) {
+        for (row, &time) in rows.bytes.chunks_exact(rows.stride).zip(rows.times) {
+            let Some(chunk) = long.fields.chunk(&row[PAYLOAD..]) else {
+                let (times, bytes, stride) = (&[time][..], row, rows.stride);
+                self.append_whole(&Rows { times, bytes, stride, texts: &[] });
+                continue;
+            };
+            let found = long.texts.hear((row[0], row[1]), chunk, || (time, row.to_vec()));
+            self.append_texts_of(found);
+        }
+    }
+
+    fn append_texts_of(&mut self, found: Vec<(TextRow, Vec<u8>)>) {
+        for ((time, row), text) in found {
+            let (times, bytes, stride) = (&[time][..], &row[..], row.len());
+            self.append_whole(&Rows { times, bytes, stride, texts: &[text] });
+        }
+    }
+
+    /// Appends what is left at the end of the log.
+    pub(crate) fn finish(&mut self) {
+        let left = self.long_texts.as_mut().map(|long| long.texts.finish());
+        self.append_texts_of(left.unwrap_or_default());
+    }
+
+    fn append_whole(&mut self, rows: &Rows<'_>) {
         for (growing, column) in self.columns.iter_mut().zip(&self.layout.columns) {
             growing.append(rows, &column.source);
         }
@@ -157,7 +213,7 @@ mod tests {
         let expected = Expected { growth: 1e6, ahead: 800, rows: 65_536, bytes: 1 << 30 };
         table.reserve(20, &expected);
         assert_eq!(table.room, 100);
-        table.append(&Rows { times: &[0; 20], bytes: &[], stride: 1 });
+        table.append(&Rows { times: &[0; 20], bytes: &[], stride: 1, texts: &[] });
         table.reserve(100, &expected);
         assert_eq!(table.room, 150);
     }
@@ -172,7 +228,7 @@ mod tests {
         let expected = Expected { growth: 1.0, ahead: usize::MAX, rows: 70, bytes: usize::MAX };
         for _ in 0..6 {
             table.reserve(20, &expected);
-            table.append(&Rows { times: &[0; 20], bytes: &[], stride: 1 });
+            table.append(&Rows { times: &[0; 20], bytes: &[], stride: 1, texts: &[] });
             full.push(table.is_full(70));
             if table.is_full(70) {
                 assert_eq!(table.take().expect("rows").num_rows(), 60);

@@ -2,10 +2,12 @@
 
 mod boot_clocks;
 mod boot_time;
+mod status_texts;
 mod steady_time;
 mod stream_clock;
 
 pub use boot_clocks::BootClocks;
 pub use boot_time::BootTimes;
+pub use status_texts::{Chunk, MOST_OPEN, StatusTexts, TextFields};
 pub use steady_time::SteadyTime;
 pub use stream_clock::StreamClock;

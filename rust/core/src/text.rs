@@ -63,7 +63,11 @@ pub fn write_field_json(out: &mut String, field: &Field, payload: &[u8]) {
 
 /// Appends the text of a `char` or `char[n]` field.
 pub fn write_char_text(out: &mut String, field: &Field, payload: &[u8]) {
-    let bytes = field_bytes(field, payload);
+    write_bytes_text(out, field_bytes(field, payload));
+}
+
+/// Appends bytes up to the first NUL as a text.
+pub fn write_bytes_text(out: &mut String, bytes: &[u8]) {
     let bytes = &bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())];
     match std::str::from_utf8(bytes) {
         Ok(text) if text.is_ascii() => out.push_str(text),

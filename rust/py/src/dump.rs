@@ -10,12 +10,14 @@ use std::sync::Arc;
 
 use mavwire_core::frame::Header;
 use mavwire_core::registry::Registry;
+use mavwire_core::telemetry::{StatusTexts, TextFields};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::calling::Calling;
 use crate::dump_line::{Column, Item, Labels, Line, Style, write_line};
+use crate::frame_bytes::FrameBytes;
 use crate::lists::list;
 use crate::log::LogLink;
 use crate::message::payload_of;
@@ -76,6 +78,14 @@ struct Types {
     registry: Arc<Registry>,
     style: Style,
     labels: Vec<OnceCell<Labels>>,
+    /// The message whose texts are joined.
+    text: Option<(u16, TextFields)>,
+}
+
+/// The message with the first part of a text.
+struct FirstPart {
+    frame: FrameBytes,
+    time: f64,
 }
 
 struct Dump<'a, 'py> {
@@ -83,6 +93,7 @@ struct Dump<'a, 'py> {
     options: Options<'py>,
     types: Rc<Types>,
     wanted: Wanted,
+    texts: StatusTexts<FirstPart>,
     lines: String,
     records: Vec<u8>,
     /// Whole seconds and their text, of the message before.
@@ -102,6 +113,8 @@ pub(crate) fn dump_log<'py>(
 ) -> PyResult<()> {
     let mut dump = Dump::new(log, options.extract()?)?;
     let result = dump.run();
+    let left = dump.texts.finish();
+    dump.write_texts(left);
     dump.flush()?;
     result
 }
@@ -111,7 +124,8 @@ impl Types {
         let message = self.registry.message(index);
         let cell = &self.labels[usize::from(index)];
         let labels = cell.get_or_init(|| Labels::new(&self.style, message));
-        Item::Known { index, message, labels, payload: payload_of(frame), header }
+        let (payload, text) = (payload_of(frame), None);
+        Item::Known { index, message, labels, payload, header, text }
     }
 }
 
@@ -126,11 +140,15 @@ impl<'a, 'py> Dump<'a, 'py> {
         let count = registry.dialect().messages.len();
         let style = style(&options, &registry)?;
         let labels = (0..count).map(|_| OnceCell::new()).collect();
+        let messages = (0..).zip(&registry.dialect().messages);
+        let mut text = messages.filter_map(|(index, one)| Some((index, TextFields::of(one)?)));
+        let text = text.next().filter(|_| matches!(style, Style::Json { .. }));
         Ok(Self {
             log,
             options,
-            types: Rc::new(Types { registry, style, labels }),
+            types: Rc::new(Types { registry, style, labels, text }),
             wanted: Wanted { known: vec![None; count], unknown: HashMap::new(), bad: None },
+            texts: StatusTexts::default(),
             lines: String::with_capacity(CHUNK + CHUNK / 4),
             records: Vec::new(),
             clock: (u64::MAX, String::new()),
@@ -181,6 +199,9 @@ impl<'a, 'py> Dump<'a, 'py> {
             return Ok(false);
         };
         if is_wanted {
+            if types.text.as_ref().is_some_and(|(index, _)| *index == record.index) {
+                return Ok(false);
+            }
             if types.style.shows_clock() && record.time as u64 != self.clock.0 {
                 return Ok(false);
             }
@@ -240,6 +261,16 @@ impl<'a, 'py> Dump<'a, 'py> {
             self.records.extend_from_slice(&micros.to_be_bytes());
             self.records.extend_from_slice(frame);
         }
+        if let Some((index, fields)) = &types.text
+            && let Item::Known { index: known, payload, header, .. } = &item
+            && known == index
+            && let Some(chunk) = fields.chunk(payload)
+        {
+            let first = || FirstPart { frame: frame.clone(), time: found.time };
+            let done = self.texts.hear((header.sysid, header.compid), chunk, first);
+            self.write_texts(done);
+            return Ok(());
+        }
         self.set_clock(found.time)?;
         let line = Line { time: found.time, clock: &self.clock.1, item: &item };
         write_line(&mut self.lines, &types.style, &line);
@@ -247,6 +278,22 @@ impl<'a, 'py> Dump<'a, 'py> {
             self.flush()?;
         }
         Ok(())
+    }
+
+    /// Writes lines of texts that were sent in parts.
+    fn write_texts(&mut self, texts: Vec<(FirstPart, Vec<u8>)>) {
+        let types = self.types.clone();
+        for (FirstPart { frame, time }, joined) in texts {
+            if let Some((index, _)) = types.text
+                && let Some(header) = Header::parse(&frame)
+                && let Item::Known { message, labels, payload, .. } =
+                    types.known(index, &frame, header)
+            {
+                let text = Some(&joined[..]);
+                let item = Item::Known { index, message, labels, payload, header, text };
+                write_line(&mut self.lines, &types.style, &Line { time, clock: "", item: &item });
+            }
+        }
     }
 
     fn is_wanted(&mut self, item: &Item<'_>) -> PyResult<bool> {

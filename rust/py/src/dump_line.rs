@@ -18,6 +18,8 @@ pub(crate) enum Item<'a> {
         labels: &'a Labels,
         payload: &'a [u8],
         header: Header,
+        /// Of several messages, in the place of this one's.
+        text: Option<&'a [u8]>,
     },
     Unknown {
         msgid: u32,
@@ -176,8 +178,20 @@ fn write_json(out: &mut String, line: &Line<'_>, show_source: bool) {
     }
     out.push_str("}, \"data\": {");
     match line.item {
-        Item::Known { message, labels, payload, .. } => {
+        Item::Known { message, labels, payload, text: None, .. } => {
             labels.write(out, message, payload, text::write_field_json);
+        }
+        Item::Known { message, labels, payload, text: Some(joined), .. } => {
+            for (field, label) in message.fields.iter().zip(&labels.fields) {
+                out.push_str(label);
+                if field.is_char() {
+                    let mut shown = String::new();
+                    text::write_bytes_text(&mut shown, joined);
+                    text::write_json_string(out, &shown);
+                } else {
+                    text::write_field_json(out, field, payload);
+                }
+            }
         }
         Item::Unknown { msgid, frame } => write_json_bytes(out, &unkeyed(frame, *msgid)),
         Item::Bad { frame, reason } => {

@@ -87,6 +87,7 @@ mod shared;
 mod signing;
 mod slot;
 mod source;
+mod status_texts;
 mod stream_queue;
 mod stream_writer;
 mod system;
@@ -188,6 +189,8 @@ mod _native {
     use crate::sequence_gaps::SequenceGaps;
     #[pymodule_export]
     use crate::signing::Signing;
+    #[pymodule_export]
+    use crate::status_texts::StatusTexts;
     #[pymodule_export]
     use crate::stream_writer::StreamWriter;
     #[pymodule_export]

@@ -246,7 +246,7 @@ fn append_records(table: &mut TableBuilder, layout: &TableLayout, side: Side<'_>
         let Some(of_layout) = layout.places.get(&same.kinds[0]) else { continue };
         let sources: Vec<Option<&Source>> = of_layout.sources().collect();
         for Side { times, bytes, stride, .. } in same.groups(GROUP) {
-            table.append_from(&Rows { times, bytes, stride }, &sources);
+            table.append_from(&Rows { times, bytes, stride, texts: &[] }, &sources);
         }
     }
 }

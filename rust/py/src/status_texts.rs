@@ -1,0 +1,50 @@
+//! `StatusTexts`: the texts of STATUSTEXT messages, those of several messages joined. See `mavwire_core::telemetry`.
+
+use mavwire_core::telemetry::{StatusTexts as Texts, TextFields};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::lock::Lock;
+use crate::message::Message;
+
+/// A message and the text that begins with it.
+type Text<'py> = (Py<Message>, Bound<'py, PyBytes>);
+
+/// Joins the parts of long texts.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct StatusTexts(Lock<Texts<Py<Message>>>);
+
+#[pymethods]
+impl StatusTexts {
+    #[new]
+    fn new() -> Self {
+        Self(Lock::new(Texts::default()))
+    }
+
+    /// The texts that end with a message that was received: `(first message, text)`. None for the start of a longer one,
+    /// and for a message that is no STATUSTEXT.
+    fn hear<'py>(&self, message: &Bound<'py, Message>) -> Vec<Text<'py>> {
+        let (py, this) = (message.py(), message.get());
+        let fields = this.info.and_then(|info| TextFields::of(&info.definition));
+        let (Some(fields), Some(header), Some(payload)) =
+            (fields, this.header(), this.quick_payload())
+        else {
+            return Vec::new();
+        };
+        let own = || message.clone().unbind();
+        let found = match fields.chunk(payload) {
+            None => vec![(own(), fields.text(payload).to_vec())],
+            Some(chunk) => self.0.lock(py).hear((header.sysid, header.compid), chunk, own),
+        };
+        shown(py, found)
+    }
+
+    /// Gives up the texts that are incomplete.
+    fn finish<'py>(&self, py: Python<'py>) -> Vec<Text<'py>> {
+        shown(py, self.0.lock(py).finish())
+    }
+}
+
+fn shown(py: Python<'_>, found: Vec<(Py<Message>, Vec<u8>)>) -> Vec<Text<'_>> {
+    found.into_iter().map(|(first, text)| (first, PyBytes::new(py, &text))).collect()
+}
