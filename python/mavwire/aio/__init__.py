@@ -9,6 +9,7 @@ from .connecting import Connecting, connect
 from .errors import CommandError, LinkClosedError, NoVehicleError, ParameterError
 from .link import Link
 from .stream import Newest, Stream
+from .texts import StatusText, Texts
 
 __all__ = [
     "CommandError",
@@ -18,6 +19,8 @@ __all__ = [
     "Newest",
     "NoVehicleError",
     "ParameterError",
+    "StatusText",
     "Stream",
+    "Texts",
     "connect",
 ]

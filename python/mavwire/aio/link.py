@@ -25,6 +25,7 @@ from .parameters import Parameters
 from .pump import Pump
 from .reconnect import Reconnecting
 from .stream import Newest, Stream, newer
+from .texts import Texts
 from .timestamps import AheadStore
 from .transports import transport_of
 
@@ -110,6 +111,12 @@ class Link(Parameters):
         """The wanted messages from now on, to be iterated over with `async for`."""
         wants = message_filter(self.sync, type, condition, sysid, compid)
         return Stream(self._feed.reader(wants, None, condition is not None))
+
+    def texts(self, *, sysid: int | None = None, compid: int | None = None) -> Texts:
+        """The status texts from now on, to be iterated over with `async for`. A text that comes in
+        several messages is told once, whole.
+        """
+        return Texts(self.stream("STATUSTEXT", sysid=sysid, compid=compid))
 
     def _position(self) -> Position:
         """Where the calling task stopped receiving; the end of the feed if it has not begun."""

@@ -216,6 +216,13 @@ class Bridge:
                 whole(name, value, 255)
         return self._running().latest(self._message_id(type), system, component)
 
+    def latest_text(self, system: int, component: int) -> str | None:
+        """The last status text of a component that is complete; several messages may have brought it.
+        None if none came.
+        """
+        text = self._running().latest_text(system, component)
+        return None if text is None else text.decode("utf-8", "replace")
+
     def frames(
         self,
         types: Iterable[str | int] | None = None,

@@ -91,13 +91,18 @@ class View:
         return {"name": kind.msgname, "fields": fields}
 
     def _fields(self, message: Any) -> list[list[Any]]:
-        """Value and meaning of each field."""
+        """Value and meaning of each field; of a status text that comes in parts, the whole text."""
         marks = self._bridge._native_dialect().invalid_fields(bytes(message.get_msgbuf()))
-        return [self._shown(message, name, marks.get(name)) for name in message.fieldnames]
+        values = {name: getattr(message, name) for name in message.fieldnames}
+        if message.get_type() == "STATUSTEXT":
+            sender = message.get_srcSystem(), message.get_srcComponent()
+            values["text"] = self._bridge.latest_text(*sender) or values["text"]
+        return [
+            self._shown(message, name, value, marks.get(name)) for name, value in values.items()
+        ]
 
-    def _shown(self, message: Any, name: str, marks: list[bool] | None) -> list[Any]:
+    def _shown(self, message: Any, name: str, value: Any, marks: list[bool] | None) -> list[Any]:
         """Value and meaning of a field; `marks` are its elements that stand for no value."""
-        value = getattr(message, name)
         if marks is None:
             return [plain(value), self._meaning(message, name, value)]
         if isinstance(value, list | tuple):

@@ -6,12 +6,13 @@ use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
 use mavwire_core::router::{Filter, Settings};
+use mavwire_core::telemetry::STATUSTEXT;
 use mavwire_link::bridge::{Bridge, BridgeError as Error, Kind, NO_SUCH_ADDRESS, Tap};
 use mavwire_link::wording::in_words;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::bridge_batch::FrameBatch;
 use crate::bridge_options::{LinkOption, RecordingOption, SettingsOption, seconds};
@@ -135,6 +136,18 @@ impl BridgeCore {
         let frame = FrameBytes::from(&latest.frame[..]);
         let time = latest.info.time as f64 / 1e6;
         self.dialect.get().stamped(py, latest.info.index, frame, time, 0).map(Some)
+    }
+
+    /// The last STATUSTEXT of a component that ended, whole; `None` if there was none.
+    fn latest_text<'py>(
+        &self,
+        py: Python<'py>,
+        sysid: u8,
+        compid: u8,
+    ) -> PyResult<Option<Bound<'py, PyBytes>>> {
+        let find = || Ok(self.bridge.hub()?.latest(STATUSTEXT, Some(sysid), Some(compid)));
+        let latest = py.detach(find).map_err(to_python)?;
+        Ok(latest.and_then(|latest| latest.text).map(|text| PyBytes::new(py, &text)))
     }
 
     /// The frames from now on, of some message ids and systems or of all.

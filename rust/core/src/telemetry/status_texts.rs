@@ -5,19 +5,23 @@
 //! * A text is given up, as far as it was heard, when its sender uses its `id` for another one or when [`MOST_OPEN`] newer
 //!   texts are open. It ends in `...` then.
 
-use mavwire_schema::{Field, Message};
+use mavwire_schema::Message;
 
-use crate::codec::{field_bytes, read};
+use crate::codec::read;
 
 /// Texts that may be incomplete at once.
 pub const MOST_OPEN: usize = 16;
 /// What stands for bytes that were not received.
 const MISSING: &[u8] = b"...";
 
+/// Message id of STATUSTEXT.
+pub const STATUSTEXT: u32 = 253;
+
 /// Where the fields are in a payload.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TextFields {
-    text: Field,
+    text: usize,
+    text_len: usize,
     id: usize,
     seq: usize,
 }
@@ -32,6 +36,9 @@ pub struct Chunk<'a> {
 }
 
 impl TextFields {
+    /// Of STATUSTEXT as MAVLink has it.
+    pub const STANDARD: Self = Self { text: 1, text_len: 50, id: 51, seq: 53 };
+
     /// Of STATUSTEXT in the definitions that have chunks; `None` for another message.
     pub fn of(message: &Message) -> Option<Self> {
         let field = |name: &str| message.fields.iter().find(|field| field.name == name);
@@ -39,12 +46,18 @@ impl TextFields {
         let fits = message.name == "STATUSTEXT"
             && text.is_char()
             && (id.wire_len(), seq.wire_len()) == (2, 1);
-        fits.then(|| Self { text: text.clone(), id: id.offset.into(), seq: seq.offset.into() })
+        fits.then(|| Self {
+            text: text.offset.into(),
+            text_len: text.wire_len(),
+            id: id.offset.into(),
+            seq: seq.offset.into(),
+        })
     }
 
     /// The text of a message.
     pub fn text<'a>(&self, payload: &'a [u8]) -> &'a [u8] {
-        let text = field_bytes(&self.text, payload);
+        let end = (self.text + self.text_len).min(payload.len());
+        let text = payload.get(self.text..end).unwrap_or_default();
         &text[..memchr::memchr(0, text).unwrap_or(text.len())]
     }
 
@@ -52,7 +65,7 @@ impl TextFields {
     pub fn chunk<'a>(&self, payload: &'a [u8]) -> Option<Chunk<'a>> {
         let id = u16::from_le_bytes(read(payload, self.id));
         let (text, seq) = (self.text(payload), read::<1>(payload, self.seq)[0]);
-        let is_last = text.len() < self.text.wire_len();
+        let is_last = text.len() < self.text_len;
         (id != 0).then_some(Chunk { id, seq, text, is_last })
     }
 }
@@ -148,7 +161,9 @@ mod tests {
     fn fields() -> TextFields {
         let dialect = builtin::dialect("common", V2).expect("it is built in");
         let mut found = dialect.messages.iter().filter_map(TextFields::of);
-        found.next().expect("STATUSTEXT")
+        let fields = found.next().expect("STATUSTEXT");
+        assert_eq!(fields, TextFields::STANDARD);
+        fields
     }
 
     fn payload(id: u16, seq: u8, text: &str) -> Vec<u8> {

@@ -4,8 +4,10 @@
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex};
 
+use mavwire_core::frame::Header;
 use mavwire_core::kind_hash::KindHash;
 use mavwire_core::router::Filter;
+use mavwire_core::telemetry::{STATUSTEXT, StatusTexts, TextFields};
 
 use super::frames::{FrameInfo, Frames};
 use super::home::{Home, lock};
@@ -23,6 +25,8 @@ pub struct Latest {
     pub info: FrameInfo,
     /// Its bytes.
     pub frame: Vec<u8>,
+    /// Of a STATUSTEXT, the last text that ended, which several messages may have brought.
+    pub text: Option<Vec<u8>>,
     /// Frames of its kind so far.
     count: u64,
     /// Frames that came before it: those of a round have the same time.
@@ -45,6 +49,8 @@ struct State {
     /// By [`key`].
     latest: HashMap<u64, Latest, KindHash>,
     count: u64,
+    /// Parts of texts, with their sender.
+    texts: StatusTexts<(u8, u8)>,
     taps: Vec<Arc<TapShared>>,
     link_names: HashMap<u32, String>,
     /// Removed links, oldest first.
@@ -64,6 +70,20 @@ fn forget_oldest(latest: &mut HashMap<u64, Latest, KindHash>) {
     let tenth = orders.len() / 10;
     let (_, &mut last, _) = orders.select_nth_unstable(tenth);
     latest.retain(|_, one| one.order > last);
+}
+
+/// The text that ends with a STATUSTEXT.
+fn text_of(texts: &mut StatusTexts<(u8, u8)>, frame: &[u8]) -> Option<Vec<u8>> {
+    let header = Header::parse(frame)?;
+    let payload = &frame.get(header.len()..)?.get(..usize::from(header.payload_len))?;
+    match TextFields::STANDARD.chunk(payload) {
+        None => Some(TextFields::STANDARD.text(payload).to_vec()),
+        Some(chunk) => {
+            let sender = (header.sysid, header.compid);
+            let ended = texts.hear(sender, chunk, || sender).into_iter();
+            ended.rev().find(|&(of, _)| of == sender).map(|(_, text)| text)
+        }
+    }
 }
 
 /// What event loop and program share.
@@ -90,8 +110,13 @@ impl Hub {
             state.count += 1;
             let order = state.count;
             let key = key(info.msgid, info.sysid, info.compid);
+            let text =
+                if info.msgid == STATUSTEXT { text_of(&mut state.texts, bytes) } else { None };
             if let Some(latest) = state.latest.get_mut(&key) {
                 (latest.info, latest.order) = (*info, order);
+                if text.is_some() {
+                    latest.text = text;
+                }
                 latest.count += 1;
                 latest.frame.clear();
                 latest.frame.extend_from_slice(bytes);
@@ -99,9 +124,8 @@ impl Hub {
                 if state.latest.len() >= MAX_LATEST {
                     forget_oldest(&mut state.latest); // someone makes up addresses
                 }
-                state
-                    .latest
-                    .insert(key, Latest { info: *info, frame: bytes.to_vec(), count: 1, order });
+                let frame = bytes.to_vec();
+                state.latest.insert(key, Latest { info: *info, frame, text, count: 1, order });
             }
         }
         state.taps.retain(|tap| !tap.is_closed());
