@@ -19,6 +19,7 @@ use mavwire_columns::summary::Summary;
 use mavwire_core::codec::{Number, number, text_bytes};
 use mavwire_core::frame::{FrameRef, Header};
 use mavwire_core::log::tlog::{FoundRecord, RecordScanner};
+use mavwire_core::telemetry::{BootTimes, StreamClock, TextFields};
 use mavwire_schema::Message;
 
 use crate::dialects::ALL;
@@ -37,6 +38,8 @@ const DATES: Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
 /// A record, as the way of messages has it.
 pub(crate) struct Record {
     pub(crate) time: u64,
+    /// It has a time: of a raw stream, once the clock is known.
+    is_timed: bool,
     pub(crate) header: Header,
     pub(crate) frame: Vec<u8>,
     /// Index of its message; `None` for an id that nobody knows.
@@ -57,13 +60,15 @@ pub(crate) fn one_by_one(bytes: &[u8], framing: Framing) -> (Vec<Record>, u64) {
     };
     let (mut records, mut bad, mut at) = (Vec::<Record>::new(), 0, 0);
     let (mut after_damage, mut said) = (false, 0);
+    let mut clock = StreamClock::new(BootTimes::of(ALL.dialect()));
     loop {
         match scanner.next(&bytes[at..], &ALL, true) {
             FoundRecord::Record { len, stamp, header, entry } => {
                 let frame =
                     FrameRef::parse(&bytes[at + framing.lead()..at + len]).expect("a frame");
                 let (stamp, mut time) = (stamp.micros(), stamp.micros());
-                if let Some(last) = records.last().filter(|_| after_damage)
+                if let Some(last) =
+                    records.last().filter(|_| after_damage && framing == Framing::Stamped)
                     && [last.time, said].iter().all(|one| stamp.abs_diff(*one) >= BELIEVED)
                     && (DATES.contains(&last.time) || !DATES.contains(&stamp))
                 {
@@ -71,7 +76,12 @@ pub(crate) fn one_by_one(bytes: &[u8], framing: Framing) -> (Vec<Record>, u64) {
                 }
                 (after_damage, said) = (false, stamp);
                 let (frame, index) = (frame.bytes().to_vec(), entry.map(|entry| entry.index));
-                records.push(Record { time, header, frame, index });
+                let now = clock.hear(index.unwrap_or(u16::MAX), &frame);
+                let is_timed = framing == Framing::Stamped || now.is_some();
+                if framing == Framing::Raw {
+                    time = now.unwrap_or(0);
+                }
+                records.push(Record { time, is_timed, header, frame, index });
                 at += len;
             }
             FoundRecord::Junk { len } => {
@@ -117,12 +127,15 @@ pub fn tables(data: &[u8]) {
     let (records, unused) = one_by_one(&bytes, framing);
     assert_eq!(bad, unused);
     let of = |index: u16| records.iter().filter(move |one| one.index == Some(index));
-    let known = records.iter().filter(|record| record.index.is_some()).count();
-    assert_eq!(found.values().map(RecordBatch::num_rows).sum::<usize>(), known);
-    for (&index, rows) in &found {
+    // Of which several records may make a row.
+    let is_text = |index: u16| TextFields::of(ALL.message(index)).is_some();
+    let known = records.iter().filter(|record| record.index.is_some_and(|one| !is_text(one)));
+    let tables = || found.iter().filter(|&(&index, _)| !is_text(index));
+    assert_eq!(tables().map(|(_, rows)| rows.num_rows()).sum::<usize>(), known.count());
+    for (&index, rows) in tables() {
         let records: Vec<&Record> = of(index).collect();
         assert_eq!(rows.num_rows(), records.len());
-        same_senders(rows, &records, framing);
+        same_senders(rows, &records);
         if !options.si && !options.enum_names {
             same_values(ALL.message(index), rows, &records);
         }
@@ -132,16 +145,12 @@ pub fn tables(data: &[u8]) {
     }
 }
 
-fn same_senders(rows: &RecordBatch, records: &[&Record], framing: Framing) {
+fn same_senders(rows: &RecordBatch, records: &[&Record]) {
     let times = rows.column(0).as_primitive::<TimestampMicrosecondType>();
     let ids = [1, 2, 3].map(|at| rows.column(at).as_primitive::<UInt8Type>());
-    for (row, Record { time, header, .. }) in records.iter().enumerate() {
-        match framing {
-            Framing::Raw => assert!(times.is_null(row)),
-            Framing::Stamped => {
-                assert_eq!(times.value(row), i64::try_from(*time).unwrap_or(i64::MAX));
-            }
-        }
+    for (row, Record { time, is_timed, header, .. }) in records.iter().enumerate() {
+        let time = is_timed.then(|| i64::try_from(*time).unwrap_or(i64::MAX));
+        assert_eq!(times.is_valid(row).then(|| times.value(row)), time);
         let sender = [header.sysid, header.compid, header.seq];
         assert_eq!(ids.map(|ids| ids.value(row)), sender);
     }
@@ -230,6 +239,8 @@ fn summarised(bytes: &[u8]) {
         let own = |one: &&Record| (one.header.sysid, one.header.compid) == (sysid, compid);
         assert_eq!(sender.count.messages, records.iter().filter(own).count() as u64);
         let repeated = sender.repeated;
-        assert!(repeated < sender.count.messages && sender.reboots < sender.count.messages);
+        assert!(
+            repeated < sender.count.messages && sender.clocks.reboots() < sender.count.messages
+        );
     }
 }

@@ -82,6 +82,10 @@ impl Work {
     /// Writes what was read, while more of the log is; false at its end.
     fn step(&mut self) -> Result<bool, Error> {
         let Self { reader, output, batches, .. } = self;
+        // Some of the batches of a raw stream may have times in all rows.
+        if matches!(output, Output::Mcap { .. }) && !batches.is_empty() && !reader.has_times() {
+            return Err(Error::NoTimes);
+        }
         let (written, read) = pool::both(|| output.write(batches), || reader.advance_a_while());
         written?;
         let written = std::mem::take(&mut self.batches);
