@@ -141,6 +141,10 @@ class LiveLink(Link):
     def _read_datagrams(self, own: tuple[Any, ...] | None = None) -> None:
         """From now on `port` may be read natively, as datagrams; those from `own` are left out."""
 
+    @property
+    def _has_read_ahead(self) -> bool:
+        """Something that was read ahead waits to be handed out, which the descriptor does not tell."""
+
     def _take_datagram(self) -> tuple[bytes, tuple[Any, ...]] | None:
         """A datagram that was read ahead, or the rest of one, with its sender."""
 

@@ -46,6 +46,10 @@ class ChunkedLink(LiveLink, mavfile):
 
     _recv_match_slowly = mavfile.recv_match
 
+    def select(self, timeout: float) -> bool:
+        """Whether data may be there within `timeout` seconds. What was read ahead counts."""
+        return self._has_read_ahead or super().select(timeout)
+
     def _recv_msg_slowly(self) -> Any:
         """What `recv_msg` does where it cannot be done natively."""
         self.pre_message()

@@ -285,6 +285,14 @@ impl LiveLink {
         self.source().peers.forgotten
     }
 
+    /// Something that was read ahead waits to be handed out, which the descriptor does not tell.
+    #[getter]
+    fn _has_read_ahead(slf: &Bound<'_, Self>) -> bool {
+        let state = slf.as_super().get().state();
+        let waits = |mav: &Py<crate::mavlink::MAVLink>| mav.get().parser().is_worth_a_look();
+        !slf.get().source().inbox.is_empty() || state.native_mav.as_ref().is_some_and(waits)
+    }
+
     /// A datagram that was read ahead, or the rest of one, with its sender; None if there is none.
     fn _take_datagram<'py>(
         slf: &Bound<'py, Self>,

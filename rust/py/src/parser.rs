@@ -184,6 +184,12 @@ impl Parser {
             &[byte] => self.buffer.push(byte),
             _ => self.buffer.extend_from_slice(bytes),
         }
+        self.is_worth_a_look()
+    }
+
+    /// Enough bytes wait for a frame, or for what is none, as far as was looked.
+    #[inline]
+    pub(crate) fn is_worth_a_look(&self) -> bool {
         self.buffer.len() - self.parsed >= self.awaited
     }
 

@@ -1,4 +1,4 @@
-"""Every public method of a log called at its start, in the middle of reading and at its end, twice in a
+"""Every public method of a log and of a link called at its start, in the middle of reading and at its end, twice in a
 row and again, beside pymavlink's.
 
 The names are those of the reference's objects. A method that needs arguments and has none in `ARGUMENTS`
@@ -11,6 +11,7 @@ import contextlib
 import importlib
 import inspect
 import io
+import socket
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -47,8 +48,8 @@ ARGUMENTS: dict[str, Any] = {
     "param": ("P1", 7),
     "param_fetch_one": ("X",),
     "param_set_send": ("X", 1),
-    "post_message": lambda log, _of: (log.mav.parse_char(heartbeat()),),
-    "probably_vehicle_heartbeat": lambda log, _of: (log.mav.parse_char(heartbeat()),),
+    "post_message": lambda log, _of: (type(log.mav)(None).parse_char(heartbeat()),),
+    "probably_vehicle_heartbeat": lambda log, _of: (type(log.mav)(None).parse_char(heartbeat()),),
     "recv": (10,),
     "scan_timestamp": ((T0 + 7).to_bytes(8, "big"),),
     "select": (0.01,),
@@ -83,21 +84,24 @@ DIFFERENT = {
     "init_clock": "`messages` right after opening",
     "init_clock_msec": "logs by TimeMS: GPS messages without `T`",
     "pre_message": "`pre_message` of a log, called twice",
-    "recv": "`recv` of a telemetry log",
+    "recv": "`recv` of a ",
     "scan_timestamp": "`scan_timestamp` before the first message",
     "skip_to_type": "`percent` and `remaining` after `skip_to_type`",
     "write": "`write` on a log opened to be read",
 }
+# They end or begin a connection, of which the page says more.
+CONNECTING = frozenset("do_connect handle_disconnect handle_eof reconnect".split())
 # An indexed telemetry log has methods of the same names that do not.
 ALIKE = {"mavmmaplog": ("init_arrays", "skip_to_type")}
 PAGE = Path(__file__).parents[3] / "docs" / "compatibility.md"
 
 
-def telemetry(folder: Path) -> None:
+def telemetry() -> list[bytes]:
+    """Frames of a flight, eight for each second of it."""
     mavlink = importlib.import_module("mavwire.dialects.v20.all")
-    records: list[bytes] = []
+    frames: list[bytes] = []
     for n in range(ROUNDS):
-        armed = 128 * (n // 3 % 2)
+        armed = 128 * (n % 2)
         for msg in (
             mavlink.MAVLink_heartbeat_message(2, 3, 81 + armed, (0, 5, 4, 9)[n // 5], 4, 3),
             mavlink.MAVLink_attitude_message(n, 0.5, 0, 0, 0, 0, 0),
@@ -108,15 +112,15 @@ def telemetry(folder: Path) -> None:
             mavlink.MAVLink_global_position_int_message(n, 473977418, 85455939, 1, 2, 1, 2, 3, 100),
             mavlink.MAVLink_battery_status_message(n % 2, 1, 0, 0, [65535] * 10, 5, 6, 7, 80),
         ):
-            at = len(records)
-            records.append(record(pack(msg, at % 256), T0 + at * 100_000))
-    (folder / "flight.tlog").write_bytes(b"".join(records))
+            frames.append(pack(msg, len(frames) % 256))
+    return frames
 
 
 @pytest.fixture(scope="module")
 def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("logs")
-    telemetry(folder)
+    records = (record(frame, T0 + at * 100_000) for at, frame in enumerate(telemetry()))
+    (folder / "flight.tlog").write_bytes(b"".join(records))
     flight(1).write(folder / "flight.bin")
     (folder / "flight.log").write_text(text_log(0), encoding="utf-8")
     rows = "".join(f"{n};{n * 2};{n % 3}\n" for n in range(ROUNDS))
@@ -143,9 +147,11 @@ def shown(value: Any) -> Any:
 
 # Seconds around now that count as now.
 NOW = 600
-# Attributes that are no values, or are the insides of the reader, or of which the order says nothing.
+# Attributes that are no values, name this very link, or are the insides of the reader, or of which the order says nothing.
 LEFT_OUT = frozenset(
-    "f filehandle data_map unpackers formats reader metadata indexes prev_type type_list".split()
+    "f filehandle data_map unpackers formats reader metadata indexes prev_type type_list "
+    "fd port address listen listen_addr clients clients_last_alive last_address destination_addr "
+    "resolved_destination_addr device".split()
 )
 UNORDERED = ("type_nums",)
 # Those of text logs that docs/compatibility.md lists.
@@ -155,20 +161,17 @@ OF_TEXT_LOGS = ("type_nums", "offset")
 class Script:
     """What one package answers, line by line."""
 
-    def __init__(self, package: str, kind: str, path: Path, attributes: list[str]) -> None:
+    attributes: list[str]
+
+    def __init__(self, package: str, kind: str, open_it: Callable[[Any], Any]) -> None:
         self.of: Callable[[str], Any] = lambda module: importlib.import_module(
             f"{package}.{module}"
         )
-        mavutil = self.of("mavutil")
+        mavutil: Any = self.of("mavutil")
         mavutil.set_dialect("all")
         mavutil.global_link_id = 0
         self.kind = kind
-        self.log = getattr(self.of(MODULES[kind[0]]), kind)(str(path))
-        self.attributes = attributes
-        if kind[0] == "m":
-            self.log.write = lambda data: None  # pymavlink's logs raise
-        else:
-            self.log.rewind()  # what `messages` shows right after opening differs
+        self.log = open_it(self.of)
         self.lines: list[Any] = []
 
     def state(self) -> dict[str, Any]:
@@ -202,6 +205,20 @@ class Script:
             if msg is None:
                 break
 
+    def close(self) -> None:
+        self.lines.append(self.state())
+        if hasattr(self.log, "close"):
+            self.log.close()
+
+
+class LogScript(Script):
+    def __init__(self, package: str, kind: str, path: Path) -> None:
+        super().__init__(package, kind, lambda of: getattr(of(MODULES[kind[0]]), kind)(str(path)))
+        if kind[0] == "m":
+            self.log.write = lambda data: None  # pymavlink's logs raise
+        else:
+            self.log.rewind()  # what `messages` shows right after opening differs
+
     def run(self, name: str) -> None:
         some = {"C": "CSV", "m": "ATTITUDE", "D": "IMU"}[self.kind[0]]
         self.call(name)
@@ -217,14 +234,75 @@ class Script:
             self.call(name)
             self.call(name)
         self.read(1000)
-        self.lines.append(self.state())
-        if hasattr(self.log, "close"):
-            self.log.close()
+        self.close()
 
 
-def names_of(kind: str, path: Path, oracle: str) -> tuple[list[str], list[str]]:
-    """Public methods of the reference's log of this kind, and its other public attributes."""
-    log = Script(oracle, kind, path, []).log
+class LinkScript(Script):
+    """A link to a vehicle that sends the flight."""
+
+    def __init__(self, package: str, kind: str, recorded: Path) -> None:
+        super().__init__(package, kind, lambda of: self.connect(of("mavutil")))
+        self.log.address = str(recorded)
+        self.frames = telemetry()
+
+    def connect(self, mavutil: Any) -> Any:
+        self.vehicle: socket.socket
+        if self.kind == "udpin":
+            link = mavutil.mavlink_connection("udpin:127.0.0.1:0")
+            self.vehicle = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self.vehicle.connect(link.port.getsockname())
+        elif self.kind == "udpout":
+            self.vehicle = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self.vehicle.bind(("127.0.0.1", 0))
+            port = self.vehicle.getsockname()[1]
+            link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}")
+            link.write(b"here")
+            self.vehicle.connect(self.vehicle.recvfrom(9)[1])
+        elif self.kind == "tcp":
+            with socket.create_server(("127.0.0.1", 0)) as server:
+                link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{server.getsockname()[1]}")
+                self.vehicle = server.accept()[0]
+        else:
+            link = mavutil.mavlink_connection("tcpin:127.0.0.1:0")
+            self.vehicle = socket.create_connection(link.listen.getsockname())
+            link.recv_msg()
+        return link
+
+    def fly(self, rounds: int) -> None:
+        for _ in range(8 * rounds):
+            self.vehicle.send(self.frames.pop(0))
+
+    def receive(self, most: int, timeout: float) -> None:
+        for _ in range(most):
+            msg = self.log.recv_match(blocking=True, timeout=timeout)
+            self.lines.append(shown(msg) and shown(msg)[:2])
+            if msg is None:
+                break
+
+    def run(self, name: str) -> None:
+        if name in WAITING:
+            self.fly(4)
+        self.call(name)
+        self.fly(8 if name in WAITING else 3)
+        self.receive(5, WAIT)
+        self.call(name)
+        self.call(name)
+        self.receive(1000, QUIET)
+        if name not in WAITING:
+            self.call(name)
+        self.fly(1)
+        self.receive(1000, QUIET)
+        self.close()
+        self.vehicle.close()
+
+
+# Seconds until a message must have come, and until no more will.
+WAIT, QUIET = 60.0, 0.03
+
+
+def names_of(script: Script) -> tuple[list[str], list[str]]:
+    """Public methods of the reference's log or link, and its other public attributes."""
+    log = script.log
     public = [name for name in dir(log) if not name.startswith("_")]
     methods = [name for name in public if inspect.isroutine(getattr(log, name))]
     for name in methods:
@@ -235,28 +313,54 @@ def names_of(kind: str, path: Path, oracle: str) -> tuple[list[str], list[str]]:
     return methods, attributes
 
 
-@pytest.mark.parametrize("kind", FLIGHT)
-def test_methods_of_a_log(
-    kind: str, logs: Path, subject: str, oracle: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("MAVLINK20", "1")
-    path = logs / FLIGHT[kind]
-    methods, attributes = names_of(kind, path, oracle)
+def differences(
+    make: Callable[[str], Any], subject: str, oracle: str, left_out: Callable[[str], bool]
+) -> dict[str, Any]:
+    """Method -> the first difference between the packages."""
+    methods, attributes = names_of(make(oracle))
     assert len(methods) > 5
     different = {}
     for name in methods:
-        if name in DIFFERENT and name not in ALIKE.get(kind, ()):
+        if left_out(name):
             continue
-        if kind == "mavmmaplog" and name in FILTER_STAYS:
-            continue
-        scripts = [Script(package, kind, path, attributes) for package in (subject, oracle)]
+        scripts = [make(package) for package in (subject, oracle)]
         for script in scripts:
+            script.attributes = attributes
             script.run(name)
         ours, theirs = (script.lines for script in scripts)
         first = next((pair for pair in zip(ours, theirs, strict=False) if pair[0] != pair[1]), None)
         if first or len(ours) != len(theirs):
             different[name] = first or (len(ours), len(theirs))
-    assert not different
+    return different
+
+
+@pytest.fixture(autouse=True)
+def _protocol(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MAVLINK20", "1")
+
+
+@pytest.mark.parametrize("kind", FLIGHT)
+def test_methods_of_a_log(kind: str, logs: Path, subject: str, oracle: str) -> None:
+    def left_out(name: str) -> bool:
+        if kind == "mavmmaplog" and name in FILTER_STAYS:
+            return True
+        return name in DIFFERENT and name not in ALIKE.get(kind, ())
+
+    def make(package: str) -> Script:
+        return LogScript(package, kind, logs / FLIGHT[kind])
+
+    assert not differences(make, subject, oracle, left_out)
+
+
+@pytest.mark.parametrize("kind", ["udpin", "udpout", "tcp", "tcpin"])
+def test_methods_of_a_link(kind: str, tmp_path: Path, subject: str, oracle: str) -> None:
+    def make(package: str) -> Script:
+        return LinkScript(package, kind, tmp_path / "link")
+
+    def left_out(name: str) -> bool:
+        return name in DIFFERENT or name in CONNECTING
+
+    assert not differences(make, subject, oracle, left_out)
 
 
 def test_differences_are_listed() -> None:
