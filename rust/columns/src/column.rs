@@ -124,7 +124,7 @@ impl Growing {
         match &self.invalid {
             None => self.valid.append_n_non_nulls(rows.times.len()),
             Some(invalid) => {
-                each_valid(rows, place, invalid, &mut self.valid, &mut self.valid_elements)
+                each_valid(rows, place, invalid, &mut self.valid, &mut self.valid_elements);
             }
         }
         match &mut self.values {

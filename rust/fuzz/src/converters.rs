@@ -48,7 +48,8 @@ pub fn converters(data: &[u8]) {
     let options = Options {
         si: flags & 1 != 0,
         enum_names: flags & 2 != 0,
-        ..Options::default()
+        null_invalid: flags & 8 != 0,
+        columns: None,
     };
     let limits = small_limits(&mut input);
     on_threads(flags & 4 != 0, || {
@@ -118,6 +119,7 @@ fn files(all: &[Batch], format: Format, compression: Compression) {
             Format::Parquet => parquet(file, &rows),
             Format::Arrow => arrow(file, &rows),
             Format::Csv => csv(&text(file), &rows),
+            Format::GuardedCsv => drop(text(file)),
             Format::JsonLines => json_lines(&text(file), &rows),
         }
     }

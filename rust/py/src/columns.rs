@@ -24,6 +24,7 @@ use crate::table::{RecordBatches, columns_error};
 
 /// What to read: the attributes of the object that `LogColumns` is given.
 #[derive(FromPyObject)]
+#[allow(clippy::struct_excessive_bools)] // they are the attributes of the object
 pub(crate) struct Query {
     /// Message ids; `None` for all.
     #[pyo3(from_py_with = optional_list)]

@@ -74,6 +74,7 @@ impl Invalid {
 
     /// Whether an element stands for no value. `field` begins with the bytes of the field on the wire.
     #[inline]
+    #[allow(clippy::float_cmp)] // the definition means this value and no other
     pub fn is_invalid(&self, field: &[u8], element: usize) -> bool {
         let (number, element) = match &self.marks {
             Marks::Each(number) => (*number, element),
