@@ -8,6 +8,7 @@ before the first value is used, so that a mistake at its end does not leave a ve
 from __future__ import annotations
 
 import fnmatch
+import sys
 from dataclasses import dataclass, field
 
 from mavwire._wording import printable
@@ -65,7 +66,13 @@ class ParameterFile:
     def show_loaded(self) -> None:
         """Print that, and how many values there are."""
         self.show_invalid()
-        print(self.why_empty() or f"Loaded {len(self.values)} parameters from {self.path}")
+        self.warn_if_empty()
+        print(f"Loaded {len(self.values)} parameters from {self.path}")
+
+    def warn_if_empty(self) -> None:
+        """Say on standard error that a file has no parameter."""
+        if why := self.why_empty():
+            print(printable(why), file=sys.stderr)
 
     def check_any(self) -> None:
         """Raise MAVParmFileError for a file without a single parameter."""

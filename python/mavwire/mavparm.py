@@ -95,7 +95,7 @@ class MAVParmDict(dict[str, Any]):
         use_excludes: bool = True,
     ) -> bool:
         """Read a parameter file; False, and a text on standard output, when it cannot be opened.
-        A text says, too, that a file has no parameter.
+        A text on standard error says that a file has no parameter.
 
         With a link `mav` the values that differ are set on the vehicle, and `check` leaves out
         those that it does not have. Raises MAVParmFileError for a value that is no number.
@@ -113,10 +113,8 @@ class MAVParmDict(dict[str, Any]):
             self.update(file.values)
             file.show_loaded()
             return True
-        if file.why_empty():
-            file.show_loaded()
-            return True
         file.show_invalid()
+        file.warn_if_empty()
         known = [self._upload(mav, name, value, check) for name, value in file.values]
         changed = sum(state == "changed" for state in known)
         count = len(known) - known.count("unknown")

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mavwire import mavparm, mavutil
+from mavwire import cli, mavparm, mavutil
 
 
 class Link:
@@ -97,3 +97,48 @@ def test_values_that_cannot_be_written_leave_the_old_file(tmp_path: Path) -> Non
     with pytest.raises(UnicodeEncodeError):
         parameters.save(str(path))
     assert path.read_bytes() == before
+
+
+QGC = """# Onboard parameters for Vehicle 1
+#
+# Stack: ArduPilot
+# Vehicle-Id Component-Id Name Value Type
+1\t1\tATC_RAT_YAW_FLTT\t20.000000000000000000\t9
+1\t1\tAUTO_OPTIONS\t3\t6
+1\t1\tFORMAT_VERSION\t13\t4
+1\t154\tAUTO_OPTIONS\t7\t6
+"""
+
+
+def test_files_of_qgroundcontrol_load_by_their_contents(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Those of the first component; what another one has is shown."""
+    parameters = mavparm.MAVParmDict()
+    assert parameters.load(file(tmp_path, QGC))
+    assert parameters == {"ATC_RAT_YAW_FLTT": 20.0, "AUTO_OPTIONS": 3.0}
+    said = capsys.readouterr()
+    assert "Invalid line: 1\t154\tAUTO_OPTIONS\t7\t6" in said.out and "Loaded 2 param" in said.out
+    link = Link()
+    assert parameters.load(file(tmp_path, "1,1,AUTO_OPTIONS,5,6\n"), mav=link)
+    assert link.values == {"AUTO_OPTIONS": 5.0}
+    with pytest.raises(mavparm.MAVParmFileError, match=":1: the value of A is no number: x"):
+        parameters.load(file(tmp_path, "1 1 A x 9\n"))
+
+
+@pytest.mark.parametrize("text", ["", "# comment\n", "no parameters in here\n", "1 1 A 2\n"])
+def test_a_file_without_a_parameter_is_called_so(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = file(tmp_path, text)
+    assert mavparm.MAVParmDict().load(name)
+    said = capsys.readouterr()
+    assert "Loaded 0 parameters from" in said.out and f"no parameter in {name}: a line" in said.err
+    good = tmp_path / "good.parm"
+    good.write_text("A 1\n")
+    for names in ([name, str(good)], [str(good), name]):
+        for command in ("parmdiff", "extract_parms"):
+            assert cli.main([command, *names]) == 1
+            assert f"no parameter in {name}" in capsys.readouterr().err
+    assert mavparm.MAVParmDict().load(str(good), wildcard="B*")
+    assert "no parameter" not in capsys.readouterr().err

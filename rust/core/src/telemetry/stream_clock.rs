@@ -1,6 +1,6 @@
 //! The time of frames that have no time stamp: the one rule for raw streams.
 //!
-//! * The time is `time_boot_ms`, in microseconds since the start of the system that sends it. SYSTEM_TIME has the field too.
+//! * The time is `time_boot_ms`, in microseconds since the start of the system that sends it. `SYSTEM_TIME` has the field too.
 //! * The first system that sends a `time_boot_ms` gives the stream its clock. Systems start at different moments, so the
 //!   clocks of several do not mix.
 //! * A frame without that field has the time of the frame before it. Frames before the first one have no time.
