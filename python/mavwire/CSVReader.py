@@ -2,6 +2,20 @@
 
 from __future__ import annotations
 
+import sys
+
 from ._dataflash.csv_log import CSVFormat, CSVMessage, CSVReader
+from ._hooks import STANDARD, ReplaceableModule, make_replaceable
+
+
+class _CSVReader(ReplaceableModule):
+    _users = ("mavwire._dataflash",)
+    _not_called = {  # noqa: RUF012
+        **dict.fromkeys(("csv", "os"), STANDARD),
+        "mavutil": "replace the function in mavwire.mavutil itself",
+    }
+
+
+make_replaceable(sys.modules[__name__], _CSVReader)
 
 __all__ = ["CSVFormat", "CSVMessage", "CSVReader"]

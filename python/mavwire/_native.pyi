@@ -39,6 +39,7 @@ from mavwire._stubs.links import (
     peer_to_replace,
     receive_batch,
     recordable,
+    replace_function,
 )
 from mavwire._stubs.logs import LogLink, LogScan, dump_log
 from mavwire._stubs.sending import (
@@ -115,6 +116,7 @@ __all__ = [
     "plain_head",
     "receive_batch",
     "recordable",
+    "replace_function",
     "reserved_name",
     "restore",
     "send_values",

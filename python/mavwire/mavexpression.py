@@ -6,10 +6,12 @@ that an expression knows. pymavlink runs the file ``extra`` when it is imported 
 """
 
 import os
+import sys
 from typing import Any
 
 from mavwire import expression as _expression
 from mavwire import mavextra as _mavextra
+from mavwire._hooks import ReplaceableModule, make_replaceable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -27,6 +29,19 @@ __all__ = [*_mavextra.__all__, "evaluate_expression", "extra", "home"]  # noqa: 
 def __getattr__(name: str) -> Any:
     """What an expression knows: the names of mavextra."""
     return getattr(_mavextra, name)
+
+
+class _Mavexpression(ReplaceableModule):
+    """Names that a program sets here are known to expressions, as in pymavlink."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, value)
+        if name in _KNOWN or callable(value):
+            _expression.register(name, value)
+
+
+_KNOWN = frozenset(_mavextra.__all__)
+make_replaceable(sys.modules[__name__], _Mavexpression)
 
 
 def __dir__() -> list[str]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import struct
+import sys
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from mavwire import _parameter_file, mavutil
+from mavwire._hooks import STANDARD, ReplaceableModule, make_replaceable
 from mavwire._parameter_file import (
     EXCLUDED,
     SMALLEST_DIFFERENCE,
@@ -18,6 +20,13 @@ from mavwire._parameter_file import (
     read_parameter_file,
 )
 from mavwire._replacing import replace_text
+
+
+class _Mavparm(ReplaceableModule):
+    _not_called = {"fnmatch": STANDARD}  # noqa: RUF012
+
+
+make_replaceable(sys.modules[__name__], _Mavparm)
 
 MAVParmFileError = _parameter_file.MAVParmFileError
 TRY_SECONDS = 1.0

@@ -11,6 +11,8 @@ import os
 import sys
 from types import ModuleType
 
+from ._hooks import STANDARD, ReplaceableModule, make_replaceable
+from ._native import replace_function
 from .links import state
 from .links.conditions import evaluate_condition, evaluate_expression
 from .links.helpers import (
@@ -92,7 +94,7 @@ __all__ = [
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any, Literal
+    from typing import Any, ClassVar, Literal
 
     from . import mavexpression
     from ._stubs.mavutil import Connection
@@ -192,8 +194,21 @@ def _of_state(name: str) -> property:
     )
 
 
-class _Mavutil(ModuleType):
+def _tell(name: str) -> Callable[[Any, bool], None]:
+    return lambda value, is_original: replace_function(name, None if is_original else value)
+
+
+class _Mavutil(ReplaceableModule):
     """This module's type: the process-wide state of the links as assignable attributes."""
+
+    _users = ("mavwire.links", "mavwire._dataflash")
+    _told: ClassVar[dict[str, Callable[[Any, bool], None]]] = {
+        name: _tell(name) for name in ("time", "add_message")
+    }
+    _not_called: ClassVar[dict[str, str]] = dict.fromkeys(
+        "array ascii copy errno fnmatch json math os platform re select socket ssl struct sys".split(),
+        STANDARD,
+    )
 
     mavlink = _of_state("mavlink")
     current_dialect = _of_state("current_dialect")
@@ -314,5 +329,5 @@ def mavlink_connection(
 
 
 state.public = sys.modules[__name__]
-state.public.__class__ = _Mavutil
+make_replaceable(state.public, _Mavutil)
 state.choose_dialect(os.environ.get("MAVLINK_DIALECT", state.DEFAULT_DIALECT))

@@ -7,6 +7,9 @@ autopilots took before.
 
 from __future__ import annotations
 
+import sys
+
+from ._hooks import STANDARD, ReplaceableModule, make_replaceable
 from ._missions.errors import MAVFenceError, MAVRallyError, MAVWPError
 from ._missions.files import get_first_line_from_file
 from ._missions.items import (
@@ -30,6 +33,17 @@ __all__ = [
     "MissionItemProtocol_Rally",
     "get_first_line_from_file",
 ]
+
+
+class _Mavwp(ReplaceableModule):
+    _users = ("mavwire._missions",)
+    _not_called = {  # noqa: RUF012
+        **dict.fromkeys(("copy", "time"), STANDARD),
+        "mavutil": "replace the function in mavwire.mavutil itself",
+    }
+
+
+make_replaceable(sys.modules[__name__], _Mavwp)
 
 HAVE_PROTOBUF = False
 """Always False: pymavlink's protobuf format of missions has no public definition."""

@@ -41,6 +41,10 @@ class DFReader_binary(DFReader):
 
     def init_arrays(self, progress_callback: Callable[[int], Any] | None = None) -> None:
         """Go through the log: `formats`, `counts`, and the names of the types."""
+        self.init_arrays_fast(progress_callback)
+
+    def init_arrays_fast(self, progress_callback: Callable[[int], Any] | None = None) -> None:
+        """The same: pymavlink has two versions."""
         contents = self._init_contents(progress_callback)
         self.formats = {fmt.type: fmt for fmt in self._layouts}
         self.name_to_id = {fmt.name: fmt.type for fmt in self._layouts}
@@ -49,8 +53,6 @@ class DFReader_binary(DFReader):
         for fmt, count in zip(self._layouts, contents["counts"], strict=True):
             self.counts[fmt.type] += count
         self._count = sum(self.counts)
-
-    init_arrays_fast = init_arrays
 
     @property
     def offsets(self) -> list[list[int]]:

@@ -13,6 +13,7 @@ from mavwire import _native
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import TypeGuard
 
     from mavwire._native import DFMessage
@@ -26,33 +27,39 @@ DEFAULT_RATE = 50.0
 GPS_TYPES = ("GPS", "GPS2")
 
 
-def time_of_gps(m: DFMessage) -> float | None:
-    """Unix time of a GPS message; None where it tells none, or what is no time."""
+def time_of_gps(
+    m: DFMessage, reckon: Callable[[float, float], float] | None = None
+) -> float | None:
+    """Unix time of a GPS message, as `reckon(week, msec)` has it; None where it tells none, or what is
+    no time.
+    """
     names = m.get_fieldnames()
     for week, msec in (("Week", "TimeMS"), ("GWk", "GMS")):
         if week in names and msec in names:
-            return _time_in(m, week, msec)
+            return _time_in(m, week, msec, reckon or _unix_time)
     return None
 
 
 def tells_micros(m: DFMessage) -> bool:
     """Whether a GPS message tells when the microseconds of its log began."""
     week = number_in(m, "GWk") or 0
-    return week > 0 and None not in (_time_in(m, "GWk", "GMS"), number_in(m, "TimeUS"))
+    return week > 0 and None not in (_time_in(m, "GWk", "GMS", _unix_time), number_in(m, "TimeUS"))
 
 
 def tells_millis(m: DFMessage) -> bool:
     """Whether an old GPS message tells when the milliseconds of its log began."""
-    return bool(number_in(m, "T")) and _time_in(m, "Week", "TimeMS") is not None
+    return bool(number_in(m, "T")) and _time_in(m, "Week", "TimeMS", _unix_time) is not None
 
 
-def _time_in(m: DFMessage, week: str, msec: str) -> float | None:
+def _time_in(
+    m: DFMessage, week: str, msec: str, reckon: Callable[[float, float], float]
+) -> float | None:
     """Unix time by the columns of a GPS week and the milliseconds in it; week 0 is none."""
     weeks, millis = number_in(m, week), number_in(m, msec)
     if not weeks or millis is None:
         return None
     with suppress(OverflowError):  # of a week of hundreds of digits
-        time = _unix_time(weeks, millis)
+        time = reckon(weeks, millis)
         return time if isfinite(time) else None
     return None
 
@@ -224,7 +231,7 @@ class DFReaderClock_gps_interpolated(DFReaderClock):
 
     def gps_message_arrived(self, m: DFMessage) -> None:
         """Move the time base to a later GPS time, and learn the rates of the types on the way."""
-        time = time_of_gps(m)
+        time = time_of_gps(m, self._gpsTimeToTime)
         if time is None or time <= self.timebase:
             return
         seconds = time - self.timebase

@@ -11,6 +11,7 @@ from contextlib import suppress
 from math import isnan
 
 from mavwire import _native
+from mavwire._hooks import quick_methods
 from mavwire.links.conditions import evaluate_condition
 from mavwire.links.modes import mode_mapping_bynumber, mode_string_acm, mode_string_px4
 
@@ -53,11 +54,31 @@ _MILLIS = frozenset(("T", "Week", "TimeMS"))
 _NO_NUMBER = (ValueError, TypeError, OverflowError)
 
 
+# The clock that native code stands for, and its methods, which a program may replace.
+_MICROS_CLOCK = DFReaderClock_usec
+_MICROS_METHODS = {
+    name: getattr(DFReaderClock_usec, name)
+    for name in (
+        "message_arrived", "set_message_timestamp", "should_use_msec_field0",
+        "type_has_good_TimeMS",
+    )
+}  # fmt: skip
+
+
+def _is_native(clock: Any) -> bool:
+    methods = _MICROS_METHODS.items()
+    return type(clock) is _MICROS_CLOCK and all(
+        getattr(_MICROS_CLOCK, name) is method for name, method in methods
+    )
+
+
 class DFReader(_native.DataflashReader):
     """A dataflash log: its messages, and the state of the vehicle as far as it was read."""
 
     filehandle: Any
     formats: dict[Any, DFFormat]
+    # The methods that native code stands for. A log of which one was replaced is read through them.
+    _quick_methods: list[tuple[type | None, str, Any]]
     _clock: Any
 
     def __init__(self) -> None:
@@ -177,7 +198,7 @@ class DFReader(_native.DataflashReader):
     @clock.setter
     def clock(self, clock: Any) -> None:
         self._clock = clock
-        self._set_native_clock(clock if type(clock) is DFReaderClock_usec else None)
+        self._set_native_clock(clock if _is_native(clock) else None)
 
     def _set_time(self, m: Any) -> None:
         """Give a message its time."""
@@ -343,8 +364,27 @@ class DFReader(_native.DataflashReader):
         except _NO_NUMBER:  # a mode may be infinite
             pass
 
-    # For programs that feed messages into a reader.
-    _add_msg = _track
+    def _add_msg(self, m: Any) -> None:
+        """Give a message its time and take it into `messages` and the state."""
+        self._set_time(m)
+        if isinstance(m, _native.DFMessage):
+            self._keep(m)
+        else:
+            self.messages[m.get_type()] = m
+        self._track(m)
+
+    def _recv_match_slowly(self, condition: str | None, types: Any, strict: bool) -> Any:
+        """`recv_match` where a program replaced one of the methods that it calls in pymavlink."""
+        if isinstance(types, str):
+            types = {types}
+        while True:
+            if types is not None:
+                self.skip_to_type(types, strict)
+            m = self.recv_msg()
+            if m is None or (
+                (types is None or m.get_type() in types) and self.check_condition(condition)
+            ):
+                return m
 
     # A column that a log's type has not is None.
 
@@ -450,3 +490,6 @@ class DFReader(_native.DataflashReader):
             self.flightmode = "UNKNOWN"
         if self._clock is not None:
             self._clock.rewind_event()
+
+
+DFReader._quick_methods = quick_methods(DFReader)

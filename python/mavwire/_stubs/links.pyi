@@ -1,7 +1,7 @@
 """Links, as `mavwire._native` has them."""
 
 from collections.abc import Iterable
-from typing import IO, Any, Self
+from typing import IO, Any, ClassVar, Self
 
 from mavwire._native import Message
 from mavwire._stubs.mavutil import CurrentMAVLink, ReceivedMessage
@@ -104,8 +104,11 @@ def receive_batch(link: LiveLink, messages: list[Any], limit: int) -> bool:
 class LiveLink(Link):
     """A link over a socket, a serial port or a pipe: the live links of `mavutil` derive from it.
 
-    A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
+    A class derived from it has `_quick_methods`: the methods that the native ones stand for.
     """
+
+    _QUICK_METHODS: ClassVar[list[str]]
+    """Methods whose replacement is noticed."""
 
     def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     def __setattr__(self, name: str, value: Any, /) -> None: ...
@@ -150,6 +153,10 @@ class LiveLink(Link):
 
     def _switch_peer(self, address: Any) -> None:
         """What is parsed next comes from `address`: bytes of another peer's frame are put aside."""
+
+def replace_function(name: str, value: Any) -> None:
+    """Lets links use what a program put in place of `mavutil.time` or `mavutil.add_message`; None for
+    the original again. ValueError for another name."""
 
 def forget_states() -> None:
     """Makes every link look its systems' states up again: somebody replaced one."""

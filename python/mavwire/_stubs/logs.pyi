@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
-from typing import Any, Protocol, Self, final
+from typing import Any, ClassVar, Protocol, Self, final
 
 from mavwire._native import Dialect, Message
 from mavwire._stubs.links import Link
@@ -13,8 +13,11 @@ from typing_extensions import disjoint_base
 class LogLink(Link):
     """A telemetry log as a link: `mavutil.mavlogfile` derives from it.
 
-    A class derived from it has `_quick_class`, the class whose methods the native ones stand for.
+    A class derived from it has `_quick_methods`: the methods that the native ones stand for.
     """
+
+    _QUICK_METHODS: ClassVar[list[str]]
+    """Methods whose replacement is noticed."""
 
     def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     def __setattr__(self, name: str, value: Any, /) -> None: ...

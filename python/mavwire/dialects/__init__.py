@@ -85,8 +85,10 @@ def load(
     import sys
     from types import ModuleType
 
+    from mavwire._hooks import make_replaceable
     from mavwire._native import DefinitionError
     from mavwire.dialects import _sources
+    from mavwire.dialects._replaced import DialectModule
 
     main, sources = _sources.collect(path, name)
     module = ModuleType(
@@ -98,5 +100,6 @@ def load(
         )
     except DefinitionError as error:
         raise DefinitionError(_sources.told_of(error, path, main)) from None
+    make_replaceable(module, DialectModule)
     sys.modules[module.__name__] = module
     return module

@@ -13,6 +13,7 @@ import time
 from types import FunctionType
 
 from mavwire import _native
+from mavwire._hooks import warn_not_called
 from mavwire.dialects import _docs, _methods
 from mavwire.dialects._descriptions import Texts
 
@@ -148,6 +149,12 @@ def _message_base(native: _native.Dialect, header: type) -> type:
         def __init__(self, msgId: int, name: str) -> None:
             self._header = header(msgId)
             self._type = name
+
+        def __init_subclass__(cls, **kwargs: object) -> None:
+            super().__init_subclass__(**kwargs)
+            for name in ("_pack", "sign_packet"):
+                if name in vars(cls):
+                    warn_not_called(f"{cls.__name__}.{name}", "replace pack, or MAVLink.send")
 
     MAVLink_message._message_base = MAVLink_message  # type: ignore[attr-defined]
     for name, (default, read) in SCHEMA_ATTRS.items():
@@ -289,7 +296,7 @@ def _lazy_methods(native: _native.Dialect) -> dict[str, LazyFunction]:
     return methods
 
 
-def _mavlink_class(native: _native.Dialect, marker: int, signing_class: type) -> type:
+def _mavlink_class(native: _native.Dialect, marker: int, namespace: "dict[str, Any]") -> type:
     class MAVLink(_native.MAVLink):
         """One link: encodes and sends messages to ``file``, decodes received bytes."""
 
@@ -313,7 +320,7 @@ def _mavlink_class(native: _native.Dialect, marker: int, signing_class: type) ->
             self.srcSystem = srcSystem
             self.srcComponent = srcComponent
             self.startup_time = time.time()
-            self.signing = signing_class()
+            self.signing = namespace["MAVLinkSigning"]()
 
     MAVLink._mavlink_base = MAVLink  # type: ignore[attr-defined]
     return MAVLink
@@ -357,7 +364,7 @@ def make_classes(
     base = _message_base(native, header)
     bad_data, unknown = _odd_message_classes(base)
     signing = _signing_class()
-    mavlink = _mavlink_class(native, marker, signing)
+    mavlink = _mavlink_class(native, marker, namespace)
     name_property = _deprecated_name_property(namespace)
     classes: dict[str, Any] = {
         "MAVLink_header": header,

@@ -13,7 +13,7 @@ from mavwire.dialects import _docs
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
     from types import FunctionType
     from typing import Any
 
@@ -86,19 +86,21 @@ def make_init(owner: type, message_class: Any) -> FunctionType:
     return _compile(_INIT, owner, message_class, {"_build": build}, version_default=False)
 
 
-def make_encode(owner: Any, message_class: Any) -> FunctionType:
-    """``MAVLink.<name>_encode`` of the class ``owner``."""
-    return _make_method(_ENCODE, owner, message_class)
+def make_encode(owner: Any, message_class: Any, made: Any = None) -> FunctionType:
+    """``MAVLink.<name>_encode`` of the class ``owner``, which makes messages of the class ``made``."""
+    return _make_method(_ENCODE, owner, message_class, _class=made or message_class)
 
 
-def make_send(owner: Any, message_class: Any) -> FunctionType:
-    """``MAVLink.<name>_send`` of the class ``owner``."""
-    return _make_method(_SEND, owner, message_class)
+def make_send(
+    owner: Any, message_class: Any, send: Callable[..., None] = send_values
+) -> FunctionType:
+    """``MAVLink.<name>_send`` of the class ``owner``, which hands its values to ``send``."""
+    return _make_method(_SEND, owner, message_class, _send=send)
 
 
-def _make_method(template: str, owner: Any, message_class: Any) -> FunctionType:
+def _make_method(template: str, owner: Any, message_class: Any, **names: Any) -> FunctionType:
     info = message_class._info
-    scope = {"_class": message_class, "_info": info, "_send": send_values}
+    scope = {"_class": message_class, "_info": info, **names}
     function = _compile(template, owner, message_class, scope, version_default=True)
     function.__doc__ = _docs.method_doc(owner._dialect, info)
     return function

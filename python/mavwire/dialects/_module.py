@@ -7,9 +7,11 @@ standard modules that pymavlink's generated code leaks come on first access thro
 from __future__ import annotations
 
 import os
+import sys
 
 from mavwire import _native
-from mavwire.dialects import _classes, _x25
+from mavwire._hooks import make_replaceable
+from mavwire.dialects import _classes, _replaced, _x25
 from mavwire.dialects._descriptions import Texts
 
 TYPE_CHECKING = False
@@ -94,6 +96,9 @@ def fill(namespace: dict[str, Any], native: _native.Dialect, name: str) -> None:
         messages = (f"{BEFORE}{message.lower()}{BEHIND}" for message, _ in native.messages())
         return sorted({*namespace, *messages, *late})
 
+    module = sys.modules.get(namespace["__name__"])
+    if module is not None and vars(module) is namespace:
+        make_replaceable(module, _replaced.DialectModule)
     namespace["__getattr__"] = __getattr__
     namespace["__dir__"] = __dir__
     late["__all__"] = lambda: [n for n in __dir__() if not n.startswith("_")]
@@ -133,7 +138,7 @@ def _late_attributes(
         return make_enums(native.enums(), texts)
 
     def mavlink_map() -> Any:
-        return {msgid: native.message_class(name) for name, msgid in native.messages()}
+        return _replaced.MessageMap(namespace, native)
 
     def logger() -> Any:
         import logging

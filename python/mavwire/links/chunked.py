@@ -9,8 +9,9 @@ nobody replaces what it stands for. The methods here are what it hands over to.
 
 from __future__ import annotations
 
-import time
+from time import monotonic
 
+from mavwire._hooks import quick_methods
 from mavwire._native import LiveLink
 
 from .mavfile import link_dict, mavfile
@@ -29,9 +30,9 @@ class ChunkedLink(LiveLink, mavfile):
     """A link whose `recv(None)` returns everything that one read can bring."""
 
     __dict__ = link_dict
-    # The class whose methods the native ones stand for; a subclass that replaces one of them is
-    # read through the methods here.
-    _quick_class: type
+    # The methods that the native ones stand for. A link of which one was replaced is read through the
+    # methods here.
+    _quick_methods: list[tuple[type | None, str, Any]]
     # Descriptor and bytes of the native reader are those of this object.
     port: Any
     # Closed by the program, for good.
@@ -42,9 +43,10 @@ class ChunkedLink(LiveLink, mavfile):
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
         if cls.__module__.startswith(__package__):
-            cls._quick_class = cls
+            cls._quick_methods = quick_methods(cls, mavfile)
 
-    _recv_match_slowly = mavfile.recv_match
+    def _recv_match_slowly(self, *arguments: Any) -> Any:
+        return mavfile.recv_match(self, *arguments)
 
     def select(self, timeout: float) -> bool:
         """Whether data may be there within `timeout` seconds. What was read ahead counts."""
@@ -116,7 +118,7 @@ class ChunkedLink(LiveLink, mavfile):
 
     def _idle_for(self, timeout: float | None, remaining: float | None) -> None:
         """Run the idle hooks and wait, `remaining` seconds at most."""
-        self._idle(timeout, None if remaining is None else time.monotonic() + remaining)
+        self._idle(timeout, None if remaining is None else monotonic() + remaining)
 
 
-ChunkedLink._quick_class = ChunkedLink
+ChunkedLink._quick_methods = quick_methods(ChunkedLink, mavfile)

@@ -5,6 +5,8 @@ The evaluator and the function library behind it load when the first condition i
 
 from __future__ import annotations
 
+from . import state
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
@@ -12,9 +14,10 @@ if TYPE_CHECKING:
 
 def evaluate_expression(expression: str, vars: dict[str, Any], nocondition: bool = False) -> Any:
     """The value of `expression` over the names in `vars`, or None where it has none yet."""
-    from importlib import import_module
-
-    evaluator: Any = import_module("mavwire.mavexpression")
+    # That of mavutil, which a program may have replaced.
+    evaluator = getattr(state.public, "mavexpression", None)
+    if evaluator is None:
+        evaluator = state.import_module("mavwire.mavexpression")
     return evaluator.evaluate_expression(expression, vars, nocondition)
 
 

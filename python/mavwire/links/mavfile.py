@@ -7,6 +7,7 @@ methods run for every message, `recv_msg` and `post_message`; they stay thin on 
 from __future__ import annotations
 
 import time
+from time import monotonic
 
 from mavwire._native import Link, MAVLink, instance_dict
 
@@ -236,7 +237,7 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
 
     def _flush_logs(self) -> None:
         """Hand what was recorded to the system, if that is due. Called while nothing arrives, too."""
-        now = time.monotonic()
+        now = monotonic()
         if now - self._flushed_at < FLUSH_INTERVAL:
             return
         self._flushed_at = now
@@ -283,14 +284,14 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         types: Any = type
         if type is not None and not isinstance(type, (list, set)):
             types = [type]
-        deadline = None if timeout is None else time.monotonic() + timeout
+        deadline = None if timeout is None else monotonic() + timeout
         while True:
             msg = self._recv_candidate(types)
             if msg is not None and self._matches(msg, types, condition):
                 return msg
             if msg is None and not blocking:
                 return None
-            if deadline is not None and time.monotonic() >= deadline:
+            if deadline is not None and monotonic() >= deadline:
                 return None
             if msg is None:
                 self._idle(timeout, deadline)
@@ -316,7 +317,7 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         if timeout is None or deadline is None:
             self.select(IDLE_INTERVAL)
         else:
-            self.select(max(min(timeout / 2, deadline - time.monotonic()), 0.0))
+            self.select(max(min(timeout / 2, deadline - monotonic()), 0.0))
 
     def select(self, timeout: float) -> bool:
         """Whether data may be there within `timeout` seconds; False where the link is closed meanwhile.
@@ -325,10 +326,10 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         if fd is None:
             time.sleep(min(timeout, 0.5))
             return True
-        deadline = time.monotonic() + timeout
+        deadline = monotonic() + timeout
         try:
             while not wait_readable(fd, min(timeout, WAIT_SLICE)):
-                timeout = deadline - time.monotonic()
+                timeout = deadline - monotonic()
                 # Closing a descriptor wakes nobody who waits for it.
                 if timeout <= 0 or self.fd != fd:
                     return False

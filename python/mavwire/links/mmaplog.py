@@ -7,6 +7,9 @@ next. As in pymavlink the first record of each type is read for real on the way,
 
 from __future__ import annotations
 
+from mavwire._hooks import quick_methods
+
+from .mavfile import mavfile
 from .tlog import mavlogfile
 from .vehicle_state import add_message
 
@@ -76,7 +79,7 @@ class mavmmaplog(mavlogfile):
         self.name_to_id = {name: msgid for msgid, name, _ in rows}
         self.id_to_name = {msgid: name for msgid, name, _ in rows}
         self._count = self._index_total()
-        self.rewind()
+        self._rewind()
 
     @property
     def offsets(self) -> dict[int, list[int]]:
@@ -162,4 +165,4 @@ class mavmmaplog(mavlogfile):
         return [(mode, start, end) for (mode, start), end in zip(starts, ends, strict=False)]
 
 
-mavmmaplog._quick_class = mavmmaplog
+mavmmaplog._quick_methods = quick_methods(mavmmaplog, mavfile)

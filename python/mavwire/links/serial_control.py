@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from time import monotonic
 
 from . import state
 
@@ -81,8 +82,8 @@ class MavlinkSerialPort:
         """Up to `n` bytes, after waiting `timeout` seconds at most for the first."""
         if not self.buf:
             self._recv()
-        deadline = time.monotonic() + self.timeout
-        while not self.buf and time.monotonic() < deadline:
+        deadline = monotonic() + self.timeout
+        while not self.buf and monotonic() < deadline:
             self._control(0, 0, b"")
             self._recv()
             if not self.buf:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import errno
-import time
+from time import monotonic
 
 from mavwire._native import Turn, hang_up
 
@@ -266,15 +266,15 @@ class mavserial(RetryingLink):
 
     def _send_all(self, line: DescriptorPort, port: Any) -> None:
         """Send what is queued as long as the port takes something: who is faster than the line is slowed down."""
-        sent, deadline = self._writer.bytes_sent, time.monotonic() + WRITE_TIMEOUT
+        sent, deadline = self._writer.bytes_sent, monotonic() + WRITE_TIMEOUT
         while self._writer.unsent and not self._is_stuck:
             fd = port.fd  # None once it is closed, which sending finds out
             has_room = fd is None or wait_writable(fd, WRITE_TIMEOUT)
             self._send_rest(line)
             if self._writer.bytes_sent != sent:
-                sent, deadline = self._writer.bytes_sent, time.monotonic() + WRITE_TIMEOUT
+                sent, deadline = self._writer.bytes_sent, monotonic() + WRITE_TIMEOUT
             else:
-                self._is_stuck = not has_room or time.monotonic() >= deadline
+                self._is_stuck = not has_room or monotonic() >= deadline
 
     def _maybe_reset(self) -> None:
         """Reopen a dead port if asked to and if the last time is long enough ago."""
@@ -286,7 +286,7 @@ class mavserial(RetryingLink):
         return self._reset(lambda: True)
 
     def _is_reset_due(self) -> bool:
-        return time.monotonic() >= self._next_reset
+        return monotonic() >= self._next_reset
 
     def _reset(self, is_due: Callable[[], bool]) -> bool:
         return not self._closed and bool(self._opening.run(self._reopen_if, is_due))
@@ -295,7 +295,7 @@ class mavserial(RetryingLink):
         return is_due() and self._reopen()
 
     def _reopen(self) -> bool:
-        self._next_reset = time.monotonic() + self.reconnect_delay
+        self._next_reset = monotonic() + self.reconnect_delay
         baud = _rate(self.baud)
         if baud is None:
             self._note_failure(OSError(errno.EINVAL, _not_a_rate(self.baud, self.device)))

@@ -14,6 +14,7 @@ import time
 from _thread import get_ident
 from functools import partial
 from io import FileIO
+from time import monotonic
 
 from .forks import follow_forks
 from .readiness import from_handler
@@ -157,12 +158,12 @@ def _lock(fd: int, path: str, patience: float) -> None:
         import fcntl
     except ImportError:
         return
-    deadline = time.monotonic() + patience
+    deadline = monotonic() + patience
     while True:
         try:
             return fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            if time.monotonic() > deadline:
+            if monotonic() > deadline:
                 reason = f"was locked by others for {patience} s"
                 raise OSError(errno.EAGAIN, reason, path) from None
         time.sleep(LOCK_INTERVAL)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import time
 
+from mavwire._hooks import quick_methods
 from mavwire._native import LogLink
 
 from .log_file import LogFile, LogPort
@@ -37,9 +38,9 @@ class mavlogfile(LogLink, mavfile):
     # A log that is read ignores what is sent to it, so that programs can replay through it.
     discarded_writes = 0
     discarded_bytes = 0
-    # The class whose methods the native quick paths stand for; a subclass that replaces one of
-    # them is read through mavfile's own loop.
-    _quick_class: type
+    # The methods that the native quick paths stand for. A log of which one was replaced is read
+    # through mavfile's own loop.
+    _quick_methods: list[tuple[type | None, str, Any]]
 
     def __init__(
         self,
@@ -71,8 +72,16 @@ class mavlogfile(LogLink, mavfile):
             self._open_reader(filename, not notimestamps, time.time())
             self.f = LogFile(self, self.f)
 
-    _recv_msg_slowly = mavfile.recv_msg
-    _recv_match_slowly = mavfile.recv_match
+    # Looked up at each call: a program may have replaced them in mavfile.
+
+    def _recv_msg_slowly(self) -> Any:
+        return mavfile.recv_msg(self)
+
+    def _recv_match_slowly(self, *arguments: Any) -> Any:
+        return mavfile.recv_match(self, *arguments)
+
+    def _post_slowly(self, msg: Any) -> None:
+        mavfile.post_message(self, msg)
 
     def _condition_holds(self, condition: str, msg: Any) -> Any:
         return self._matches(msg, None, condition)
@@ -115,4 +124,4 @@ class mavlogfile(LogLink, mavfile):
         LogLink.pre_message(self)
 
 
-mavlogfile._quick_class = mavlogfile
+mavlogfile._quick_methods = quick_methods(mavlogfile, mavfile)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import time
+from time import monotonic
 
 from mavwire._native import MAVLink, PortError, ask_port, hang_up, peer_to_replace
 
@@ -257,7 +258,7 @@ class mavudp(ChunkedLink):
 
     def _destination(self) -> Any:
         """The destination as a numeric address; None while its name cannot be looked up."""
-        if self._lookup_due and time.monotonic() >= self._next_lookup:
+        if self._lookup_due and monotonic() >= self._next_lookup:
             self._look_up()
         return self.resolved_destination_addr
 
@@ -266,7 +267,7 @@ class mavudp(ChunkedLink):
 
     def _found(self, address: Any) -> None:
         """What looking up gave; None leaves the address that was found before."""
-        self._next_lookup = time.monotonic() + LOOKUP_PAUSE
+        self._next_lookup = monotonic() + LOOKUP_PAUSE
         self._lookup_due = address is None
         if address is not None:
             self._speak_to(address)

@@ -8,10 +8,16 @@ are here too, and ``sum`` and ``mode`` are not the builtin ones.
 
 import builtins as _builtins
 import math as _math
+import sys as _sys
 from math import *  # noqa: F403
 from types import ModuleType as _ModuleType
 from typing import Any as _Any
 
+from mavwire._hooks import (
+    STANDARD as _STANDARD,
+    ReplaceableModule as _ReplaceableModule,
+    make_replaceable as _make_replaceable,
+)
 from mavwire.mavextra import earth_field as _earth_field
 from mavwire.mavextra import state as _state
 from mavwire.mavextra.attitude import (
@@ -203,6 +209,14 @@ __all__ = [
     for name in (*globals(), *_earth_field.TABLES, *_state.SCALARS)
     if not (name.startswith("_") or isinstance(globals().get(name), _ModuleType))
 ]
+
+
+class _Mavextra(_ReplaceableModule):
+    _users = ("mavwire.mavextra",)
+    _not_called = dict.fromkeys((name for name in vars(_math) if name[0] != "_"), _STANDARD)
+
+
+_make_replaceable(_sys.modules[__name__], _Mavextra)
 
 
 def __getattr__(name: str) -> _Any:

@@ -14,7 +14,7 @@ use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyList, PyString, PyType};
+use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 
 use crate::calling::Calling;
 use crate::create;
@@ -43,6 +43,8 @@ pub(crate) struct Dialect {
     by_name: HashMap<String, u16>,
     namespace: OnceLock<Py<PyDict>>,
     make_class: OnceLock<Py<PyAny>>,
+    /// `MAVLink_bad_data` and `MAVLink_unknown` as the module began with them.
+    special: OnceLock<[Py<PyType>; 2]>,
 }
 
 pub(crate) fn schema_error(error: &SchemaError) -> PyErr {
@@ -87,6 +89,7 @@ impl Dialect {
             by_name,
             namespace: OnceLock::new(),
             make_class: OnceLock::new(),
+            special: OnceLock::new(),
         }
     }
 
@@ -100,6 +103,23 @@ impl Dialect {
     pub(crate) fn global<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let value = self.namespace(py)?.get_item(name)?;
         value.ok_or_else(|| PyRuntimeError::new_err(format!("the dialect module lost its {name}")))
+    }
+
+    /// A message of the module's class called `name`, around `message` where the class is the module's own; one that a
+    /// program put in its place is called with `arguments`.
+    pub(crate) fn special<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        message: Message,
+        arguments: impl FnOnce(&Message) -> PyResult<Bound<'py, PyTuple>>,
+    ) -> PyResult<Bound<'py, Message>> {
+        let class = self.global(py, name)?;
+        let own = self.special.get().and_then(|own| own.iter().find(|own| class.is(*own)));
+        match own {
+            Some(own) => create::create(own.bind(py), message),
+            None => Ok(class.invoke1(arguments(&message)?)?.cast_into::<Message>()?),
+        }
     }
 
     /// Frames are made in version 2: the module's `WIRE_PROTOCOL_VERSION`, which user code may change at any time.
@@ -155,6 +175,18 @@ impl Dialect {
         create::pooled(class.class.bind(py), message)
     }
 
+    /// A frame of an id that the dialect does not have, as a message object.
+    pub(crate) fn unknown<'py>(
+        &self,
+        py: Python<'py>,
+        message: Message,
+    ) -> PyResult<Bound<'py, Message>> {
+        self.special(py, "MAVLink_unknown", message, |message| {
+            let id = message.header().map_or(0, |header| header.msgid);
+            (id, PyByteArray::new(py, &message.frame)).into_pyobject(py)
+        })
+    }
+
     /// A message object around a frame that was received at a time; `index` is `None` for an unknown id.
     pub(crate) fn stamped<'py>(
         &self,
@@ -165,9 +197,8 @@ impl Dialect {
         link: u8,
     ) -> PyResult<Bound<'py, Message>> {
         let Some(index) = index else {
-            let class = self.global(py, "MAVLink_unknown")?.cast_into::<PyType>()?;
-            let message = Message::received(None, frame, Origin::Unknown);
-            return create::create(&class, message.stamped(seconds, link));
+            let message = Message::received(None, frame, Origin::Unknown).stamped(seconds, link);
+            return self.unknown(py, message);
         };
         let class = self.class(py, index)?;
         let message = Message::received(Some(class.info), frame, Origin::Decoded);
@@ -204,8 +235,16 @@ impl Dialect {
     }
 
     /// Ties the dialect to its module: `namespace` are the module's globals, `make_class(info)` makes a message class.
-    fn bind(&self, namespace: Py<PyDict>, make_class: Py<PyAny>) -> PyResult<()> {
-        let fresh = self.namespace.set(namespace).is_ok() & self.make_class.set(make_class).is_ok();
+    fn bind(&self, py: Python<'_>, namespace: Py<PyDict>, make_class: Py<PyAny>) -> PyResult<()> {
+        let own = |name: &str| -> PyResult<Py<PyType>> {
+            let class = namespace.bind(py).get_item(name)?;
+            let missing = || PyKeyError::new_err(name.to_owned());
+            Ok(class.ok_or_else(missing)?.cast_into()?.unbind())
+        };
+        let special = [own("MAVLink_bad_data")?, own("MAVLink_unknown")?];
+        let fresh = self.namespace.set(namespace).is_ok()
+            & self.make_class.set(make_class).is_ok()
+            & self.special.set(special).is_ok();
         if fresh { Ok(()) } else { Err(PyRuntimeError::new_err("the dialect is bound already")) }
     }
 

@@ -77,6 +77,7 @@ mod ports;
 mod raw;
 mod receive;
 mod recording;
+mod replaced;
 mod rewrite;
 mod room;
 mod section;
@@ -182,6 +183,8 @@ mod _native {
     #[pymodule_export]
     use crate::recording::recordable;
     #[pymodule_export]
+    use crate::replaced::replace_function;
+    #[pymodule_export]
     use crate::rewrite::LogRewrite;
     #[pymodule_export]
     use crate::section::Section;
@@ -208,6 +211,7 @@ mod _native {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::thread_number::follow_forks(module)?;
         crate::thread_lock::prepare(module.py())?;
+        crate::replaced::prepare(module.py())?;
         module.add("FieldGetter", crate::descriptors::field_getter_type(module.py())?)?;
         let doc = c"build(message, /, *values)\n--\n\n\
             Stores the values of a new message's fields, in XML order.";

@@ -353,14 +353,18 @@ pub(crate) fn instance_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'
     crate::dict::generic_dict(object)
 }
 
-/// True if `class` has its own version of a method that the quick paths stand for.
-pub(crate) fn overrides(class: &Bound<'_, PyType>, methods: &[&str]) -> PyResult<bool> {
-    let base = class.attribute(intern!(class.py(), "_quick_class"))?;
-    if base.is(class) {
-        return Ok(false);
-    }
-    for method in methods {
-        if !class.attribute(*method)?.is(&base.attribute(*method)?) {
+/// True if `class` has its own version of a method that the quick paths stand for: `_quick_methods` of the class names each with
+/// the class that has it (None for `class` itself) and what it was when mavwire was loaded. Later a program may have put
+/// another in its place, in a class of its own or in ours.
+pub(crate) fn overrides(class: &Bound<'_, PyType>) -> PyResult<bool> {
+    let methods = class.attribute(intern!(class.py(), "_quick_methods"))?;
+    for method in methods.items()? {
+        let (owner, name, original): (
+            Option<Bound<'_, PyAny>>,
+            Bound<'_, PyString>,
+            Bound<'_, PyAny>,
+        ) = method?.extract()?;
+        if !owner.as_ref().unwrap_or(class).attribute(name)?.is(&original) {
             return Ok(true);
         }
     }

@@ -209,6 +209,9 @@ impl LiveLink {
 
 #[pymethods]
 impl LiveLink {
+    #[classattr]
+    const _QUICK_METHODS: [&'static str; 11] = QUICK_METHODS;
+
     #[new]
     #[classmethod]
     #[pyo3(signature = (*_args, **_kwargs))]
@@ -221,7 +224,7 @@ impl LiveLink {
             source: Lock::new(LiveSource::new()),
             failure: Failure::none(),
             plain_port: Slot::new(),
-            quick: AtomicBool::new(cfg!(unix) && !overrides(cls, &QUICK_METHODS)?),
+            quick: AtomicBool::new(cfg!(unix) && !overrides(cls)?),
         };
         Ok(PyClassInitializer::from(Link::empty()).add_subclass(link))
     }

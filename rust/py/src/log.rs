@@ -64,6 +64,11 @@ impl LogLink {
         }
     }
 
+    /// Somebody replaced one of the methods that the quick paths stand for.
+    pub(crate) fn is_read_slowly(&self) -> bool {
+        !self.quick.load(Relaxed)
+    }
+
     /// Does something with the reader; `None` while the log is not open for reading.
     pub(crate) fn reader<T>(
         slf: &Bound<'_, Self>,
@@ -132,6 +137,9 @@ impl LogLink {
 
 #[pymethods]
 impl LogLink {
+    #[classattr]
+    const _QUICK_METHODS: [&'static str; 9] = QUICK_METHODS;
+
     #[new]
     #[classmethod]
     #[pyo3(signature = (*_args, **_kwargs))]
@@ -143,7 +151,7 @@ impl LogLink {
         let log = Self {
             index: Lock::new(None),
             wanted: Lock::new(None),
-            quick: AtomicBool::new(!overrides(cls, &QUICK_METHODS)?),
+            quick: AtomicBool::new(!overrides(cls)?),
             last: Slot::new(),
         };
         Ok(PyClassInitializer::from(Link::empty()).add_subclass(log))

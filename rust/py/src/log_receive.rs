@@ -159,7 +159,11 @@ impl LogLink {
             reader.end_record(matches!(that.origin, Origin::Bad));
             Ok(reader.link)
         })?;
-        tracking::post(slf.as_super(), message)?;
+        if slf.get().is_read_slowly() {
+            slf.invoke_method1(intern!(slf.py(), "_post_slowly"), (message,))?;
+        } else {
+            tracking::post(slf.as_super(), message)?;
+        }
         that.link.store(link_number.unwrap_or(0), Relaxed);
         that.set(flags::LINK);
         slf.as_super().get().state().last_fresh = None;

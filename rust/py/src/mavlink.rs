@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU64, Ordering::Relaxed};
 
 use mavwire_core::scan::Resync;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeWarning, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
@@ -122,17 +122,23 @@ pub(crate) mod overridden {
     pub(crate) const ENCODE: u8 = 4;
     /// What links call for received bytes is not the native one, so that the bytes have to be shown to it.
     pub(crate) const PARSER: u8 = 8;
+    /// Signatures are checked by a method of the program's own.
+    pub(crate) const SIGNATURE: u8 = 16;
 
     /// Methods of the native class whose replacement matters.
     pub(super) const METHODS: [&str; 5] =
         ["send", "decode", "parse_char", "bytes_needed", "check_signature"];
+
+    /// The method of pymavlink's parser that this one has no use for.
+    pub(super) const NOT_CALLED: &str = "buf_len";
 
     pub(super) fn by_name(name: &str) -> u8 {
         match name {
             "send" => SEND,
             "parse_char" => RECEIVE | PARSER,
             "bytes_needed" => PARSER,
-            "decode" | "check_signature" => RECEIVE,
+            "decode" => RECEIVE,
+            "check_signature" => RECEIVE | SIGNATURE,
             _ if name.ends_with("_encode") => ENCODE,
             _ => 0,
         }
@@ -188,6 +194,12 @@ impl MAVLink {
     }
 }
 
+fn warn_not_called(py: Python<'_>) -> PyResult<()> {
+    let text = c"MAVLink.buf_len was replaced, and mavwire does not call it: the parser counts its bytes itself. \
+        Replace parse_char to see what is received";
+    PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), text, 1)
+}
+
 macro_rules! counter {
     ($self:ident, $name:ident, $value:ident) => {
         $self.counters.$name.store($value, Relaxed)
@@ -213,6 +225,10 @@ impl MAVLink {
                 replaced |= overridden::by_name(name);
             }
         }
+        let buf_len = intern!(py, "buf_len");
+        if !cls.attribute(buf_len)?.is(&native.attribute(buf_len)?) {
+            warn_not_called(py)?;
+        }
         if !cls.attribute(intern!(py, "_mavlink_base"))?.is(cls) {
             replaced |= overridden::ENCODE;
         }
@@ -237,7 +253,11 @@ impl MAVLink {
         name: &Bound<'_, PyString>,
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        slf.get().overridden.fetch_or(overridden::by_name(name.to_str()?), Relaxed);
+        let name_text = name.to_str()?;
+        slf.get().overridden.fetch_or(overridden::by_name(name_text), Relaxed);
+        if name_text == overridden::NOT_CALLED {
+            warn_not_called(slf.py())?;
+        }
         slf.set_generic_attribute(name, Some(value))
     }
 

@@ -9,7 +9,7 @@ use crate::dict::instance_dict;
 use crate::message::{Message, Origin, flags};
 
 /// Reason of bytes that start no frame.
-const BAD_PREFIX: &str = "Bad prefix";
+pub(crate) const BAD_PREFIX: &str = "Bad prefix";
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {

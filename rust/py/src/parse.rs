@@ -8,13 +8,14 @@ use mavwire_core::x25;
 use pyo3::exceptions::{PyAttributeError, PyIndexError, PyMemoryError, PyRuntimeError};
 use pyo3::ffi;
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyBytes, PyList, PyString, PyType};
+use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
 
 use crate::calling::{Calling, class_name};
-use crate::create::{create, pooled_frame};
+use crate::create::pooled_frame;
 use crate::frame_bytes::FrameBytes;
 use crate::mavlink::{MAVLink, bytes_like, overridden};
 use crate::message::{Message, Origin, flags};
+use crate::odd::BAD_PREFIX;
 use crate::shared;
 use crate::signing::{Acceptance, Signing};
 
@@ -313,15 +314,18 @@ fn bad_data<'py>(
 ) -> PyResult<Bound<'py, Message>> {
     let this = mav.get();
     this.counters.receive_errors.fetch_add(1, Relaxed);
-    let class = this.dialect.get().global(mav.py(), "MAVLink_bad_data")?.cast_into::<PyType>()?;
-    let reason = error.map(|error| PyString::new(mav.py(), &error.to_string()));
-    create(&class, Message::bad(bytes, reason.as_ref()))
+    let py = mav.py();
+    let reason = error.map(|error| PyString::new(py, &error.to_string()));
+    let message = Message::bad(bytes, reason.as_ref());
+    this.dialect.get().special(py, "MAVLink_bad_data", message, |message| {
+        let reason = reason.unwrap_or_else(|| PyString::new(py, BAD_PREFIX));
+        (PyByteArray::new(py, &message.frame), reason).into_pyobject(py)
+    })
 }
 
 fn unknown<'py>(mav: &Bound<'py, MAVLink>, bytes: FrameBytes) -> PyResult<Bound<'py, Message>> {
-    let class =
-        mav.get().dialect.get().global(mav.py(), "MAVLink_unknown")?.cast_into::<PyType>()?;
-    create(&class, Message::received(None, bytes, Origin::Unknown))
+    let message = Message::received(None, bytes, Origin::Unknown);
+    mav.get().dialect.get().unknown(mav.py(), message)
 }
 
 fn mav_error(mav: &Bound<'_, MAVLink>, error: FrameError) -> PyErr {

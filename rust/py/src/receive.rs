@@ -3,7 +3,6 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use mavwire_link::address::Address;
-use mavwire_link::clock::unix_seconds;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -15,6 +14,7 @@ use crate::live_source::Arrived;
 use crate::mavlink::MAVLink;
 use crate::message::{Message, Origin, flags, payload_of};
 use crate::parse::{self, Session, Step};
+use crate::replaced;
 use crate::shared;
 use crate::system::SystemState;
 use crate::tracking;
@@ -72,7 +72,8 @@ enum Scanned<'py> {
 pub(crate) fn next_message<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Received<'py>> {
     let Some(mav) = native_mav(slf) else { return Ok(Received::Trouble) };
     for _ in 0..READS_PER_CALL {
-        match scan(slf, &mav) {
+        // Python may be asked for the time, which must not happen while a lock is held.
+        match scan(slf, &mav, replaced::now(slf.py())?) {
             Scanned::Fresh(fresh) => return deliver(slf, &mav, fresh).map(Received::Message),
             Scanned::Other(step, from) => {
                 if let Some(message) = deliver_other(slf, &mav, step, from)? {
@@ -109,7 +110,7 @@ fn fill(slf: &Bound<'_, LiveLink>, mav: &Bound<'_, MAVLink>) -> PyResult<Arrived
 }
 
 /// Looks at what was received, with one lock of the link, its source and the parser.
-fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>) -> Scanned<'py> {
+fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>, now: f64) -> Scanned<'py> {
     let py = slf.py();
     let native = mav.get();
     let mut guard = slf.as_super().get().state();
@@ -148,7 +149,6 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>) -> Scanned<'
         state.uptime = uptime;
     }
     state.count(header.sysid, header.compid, header.seq);
-    let now = unix_seconds();
     let time = state.message_time().unwrap_or(now);
     state.timestamp = Some(time);
     let is_recorded = state.records_messages();
@@ -209,7 +209,7 @@ fn deliver_other<'py>(
     // With a key, what a callback let pass does not say who is there.
     let is_good = !matches!(message.get().origin, Origin::Bad | Origin::Unknown)
         && (message.get().has(flags::SIGNED) || !mav.get().parser().checks_signatures());
-    let news = slf.get().source().news(from, is_good, unix_seconds());
+    let news = slf.get().source().news(from, is_good, replaced::now(slf.py())?);
     if let Some(from) = news {
         let Message { info, frame, .. } = message.get();
         let is_targeted = is_good && info.is_some_and(|info| info.is_targeted(payload_of(frame)));

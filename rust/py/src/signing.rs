@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering::Relaxed};
 
-use mavwire_core::frame::{FrameBuffer, FrameRef};
+use mavwire_core::frame::{FrameBuffer, FrameRef, Header};
 use mavwire_core::pyfloat::write_repr;
 use mavwire_core::signing::{
     SecretKey, Sightings, SigningError, SigningState, Stream, StreamId, StreamTable, Verdict,
@@ -12,11 +12,11 @@ use mavwire_core::signing::{
 use pyo3::exceptions::{PyAssertionError, PyOverflowError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyByteArray, PyBytes, PyDict};
 
 use crate::calling::{Calling, import, truth};
 use crate::lock::{Guard, Lock};
-use crate::mavlink::MAVLink;
+use crate::mavlink::{MAVLink, overridden};
 use crate::shared;
 use crate::slot::Slot;
 
@@ -199,6 +199,9 @@ impl Signing {
         if !has_key {
             return Ok(Acceptance::Unchecked);
         }
+        if header.is_signed() && mav.get().is_overridden(overridden::SIGNATURE) {
+            return self.accept_by_method(mav, bytes, &header);
+        }
         let verdict = self.judge(&frame);
         log_verdict(mav, verdict)?;
         match verdict {
@@ -214,6 +217,24 @@ impl Signing {
                 self.ask(mav, header.msgid)
             }
         }
+    }
+
+    /// The same where the program has its own `check_signature`.
+    fn accept_by_method(
+        &self,
+        mav: &Bound<'_, MAVLink>,
+        bytes: &[u8],
+        header: &Header,
+    ) -> PyResult<Acceptance> {
+        let py = mav.py();
+        let arguments = (PyByteArray::new(py, bytes), header.sysid, header.compid);
+        if mav.invoke_method1(intern!(py, "check_signature"), arguments)?.truth()? {
+            shared::add(&self.good, 1);
+            self.store_timestamp()?;
+            return Ok(Acceptance::Verified);
+        }
+        shared::add(&self.bad, 1);
+        self.ask(mav, header.msgid)
     }
 
     /// Asks the application about a frame that is not signed, or not well.

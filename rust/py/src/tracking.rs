@@ -7,13 +7,13 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::calling::{Calling, import};
+use crate::calling::Calling;
 use crate::dict;
 use crate::info::Info;
-use crate::instances::{add_message, add_plain};
 use crate::link::Link;
 use crate::message::{Message, flags};
 use crate::params;
+use crate::replaced;
 use crate::room::{OWN_NAMES, Room};
 use crate::system::{Sender, SystemState};
 
@@ -31,8 +31,7 @@ pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
     let kind = message_type(message)?;
     let source = source_of(message)?;
     let uptime = uptime_of(message)?;
-    let clock: f64 =
-        import(py, intern!(py, "time"))?.invoke_method0(intern!(py, "time"))?.extract()?;
+    let clock = replaced::now(py)?;
     let is_radio = (source.sysid, source.compid) == RADIO;
     let seconds = {
         let mut state = link.get().state();
@@ -54,7 +53,7 @@ pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
         let components = &sender.state.get().components;
         components.keep(link, &sender.messages, source.compid, &kind, message)?;
     }
-    add_message(&sender.messages, &kind, message, &Room::of(link, OWN_NAMES))?;
+    replaced::add_message(&sender.messages, &kind, message, &Room::of(link, OWN_NAMES), true)?;
     if is_radio {
         link.invoke_method1(intern!(py, "_post_radio"), (&kind, message))?;
     }
@@ -70,11 +69,8 @@ pub(crate) fn post_plain(
 ) -> PyResult<()> {
     let kind = info.name.bind(messages.py());
     let room = Room::of(link, OWN_NAMES);
-    if info.definition.instance_field.is_some() {
-        add_message(messages, kind, message, &room)
-    } else {
-        add_plain(messages, kind, message, &room)
-    }
+    let has_instances = info.definition.instance_field.is_some();
+    replaced::add_message(messages, kind, message, &room, has_instances)
 }
 
 /// What only a few types of messages change, then the message hooks.

@@ -4,12 +4,13 @@
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use mavwire_core::log::dataflash::text::Delimiter;
 use mavwire_link::dataflash::Contents;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyString, PyTuple};
+use pyo3::types::{PyDict, PyList, PyString, PyTuple, PyType};
 use pyo3::{PyTraverseError, PyVisit};
 
 use super::clock::MicrosClock;
@@ -18,6 +19,7 @@ use super::shape::{self, Names};
 use super::source::{BUDGET, Source};
 use super::state::{Kind, Search, State, Taken, closed};
 use crate::calling::{Calling, truth};
+use crate::link::{overrides, set_attr};
 use crate::lists::list;
 use crate::lock::Lock;
 use crate::turn::Turns;
@@ -32,7 +34,13 @@ const STATE_TYPES: [&str; 6] = ["MODE", "MSG", "PARM", "STAT", "ORGN", "VER"];
 #[pyclass(frozen, subclass, weakref, module = "mavwire._native")]
 pub(crate) struct DataflashReader {
     state: Lock<State>,
+    /// Nobody replaced what the quick paths stand for.
+    quick: AtomicBool,
 }
+
+/// Methods whose replacement turns the quick paths off.
+const QUICK_METHODS: [&str; 5] =
+    ["recv_msg", "_parse_next", "_add_msg", "_set_time", "skip_to_type"];
 
 /// `recv_match`'s argument `type`.
 enum Types<'py> {
@@ -81,7 +89,7 @@ impl DataflashReader {
         let py = slf.py();
         let mut turns = Turns::new();
         loop {
-            let found = slf.get().state.lock(py).next(slf.as_any(), latched, BUDGET)?;
+            let found = slf.get().state.lock(py).next(slf.as_any(), latched, true, BUDGET)?;
             match found {
                 Search::Found(taken) => {
                     let kind = taken.kind;
@@ -101,27 +109,36 @@ impl DataflashReader {
         if !stamped {
             slf.invoke_method1(intern!(py, "_set_time"), (&message,))?;
         }
-        let (messages, tracked) = {
-            let state = slf.get().state.lock(py);
-            (state.messages.bind(py).clone(), state.kinds[kind].tracked)
-        };
-        messages.set_item(&message.get().names.name, &message)?;
+        Self::keep(slf, &message, kind, key)?;
+        if slf.get().state.lock(py).kinds[kind].tracked {
+            slf.invoke_method1(intern!(py, "_track"), (&message,))?;
+        }
+        Ok(message)
+    }
+
+    /// Makes a message the newest of its type and instance in `messages`.
+    fn keep(
+        slf: &Bound<'_, Self>,
+        message: &Bound<'_, DFMessage>,
+        kind: usize,
+        key: Option<Result<Py<PyString>, Box<[u8]>>>,
+    ) -> PyResult<()> {
+        let py = slf.py();
+        let messages = slf.get().state.lock(py).messages.bind(py).clone();
+        messages.set_item(&message.get().names.name, message)?;
         match key {
             None => {}
-            Some(Ok(key)) => messages.set_item(key, &message)?,
+            Some(Ok(key)) => messages.set_item(key, message)?,
             Some(Err(bytes)) => {
-                if let Some(key) = Self::instance_key(slf, &message, kind)? {
+                if let Some(key) = Self::instance_key(slf, message, kind)? {
                     if messages.len() < MAX_MESSAGES || messages.contains(&key)? {
-                        messages.set_item(&key, &message)?;
+                        messages.set_item(&key, message)?;
                     }
                     slf.get().state.lock(py).remember_key(kind, bytes, key.unbind());
                 }
             }
         }
-        if tracked {
-            slf.invoke_method1(intern!(py, "_track"), (&message,))?;
-        }
-        Ok(message)
+        Ok(())
     }
 
     /// The key of a message's instance in `messages`; `None` where a text log has no number for it.
@@ -200,14 +217,31 @@ impl DataflashReader {
 
 #[pymethods]
 impl DataflashReader {
+    #[classattr]
+    const _QUICK_METHODS: [&'static str; 5] = QUICK_METHODS;
+
     #[new]
+    #[classmethod]
     #[pyo3(signature = (*_args, **_kwargs))]
     fn new(
-        py: Python<'_>,
+        cls: &Bound<'_, PyType>,
         _args: &Bound<'_, PyTuple>,
         _kwargs: Option<&Bound<'_, PyDict>>,
-    ) -> Self {
-        Self { state: Lock::new(State::new(py)) }
+    ) -> PyResult<Self> {
+        let quick = AtomicBool::new(!overrides(cls)?);
+        Ok(Self { state: Lock::new(State::new(cls.py())), quick })
+    }
+
+    fn __setattr__(
+        slf: &Bound<'_, Self>,
+        name: &Bound<'_, PyString>,
+        value: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        set_attr(slf.as_any(), name, value, &QUICK_METHODS, &slf.get().quick)
+    }
+
+    fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
+        slf.set_generic_attribute(name, None)
     }
 
     /// Opens a log and returns its layouts: (offset, type, length, name, format, columns) of each.
@@ -350,8 +384,38 @@ impl DataflashReader {
     }
 
     /// The next message, None at the end.
-    fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, DFMessage>>> {
-        Ok(Self::next(slf, false)?.map(|(message, _)| message))
+    fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        if slf.get().quick.load(Relaxed) {
+            let message = Self::next(slf, false)?.map(|(message, _)| message);
+            return Ok(message.into_pyobject(slf.py())?);
+        }
+        slf.invoke_method0(intern!(slf.py(), "_parse_next"))
+    }
+
+    /// The same, taken into `messages` and the state by `_add_msg`.
+    fn _parse_next<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, DFMessage>>> {
+        let py = slf.py();
+        let found = slf.get().state.lock(py).next(slf.as_any(), false, false, BUDGET)?;
+        let Search::Found(taken) = found else { return Ok(None) };
+        let message = Bound::new(py, taken.message)?;
+        slf.invoke_method1(intern!(py, "_add_msg"), (&message,))?;
+        Ok(Some(message))
+    }
+
+    /// Makes a message the newest of its type, and of its instance if it has one.
+    fn _keep(slf: &Bound<'_, Self>, message: &Bound<'_, DFMessage>) -> PyResult<()> {
+        let py = slf.py();
+        let names = &message.get().names;
+        let kind = {
+            let state = slf.get().state.lock(py);
+            let is_its_own = |kind: &Kind| Arc::ptr_eq(&kind.names, names);
+            let index = state.kinds.iter().position(is_its_own);
+            index.map(|index| (index, state.kinds[index].instance))
+        };
+        match kind {
+            Some((index, Some(_))) => Self::keep(slf, message, index, Some(Err(Box::default()))),
+            _ => Self::keep(slf, message, 0, None),
+        }
     }
 
     /// The next message of the given types (a name or a collection of names) for which `condition` holds; None at the
@@ -367,9 +431,13 @@ impl DataflashReader {
         r#type: Option<Bound<'py, PyAny>>,
         #[pyo3(from_py_with = truth)] blocking: bool,
         #[pyo3(from_py_with = truth)] strict: bool,
-    ) -> PyResult<Option<Bound<'py, DFMessage>>> {
+    ) -> PyResult<Bound<'py, PyAny>> {
         let _ = blocking;
         let py = slf.py();
+        if !slf.get().quick.load(Relaxed) {
+            let slowly = intern!(py, "_recv_match_slowly");
+            return slf.invoke_method1(slowly, (condition, r#type, strict));
+        }
         let types = Types::new(r#type.as_ref())?;
         let filtered = !matches!(types, Types::Any);
         if filtered {
@@ -380,16 +448,16 @@ impl DataflashReader {
                 continue;
             }
             match &condition {
-                None => return Ok(Some(message)),
+                None => return Ok(message.into_any()),
                 Some(condition) => {
                     let holds = slf.invoke_method1(intern!(py, "check_condition"), (condition,))?;
                     if holds.truth()? {
-                        return Ok(Some(message));
+                        return Ok(message.into_any());
                     }
                 }
             }
         }
-        Ok(None)
+        Ok(py.None().into_bound(py))
     }
 
     /// Moves to the next record that a filtered read would give, or to the end; filtered reads go on behind it.

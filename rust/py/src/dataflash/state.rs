@@ -95,11 +95,13 @@ impl State {
         }
     }
 
-    /// Reads the next record of the wanted layouts, looking at `budget` records at most.
+    /// Reads the next record of the wanted layouts, looking at `budget` records at most. It gets its time from the native
+    /// clock if there is one and `stamps` says so.
     pub(super) fn next(
         &mut self,
         owner: &Bound<'_, PyAny>,
         latched: bool,
+        stamps: bool,
         mut budget: u32,
     ) -> PyResult<Search> {
         let py = owner.py();
@@ -143,7 +145,8 @@ impl State {
                 kind.format.clone_ref(py),
                 owner.clone().unbind(),
             );
-            if let Some(clock) = &self.clock {
+            let clock = self.clock.as_ref().filter(|_| stamps);
+            if let Some(clock) = clock {
                 let seconds = source::seconds(layout, record.bytes, delimiter);
                 let unit = layout.time.map(|(_, unit)| unit);
                 clock.get().stamp(&message.timestamp, seconds, unit);
@@ -157,7 +160,7 @@ impl State {
                 message,
                 kind: record.layout,
                 key,
-                stamped: self.clock.is_some(),
+                stamped: clock.is_some(),
             }));
         }
     }

@@ -1,0 +1,149 @@
+"""What programs replace in a dialect module: message classes, and what `mavlink_map` says of a message id.
+
+Messages are made natively, without a look at either. So the module's `MAVLink` class gets Python methods
+for what was replaced, which are called as those that a program puts there itself: a `MAVLink` object that is
+there already goes on as it was.
+"""
+
+from __future__ import annotations
+
+from mavwire._hooks import STANDARD, ReplaceableModule
+from mavwire.dialects import _methods
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any, ClassVar
+
+    from mavwire import _native
+
+# What a decoded message has beside the values of its fields.
+_DECODED = ("_msgbuf", "_payload", "_crc", "_header", "_signed", "_link_id")
+
+
+class MessageMap(dict[int, "type[Any]"]):
+    """Message id -> message class. What it says of an id is obeyed by the parsers that are made from then on."""
+
+    def __init__(self, namespace: dict[str, Any], native: _native.Dialect) -> None:
+        super().__init__({msgid: native.message_class(name) for name, msgid in native.messages()})
+        self._originals = dict(self)
+        self._namespace = namespace
+
+    def _changed(self) -> None:
+        obey_map(self._namespace, self._originals)
+
+    def __setitem__(self, msgid: int, cls: type[Any]) -> None:
+        if msgid not in self._originals:
+            raise KeyError(
+                f"message id {msgid} is not in this dialect: add the message to its XML, "
+                "and load that with mavwire.dialects.load()"
+            )
+        super().__setitem__(msgid, cls)
+        self._changed()
+
+    def __delitem__(self, msgid: int) -> None:
+        super().__delitem__(msgid)
+        self._changed()
+
+    def pop(self, *args: Any) -> Any:
+        """As dict.pop."""
+        cls = super().pop(*args)
+        self._changed()
+        return cls
+
+    def popitem(self) -> Any:
+        """As dict.popitem."""
+        item = super().popitem()
+        self._changed()
+        return item
+
+    def clear(self) -> None:
+        """As dict.clear."""
+        super().clear()
+        self._changed()
+
+    def update(self, *args: Any, **kwargs: Any) -> None:
+        """As dict.update."""
+        for msgid, cls in dict(*args, **kwargs).items():
+            self[msgid] = cls
+
+    def __ior__(self, other: Any) -> MessageMap:  # type: ignore[override,misc]
+        self.update(other)
+        return self
+
+
+def obey_map(namespace: dict[str, Any], originals: dict[int, type[Any]]) -> None:
+    """Have the module's `MAVLink` make messages as its `mavlink_map` says, which is not as it was."""
+    base = _base(namespace)
+    if "decode" in vars(base):
+        return
+    native_decode = base.decode
+
+    def decode(self: Any, msgbuf: bytearray) -> Any:
+        """Decode a frame into a message of the class that `mavlink_map` has for its id."""
+        message = native_decode(self, msgbuf)
+        msgid = message.get_msgId()
+        if msgid < 0:
+            return message
+        cls = namespace["mavlink_map"].get(msgid)
+        if cls is originals.get(msgid):
+            return message
+        return namespace["MAVLink_unknown"](msgid, msgbuf) if cls is None else _made(cls, message)
+
+    base.decode = decode
+
+
+def _made(cls: Callable[..., Any], message: Any) -> Any:
+    """A message of a program's own class with the values of `message`, and all that came with them."""
+    texts = type(message)._info.char_fields
+    names = (f"_{name}_raw" if name in texts else name for name in message.fieldnames)
+    made = cls(*(getattr(message, name) for name in names))
+    for name in _DECODED:
+        setattr(made, name, getattr(message, name))
+    return made
+
+
+def _base(namespace: dict[str, Any]) -> Any:
+    return namespace["MAVLink"]._mavlink_base
+
+
+class DialectModule(ReplaceableModule):
+    """A dialect module, of which programs may replace classes and `mavlink_map`."""
+
+    _not_called: ClassVar[dict[str, str]] = {
+        **dict.fromkeys("hashlib json logging os struct sys time".split(), STANDARD),
+        **dict.fromkeys(("mcrf4xx", "x25crc"), "checksums are reckoned natively"),
+        "MAVLink_header": "headers are made natively: change those of the messages that you make or receive",
+    }
+    _dialect: _native.Dialect
+
+    def _use(self, name: str, before: Any, value: Any, is_original: bool) -> None:
+        if name == "mavlink_map":
+            obey_map(vars(self), self._originals[name]._originals)
+        elif (message := _message_of(name)) is not None:
+            self._use_class(message, value, is_original)
+
+    def _use_class(self, message: str, cls: Any, is_original: bool) -> None:
+        """Let `<message>_encode` and `_send` make messages of a program's own class."""
+        from mavwire.dialects import _classes
+
+        base, lower = _base(vars(self)), message.lower()
+        if is_original:
+            for suffix, make in (("encode", _methods.make_encode), ("send", _methods.make_send)):
+                method = _classes.LazyFunction(message, make)
+                method.__set_name__(base, suffix)
+                setattr(base, f"{lower}_{suffix}", method)
+            return
+
+        def send(mav: Any, _info: Any, force_mavlink1: bool, *values: Any) -> None:
+            mav.send(getattr(mav, f"{lower}_encode")(*values), force_mavlink1=force_mavlink1)
+
+        message_class = base._dialect.message_class(message)
+        setattr(base, f"{lower}_encode", _methods.make_encode(base, message_class, cls))
+        setattr(base, f"{lower}_send", _methods.make_send(base, message_class, send))
+
+
+def _message_of(name: str) -> str | None:
+    if not (name.startswith("MAVLink_") and name.endswith("_message")) or name == "MAVLink_message":
+        return None
+    return name.removeprefix("MAVLink_").removesuffix("_message").upper()

@@ -1,0 +1,104 @@
+//! What a program put in place of functions that mavutil shows: its clock, and who keeps the newest messages.
+//!
+//! Links are quick because they call neither. So whoever replaces one of them says it here, once, and links ask a flag.
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+use mavwire_link::clock::unix_seconds;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+use crate::calling::{Calling, import};
+use crate::instances;
+use crate::message::Message;
+use crate::room::Room;
+use crate::slot::Slot;
+
+/// A function or module that programs may replace.
+struct Replaceable {
+    is_replaced: AtomicBool,
+    by: Slot,
+}
+
+impl Replaceable {
+    const fn new() -> Self {
+        Self { is_replaced: AtomicBool::new(false), by: Slot::new() }
+    }
+
+    fn set(&self, value: Option<Py<PyAny>>) {
+        self.is_replaced.store(value.is_some(), Relaxed);
+        self.by.set(value);
+    }
+
+    #[inline]
+    fn get<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        if self.is_replaced.load(Relaxed) { self.by.get(py) } else { None }
+    }
+}
+
+/// `mavutil.time`
+static TIME: Replaceable = Replaceable::new();
+/// `mavutil.add_message`
+static ADD_MESSAGE: Replaceable = Replaceable::new();
+
+/// The module `time`, and its function of that name as it was when mavwire was loaded.
+static TIME_MODULE: OnceLock<(Py<PyAny>, Py<PyAny>)> = OnceLock::new();
+
+/// Lets links use what a program put in place of `mavutil.time` or `mavutil.add_message`; None for the original again.
+#[pyfunction]
+pub(crate) fn replace_function(name: &str, value: Option<Py<PyAny>>) -> PyResult<()> {
+    match name {
+        "time" => TIME.set(value),
+        "add_message" => ADD_MESSAGE.set(value),
+        _ => return Err(PyValueError::new_err(format!("nothing here is called {name}"))),
+    }
+    Ok(())
+}
+
+fn time_module(py: Python<'_>) -> PyResult<&(Py<PyAny>, Py<PyAny>)> {
+    if let Some(found) = TIME_MODULE.get() {
+        return Ok(found);
+    }
+    let name = intern!(py, "time");
+    let module = import(py, name)?;
+    let function = module.attribute(name)?;
+    Ok(TIME_MODULE.get_or_init(|| (module.unbind(), function.unbind())))
+}
+
+/// Remembers the clock while it is still the system's.
+pub(crate) fn prepare(py: Python<'_>) -> PyResult<()> {
+    time_module(py).map(drop)
+}
+
+/// Seconds since 1970, by the program's clock: it may have replaced `mavutil.time`, or `time.time`.
+#[inline]
+pub(crate) fn now(py: Python<'_>) -> PyResult<f64> {
+    let (module, original) = time_module(py)?;
+    let name = intern!(py, "time");
+    let function = match TIME.get(py) {
+        Some(replaced) => replaced.attribute(name)?,
+        None => module.bind(py).attribute(name)?,
+    };
+    if function.is(original) { Ok(unix_seconds()) } else { function.invoke1(())?.extract() }
+}
+
+/// `mavutil.add_message(messages, kind, message)`, as far as there is room.
+#[inline]
+pub(crate) fn add_message(
+    messages: &Bound<'_, PyDict>,
+    kind: &Bound<'_, PyString>,
+    message: &Bound<'_, Message>,
+    room: &Room<'_, '_>,
+    has_instances: bool,
+) -> PyResult<()> {
+    if let Some(replaced) = ADD_MESSAGE.get(messages.py()) {
+        return replaced.invoke1((messages, kind, message)).map(drop);
+    }
+    if has_instances {
+        instances::add_message(messages, kind, message, room)
+    } else {
+        instances::add_plain(messages, kind, message, room)
+    }
+}
