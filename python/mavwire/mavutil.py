@@ -205,10 +205,13 @@ class _Mavutil(ReplaceableModule):
     _told: ClassVar[dict[str, Callable[[Any, bool], None]]] = {
         name: _tell(name) for name in ("time", "add_message")
     }
-    _not_called: ClassVar[dict[str, str]] = dict.fromkeys(
-        "array ascii copy errno fnmatch json math os platform re select socket ssl struct sys".split(),
-        STANDARD,
-    )
+    _not_called: ClassVar[dict[str, str]] = {
+        **dict.fromkeys(
+            "array ascii copy errno fnmatch json math os platform re select socket ssl struct sys".split(),
+            STANDARD,
+        ),
+        "u_ord": "bytes are numbers already",
+    }
 
     mavlink = _of_state("mavlink")
     current_dialect = _of_state("current_dialect")

@@ -184,7 +184,7 @@ def mode_string_v10(msg: Any) -> str:
         return f"Mode({msg.custom_mode})"
     if heartbeat and not msg.base_mode & _CUSTOM_MODE_ENABLED:
         return f"Mode(0x{msg.base_mode:08x})"
-    return _name_or_number(AP_MAV_TYPE_MODE_MAP.get(msg.type, {}), msg.custom_mode)
+    return _name_or_number(mode_mapping_bynumber(msg.type) or {}, msg.custom_mode)
 
 
 def mode_string_apm(mode_number: int) -> str:

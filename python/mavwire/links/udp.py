@@ -121,7 +121,7 @@ class mavudp(ChunkedLink):
 
     def _recv_own(self, n: int | None) -> bytes:
         """Of what this link parses itself `post_message` knows whom to answer."""
-        is_replaced = getattr(self.recv, "__func__", None) is not mavudp.recv
+        is_replaced = getattr(self.recv, "__func__", None) is not _RECV
         return self.recv(n) if is_replaced else self._read_datagram()
 
     def _read_datagram(self) -> bytes:
@@ -311,3 +311,7 @@ class mavudp(ChunkedLink):
 def _is_targeted(msg: Message) -> bool:
     """Whether `msg` is for one system, which MANUAL_CONTROL calls its target."""
     return bool(getattr(msg, "target_system", 0) or getattr(msg, "target", 0))
+
+
+# A program may replace it in the class.
+_RECV = mavudp.recv

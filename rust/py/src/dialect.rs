@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, OnceLock};
 
 use mavwire_core::builtin;
-use mavwire_core::frame::FrameRef;
+use mavwire_core::frame::{FrameRef, Header};
 use mavwire_core::registry::Registry;
 use mavwire_schema::{
     Definitions, Invalid, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion,
@@ -182,7 +182,7 @@ impl Dialect {
         message: Message,
     ) -> PyResult<Bound<'py, Message>> {
         self.special(py, "MAVLink_unknown", message, |message| {
-            let id = message.header().map_or(0, |header| header.msgid);
+            let id = Header::parse(&message.frame).map_or(0, |header| header.msgid);
             (id, PyByteArray::new(py, &message.frame)).into_pyobject(py)
         })
     }

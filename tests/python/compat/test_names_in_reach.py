@@ -4,6 +4,7 @@ another one.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,32 @@ for name in ("mavextra", "mavexpression", "rotmat", "quaternion", "mavwp", "mavp
         if own and not isinstance(value, types.ModuleType):
             print(name, found)
 """
+
+# Each name of a module replaced, and ordinary use: what was called.
+HOOKED = f"""
+sys.path.insert(0, {str(Path(__file__).parents[1])!r})
+from differential import hooked
+hooked.main([pkg, "."])
+"""
+PAGE = Path(__file__).parents[3] / "docs" / "compatibility.md"
+
+
+def test_replaced_names_are_called_or_warn(oracle: str, tmp_path: Path) -> None:
+    """A program that replaces a name of a module is told where that has no effect."""
+    ours, theirs = (
+        {
+            tuple(line.split()[:2]): line.split()[2]
+            for line in output(package, HOOKED, tmp_path / package)
+        }
+        for package in ("mavwire", oracle)
+    )
+    called = [name for name, outcome in theirs.items() if outcome == "called"]
+    assert len(called) > 100 and ours.keys() == theirs.keys()
+    assert not [name for name in called if ours[name] not in ("called", "warns", "raises")]
+    page = PAGE.read_text(encoding="utf-8")
+    listed = [f"`{module}.{name}`" for module, name in called if ours[module, name] != "called"]
+    of_math = [f"`mavextra.{name}`" for name in vars(math)]
+    assert not [name for name in listed if name not in page and name not in of_math]
 
 
 def test_modules_that_come_with_mavutil(oracle: str, tmp_path: Path) -> None:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import socket
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from differential import workload
 from unit.link_tools import T0, free_port, heartbeat, record
 
 WAIT = 60.0
@@ -243,9 +246,10 @@ def own(tmp_path: Path) -> Iterator[Ours]:
 def test_a_method_of_the_class_replaced_later_is_for_later_links(
     own: Ours, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And `buf_len`, which pymavlink's parser calls, is not called."""
+    """And `buf_len`, which pymavlink's parser calls, is not called: replacing it warns."""
     earlier = own.open("mavlogfile")
-    asked = spy(earlier.mav, "buf_len")
+    with pytest.warns(RuntimeWarning, match="does not call it"):
+        asked = spy(earlier.mav, "buf_len")
     calls: list[Any] = []
     original = own.mavlink.MAVLink.decode
 
@@ -271,3 +275,112 @@ def test_a_partial_frame_is_dropped_and_the_replaced_method_stays(own: Ours) -> 
     calls.clear()
     assert log.recv_msg().get_type() == "ATTITUDE"
     assert calls
+
+
+# Class -> its module, and what uses it.
+CLASSES: dict[str, tuple[str, Callable[[workload.Package, Any], None]]] = {
+    "mavfile": ("mavutil", workload.bare_link),
+    "mavlogfile": ("mavutil", workload.telemetry_log),
+    "mavmmaplog": ("mavutil", workload.telemetry_log),
+    "mavudp": ("mavutil", workload.udpin),
+    "mavtcp": ("mavutil", workload.tcp),
+    "mavtcpin": ("mavutil", workload.tcpin),
+    "DFReader_binary": (
+        "DFReader", lambda of, cls: workload.dataflash_log(cls(of.file("flight.bin"))),
+    ),
+    "DFReader_text": (
+        "DFReader", lambda of, cls: workload.dataflash_log(cls(of.file("flight.log"))),
+    ),
+    "CSVReader": ("CSVReader", lambda of, cls: workload.csv_rows(cls(of.file("flight.csv")))),
+    "DFFormat": ("DFReader", workload.record_type),
+    "DFReaderClock_usec": ("DFReader", workload.clock),
+    "DFReaderClock_msec": ("DFReader", workload.clock),
+    "DFReaderClock_gps_interpolated": ("DFReader", workload.clock),
+    "MAVLink": ("dialects.v20.all", workload.parser),
+    "MAVLink_heartbeat_message": ("dialects.v20.all", workload.message),
+}  # fmt: skip
+
+
+def methods_of(cls: Any) -> list[str]:
+    """Public methods and properties of the reference's class, and those with one underscore."""
+    found = set()
+    for base in cls.__mro__[:-1]:
+        for name, value in vars(base).items():
+            if name.startswith("__") or "__" in name[1:]:  # the class's own business
+                continue
+            # Of some hundred methods that are made alike.
+            if name.endswith(("_send", "_encode")) and not name.startswith(("heartbeat", "way")):
+                continue
+            if callable(value) or isinstance(value, property):
+                found.add(name)
+    return sorted(found)
+
+
+def overridden(cls: Any, name: str, calls: list[str]) -> Any:
+    """A class derived from `cls` that notes when its method or property is used."""
+    value = inspect.getattr_static(cls, name)
+    body: Any
+    if callable(value):
+
+        def body(self: Any, *args: Any, **kwargs: Any) -> Any:
+            calls.append(name)
+            return getattr(super(derived, self), name)(*args, **kwargs)
+    else:
+
+        def get(self: Any) -> Any:
+            calls.append(name)
+            return getattr(super(derived, self), name)
+
+        body = property(get, lambda self, new: value.__set__(self, new))
+    derived: Any = type(cls.__name__, (cls,), {name: body, "__module__": "mine"})
+    return derived
+
+
+def replaced_in(cls: Any, name: str, calls: list[str], patch: pytest.MonkeyPatch) -> Any:
+    """`cls` with another method of its own."""
+    original = getattr(cls, name)
+
+    def method(self: Any, *args: Any, **kwargs: Any) -> Any:
+        calls.append(name)
+        return original(self, *args, **kwargs)
+
+    patch.setattr(cls, name, method)
+    return cls
+
+
+def is_used(package: workload.Package, kind: str, name: str, way: str) -> bool | str:
+    """Whether ordinary use calls the method `name` that a program has replaced, or "warns"."""
+    module, use = CLASSES[kind]
+    package.mavutil.set_dialect("all")
+    package.mavutil.global_link_id = 0
+    cls = getattr(package.module(module), kind)
+    calls: list[str] = []
+    with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        if way == "derived":
+            cls = overridden(cls, name, calls)
+        elif inspect.isroutine(inspect.getattr_static(cls, name)):
+            cls = replaced_in(cls, name, calls, patch)
+        package.use([lambda of: use(of, cls)])
+    return bool(calls) or any("does not call it" in str(one.message) for one in said)
+
+
+@pytest.mark.parametrize("way", ["derived", "in the class"])
+@pytest.mark.parametrize("kind", CLASSES)
+def test_overridden_methods_are_called_or_warn(
+    kind: str, way: str, subject: str, oracle: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a class of the program's own, and replaced in ours before an object is made."""
+    monkeypatch.setenv("MAVLINK20", "1")
+    ours, theirs = (workload.Package(name, tmp_path) for name in (subject, oracle))
+    names = methods_of(getattr(theirs.module(CLASSES[kind][0]), kind))
+    called = [name for name in names if is_used(theirs, kind, name, way)]
+    assert called
+    never = [
+        name for name in called if (kind, name) not in LEFT and not is_used(ours, kind, name, way)
+    ]
+    assert not never
+
+
+# docs/compatibility.md says so: a method of a message class, replaced in the class itself.
+LEFT = (("MAVLink_heartbeat_message", "_pack"), ("MAVLink_heartbeat_message", "sign_packet"))
