@@ -44,7 +44,7 @@ pub(crate) struct Dialect {
     namespace: OnceLock<Py<PyDict>>,
     make_class: OnceLock<Py<PyAny>>,
     /// `MAVLink_bad_data` and `MAVLink_unknown` as the module began with them.
-    special: OnceLock<[Py<PyType>; 2]>,
+    special: OnceLock<Vec<Py<PyAny>>>,
 }
 
 pub(crate) fn schema_error(error: &SchemaError) -> PyErr {
@@ -115,10 +115,10 @@ impl Dialect {
         arguments: impl FnOnce(&Message) -> PyResult<Bound<'py, PyTuple>>,
     ) -> PyResult<Bound<'py, Message>> {
         let class = self.global(py, name)?;
-        let own = self.special.get().and_then(|own| own.iter().find(|own| class.is(*own)));
-        match own {
-            Some(own) => create::create(own.bind(py), message),
-            None => Ok(class.invoke1(arguments(&message)?)?.cast_into::<Message>()?),
+        let is_own = self.special.get().is_some_and(|own| own.iter().any(|own| class.is(own)));
+        match class.cast::<PyType>() {
+            Ok(class) if is_own => create::create(class, message),
+            _ => Ok(class.invoke1(arguments(&message)?)?.cast_into::<Message>()?),
         }
     }
 
@@ -236,12 +236,10 @@ impl Dialect {
 
     /// Ties the dialect to its module: `namespace` are the module's globals, `make_class(info)` makes a message class.
     fn bind(&self, py: Python<'_>, namespace: Py<PyDict>, make_class: Py<PyAny>) -> PyResult<()> {
-        let own = |name: &str| -> PyResult<Py<PyType>> {
-            let class = namespace.bind(py).get_item(name)?;
-            let missing = || PyKeyError::new_err(name.to_owned());
-            Ok(class.ok_or_else(missing)?.cast_into()?.unbind())
-        };
-        let special = [own("MAVLink_bad_data")?, own("MAVLink_unknown")?];
+        let mut special = Vec::new();
+        for name in ["MAVLink_bad_data", "MAVLink_unknown"] {
+            special.extend(namespace.bind(py).get_item(name)?.map(Bound::unbind));
+        }
         let fresh = self.namespace.set(namespace).is_ok()
             & self.make_class.set(make_class).is_ok()
             & self.special.set(special).is_ok();

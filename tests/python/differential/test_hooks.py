@@ -122,8 +122,9 @@ def test_a_reader_of_the_program(agree: Callable[[Scenario], Any]) -> None:
         for cls, name in (
             (readers.DFReader_binary, "flight.bin"), (readers.DFReader_text, "flight.log"),
         ):  # fmt: skip
+            base: Any = cls
 
-            class Reader(cls):  # type: ignore[misc]
+            class Reader(base):
                 def _set_time(self, m: Any) -> None:
                     super()._set_time(m)
                     m._timestamp += 1000
@@ -171,7 +172,9 @@ def test_a_message_class_of_the_program(agree: Callable[[Scenario], Any]) -> Non
     def scenario(package: workload.Package, patch: pytest.MonkeyPatch) -> Any:
         mavlink = package.mavutil.mavlink
 
-        class Beat(mavlink.MAVLink_heartbeat_message):  # type: ignore[misc]
+        base: Any = mavlink.MAVLink_heartbeat_message
+
+        class Beat(base):
             def __init__(self, *args: Any, **kwargs: Any) -> None:
                 super().__init__(*args, **kwargs)
                 self.mine = self.custom_mode + 1
@@ -204,9 +207,9 @@ def test_classes_of_a_dialect_module(agree: Callable[[Scenario], Any]) -> None:
         made: list[str] = []
 
         def own(name: str) -> None:
-            cls = getattr(mavlink, name)
+            base: Any = getattr(mavlink, name)
 
-            class Own(cls):  # type: ignore[misc]
+            class Own(base):
                 def __init__(self, *args: Any, **kwargs: Any) -> None:
                     made.append(name)
                     super().__init__(*args, **kwargs)
@@ -242,7 +245,9 @@ def test_a_signature_check_of_the_program(agree: Callable[[Scenario], Any]) -> N
         mavlink = package.mavutil.mavlink
         asked = []
 
-        class Own(mavlink.MAVLink):  # type: ignore[misc]
+        base: Any = mavlink.MAVLink
+
+        class Own(base):
             def check_signature(self, msgbuf: Any, system: int, component: int) -> Any:
                 asked.append((len(msgbuf), system, component))
                 return super().check_signature(msgbuf, system, component) and len(asked) != 2

@@ -181,7 +181,7 @@ def tcpin(package: Package, kind: Any) -> None:
 def bare_link(package: Package, kind: Any) -> None:
     """What a program makes of mavfile: a link over something of its own."""
 
-    class Own(kind):  # type: ignore[misc]
+    class Own(kind):
         def __init__(self) -> None:
             self.received = bytearray()
             super().__init__(None, "own")

@@ -49,7 +49,7 @@ RESERVED_CRATES = {
 }
 # Python layers, lowest first: a module imports only from its own layer and from lower ones.
 LAYERS = (
-    ("_native", "_version", "_data", "_sphere"),
+    ("_native", "_version", "_data", "_sphere", "_hooks"),
     ("dialects",),
     ("expression", "mavexpression", "mavextra", "rotmat", "quaternion"),
     ("links",),
