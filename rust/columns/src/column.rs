@@ -15,8 +15,8 @@ use mavwire_core::log::dataflash::{half, text::decode_line};
 use mavwire_schema::{Field, FieldType, Invalid};
 
 use crate::gather::{
-    NO_TIME, Rows, each_text, each_valid, gather, gather_scaled, logged, number_in, parse, place_of,
-    shown,
+    NO_TIME, Rows, each_text, each_valid, gather, gather_scaled, logged, number_in, parse,
+    place_of, shown,
 };
 use crate::layout::{Column, Source};
 use crate::units::Scale;

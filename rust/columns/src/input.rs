@@ -48,8 +48,8 @@ impl Steps {
     }
 }
 
-/// Undoes gzip and zstd, which are told by their first bytes, and makes plain text of text logs in other encodings. A zstd file may begin with a frame that is skipped (`0x184D2A5?`),
-/// as those of pzstd do.
+/// Undoes gzip and zstd, which are told by their first bytes, and makes plain text of text logs in other encodings. A zstd
+/// file may begin with a frame that is skipped (`0x184D2A5?`), as those of pzstd do.
 ///
 /// # Errors
 /// What reading says.
@@ -57,13 +57,13 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     let mut magic = Vec::with_capacity(MAGIC);
     source.by_ref().take(MAGIC as u64).read_to_end(&mut magic)?;
     let whole = io::Cursor::new(magic.clone()).chain(source);
-    converted(match *magic {
+    Ok(converted(match *magic {
         [0x1F, 0x8B, 8, _] => Box::new(Members::new(whole)),
         [0x28, 0xB5, 0x2F, 0xFD] | [0x50..=0x5F, 0x2A, 0x4D, 0x18] => {
             Box::new(zstd::stream::read::Decoder::new(whole)?)
         }
         _ => Box::new(whole),
-    })
+    }))
 }
 
 /// How a telemetry log is framed that is not compressed, by its first bytes.

@@ -82,30 +82,25 @@ impl Encoding {
 /// The first bytes of a log, converted if it is text that has to be.
 pub fn converted_head(head: &[u8]) -> Vec<u8> {
     let mut text = Vec::new();
-    let whole = converted(Box::new(Cursor::new(head.to_vec())));
     // Reading memory does not fail.
-    let _ = whole.and_then(|mut whole| whole.read_to_end(&mut text));
+    let _ = converted(Box::new(Cursor::new(head.to_vec()))).read_to_end(&mut text);
     text
 }
 
 /// The bytes of a log, converted if it is text that has to be.
-///
-/// # Errors
-/// What reading says before the first byte.
-pub fn converted(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read + Send>> {
+pub fn converted(mut source: Box<dyn Read + Send>) -> Box<dyn Read + Send> {
     let mut head = Vec::new();
     let rest: Box<dyn Read + Send> = match source.by_ref().take(PROBE as u64).read_to_end(&mut head)
     {
         Ok(_) => source,
-        Err(error) if head.is_empty() => return Err(error),
         Err(error) => Box::new(Failed(Some(error))),
     };
     let encoding = Encoding::of(&head);
-    let mut whole = Cursor::new(head).chain(rest);
-    let Some(encoding) = encoding else { return Ok(Box::new(whole)) };
-    io::copy(&mut whole.by_ref().take(encoding.mark as u64), &mut io::sink())?;
+    let mut start = Cursor::new(head);
+    let Some(encoding) = encoding else { return Box::new(start.chain(rest)) };
+    start.set_position(encoding.mark as u64);
     let (left, ready) = Default::default();
-    Ok(Box::new(Converted { inner: whole, encoding, left, ready, at: 0 }))
+    Box::new(Converted { inner: start.chain(rest), encoding, left, ready, at: 0 })
 }
 
 /// A source that fails once.
@@ -167,7 +162,7 @@ mod tests {
     fn text(bytes: &[u8]) -> String {
         let mut text = String::new();
         let source: Box<dyn Read + Send> = Box::new(Cursor::new(bytes.to_vec()));
-        converted(source).and_then(|mut whole| whole.read_to_string(&mut text)).expect("text");
+        converted(source).read_to_string(&mut text).expect("text");
         text
     }
 
@@ -212,7 +207,7 @@ mod tests {
     fn an_error_comes_behind_the_bytes_before_it() {
         let failed = Failed(Some(io::ErrorKind::PermissionDenied.into()));
         let source = Cursor::new(LOG.as_bytes()).chain(failed);
-        let mut whole = converted(Box::new(source)).expect("bytes");
+        let mut whole = converted(Box::new(source));
         let mut text = Vec::new();
         let error = whole.read_to_end(&mut text).expect_err("the error");
         assert_eq!(
