@@ -12,6 +12,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from mavwire._alias_metadata import installed_folder
+
+__all__ = ["generate", "installed_folder"]
+
 _PROGRAM = """
 import json, sys
 folder, options, files = json.loads(sys.argv[1])

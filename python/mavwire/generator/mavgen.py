@@ -16,9 +16,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any, Protocol, TypeAlias
 
-from mavwire._alias_metadata import installed_folder
 from mavwire._wording import guarded_output
-from mavwire.generator import _upstream, mavparse
+from mavwire.generator import mavparse
 from mavwire.generator._errors import MAVParseError
 from mavwire.generator._sources import included_paths
 from mavwire.generator._validate import (
@@ -102,9 +101,11 @@ def mavgen(opts: _Options, args: Sequence[_Path]) -> bool:
     """
     opts.language = opts.language.lower()
     filenames = [os.fspath(path) for path in args]
-    upstream = None if opts.language in _PYTHON else installed_folder()
-    if upstream is not None:
-        return _upstream.generate(upstream, _plain(opts), filenames)
+    if opts.language not in _PYTHON:
+        from mavwire.generator import _upstream
+
+        if (folder := _upstream.installed_folder()) is not None:
+            return _upstream.generate(folder, _plain(opts), filenames)
     xml, built_in = _read_files(opts, filenames)
     if mavparse.check_duplicates(xml) or mavparse.missing_enum(xml, _enum_names(built_in)):
         return False

@@ -68,9 +68,10 @@ class Target:
         self._select_params(self.sysid or self.param_sysid[0], value)
 
     def _select_params(self, sysid: int, component: int) -> None:
-        self.param_sysid = (sysid, component)
-        if self.param_sysid not in self.param_state:
-            self.param_state[self.param_sysid] = param_state()
+        key = (sysid, component)
+        if key not in self.param_state:  # before a thread that reads parameters looks for it
+            self.param_state[key] = param_state()
+        self.param_sysid = key
 
     @property
     def params(self) -> dict[str, float]:

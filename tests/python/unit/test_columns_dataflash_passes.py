@@ -140,7 +140,7 @@ def test_times_of_a_log_that_has_none(tmp_path):
     for log in (mavwire.open_log(path), mavwire.open_log(path)):
         with pytest.raises(ValueError, match="NOPE"):  # which is said first
             log.read("NOPE", start=1)
-        with pytest.raises(ValueError, match="have no times"):
+        with pytest.raises(ValueError, match="have no time stamps"):
             log.read("A", start=1)
         assert log.read("A")["A"]["N"].tolist() == [1]
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from mavwire.generator import _schema, mavgen, mavgen_python
+from mavwire.generator import _schema, _upstream, mavgen, mavgen_python
 from mavwire.generator.mavparse import (
     MAVXML,
     MAVParseError,
@@ -426,7 +426,7 @@ def test_paths_in_place_of_names(tmp_path: Path) -> None:
 def test_other_languages_without_an_installed_pymavlink(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mavgen, "installed_folder", lambda: None)
+    monkeypatch.setattr(_upstream, "installed_folder", lambda: None)
     assert not generate(tmp_path, document(message()), language="C++11")
     last = capsys.readouterr().out.splitlines()[-1]
     assert last.startswith(

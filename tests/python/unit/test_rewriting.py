@@ -102,7 +102,7 @@ def test_cut_of_a_raw_stream(flight, tmp_path):
     raw.write_bytes(b"".join(frames))
     cut(raw, out, systems=1)
     assert out.read_bytes() == b"".join(frame for frame in frames if frame[5] == 1)
-    with pytest.raises(ValueError, match="no times"):
+    with pytest.raises(ValueError, match="no time stamps"):
         cut(raw, out, start=1.0)
 
 
