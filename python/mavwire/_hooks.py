@@ -44,9 +44,18 @@ class ReplaceableModule(ModuleType):
         elif before is not _ABSENT and before is not value:
             self._use(name, before, value, value is original)
 
+    def __delattr__(self, name: str) -> None:
+        """Take a replacement back, as mock.patch does with a name that is made when it is first asked for."""
+        replacement = vars(self).get(name, _ABSENT)
+        super().__delattr__(name)
+        original = vars(self).get("_originals", {}).get(name, _ABSENT)
+        if original is not _ABSENT and original is not replacement:
+            self._use(name, replacement, original, True)
+
     def _use(self, name: str, before: Any, value: Any, is_original: bool) -> None:
         """Let what is behind this module use `value` where it used `before`."""
-        for names in self._namespaces():
+        # All of them are imported before one is changed: classes derive from those that are replaced.
+        for names in list(self._namespaces()):
             if names.get(name) is before:
                 names[name] = value
         if name in self._told:
@@ -66,6 +75,7 @@ STANDARD = "replace the function in the module itself, as in monkeypatch.setattr
 
 def make_replaceable(module: ModuleType, kind: type[ReplaceableModule]) -> None:
     """Give a module the class that notices what is replaced in it."""
+    kind.__name__ = kind.__qualname__ = ModuleType.__name__
     module.__class__ = kind
 
 
