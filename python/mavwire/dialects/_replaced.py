@@ -41,6 +41,16 @@ class MessageMap(dict[int, "type[Any]"]):
         super().__setitem__(msgid, cls)
         self._changed()
 
+    def setdefault(self, msgid: int, cls: Any = None) -> Any:
+        """As dict.setdefault."""
+        if msgid not in self:
+            self[msgid] = cls
+        return self[msgid]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy is an ordinary dictionary: to change it changes no parser."""
+        return dict, (dict(self),)
+
     def __delitem__(self, msgid: int) -> None:
         super().__delitem__(msgid)
         self._changed()

@@ -69,6 +69,7 @@ def mode_changes(
     import numpy as np
 
     rows = vehicle_rows(heartbeats) & (heartbeats["sysid"] == (system or 0))
+    rows &= ~np.isnat(heartbeats["timestamp"])  # in front of the clock of a raw stream
     names = ("type", "autopilot", "base_mode", "custom_mode")
     columns = [heartbeats[name][rows] for name in names]
     times = heartbeats["timestamp"][rows].astype("int64") * 1e-6

@@ -143,7 +143,8 @@ def _tables(
             fields |= _instance_fields(native, known[one.type].id)
     types = sorted({"HEARTBEAT", *(one.type for one in plain)})
     tables = read(path, types, fields=sorted(fields), invalid="null", dialect=dialect)
-    if any(len(table) and bool(_is_nat(table["timestamp"]).all()) for table in tables.values()):
+    filled = [table for table in tables.values() if len(table)]
+    if filled and all(bool(_is_nat(table["timestamp"]).all()) for table in filled):
         raise ValueError(f"a raw stream without a clock has no times to plot over: {path!r}")
     return tables
 

@@ -200,7 +200,7 @@ impl Signing {
             return Ok(Acceptance::Unchecked);
         }
         if header.is_signed() && mav.get().is_overridden(overridden::SIGNATURE) {
-            return self.accept_by_method(mav, bytes, &header);
+            return self.accept_by_method(mav, bytes, header);
         }
         let verdict = self.judge(&frame);
         log_verdict(mav, verdict)?;

@@ -4,6 +4,7 @@ use mavwire_core::telemetry::{StatusTexts as Texts, TextFields};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
+use crate::calling::Calling;
 use crate::lock::Lock;
 use crate::message::Message;
 
@@ -21,28 +22,36 @@ impl StatusTexts {
         Self(Lock::new(Texts::default()))
     }
 
-    /// The texts that end with a message that was received: `(first message, text)`. None for the start of a longer one,
-    /// and for a message that is no STATUSTEXT.
-    fn hear<'py>(&self, message: &Bound<'py, Message>) -> Vec<Text<'py>> {
+    /// The texts that end with a message: `(first message, text)`. None for the start of a longer one, and for a message
+    /// that is not a STATUSTEXT.
+    fn hear<'py>(&self, message: &Bound<'py, Message>) -> PyResult<Vec<Text<'py>>> {
         let (py, this) = (message.py(), message.get());
         let fields = this.info.and_then(|info| TextFields::of(&info.definition));
         let (Some(fields), Some(header), Some(payload)) =
             (fields, this.header(), this.quick_payload())
         else {
-            return Vec::new();
+            return whole_text(message);
         };
         let own = || message.clone().unbind();
         let found = match fields.chunk(payload) {
             None => vec![(own(), fields.text(payload).to_vec())],
             Some(chunk) => self.0.lock(py).hear((header.sysid, header.compid), chunk, own),
         };
-        shown(py, found)
+        Ok(shown(py, found))
     }
 
     /// Gives up the texts that are incomplete.
     fn finish<'py>(&self, py: Python<'py>) -> Vec<Text<'py>> {
         shown(py, self.0.lock(py).finish())
     }
+}
+
+/// The text of a STATUSTEXT whose definition has no parts, as in MAVLink 1, or that was not received.
+fn whole_text<'py>(message: &Bound<'py, Message>) -> PyResult<Vec<Text<'py>>> {
+    let is_text = message.get().info.is_some_and(|info| info.definition.name == "STATUSTEXT");
+    let text = if is_text { message.as_any().attribute_opt("_text_raw")? } else { None };
+    let Some(text) = text else { return Ok(Vec::new()) };
+    Ok(vec![(message.clone().unbind(), text.cast_into()?)])
 }
 
 fn shown(py: Python<'_>, found: Vec<(Py<Message>, Vec<u8>)>) -> Vec<Text<'_>> {

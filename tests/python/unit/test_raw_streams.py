@@ -12,8 +12,11 @@ from typing import Any
 import mavwire
 import pytest
 from mavwire import cli, mavutil, traffic
+from mavwire.dialects.v20 import all as mavlink
 from mavwire.fleet.cuts import find_cuts
 from mavwire.links.recognise import is_stamped
+from mavwire.plots.expressions import parse
+from mavwire.plots.series import read_series
 from unit.link_tools import heartbeat, record
 
 COUNT = 400
@@ -149,3 +152,16 @@ def test_what_is_written_is_not_recognised(tmp_path: Path) -> None:
     assert [is_stamped(str(tmp_path / name)) for name in ("a.tlog", "b.tlog")] == [False] * 2
     path.write_bytes(b"no log " * 3000)
     assert is_stamped(str(path)) is None
+
+
+def test_a_plot_of_a_stream_whose_clock_begins_later(tmp_path: Path) -> None:
+    sender = mavlink.MAVLink(None, 1, 1)
+    messages = [mavlink.MAVLink_heartbeat_message(2, 3, 81, 0, 4, 3)]
+    messages += [
+        mavlink.MAVLink_attitude_message(1000 + n, n, 0.0, 0.0, 0.0, 0.0, 0.0) for n in range(5)
+    ]
+    path = tmp_path / "x.raw"
+    path.write_bytes(b"".join(message.pack(sender) for message in messages))
+    found = read_series(str(path), [parse("ATTITUDE.roll")])
+    assert found.series[0].values.tolist() == [0, 1, 2, 3, 4]
+    assert found.modes == []

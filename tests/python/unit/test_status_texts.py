@@ -13,6 +13,7 @@ import pytest
 from mavwire import aio, cli
 from mavwire.bridge import Bridge
 from mavwire.bridge.inspection import View
+from mavwire.dialects.v10 import all as mavlink1
 from mavwire.dialects.v20 import all as mavlink
 from unit.link_tools import record
 
@@ -118,3 +119,16 @@ def test_the_inspector_shows_whole_texts() -> None:
         send(frames()[-1:])  # the start of another one
         assert shown()["1/1/253"] == LONG
         assert bridge.latest_text(3, 3) is None
+
+
+@pytest.mark.parametrize("more", [[], ["--verbose"]])
+def test_texts_of_mavlink_1_have_no_parts(
+    more: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sender = mavlink1.MAVLink(None, 1, 1)
+    frames = [mavlink1.MAVLink_statustext_message(4, text).pack(sender) for text in (b"a", b"b")]
+    path = tmp_path / "v1.tlog"
+    path.write_bytes(b"".join(record(one, T0 + n) for n, one in enumerate(frames)))
+    assert cli.main(["dump", "--mav10", "--format", "json", *more, str(path)]) == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if '"text"' in line]
+    assert [json.loads(line)["data"]["text"] for line in lines] == ["a", "b"]
