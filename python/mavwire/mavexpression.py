@@ -36,7 +36,7 @@ class _Mavexpression(ReplaceableModule):
 
     def __setattr__(self, name: str, value: Any) -> None:
         super().__setattr__(name, value)
-        if name in _KNOWN or callable(value):
+        if not name.startswith("_") and (name in _KNOWN or callable(value)):
             _expression.register(name, value)
 
 

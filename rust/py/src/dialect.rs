@@ -376,6 +376,9 @@ impl Dialect {
         if let Some(make_class) = self.make_class.get() {
             visit.call(make_class)?;
         }
+        for class in self.special.get().into_iter().flatten() {
+            visit.call(class)?;
+        }
         Ok(())
     }
 }

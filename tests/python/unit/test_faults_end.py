@@ -219,7 +219,7 @@ def test_a_recording_is_flushed_by_time_that_passes(
 ) -> None:
     """Not by the clock on the wall, which may go back by a day and would have records wait so long."""
     clock, passed = Clock(monkeypatch), SimpleNamespace(now=time.monotonic())
-    monkeypatch.setattr(time, "monotonic", lambda: passed.now)
+    monkeypatch.setattr("mavwire.links.mavfile.monotonic", lambda: passed.now)
     link = Capture()
     link.setup_logfile(str(tmp_path / "flight.tlog"))
     for seq in range(5):

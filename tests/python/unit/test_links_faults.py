@@ -561,7 +561,7 @@ def test_a_serial_port_is_reopened_once_a_second_at_most(serial_port, monkeypatc
     held = HeldSerial(monkeypatch)
     held.leave.set()
     now = 1000.0
-    monkeypatch.setattr("mavwire.links.serial_port.time.monotonic", lambda: now)
+    monkeypatch.setattr("mavwire.links.serial_port.monotonic", lambda: now)
     for _ in range(3):
         link._maybe_reset()
     assert len(held.opened) == 1

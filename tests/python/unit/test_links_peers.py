@@ -82,7 +82,7 @@ def test_an_unknown_name_is_looked_up_again_after_a_pause(names, vehicle, monkey
         (record,) = caplog.records
         assert "the address of vehicle.test:" in record.getMessage()
         now = time.monotonic() + udp.LOOKUP_PAUSE
-        monkeypatch.setattr("time.monotonic", lambda: now)
+        monkeypatch.setattr(udp, "monotonic", lambda: now)
         names.known["vehicle.test"] = "127.0.0.1"
         link.mav.heartbeat_send(6, 8, 0, 0, 0)
         assert vehicle.recv(100)[4] == 100

@@ -104,7 +104,7 @@ def test_a_log_that_is_open_for_reading_does_not_stop_reception(tmp_path):
 def test_records_reach_the_file_within_the_flush_interval(tmp_path, monkeypatch):
     clock = SimpleNamespace(now=100.0)
     link = Capture()
-    monkeypatch.setattr("mavwire.links.mavfile.time.monotonic", lambda: clock.now)
+    monkeypatch.setattr("mavwire.links.mavfile.monotonic", lambda: clock.now)
     link.setup_logfile(str(tmp_path / "a.tlog"))
     link.rx += heartbeat()
     link.recv_msg()
@@ -118,7 +118,7 @@ def test_records_reach_the_file_within_the_flush_interval(tmp_path, monkeypatch)
 def test_both_kinds_of_log_are_flushed(tmp_path, monkeypatch):
     clock = SimpleNamespace(now=100.0)
     link = Capture()
-    monkeypatch.setattr("mavwire.links.mavfile.time.monotonic", lambda: clock.now)
+    monkeypatch.setattr("mavwire.links.mavfile.monotonic", lambda: clock.now)
     link.setup_logfile(str(tmp_path / "a.tlog"))
     link.setup_logfile_raw(str(tmp_path / "a.raw"))
     for seq in range(3):
