@@ -11,6 +11,8 @@ ftp.process_ftp_reply("get").display_message()
 
 from __future__ import annotations
 
+import sys
+
 from ._ftp.cli import (
     auto_connect,
     auto_detect_serial,
@@ -24,6 +26,7 @@ from ._ftp.params import ParamData
 from ._ftp.result import DirectoryEntry, FtpError, MAVFTPReturn
 from ._ftp.settings import MAVFTPSetting, MAVFTPSettings
 from ._ftp.wire import HEADER, MAX_PAYLOAD
+from ._hooks import STANDARD, ReplaceableModule, make_replaceable
 from .mavftp_op import (
     FTP_OP,
     OP_Ack,
@@ -45,6 +48,19 @@ from .mavftp_op import (
     OP_TruncateFile,
     OP_WriteFile,
 )
+
+
+class _Mavftp(ReplaceableModule):
+    _users = ("mavwire._ftp",)
+    _not_called = {  # noqa: RUF012
+        **dict.fromkeys(
+            "datetime logging math os random struct sys tempfile time".split(), STANDARD
+        ),
+        "mavutil": "replace the function in mavwire.mavutil itself",
+    }
+
+
+make_replaceable(sys.modules[__name__], _Mavftp)
 
 HDR_Len = HEADER.size
 MAX_Payload = MAX_PAYLOAD

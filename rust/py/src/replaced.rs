@@ -43,8 +43,8 @@ static TIME: Replaceable = Replaceable::new();
 /// `mavutil.add_message`
 static ADD_MESSAGE: Replaceable = Replaceable::new();
 
-/// The module `time`, and its function of that name as it was when mavwire was loaded.
-static TIME_MODULE: OnceLock<(Py<PyAny>, Py<PyAny>)> = OnceLock::new();
+/// What the module `time` holds, and its function of that name as it was when mavwire was loaded.
+static TIME_MODULE: OnceLock<(Py<PyDict>, Py<PyAny>)> = OnceLock::new();
 
 /// Lets links use what a program put in place of `mavutil.time` or `mavutil.add_message`; None for the original again.
 #[pyfunction]
@@ -57,14 +57,15 @@ pub(crate) fn replace_function(name: &str, value: Option<Py<PyAny>>) -> PyResult
     Ok(())
 }
 
-fn time_module(py: Python<'_>) -> PyResult<&(Py<PyAny>, Py<PyAny>)> {
+fn time_module(py: Python<'_>) -> PyResult<&(Py<PyDict>, Py<PyAny>)> {
     if let Some(found) = TIME_MODULE.get() {
         return Ok(found);
     }
     let name = intern!(py, "time");
     let module = import(py, name)?;
     let function = module.attribute(name)?;
-    Ok(TIME_MODULE.get_or_init(|| (module.unbind(), function.unbind())))
+    let names = module.attribute(intern!(py, "__dict__"))?.cast_into::<PyDict>()?;
+    Ok(TIME_MODULE.get_or_init(|| (names.unbind(), function.unbind())))
 }
 
 /// Remembers the clock while it is still the system's.
@@ -75,11 +76,11 @@ pub(crate) fn prepare(py: Python<'_>) -> PyResult<()> {
 /// Seconds since 1970, by the program's clock: it may have replaced `mavutil.time`, or `time.time`.
 #[inline]
 pub(crate) fn now(py: Python<'_>) -> PyResult<f64> {
-    let (module, original) = time_module(py)?;
+    let (names, original) = time_module(py)?;
     let name = intern!(py, "time");
     let function = match TIME.get(py) {
         Some(replaced) => replaced.attribute(name)?,
-        None => module.bind(py).attribute(name)?,
+        None => names.bind(py).get_item(name)?.unwrap_or_else(|| original.bind(py).clone()),
     };
     if function.is(original) { Ok(unix_seconds()) } else { function.invoke1(())?.extract() }
 }
