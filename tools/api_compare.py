@@ -221,7 +221,8 @@ def _canonical(value: Any, depth: int = DEPTH) -> Any:
         return (type(value).__name__, sorted(str(_canonical(one, depth - 1)) for one in value))
     if isinstance(value, dict):
         pairs = [(_canonical(k), _canonical(v, depth - 1)) for k, v in value.items()]
-        return (type(value).__name__, sorted(pairs, key=lambda pair: str(pair[0])))
+        # `mavlink_map` is a dict that tells when it changes.
+        return ("dict", sorted(pairs, key=lambda pair: str(pair[0])))
     if isinstance(value, type) or callable(value):
         return ("callable", getattr(value, "__name__", type(value).__name__))
     if hasattr(value, "tolist"):

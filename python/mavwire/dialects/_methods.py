@@ -92,10 +92,10 @@ def make_encode(owner: Any, message_class: Any, made: Any = None) -> FunctionTyp
 
 
 def make_send(
-    owner: Any, message_class: Any, send: Callable[..., None] = send_values
+    owner: Any, message_class: Any, send: Callable[..., None] | None = None
 ) -> FunctionType:
     """``MAVLink.<name>_send`` of the class ``owner``, which hands its values to ``send``."""
-    return _make_method(_SEND, owner, message_class, _send=send)
+    return _make_method(_SEND, owner, message_class, _send=send or send_values)
 
 
 def _make_method(template: str, owner: Any, message_class: Any, **names: Any) -> FunctionType:
