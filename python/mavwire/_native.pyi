@@ -107,6 +107,7 @@ __all__ = [
     "forget_states",
     "hang_up",
     "instance_dict",
+    "is_device",
     "is_stamped",
     "log_head",
     "log_summary",
@@ -404,6 +405,7 @@ class StatusTexts:
     def finish(self) -> list[tuple[Message, bytes]]:
         """Gives up the texts that are incomplete."""
 
+@final
 class SequenceGaps:
     """Counts messages and the gaps before them, of each component, or of its types apart."""
 
