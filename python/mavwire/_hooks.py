@@ -29,7 +29,7 @@ class ReplaceableModule(ModuleType):
     _not_called: ClassVar[dict[str, str]] = {}
     # Name -> what is told of a new value, and whether it is the original one.
     _told: ClassVar[dict[str, Callable[[Any, bool], None]]] = {}
-    # What was replaced. No class attribute: each module has its own.
+    # Replaced names and their originals. Each module has its own.
     _originals: dict[str, Any]
 
     def __setattr__(self, name: str, value: Any) -> None:

@@ -59,7 +59,7 @@ INTERVAL = 0.25
 SLOW = 5.0
 # How long `close` waits for the other end.
 CLOSE_TIME = 1.5
-# What the system may hold back of MQTT: what is in there counts as published, and nothing newer can replace it.
+# Bytes that the system may buffer for MQTT. They count as published, and newer frames cannot replace them.
 SEND_BUFFER = 64 * 1024
 
 

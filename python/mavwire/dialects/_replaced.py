@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
     from mavwire import _native
 
-# What a decoded message has beside the values of its fields.
+# Attributes that a decoded message has beside the values of its fields.
 _DECODED = ("_msgbuf", "_payload", "_crc", "_header", "_signed", "_link_id")
 
 
 class MessageMap(dict[int, "type[Any]"]):
-    """Message id -> message class. What it says of an id is obeyed by the parsers that are made from then on."""
+    """Message id -> message class. Parsers that are made after a change follow it."""
 
     def __init__(self, namespace: dict[str, Any], native: _native.Dialect) -> None:
         super().__init__({msgid: native.message_class(name) for name, msgid in native.messages()})
