@@ -56,13 +56,17 @@ const MAX_NAME_LEN: usize = 64;
 /// Bytes of the names of all columns of a type at most; binary logs have 64.
 const MAX_COLUMN_NAMES_LEN: usize = 16 * MAX_COLUMNS;
 
-/// A line without the white space at its end. The space behind a last comma stays: an empty value follows that delimiter,
-/// as where a FMT line describes a type without fields.
+/// A line without the white space at its end.
+///
+/// The delimiter behind `FMT, 10, 3, STRT, ` or behind a name alone stays: such lines are of types without fields.
 pub fn trimmed(line: &[u8]) -> &[u8] {
     let end = line.iter().rposition(|byte| !byte.is_ascii_whitespace());
     let end = end.map_or(0, |end| end + 1);
-    let is_delimiter = line[..end].ends_with(b",") && line.get(end) == Some(&b' ');
-    &line[..end + usize::from(is_delimiter)]
+    let (text, space) = line.split_at(end);
+    let keeps_delimiter = text.ends_with(b",")
+        && space.starts_with(b" ")
+        && (text.starts_with(b"FMT,") || memchr::memchr(b',', text) == Some(end - 1));
+    &line[..end + usize::from(keeps_delimiter)]
 }
 
 /// Where the values of a line stand, behind its name.
