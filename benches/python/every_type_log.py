@@ -19,7 +19,9 @@ STEP = 2_000
 def write(path: Path, size: int) -> int:
     """Write a log of at least so many bytes; how many records it has."""
     noise = Random(1)
-    frames = [frame_of(cls, noise) for cls in every.mavlink_map.values() for _ in range(FRAMES)]
+    # Parts of a STATUSTEXT with random ids would share rows.
+    classes = [cls for cls in every.mavlink_map.values() if cls.msgname != "STATUSTEXT"]
+    frames = [frame_of(cls, noise) for cls in classes for _ in range(FRAMES)]
     records = 0
     with path.open("wb") as file:
         while file.tell() < size:

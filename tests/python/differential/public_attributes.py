@@ -37,6 +37,8 @@ Found = dict[str, str]
 def shown(value: Any, depth: int = 0) -> str:
     """Type and value; of what a package makes itself the type's name alone."""
     kind = type(value).__name__
+    if kind == "MessageMap":
+        kind = "dict"  # it notices what programs replace
     if isinstance(value, type):
         return f"type {value.__name__}"
     if isinstance(value, float) and math.isnan(value):
