@@ -5,9 +5,8 @@ kind without one is refused. A closure takes the mapping of messages and the bud
 evaluation, and returns the value, so an evaluation is a few Python calls. The usual shapes of
 conditions, ``NAME.field`` and a comparison with a constant, are single closures.
 
-A value is charged to the budget where an operation, a call or a list takes it or makes it, unless it
-is a number or None. An expression without those constructs has no budget: it makes nothing.
-Without a loop each construct runs once, so it has a fixed share of the budget.
+A value is charged to the budget where an operation, a call or a list makes it, unless it is a number
+or None. In a loop, which is where the variables are a scope, it is charged to whatever goes through it too.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from collections.abc import Callable
 from typing import Any
 
 from mavwire.expression.attributes import METHOD_OWNERS, check_name
-from mavwire.expression.comprehension import Clause, Closure, collect
+from mavwire.expression.comprehension import Clause, Closure, Scope, collect
 from mavwire.expression.limits import (
     BINARY_OPERATORS,
     CALLED,
@@ -30,16 +29,13 @@ from mavwire.expression.limits import (
     STEP_ITEMS,
     Budget,
     ExpressionError,
-    Share,
+    charge,
 )
 from mavwire.expression.names import known_names, lookup
 
-Compiled = tuple[Closure, Any]
-"""A closure and its budget, which is None where the expression makes nothing."""
 
-
-def compile_text(text: str) -> Compiled:
-    """The closure of an expression without a condition in braces, and the budget to call it with.
+def compile_text(text: str) -> Closure:
+    """The closure of an expression without a condition in braces.
 
     Raises SyntaxError for what is no Python expression and ExpressionError for what is refused.
     """
@@ -51,25 +47,19 @@ def compile_text(text: str) -> Compiled:
         raise ExpressionError("nested too deeply to be parsed") from None
     except ValueError as error:  # a NUL character, before Python 3.12
         raise SyntaxError(str(error)) from None
-    makers, loops = _check_size(tree.body)
-    value = build(tree.body)
-    if loops:
-        return (lambda variables, _: value(variables, Budget())), None
-    return value, Share(makers) if makers else None
+    _check_size(tree.body)
+    return build(tree.body)
 
 
-def _check_size(root: ast.AST) -> tuple[int, bool]:
-    """Refuse a tree too deep or too large. Count the constructs that make values, and find loops."""
-    pending, nodes, makers, loops = [(root, 1)], 0, 0, False
+def _check_size(root: ast.AST) -> None:
+    """Refuse a tree too deep or too large."""
+    pending, nodes = [(root, 1)], 0
     while pending:
         node, depth = pending.pop()
         nodes += 1
         if depth > MAX_DEPTH or nodes > MAX_NODES:
             raise ExpressionError(f"deeper than {MAX_DEPTH} or larger than {MAX_NODES} constructs")
-        makers += not isinstance(node, _MAKES_NOTHING)
-        loops = loops or isinstance(node, ast.comprehension)
         pending.extend((child, depth + 1) for child in ast.iter_child_nodes(node))
-    return makers, loops
 
 
 def build(node: ast.AST) -> Closure:
@@ -80,10 +70,6 @@ def build(node: ast.AST) -> Closure:
     return builder(node)
 
 
-_MAKES_NOTHING = (
-    *(ast.Constant, ast.Name, ast.Attribute, ast.Subscript, ast.UnaryOp, ast.BoolOp, ast.IfExp),
-    *(ast.Compare, ast.operator, ast.unaryop, ast.boolop, ast.cmpop, ast.expr_context),
-)
 _WORDS: dict[type[ast.AST], str] = {
     ast.Await: "await",
     ast.JoinedStr: "an f-string",
@@ -156,14 +142,14 @@ def _message_field(node: ast.Name, attribute: str) -> Closure:
 def _subscript(node: ast.Subscript) -> Closure:
     value, index = build(node.value), build(node.slice)
     if isinstance(node.slice, ast.Slice):
-        return lambda variables, budget: budget.make(
-            value(variables, budget)[index(variables, budget)], node
+        return lambda variables, budget: charge(
+            value(variables, budget)[index(variables, budget)], budget, node
         )
 
     def load(variables: Any, budget: Budget) -> Any:
         owner, key = value(variables, budget), index(variables, budget)
-        if budget is not None and type(key) not in SCALARS:
-            budget.take(key, node)
+        if type(variables) is Scope and type(key) not in SCALARS:
+            charge(key, budget, node)
         try:
             return owner[key]
         except IndexError as error:
@@ -220,9 +206,10 @@ def _binary(node: ast.BinOp) -> Closure:
         first, second = left(variables, budget), right(variables, budget)
         if type(first) in NUMBERS and type(second) in NUMBERS:
             return apply(first, second)
-        budget.take(first, node)
-        budget.take(second, node)
-        return budget.make(apply(first, second), node)
+        if type(variables) is Scope:
+            charge(first, budget, node)
+            charge(second, budget, node)
+        return charge(apply(first, second), budget, node)
 
     return run
 
@@ -270,8 +257,9 @@ def _binary_with(
         first = left(variables, budget)
         if type(first) in NUMBERS:
             return apply(first, constant)
-        budget.take(first, node)
-        return budget.make(apply(first, constant), node)
+        if type(variables) is Scope:
+            charge(first, budget, node)
+        return charge(apply(first, constant), budget, node)
 
     return run
 
@@ -290,7 +278,7 @@ def _compare(node: ast.Compare) -> Closure:
 
     def run(variables: Any, budget: Budget) -> Any:
         first, second = left(variables, budget), right(variables, budget)
-        if budget is not None:
+        if type(variables) is Scope:
             _charge_compared(first, second, budget, node)
         return holds(first, second)
 
@@ -299,9 +287,9 @@ def _compare(node: ast.Compare) -> Closure:
 
 def _charge_compared(first: Any, second: Any, budget: Budget, node: ast.Compare) -> None:
     if type(first) not in SCALARS:
-        budget.take(first, node)
+        charge(first, budget, node)
     if type(second) not in SCALARS and not isinstance(second, dict):  # which ``in`` looks up
-        budget.take(second, node)
+        charge(second, budget, node)
 
 
 def _chained(node: ast.Compare) -> Closure:
@@ -315,7 +303,7 @@ def _chained(node: ast.Compare) -> Closure:
         value, result = left(variables, budget), True
         for holds, operand in links:
             following = operand(variables, budget)
-            if budget is not None:
+            if type(variables) is Scope:
                 _charge_compared(value, following, budget, node)
             result = holds(value, following)
             if not result:
@@ -339,8 +327,8 @@ def _elements(nodes: list[ast.expr]) -> Closure:
         result: list[Any] = []
         for value, node in parts:
             item = value(variables, budget)
-            if type(item) not in SCALARS:
-                budget.take(item, node)
+            if type(variables) is Scope and type(item) not in SCALARS:
+                charge(item, budget, node)
             result.append(item)
         return result
 
@@ -357,17 +345,17 @@ def _spread(nodes: list[ast.expr]) -> Closure:
         for node in nodes
     ]
 
-    def run(variables: Any, budget: Budget) -> list[Any]:
+    def run(variables: Any, budget: Budget) -> Any:
         result: list[Any] = []
         for starred, value in spread:
             item = value(variables, budget)
             if starred:
-                budget.take(item, starred)
+                if type(variables) is Scope:
+                    charge(item, budget, starred)
                 result.extend(item)
             else:
                 result.append(item)
-        budget.make(result, nodes[0])
-        return result
+        return charge(result, budget, nodes[0])
 
     return run
 
@@ -408,10 +396,10 @@ def _call(node: ast.Call) -> Closure:
     def run(variables: Any, budget: Budget) -> Any:
         called, positional = function(variables, budget), arguments(variables, budget)
         named = {name: value(variables, budget) for name, value in keywords.items()}
-        for value in named.values():
-            budget.take(value, node)
+        if type(variables) is Scope:
+            charge(list(named.values()), budget, node)
         result = called(*positional, **named)
-        return result if type(result) in SCALARS else budget.make(result, node)
+        return result if type(result) in SCALARS else charge(result, budget, node)
 
     return run
 
@@ -422,10 +410,10 @@ def _call_of_one(node: ast.Call, function: Closure) -> Closure:
 
     def run(variables: Any, budget: Budget) -> Any:
         called, value = function(variables, budget), argument(variables, budget)
-        if type(value) not in free:
-            budget.take(value, node)
+        if type(variables) is Scope and type(value) not in free:
+            charge(value, budget, node)
         result = called(value)
-        return result if type(result) in SCALARS else budget.make(result, node)
+        return result if type(result) in SCALARS else charge(result, budget, node)
 
     return run
 
@@ -465,8 +453,8 @@ def _method(node: ast.Attribute) -> Closure:
         owner = value(variables, budget)
         if not isinstance(owner, owners):
             raise ExpressionError(f"the method {name!r} of {type(owner).__name__}", column)
-        if not looked_up:
-            budget.take(owner, node)
+        if type(variables) is Scope and not looked_up:
+            charge(owner, budget, node)
         return getattr(owner, name)
 
     return load

@@ -9,7 +9,7 @@ import ast
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from mavwire.expression.limits import SCALARS, Budget
+from mavwire.expression.limits import SCALARS, Budget, charge, spend
 
 Closure = Callable[[Any, Budget], Any]
 
@@ -47,7 +47,7 @@ class Clause:
     def run(self, scope: Scope, budget: Budget) -> Iterator[None]:
         """Bind one item after the other, yielding where the conditions hold."""
         for item in self.iterable(scope, budget):
-            budget.spend(self.cost, self.node)
+            spend(self.cost, budget, self.node)
             self.bind(scope.bound, item)
             if all(condition(scope, budget) for condition in self.conditions):
                 yield
@@ -74,6 +74,6 @@ def collect(
     def _elements(scope: Scope, budget: Budget) -> Iterator[Any]:
         for _ in _run_all(clauses, scope, budget):
             item = element(scope, budget)
-            yield item if type(item) in SCALARS else budget.make(item, node)
+            yield item if type(item) in SCALARS else charge(item, budget, node)
 
     return run

@@ -6,16 +6,18 @@ a division by zero, an instance or item that is not there. Other errors are the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from mavwire.expression.compiler import Compiled, compile_text
-from mavwire.expression.limits import ExpressionError
+from mavwire.expression.compiler import compile_text
+from mavwire.expression.comprehension import Closure
+from mavwire.expression.limits import MAX_ITEMS, Budget, ExpressionError
 
 _NO_VALUE_NOW = (NameError, ZeroDivisionError, IndexError)
 
-Program = Callable[[Any, bool], Any]
+Program = tuple[Closure, Closure | None]
+"""The closures of a value and of its condition."""
 
 
 def _split(expression: str) -> tuple[str, str | None]:
@@ -27,55 +29,22 @@ def _split(expression: str) -> tuple[str, str | None]:
     return (expression[:start], expression[start + 1 : -1]) if start >= 0 else (expression, "")
 
 
-def _nothing(variables: Any, nocondition: bool) -> None:
-    """The program of an expression whose condition cannot be read."""
+def _nothing(variables: Any, budget: Budget) -> None:
+    """The closure of an expression whose condition cannot be read."""
     return None
 
 
-def _plain(compiled: Compiled) -> Program:
-    value, budget = compiled
-
-    def run(variables: Any, nocondition: bool) -> Any:
-        try:
-            return value(variables, budget)
-        except _NO_VALUE_NOW:
-            return None
-
-    return run
-
-
-def _conditional(compiled: Compiled, holding: Compiled) -> Program:
-    value, budget = compiled
-    condition, own_budget = holding
-
-    def run(variables: Any, nocondition: bool) -> Any:
-        try:
-            holds = condition(variables, own_budget)
-        except ExpressionError:
-            raise
-        except Exception:
-            return None
-        if not holds and not nocondition:
-            return None
-        try:
-            return value(variables, budget)
-        except _NO_VALUE_NOW:
-            return None
-
-    return run
-
-
-def _compile_or_raise_later(text: str) -> Compiled:
+def _compile_or_raise_later(text: str) -> Closure:
     """A syntax error behind a condition shows once the condition holds."""
     try:
         return compile_text(text)
     except SyntaxError as error:
         caught = error
 
-        def fail(variables: Any, budget: Any) -> Any:
+        def fail(variables: Any, budget: Budget) -> Any:
             raise caught
 
-        return fail, None
+        return fail
 
 
 @lru_cache(maxsize=512)
@@ -86,12 +55,12 @@ def _program(expression: str) -> Program:
         raise IndexError("string index out of range")  # the empty expression, as in pymavlink
     text, condition = _split(expression)
     if condition is None:
-        return _plain(compile_text(text))
+        return compile_text(text), None
     try:
         holds = compile_text(condition)
     except SyntaxError:
-        return _nothing
-    return _conditional(_compile_or_raise_later(text), holds)
+        return _nothing, None
+    return _compile_or_raise_later(text), holds
 
 
 def evaluate_expression(expression: str, vars: Mapping[str, Any], nocondition: bool = False) -> Any:
@@ -102,12 +71,27 @@ def evaluate_expression(expression: str, vars: Mapping[str, Any], nocondition: b
     exceptions (AttributeError, KeyError, TypeError, SyntaxError, ...) are raised, ExpressionError
     among them for what an expression may not do. An empty expression raises IndexError.
     """
-    return _program(expression)({} if vars is None else vars, nocondition)
+    value, condition = _program(expression)
+    variables = {} if vars is None else vars
+    budget: Budget = [MAX_ITEMS]
+    if condition is not None:
+        try:
+            holds = condition(variables, budget)
+        except ExpressionError:
+            raise
+        except Exception:
+            return None
+        if not holds and not nocondition:
+            return None
+    try:
+        return value(variables, budget)
+    except _NO_VALUE_NOW:
+        return None
 
 
 def evaluate_condition(condition: str | None, vars: Mapping[str, Any]) -> Any:
     """The value of a condition, usually a bool: True for no condition, False for no value."""
     if condition is None:
         return True
-    value = _program(condition)({} if vars is None else vars, False)
+    value = evaluate_expression(condition, vars)
     return False if value is None else value

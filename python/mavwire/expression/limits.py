@@ -1,6 +1,6 @@
 """The cost that an expression may have, and the operators and functions that could cost more.
 
-One evaluation has one :class:`Budget`. The values that an operation, a call, a list or a loop takes
+One evaluation has one budget. The values that an operation, a call, a list or a loop takes
 and makes are charged to it, each with all that it holds, so nothing grows step by step. Small
 operands can make a huge value at once: ``9**9**9``, ``"x" * 10**9``, ``factorial(10**8)``. Those
 operations are guarded here. Everything else is the operator of Python itself.
@@ -25,6 +25,7 @@ MAX_RANGE = 1024  # numbers of a range
 MAX_WIDTH = 256  # of a number in a %-format
 MAX_BYTES = 16 << 20  # of all values that one evaluation makes
 ITEM_BYTES = 64  # that an element or a character counts; few take more
+MAX_ITEMS = MAX_BYTES // ITEM_BYTES
 STEP_ITEMS = 8  # that the visit of a node in a comprehension counts
 OBJECT_ITEMS = 64  # that a message or a vector counts
 
@@ -61,59 +62,46 @@ SCALARS = NUMBERS | {type(None)}
 """Types whose values cost no more than the construct that makes them."""
 
 
-class Budget:
-    """The items that one evaluation may still make, or go through again in its loops."""
-
-    def __init__(self, shares: int = 1) -> None:
-        self.left = MAX_BYTES // ITEM_BYTES // shares
-
-    def make(self, value: Any, node: ast.AST) -> Any:
-        """Charge a value that ``node`` has made, and return it."""
-        self.spend(weight(value, self.left), node)
-        return value
-
-    def take(self, value: Any, node: ast.AST) -> None:
-        """Charge a value that ``node`` goes through."""
-        self.make(value, node)
-
-    def spend(self, items: int, node: ast.AST) -> None:
-        """Charge work; ExpressionError names the part of the expression that is too much."""
-        self.left -= items
-        if self.left < 0:
-            raise _too_much(node)
+Budget = list[float]
+"""The items that one evaluation may still make, or go through again in its loops, as the only element
+of a list: no object is made faster."""
 
 
-class Share(Budget):
-    """A share of the budget for each construct of an expression without a loop.
-
-    None of them runs twice, so nothing has to be counted, and going through a value is free.
-    """
-
-    def take(self, value: Any, node: ast.AST) -> None:
-        pass
-
-    def spend(self, items: int, node: ast.AST) -> None:
-        if items > self.left:
-            raise _too_much(node)
+def charge(value: Any, budget: Budget, node: ast.AST) -> Any:
+    """Spend what a value counts that ``node`` makes, or goes through in a loop; returns the value."""
+    spend(weight(value, budget[0]), budget, node)
+    return value
 
 
-def _too_much(node: ast.AST) -> ExpressionError:
+def spend(items: float, budget: Budget, node: ast.AST) -> None:
+    """Charge work; ExpressionError names the part of the expression that is too much."""
+    budget[0] -= items
+    if budget[0] < 0:
+        raise _too_much(node, items)
+
+
+def _too_much(node: ast.AST, items: float) -> ExpressionError:
     part = ast.unparse(node)
     part = part if len(part) <= 40 else f"{part[:37]}..."
-    bounds = f"{MAX_BYTES >> 20} MB of values or {MAX_TEXT} characters of a text"
-    return ExpressionError(f"{part!r} takes more than {bounds}", getattr(node, "col_offset", None))
+    if items == math.inf:
+        reason = f"{part!r} has a text of more than {MAX_TEXT} characters"
+    else:
+        reason = f"with {part!r} the evaluation takes more than {MAX_BYTES >> 20} MB of values"
+    return ExpressionError(reason, getattr(node, "col_offset", None))
 
 
-def weight(value: Any, limit: int) -> int:
-    """The items of a value and of all values in it, or any number above the limit.
+def weight(value: Any, limit: float) -> float:
+    """The items of a value and of all values in it, or any number above the limit; infinite with a
+    text longer than MAX_TEXT.
 
     A container that is held twice counts twice, because to compare or print it takes twice as long.
     """
-    items, pending = 0, [value]
+    items: float = 0
+    pending = [value]
     while pending and items <= limit:
         one = pending.pop()
         if isinstance(one, _TEXT):
-            items += 1 + len(one) if len(one) <= MAX_TEXT else limit + 1
+            items += 1 + len(one) if len(one) <= MAX_TEXT else math.inf
         elif isinstance(one, _CONTAINERS):
             inside = _inside(one)
             items += 1 + len(inside)
@@ -162,7 +150,7 @@ def multiply(left: Any, right: Any) -> Any:
 
 
 def _check_repetition(sequence: Any, times: int) -> None:
-    if len(sequence) * times > MAX_BYTES // ITEM_BYTES:
+    if len(sequence) * times > MAX_ITEMS:
         raise ExpressionError(f"a sequence of {len(sequence)} items, {times} times")
 
 
