@@ -137,11 +137,17 @@ class Bridge:
         return self
 
     def stop(self) -> None:
-        """Close all links and finish the recording. Does nothing to a bridge that is not running."""
+        """Close all sinks and links and finish the recording. Does nothing to a bridge that is not running."""
         _running_bridges.discard(self)
-        core, self._core = self._core, None
-        if core is not None:
-            core.stop()
+        try:
+            if self.sinks:
+                from .sinks import close_all
+
+                close_all(self.sinks)
+        finally:
+            core, self._core = self._core, None
+            if core is not None:
+                core.stop()
 
     def __enter__(self) -> Self:
         return self if self._core is not None else self.start()

@@ -57,7 +57,7 @@ MAX_PUBLISHERS = 16_384
 # How often a sink whose batch has not left yet looks whether it shall end, and after how long it says that this is slow.
 INTERVAL = 0.25
 SLOW = 5.0
-# How long `close` waits for the other end.
+# How long `close` waits for all of them together.
 CLOSE_TIME = 1.5
 # Bytes that the system may buffer for MQTT. They count as published, and newer frames cannot replace them.
 SEND_BUFFER = 64 * 1024
@@ -124,7 +124,7 @@ class Sink:
                 if self._closing.is_set():
                     raise OSError("closed before all had left")
                 if time.monotonic() - begun > SLOW:
-                    self.error = "the other end is too slow"
+                    self.error = "the broker accepts data too slowly"
         except OSError as error:
             self.failed += len(batch)
             self.error = str(error)
@@ -141,9 +141,14 @@ class Sink:
 
     def close(self) -> None:
         """Publish no more, and hang up. An other end that does not let go within CLOSE_TIME is left to the thread."""
+        close_all([self])
+
+    def _begin_to_close(self) -> None:
         self._closing.set()
         self._batches.close()
-        self._thread.join(CLOSE_TIME)
+
+    def _finish_closing(self, deadline: float) -> None:
+        self._thread.join(max(deadline - time.monotonic(), 0))
         if self in self._listed:
             self._listed.remove(self)
 
@@ -152,6 +157,15 @@ class Sink:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+def close_all(sinks: Iterable[Sink]) -> None:
+    """Close sinks side by side: however many of them are stuck, this takes CLOSE_TIME at most."""
+    sinks, deadline = list(sinks), time.monotonic() + CLOSE_TIME
+    for sink in sinks:
+        sink._begin_to_close()
+    for sink in sinks:
+        sink._finish_closing(deadline)
 
 
 def described(message: Any) -> dict[str, Any]:

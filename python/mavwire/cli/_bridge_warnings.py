@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from typing import NamedTuple
 
@@ -29,9 +30,8 @@ class Loss(NamedTuple):
     @property
     def line(self) -> str:
         """All of it for a reader."""
-        return f"{self.name}: {self.lost} {self.what} lost" + (
-            f": {self.error}" if self.error else ""
-        )
+        lost = f"{self.lost} {self.what} lost"
+        return ": ".join(filter(None, (self.name, self.error, lost)))
 
 
 def losses(stats: dict[str, Any]) -> list[Loss]:
@@ -40,7 +40,9 @@ def losses(stats: dict[str, Any]) -> list[Loss]:
     found = [Loss(one["name"], "frames", one["failed"] + one["dropped"], one["error"])
              for one in stats["sinks"]]  # fmt: skip
     if recording:
-        found.append(Loss("recording", "records", recording["dropped"], recording["error"]))
+        # The directory: the name of the log changes while it records.
+        name = f"recording {os.path.dirname(recording['path'])}"
+        found.append(Loss(name, "records", recording["dropped"], recording["error"]))
     return [loss for loss in found if loss.lost or loss.error]
 
 

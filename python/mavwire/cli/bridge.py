@@ -139,9 +139,10 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
         # Ctrl-C is the usual way to end it.
         with suppress(KeyboardInterrupt), ExitStack() as stack:
             beside: list[HttpServer | Sink] = []
-            for one in _beside(bridge, config):
-                stack.push(one)
-                beside.append(one)
+            for server in _servers(bridge, config):
+                beside.append(stack.enter_context(server))
+            for options in config.sinks:  # which the bridge closes, all of them together
+                beside.append(_sink(bridge, options))
             try:  # whoever reads that it is announced may end it at once
                 tell(_announcement(bridge, beside))
                 _watch(bridge, warn, args)
@@ -226,8 +227,8 @@ def _add_names(config: Config, names: tuple[str, ...]) -> None:
     ]
 
 
-def _beside(bridge: Bridge, config: Config) -> Iterator[HttpServer | Sink]:
-    """The HTTP servers and sinks that are asked for, opened one by one."""
+def _servers(bridge: Bridge, config: Config) -> Iterator[HttpServer]:
+    """The HTTP servers that are asked for, opened one by one."""
     from mavwire.bridge.metrics import MetricsServer
 
     if config.metrics is not None:
@@ -240,8 +241,6 @@ def _beside(bridge: Bridge, config: Config) -> Iterator[HttpServer | Sink]:
         except ImportError:
             reason = "needs wsproto: pip install 'mavwire[ws]'"
             raise CommandError(f"{config.http.place}: {reason}") from None
-    for sink in config.sinks:
-        yield _sink(bridge, sink)
 
 
 def _sink(bridge: Bridge, options: SinkOptions) -> Sink:

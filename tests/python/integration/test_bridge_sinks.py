@@ -220,7 +220,7 @@ def test_a_slow_broker_gets_one_batch_at_a_time(monkeypatch: pytest.MonkeyPatch)
 
             monkeypatch.setattr(sink._publisher, "put", counted)  # type: ignore[attr-defined]
             sent = send_many(bridge)
-            wait_until("it", lambda: sink.error == "the other end is too slow")
+            wait_until("it", lambda: sink.error == "the broker accepts data too slowly")
             time.sleep(0.5)
             assert sum(handed) < sent and sum(handed) - sink.published <= 1024
             assert sink.failed == 0
@@ -251,36 +251,42 @@ def thread_names() -> list[str]:
     return [thread.name for thread in threading.enumerate()]
 
 
-def test_an_end_that_blocks_is_left_behind() -> None:
-    """Such as Zenoh, whose `put` waits for the other side."""
-    go_on, entered, closed = threading.Event(), threading.Event(), threading.Event()
+class Stuck:
+    """An end that blocks, such as Zenoh, whose `put` waits for the other side."""
 
-    class Stuck:
-        dropped = 0
+    dropped = 0
 
-        def is_wanted(self) -> bool:
-            return True
+    def __init__(self) -> None:
+        self.go_on, self.entered, self.closed = (threading.Event() for _ in range(3))
 
-        def put(self, key: str, data: bytes, frames: int = 1) -> None:
-            entered.set()
-            go_on.wait(LIMIT)
+    def is_wanted(self) -> bool:
+        return True
 
-        def flush(self, seconds: float) -> bool:
-            return True
+    def put(self, key: str, data: bytes, frames: int = 1) -> None:
+        self.entered.set()
+        self.go_on.wait(LIMIT)
 
-        def close(self) -> None:
-            closed.set()
+    def flush(self, seconds: float) -> bool:
+        return True
 
+    def close(self) -> None:
+        self.closed.set()
+
+
+@pytest.mark.parametrize("ends", ["sink", "bridge"])
+def test_ends_that_block_are_left_behind_together(ends: str) -> None:
     with Bridge() as bridge:
-        sink = Sink(bridge, Stuck(), "mavlink", "stuck")
+        stuck = [Stuck() for _ in range(1 if ends == "sink" else 4)]
+        opened = [Sink(bridge, one, "mavlink", "stuck") for one in stuck]
         bridge.send(heartbeat())
-        assert entered.wait(LIMIT)
+        assert all(one.entered.wait(LIMIT) for one in stuck)
         begun = time.monotonic()
-        sink.close()
-        assert time.monotonic() - begun < 2 and not closed.is_set()
-        assert bridge.stats()["sinks"] == []
-        go_on.set()
-        assert closed.wait(LIMIT)
+        (opened[0].close if ends == "sink" else bridge.stop)()
+        assert time.monotonic() - begun < 2 and not any(one.closed.is_set() for one in stuck)
+        assert bridge.sinks == []
+        for one in stuck:
+            one.go_on.set()
+        assert all(one.closed.wait(LIMIT) for one in stuck)
 
 
 @pytest.mark.parametrize(

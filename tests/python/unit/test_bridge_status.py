@@ -88,7 +88,8 @@ def test_the_table_is_drawn_where_rich_is(capsys: pytest.CaptureFixture[str]) ->
         table = StatusTable(bridge)
         table()
         table.close()
-    assert "mqtt://h/x: 7 frames lost: no answer" in capsys.readouterr().out
+        bridge.sinks.clear()
+    assert "mqtt://h/x: no answer: 7 frames lost" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("failing", ["start", "stop"])
@@ -271,13 +272,13 @@ def test_a_link_that_takes_too_little_is_told_of_once_a_second(
     assert said(1.1, dropped=900) == ""
     assert said(1.1, dropped=950, queued_bytes=0) == "", "it is down"
 
-    bridge.recording = {"dropped": 3, "error": "No space left on device"}
-    assert "warning: recording: 3 records lost: No space left" in said(1.1, dropped=950)
-    bridge.recording = {"dropped": 9, "error": "No space left on device"}
+    bridge.recording = {"path": "logs/a.tlog", "dropped": 3, "error": "No space"}
+    assert "warning: recording logs: No space: 3 records lost" in said(1.1, dropped=950)
+    bridge.recording = {"path": "logs/b.tlog", "dropped": 9, "error": "No space"}
     assert said(59.0, dropped=950) == "", "the same again"
-    assert "warning: recording: 9 records lost: No space left" in said(1.1, dropped=950)
+    assert "warning: recording logs: No space: 9 records lost" in said(1.1, dropped=950)
     bridge.sinks = [{"name": "mqtt://h/x", "failed": 2, "dropped": 5, "error": "no answer"}]
-    assert "warning: mqtt://h/x: 7 frames lost: no answer" in said(1.1, dropped=950)
+    assert "warning: mqtt://h/x: no answer: 7 frames lost" in said(1.1, dropped=950)
     bridge.sinks[0].update(error=None, dropped=6)
     assert said(1.1, dropped=950) == ""
     warn(at_end=True)
