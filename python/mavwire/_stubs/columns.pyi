@@ -16,6 +16,7 @@ __all__ = [
     "LogRewrite",
     "RecordBatches",
     "align_tables",
+    "csv_safe",
     "decompress",
     "draft_stem",
     "empty_table",
@@ -281,9 +282,16 @@ class LogRewrite:
         """What became of the logs so far; see `mavwire.logs.rewriting.Rewritten`."""
 
 def write_table(
-    table: RecordBatches, path: str | PathLike[str], format: str, compression: str
+    table: RecordBatches,
+    path: str | PathLike[str],
+    format: str,
+    compression: str,
+    csv_safe: bool,
 ) -> None:
     """Writes a table to a file, which appears when it is complete."""
+
+def csv_safe(text: str) -> str:
+    """A text as a cell of CSV of which no spreadsheet makes a formula; a number stays a number."""
 
 def draft_stem(name: str) -> str:
     """What the name of a file begins with until the file is complete: its own name, or one made of

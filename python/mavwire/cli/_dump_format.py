@@ -6,7 +6,7 @@ import io
 import json
 import time
 
-from mavwire._native import recordable
+from mavwire._native import csv_safe, recordable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import kind_of
 from mavwire.links.recording import SETUP_SIGNING, shown
@@ -85,23 +85,12 @@ def _plain(value: Any) -> Any:
     return list(value)
 
 
-def guarded_cell(text: str) -> str:
-    """A cell of which no spreadsheet makes a formula; a text that is a number stays one."""
-    if not text.startswith(("=", "+", "-", "@", "\t", "\r", "\n")):
-        return text
-    try:
-        float(text)
-    except ValueError:
-        return f"'{text}"
-    return text
-
-
 class Csv:
     """One table over all wanted types; a row has cells for its own type only."""
 
     def __init__(self, args: Namespace, log: Any) -> None:
         self.separator = "\t" if args.csv_sep == "tab" else args.csv_sep
-        self._guard = guarded_cell if args.csv_safe else str
+        self._cell = csv_safe if args.csv_safe else str
         if args.types is None:
             raise CommandError(
                 "CSV needs the message types that make its columns: --types ATTITUDE,VFR_HUD"
@@ -116,7 +105,7 @@ class Csv:
 
     def header(self) -> str:
         """The first line, without a newline."""
-        return self.separator.join(["timestamp", *map(self._guard, self._titles)])
+        return self.separator.join(["timestamp", *map(self._cell, self._titles)])
 
     def line(self, msg: Any) -> str:
         """A row without a newline."""
@@ -125,7 +114,7 @@ class Csv:
         for name, fields in self._columns:
             if name == kind:
                 values = (shown(field, getattr(msg, field)) for field in fields)
-                cells += [self._guard(one) if isinstance(one, str) else str(one) for one in values]
+                cells += [self._cell(one) if isinstance(one, str) else str(one) for one in values]
             else:
                 cells += [""] * len(fields)
         return self.separator.join(cells)

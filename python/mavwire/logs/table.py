@@ -301,12 +301,14 @@ class Table:
         *,
         format: str | None = None,
         compression: str | None = None,
+        csv_safe: bool = True,
     ) -> None:
         """Write a file: Parquet, CSV, JSON lines or Arrow, by the suffix of `path` or `format`.
 
         It appears when it is complete, in a folder that is there. `compression`: for Parquet "zstd"
         (the default), "snappy" or "none", for text "none", "gzip" or "zstd" (by the suffix, as of
-        `gps.csv.gz`, or "none"), for Arrow "none".
+        `gps.csv.gz`, or "none"), for Arrow "none". `csv_safe` puts an apostrophe in front of texts
+        in CSV that a spreadsheet would take for formulas.
         """
         path = os.fsdecode(path)
         stem, suffix = os.path.splitext(path)
@@ -319,7 +321,7 @@ class Table:
             raise ValueError(f"no format is known by the suffix of {path!r}: give format=")
         compression = compression or packed or COMPRESSIONS.get(kind, ("none",))[0]
         target = file_to_write(path)
-        write_table(self._batches, target, kind, compression)
+        write_table(self._batches, target, kind, compression, csv_safe)
 
 
 def tidy(name: str, batches: RecordBatches, path: str | None = None) -> Table:

@@ -43,7 +43,7 @@ pub enum Format {
     /// Comma-separated values; array fields as a column for each element.
     Csv,
     /// The same, with an apostrophe in front of texts that a spreadsheet would take for formulas.
-    GuardedCsv,
+    SafeCsv,
     /// A JSON object on each line.
     JsonLines,
     /// Arrow IPC file, whose memory others can map.
@@ -72,7 +72,7 @@ impl Format {
             Compression::None => true,
             Compression::Zstd => self != Self::Arrow,
             Compression::Snappy => self == Self::Parquet,
-            Compression::Gzip => matches!(self, Self::Csv | Self::GuardedCsv | Self::JsonLines),
+            Compression::Gzip => matches!(self, Self::Csv | Self::SafeCsv | Self::JsonLines),
             Compression::Lz4 => false,
         }
     }
@@ -106,12 +106,12 @@ impl<W: Write + Send> Sink<W> {
             Format::Parquet => {
                 Writer::Parquet(Box::new(RowGroups::new(out, Arc::clone(schema), compression)))
             }
-            Format::Csv | Format::GuardedCsv => {
-                let guard = format == Format::GuardedCsv;
-                let (mut out, flat) = (Squeeze::new(out, compression)?, flat_schema(schema, guard));
+            Format::Csv | Format::SafeCsv => {
+                let safe = format == Format::SafeCsv;
+                let (mut out, flat) = (Squeeze::new(out, compression)?, flat_schema(schema, safe));
                 // The header stands there even if no row follows.
                 write_lines(&mut out, &RecordBatch::new_empty(Arc::clone(&flat)), true)?;
-                Writer::Csv(Box::new(out), flat, guard)
+                Writer::Csv(Box::new(out), flat, safe)
             }
             Format::JsonLines => {
                 let out = Squeeze::new(out, compression)?;
@@ -147,8 +147,8 @@ impl<W: Write + Send> Sink<W> {
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), Error> {
         match &mut self.writer {
             Writer::Parquet(writer) => writer.write(batch)?,
-            Writer::Csv(out, schema, guard) => {
-                write_lines(out, &flat(batch, schema, *guard)?, false)?;
+            Writer::Csv(out, schema, safe) => {
+                write_lines(out, &flat(batch, schema, *safe)?, false)?;
             }
             Writer::JsonLines(writer) => writer.write(&with_plain_times(batch)?)?,
             Writer::Arrow(writer, schema) => writer.write(&cast_all(batch, schema)?)?,
@@ -206,14 +206,14 @@ fn write_lines(out: &mut impl Write, rows: &RecordBatch, header: bool) -> Result
     Ok(())
 }
 
-/// A text as a cell of which no spreadsheet makes a formula. Texts that are numbers stay numbers.
-fn guarded(text: &str) -> Cow<'_, str> {
+/// A text as a cell of CSV of which no spreadsheet makes a formula. Texts that are numbers stay numbers.
+pub fn csv_safe(text: &str) -> Cow<'_, str> {
     let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
     if is_formula && text.parse::<f64>().is_err() { format!("'{text}").into() } else { text.into() }
 }
 
 /// A schema without lists: a column for each element.
-fn flat_schema(schema: &Schema, guard: bool) -> SchemaRef {
+fn flat_schema(schema: &Schema, safe: bool) -> SchemaRef {
     let mut fields: Vec<Field> = Vec::new();
     for field in schema.fields() {
         if let DataType::FixedSizeList(item, length) = field.data_type() {
@@ -225,11 +225,11 @@ fn flat_schema(schema: &Schema, guard: bool) -> SchemaRef {
             fields.push(plain_time(field));
         }
     }
-    if guard {
+    if safe {
         fields = fields
             .into_iter()
             .map(|field| {
-                let name = guarded(field.name()).into_owned();
+                let name = csv_safe(field.name()).into_owned();
                 field.with_name(name)
             })
             .collect();
@@ -294,7 +294,7 @@ fn cast_all(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, Erro
     Ok(RecordBatch::try_new_with_options(Arc::clone(schema), arrays, &options)?)
 }
 
-fn flat(batch: &RecordBatch, schema: &SchemaRef, guard: bool) -> Result<RecordBatch, Error> {
+fn flat(batch: &RecordBatch, schema: &SchemaRef, safe: bool) -> Result<RecordBatch, Error> {
     let batch = with_plain_times(batch)?;
     let mut arrays: Vec<ArrayRef> = Vec::new();
     for array in batch.columns() {
@@ -307,9 +307,9 @@ fn flat(batch: &RecordBatch, schema: &SchemaRef, guard: bool) -> Result<RecordBa
             None => arrays.push(Arc::clone(array)),
         }
     }
-    for array in arrays.iter_mut().filter(|_| guard) {
+    for array in arrays.iter_mut().filter(|_| safe) {
         if let Some(texts) = array.as_any().downcast_ref::<StringArray>() {
-            *array = Arc::new(texts.iter().map(|text| text.map(guarded)).collect::<StringArray>());
+            *array = Arc::new(texts.iter().map(|text| text.map(csv_safe)).collect::<StringArray>());
         }
     }
     let options = RecordBatchOptions::new().with_row_count(Some(batch.num_rows()));
@@ -375,15 +375,15 @@ impl<W: Write> Write for Squeeze<W> {
 
 #[cfg(test)]
 mod tests {
-    use super::guarded;
+    use super::csv_safe;
 
     #[test]
     fn formulas_become_texts_and_numbers_stay() {
         for text in ["=1+1", "+a", "-a", "@a", "\ta", "\ra", "\na", "=", "-1+cmd|' /C calc'!A0"] {
-            assert_eq!(guarded(text), format!("'{text}"));
+            assert_eq!(csv_safe(text), format!("'{text}"));
         }
         for text in ["", "a=1", "-1", "+1.5e3", "-inf", "1+1", " =1", "'=1"] {
-            assert_eq!(guarded(text), text);
+            assert_eq!(csv_safe(text), text);
         }
     }
 }

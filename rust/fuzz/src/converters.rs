@@ -119,7 +119,7 @@ fn files(all: &[Batch], format: Format, compression: Compression) {
             Format::Parquet => parquet(file, &rows),
             Format::Arrow => arrow(file, &rows),
             Format::Csv => csv(&text(file), &rows),
-            Format::GuardedCsv => drop(text(file)),
+            Format::SafeCsv => drop(text(file)),
             Format::JsonLines => json_lines(&text(file), &rows),
         }
     }

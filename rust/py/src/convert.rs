@@ -1,11 +1,12 @@
-//! `Converter`: the tables of a log into files without the interpreter; and `write_table`.
+//! `Converter`: the tables of a log into files without the interpreter; and `write_table` and `csv_safe`.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use mavwire_columns::Error;
 use mavwire_columns::arrow::array::RecordBatch;
-use mavwire_columns::convert::{Compression, Format, Sink, moments};
+use mavwire_columns::convert::{self, Compression, Format, Sink, moments};
 use mavwire_columns::mcap;
 use mavwire_columns::pool;
 use mavwire_columns::reader::{Batch, Decode};
@@ -20,9 +21,10 @@ use crate::dialect::Dialect;
 use crate::source::Source;
 use crate::table::{RecordBatches, columns_error};
 
-fn format_of(name: &str) -> PyResult<Format> {
+fn format_of(name: &str, csv_safe: bool) -> PyResult<Format> {
     Ok(match name {
         "parquet" => Format::Parquet,
+        "csv" if csv_safe => Format::SafeCsv,
         "csv" => Format::Csv,
         "jsonl" => Format::JsonLines,
         "arrow" => Format::Arrow,
@@ -61,10 +63,7 @@ fn output(
         check(mcap::takes(how), format, compression)?;
         return Ok(Output::mcap(folder.join(file), how));
     }
-    let kind = match format_of(format)? {
-        Format::Csv if query.csv_safe => Format::GuardedCsv,
-        kind => kind,
-    };
+    let kind = format_of(format, query.csv_safe)?;
     check(kind.takes(how), format, compression)?;
     Ok(Output::tables(folder, file, kind, how, query.names.is_some()))
 }
@@ -192,8 +191,9 @@ pub(crate) fn write_table(
     path: PathBuf,
     format: &str,
     compression: &str,
+    csv_safe: bool,
 ) -> PyResult<()> {
-    let kind = format_of(format)?;
+    let kind = format_of(format, csv_safe)?;
     let how = compression_of(compression)?;
     check(kind.takes(how), format, compression)?;
     let begin =
@@ -206,4 +206,10 @@ pub(crate) fn write_table(
     }
     let end = || -> Result<(), Error> { Ok(sink.finish()?.commit()?) };
     py.detach(end).map_err(columns_error)
+}
+
+/// A text as a cell of CSV of which no spreadsheet makes a formula.
+#[pyfunction]
+pub(crate) fn csv_safe(text: &str) -> Cow<'_, str> {
+    convert::csv_safe(text)
 }

@@ -125,7 +125,7 @@ mod _native {
     #[pymodule_export]
     use crate::columns::{LogColumns, empty_table, log_summary};
     #[pymodule_export]
-    use crate::convert::{Converter, write_table};
+    use crate::convert::{Converter, csv_safe, write_table};
     #[pymodule_export]
     use crate::convert_output::is_device;
     #[pymodule_export]

@@ -6,6 +6,7 @@ import csv
 from pathlib import Path
 from typing import Any
 
+import mavwire
 import pytest
 from compat.tool_runs import Log
 from dataflash_writer import FMT, fmt, record
@@ -16,7 +17,7 @@ from mavwire.dialects.v20 import all as mavlink
 from mavwire.logs.conversion import convert
 
 TEXTS = ["=1+1", "+a", "-cmd|' /C calc'!A0", "@SUM(A1)", "\tx", "-5", "ok", "a=1"]
-GUARDED = ["'=1+1", "'+a", "'-cmd|' /C calc'!A0", "'@SUM(A1)", "'\tx", "-5", "ok", "a=1"]
+SAFE = ["'=1+1", "'+a", "'-cmd|' /C calc'!A0", "'@SUM(A1)", "'\tx", "-5", "ok", "a=1"]
 
 
 @pytest.fixture
@@ -35,16 +36,23 @@ def cells(path: Path, column: str) -> list[str]:
 
 def test_cells_of_converted_files_are_no_formulas(texts: str, tmp_path: Path) -> None:
     command = ["convert", texts, "--format", "csv", "--quiet"]
-    for options, wanted in (([], GUARDED), (["--no-csv-safe"], TEXTS)):
+    for options, wanted in (([], SAFE), (["--no-csv-safe"], TEXTS)):
         out = tmp_path / str(len(options))
         assert cli.main([*command, "-o", str(out), *options]) == 0
         assert cells(out / "STATUSTEXT/texts.csv", "text") == wanted
         assert cells(out / "SYS_STATUS/texts.csv", "current_battery") == ["-1"]
 
 
+def test_cells_of_a_written_table_are_no_formulas(texts: str, tmp_path: Path) -> None:
+    table = mavwire.open_log(texts)["STATUSTEXT"]
+    for options, wanted in (({}, SAFE), ({"csv_safe": False}, TEXTS)):
+        table.write(tmp_path / "texts.csv", **options)
+        assert cells(tmp_path / "texts.csv", "text") == wanted
+
+
 def test_a_dump_guards_cells_where_that_is_wanted(texts: str, capsys: Any) -> None:
     command = ["dump", "--format", "csv", "--types", "STATUSTEXT", "--csv_sep", ";", texts]
-    for options, wanted in (([], TEXTS), (["--csv-safe"], GUARDED)):
+    for options, wanted in (([], TEXTS), (["--csv-safe"], SAFE)):
         assert cli.main([*command, *options]) == 0
         lines = capsys.readouterr().out.splitlines()
         assert [line.split(";")[2] for line in lines[1:]] == wanted
