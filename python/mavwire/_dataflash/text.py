@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from contextlib import contextmanager
+from contextlib import ExitStack
 
 from mavwire import _native
 
@@ -11,7 +11,7 @@ from .reader import DFReader
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from typing import Any
 
 PROBE = 8000
@@ -26,20 +26,15 @@ def DFReader_is_text_log(filename: str) -> bool:
         return b"FMT," in _native.plain_head(file.read(PROBE))
 
 
-@contextmanager
-def _plain(filename: str) -> Iterator[str]:
-    """The path of a text log, or for the time being that of a copy in UTF-8 with line feeds."""
+def _plain(filename: str, until: ExitStack) -> str:
+    """The path of a text log, or that of a copy in UTF-8 with line feeds, which is removed by `until`."""
     with open(filename, "rb") as file:
         head = file.read(PROBE)
     if _native.plain_head(head) == head:
-        yield filename
-        return
-    from tempfile import TemporaryDirectory
+        return filename
+    from mavwire.logs.sources import plain_copy
 
-    with TemporaryDirectory(prefix="mavwire-", ignore_cleanup_errors=True) as folder:
-        copy = os.path.join(folder, "log")
-        _native.decompress(filename, copy)
-        yield copy
+    return until.enter_context(plain_copy(os.fsdecode(filename)))
 
 
 class DFReader_text(DFReader):
@@ -53,8 +48,9 @@ class DFReader_text(DFReader):
     ) -> None:
         super().__init__()
         self._zero_time_base = zero_time_base
-        with _plain(filename) as path:
-            self._open_log(path, text=True)
+        with ExitStack() as at_end:
+            self._open_log(_plain(filename, at_end), text=True)
+            self._at_end = at_end.pop_all()
         self.delimiter = self._delimiter()
         self.init_arrays(progress_callback)
         self.init_clock()
@@ -70,6 +66,11 @@ class DFReader_text(DFReader):
         self.id_to_name = {fmt.type: fmt.name for fmt in self._layouts}
         counts, self._count = self._lines()
         self.counts = dict(counts)
+
+    def close(self) -> None:
+        """Close the file, and remove the copy of a log that is not in UTF-8 with line feeds."""
+        super().close()
+        self._at_end.close()
 
     @property
     def offsets(self) -> dict[str, list[int]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import tempfile
 from pathlib import Path
 
 import mavwire
@@ -55,6 +56,27 @@ def test_messages(log):
                 reader.rewind()
             assert reader.last_timestamp() == 5.5
             assert bytes(reader.data_map[:5]) == b"FMT, "
+
+
+def test_the_copy_is_removed_once_nothing_has_it_open(tmp_path, monkeypatch):
+    """Windows removes no file that is open."""
+    log = tmp_path / "flight.log"
+    log.write_bytes(WRITTEN["little"])
+    removals = []
+
+    class Folder(tempfile.TemporaryDirectory):
+        def cleanup(self):
+            removals.append((reader.filehandle.closed, reader.data_map.closed))
+            super().cleanup()
+
+        def __exit__(self, *exception):
+            self.cleanup()
+
+    monkeypatch.setattr(tempfile, "TemporaryDirectory", Folder)
+    with DFReader_text(str(log)) as reader:
+        copy = Path(reader.filehandle.name)
+        assert copy != log and copy.is_file() and reader.data_map
+    assert removals == [(True, True)] and not copy.parent.exists()
 
 
 def test_tables(log, tmp_path, capsys):
