@@ -4,7 +4,8 @@
 The project ships what a definition states: names, ids, entries and values, types, order, units and
 the other attributes, includes, version and dialect numbers, work-in-progress and deprecation marks.
 Descriptions are the upstream authors' text and stay upstream, so every text node outside include,
-version and dialect is dropped, and comments with them. The output is canonical (fixed attribute
+version and dialect is dropped, and comments with them. Messages keep an empty description, which
+the schema of mavgen requires. The output is canonical (fixed attribute
 order and indentation), which makes an update one readable diff:
 
     tools/import_definitions.py path/to/mavlink/message_definitions/v1.0
@@ -48,6 +49,9 @@ TEXT_ELEMENTS = frozenset({"include", "version", "dialect"})
 
 # Elements and attributes that are prose.
 PROSE = frozenset({"description"})
+
+# Children of a message that stand in front of its description.
+MARKS = frozenset({"wip", "superseded", "deprecated"})
 
 # Attributes in the order they are written; others follow in alphabetical order.
 ATTRIBUTE_ORDER = (
@@ -102,9 +106,13 @@ def write_element(element: ET.Element, depth: int, lines: list[str]) -> None:
         return
     allowed = CHILDREN.get(element.tag, frozenset())
     inner: list[str] = []
+    described = element.tag != "message"
     for child in element:
         if child.tag not in allowed:
             raise DefinitionError(f"unexpected element <{child.tag}> in <{element.tag}>")
+        if not described and child.tag not in MARKS:
+            inner.append(f"{indent}  <description/>")
+            described = True
         if child.tag not in PROSE:
             write_element(child, depth + 1, inner)
     if inner:

@@ -259,6 +259,17 @@ def compare(tmp_path: Path, sources: list[Path], protocol: str, *, documented: b
         assert mine["enums"] == other["enums"]
 
 
+def test_definitions_are_valid_for_pymavlink(tmp_path: Path) -> None:
+    program = """
+import sys
+from pymavlink.generator import mavgen
+for file in sys.argv[1:]:
+    assert mavgen.mavgen(mavgen.Opts("made", wire_protocol="2.0", validate=True), [file]), file
+"""
+    files = sorted(map(str, DEFINITIONS.glob("*.xml")))
+    assert f"Validating {files[0]}" in run(program, *files, cwd=tmp_path)
+
+
 @pytest.mark.parametrize("protocol", ["1.0", "2.0"])
 def test_generated_module_of_a_rich_file(rich: list[Path], tmp_path: Path, protocol: str) -> None:
     # pymavlink's generated code is no Python where a message has no fields, and parameters mean

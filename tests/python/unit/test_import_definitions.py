@@ -40,6 +40,7 @@ FACTS = """<mavlink>
   <messages>
     <message id="1" name="Q">
       <wip/>
+      <description/>
       <field type="uint8_t" name="a" units="m"/>
       <extensions/>
       <field type="char" name="b"/>
