@@ -131,4 +131,4 @@ def _other_reader(path: str) -> str:
         return COMPRESSED
     if is_dataflash(path):
         return "a dataflash log; call it .BIN, or .log if it is a text, to have it read as one"
-    return "a telemetry log, damaged in front of each record; write a whole one with mavwire repair"
+    return "a telemetry log with damage before each record; run `mavwire repair` on it, and read the result"

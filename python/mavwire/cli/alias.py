@@ -102,7 +102,7 @@ def status(folder: str) -> int:
     what = _what_pymavlink_is()
     print(_describe(what))
     if enabled and what.startswith("pymavlink"):
-        print("this one comes first on sys.path: PYTHONPATH names its folder")
+        print("PYTHONPATH names the folder of this pymavlink, so Python finds it before the alias")
     elif enabled and what != "mavwire":
         print(
             "the file has no effect: can this interpreter import mavwire, "

@@ -49,14 +49,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--invalid",
         choices=["null", "keep"],
-        help="values that stand for none, as 65535 mV: left out, or as sent (default: left out with "
-        "--units si and in mcap)",
+        help="null: leave out values that mean 'unknown', such as 65535 mV; keep: write them as sent "
+        "(default: null with --units si and for mcap, else keep)",
     )
     parser.add_argument(
         "--csv-safe",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help="csv: an apostrophe in front of texts that spreadsheets take for formulas (default: yes)",
+        help="csv: write ' before a text that a spreadsheet would run as a formula (default: yes)",
     )
     parser.add_argument("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00")
     parser.add_argument("--end", help="first time that is not wanted any more")

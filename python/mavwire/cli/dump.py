@@ -80,7 +80,7 @@ def _add_output(group: Any) -> None:
     formats = ("standard", "json", "csv", "mat")
     add("--format", choices=formats, default="standard", help="form of a message (default: text)")
     add("--csv_sep", default=",", help="CSV: what separates the columns; 'tab' for a tab")
-    add("--csv-safe", action="store_true", help="CSV: ' in front of texts like formulas")
+    add("--csv-safe", action="store_true", help="CSV: ' before texts that a spreadsheet would run")
     add("--show-source", action="store_true", help="show system and component ids")
     add("--show-seq", action="store_true", help="show sequence numbers")
     add("--show-types", action="store_true", help="show only which types there are")

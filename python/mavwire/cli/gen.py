@@ -24,7 +24,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         dest="language",
         choices=mavgen.supportedLanguages,
         default=mavgen.DEFAULT_LANGUAGE,
-        help="language of generated code; others than Python need pymavlink installed [default: %(default)s]",
+        help="language of the generated code; all but Python need pymavlink [default: %(default)s]",
     )
     parser.add_argument(
         "--wire-protocol",

@@ -188,7 +188,9 @@ def _place_lines(info: LogInfo) -> list[str]:
     if reboots:
         lines.append(f"  reboots  {', '.join(reboots)}")
     if shared := ", ".join(f"{s}/{c}" for (s, c), one in info.senders.items() if one.shared):
-        lines.append(f"  shared   {shared}: several vehicles have this id, so lost is not reliable")
+        lines.append(
+            f"  shared   {shared}: several vehicles use this id; its lost count is not reliable"
+        )
     if info.times_back:
         far = f", by {info.set_back:,.1f} s" if info.set_back else ""
         lines.append(f"  clock    went back {info.times_back:,} times{far}")

@@ -83,7 +83,7 @@ def test_two_vehicles_with_one_id_are_called_so(
     assert (sender.reboots, sender.shared) == (0, True)
     assert cli.main(["info", str(log)]) == 0
     said = capsys.readouterr().out
-    assert "shared   1/1: several vehicles have this id" in said and "reboots" not in said
+    assert "shared   1/1: several vehicles use this id" in said and "reboots" not in said
     assert cli.main(["info", "--json", str(log)]) == 0
     assert json.loads(capsys.readouterr().out)["shared"] == ["1/1"]
 
