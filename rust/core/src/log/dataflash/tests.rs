@@ -287,7 +287,9 @@ fn a_type_of_a_text_log_may_have_no_fields() {
         assert_eq!(definitions.of_line(trimmed(line.as_bytes()), 50), expected, "{line:?}");
     }
     definitions.collect(b"FMT, 11, 9, UNIT, bZ, Id,Label\n", 0);
-    for (line, expected) in [("UNIT, 45, ", None), ("UNIT, 45, m", Some(2)), ("UNIT, 45, m, ", Some(2))] {
+    for (line, expected) in
+        [("UNIT, 45, ", None), ("UNIT, 45, m", Some(2)), ("UNIT, 45, m, ", Some(2))]
+    {
         assert_eq!(definitions.of_line(trimmed(line.as_bytes()), 50), expected, "{line:?}");
     }
 }
