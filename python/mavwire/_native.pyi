@@ -24,10 +24,10 @@ from mavwire._stubs.columns import (
     decompress,
     draft_stem,
     empty_table,
+    head_to_utf8,
     is_stamped,
     log_head,
     log_summary,
-    plain_head,
     write_table,
 )
 from mavwire._stubs.dataflash import DataflashReader, DataflashShape, DFMessage, MicrosClock
@@ -108,6 +108,7 @@ __all__ = [
     "empty_table",
     "forget_states",
     "hang_up",
+    "head_to_utf8",
     "instance_dict",
     "is_device",
     "is_stamped",
@@ -116,7 +117,6 @@ __all__ = [
     "message_class",
     "message_dict",
     "peer_to_replace",
-    "plain_head",
     "receive_batch",
     "recordable",
     "replace_function",

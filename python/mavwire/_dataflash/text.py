@@ -23,14 +23,14 @@ _TIMES = {"TimeUS", "TimeMS"}
 def DFReader_is_text_log(filename: str) -> bool:
     """Whether the head of a file has a FMT line."""
     with open(filename, "rb") as file:
-        return b"FMT," in _native.plain_head(file.read(PROBE))
+        return b"FMT," in _native.head_to_utf8(file.read(PROBE))
 
 
 def _plain(filename: str, until: ExitStack) -> str:
     """The path of a text log, or that of a copy in UTF-8 with line feeds, which is removed by `until`."""
     with open(filename, "rb") as file:
         head = file.read(PROBE)
-    if _native.plain_head(head) == head:
+    if _native.head_to_utf8(head) == head:
         return filename
     from mavwire.logs.sources import plain_copy
 

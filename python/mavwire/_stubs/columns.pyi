@@ -305,15 +305,15 @@ def decompress(path: str | PathLike[str], out: str | PathLike[str]) -> str | Non
     """
 
 def log_head(log: _Log, size: int) -> bytes:
-    """The first bytes of a log, `size` of them and no more than are whole of a compressed one."""
+    """The first `size` bytes of a log; of a compressed log that is cut off, those that are whole."""
 
 def is_stamped(path: str | PathLike[str]) -> bool | None:
     """Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one."""
 
 def begins_as_text_log(head: bytes) -> bool:
-    """Whether a dataflash text log begins like this, in whatever encoding."""
+    """Whether a dataflash text log begins like this, in UTF-8 or UTF-16."""
 
-def plain_head(head: bytes) -> bytes:
+def head_to_utf8(head: bytes) -> bytes:
     """The start of a text log as UTF-8 with line feeds; other bytes as they are."""
 
 def empty_table(dialect: Dialect, msgid: int, query: _Query) -> RecordBatches:

@@ -10,7 +10,7 @@ import errno
 import os
 import stat
 
-from mavwire._native import plain_head
+from mavwire._native import head_to_utf8
 
 from .readiness import from_handler
 
@@ -102,7 +102,7 @@ def log_kind(device: str, readonly: bool) -> str | None:
         return "tlog"
     if lower.endswith(DATAFLASH_SUFFIXES):
         return "dataflash"
-    if lower.endswith(".log") and b"FMT," in plain_head(head):
+    if lower.endswith(".log") and b"FMT," in head_to_utf8(head):
         return "text"
     if exists and readonly and head.startswith(DATAFLASH_HEAD):
         return "dataflash"

@@ -7,9 +7,9 @@ use mavwire_core::registry::Registry;
 use crate::dataflash::Form;
 use crate::gzip::Members;
 use crate::head;
-use crate::plain_text::converted;
 use crate::pool;
 use crate::scan::{Framing, STRETCH};
+use crate::text_encoding::to_utf8;
 
 /// Bytes of a block: large enough for all processors to have a share in it, small enough for the caches.
 const BLOCK: usize = 4 << 20;
@@ -57,7 +57,7 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     let mut magic = Vec::with_capacity(MAGIC);
     source.by_ref().take(MAGIC as u64).read_to_end(&mut magic)?;
     let whole = io::Cursor::new(magic.clone()).chain(source);
-    Ok(converted(match *magic {
+    Ok(to_utf8(match *magic {
         [0x1F, 0x8B, 8, _] => Box::new(Members::new(whole)),
         [0x28, 0xB5, 0x2F, 0xFD] | [0x50..=0x5F, 0x2A, 0x4D, 0x18] => {
             Box::new(zstd::stream::read::Decoder::new(whole)?)

@@ -25,7 +25,6 @@ pub mod instances;
 pub mod layout;
 pub mod mcap;
 mod piece;
-pub mod plain_text;
 pub mod pool;
 pub mod reader;
 pub mod rewrite;
@@ -36,6 +35,7 @@ mod sequence;
 pub mod summary;
 pub mod table;
 mod tables;
+pub mod text_encoding;
 pub mod units;
 
 pub use arrow;

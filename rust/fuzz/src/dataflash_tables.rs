@@ -11,8 +11,8 @@ use mavwire_columns::dataflash::{
 use mavwire_columns::error::Error;
 use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
-use mavwire_columns::plain_text::converted_head;
 use mavwire_columns::reader::{Decode, Limits};
+use mavwire_columns::text_encoding::head_to_utf8;
 use mavwire_core::codec::Number;
 use mavwire_core::log::dataflash::text::decode_line;
 use mavwire_core::log::dataflash::{
@@ -69,7 +69,7 @@ pub(crate) fn in_any_steps(
     let options = Options { si: input.byte() & 1 == 1, ..Options::default() };
     let (steps, limits) = (small_steps(input, 256), small_limits(input));
     let bytes = log(std::mem::take(input));
-    let plain = converted_head(&bytes);
+    let plain = head_to_utf8(&bytes);
     assert!(plain.len() <= 2 * bytes.len());
     if looks_compressed(&bytes) || plain != bytes {
         return None;

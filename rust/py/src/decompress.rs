@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use mavwire_columns::Error;
 use mavwire_columns::dataflash::begins_as_text;
 use mavwire_columns::input::{self, Blocks, decompressed};
-use mavwire_columns::plain_text::converted_head;
 use mavwire_columns::scan::Framing;
+use mavwire_columns::text_encoding;
 use mavwire_link::files::{self, Draft};
 use pyo3::prelude::*;
 
@@ -54,16 +54,16 @@ pub(crate) fn is_stamped(py: Python<'_>, path: PathBuf) -> PyResult<Option<bool>
     Ok(framing.map(|framing| framing == Framing::Stamped))
 }
 
-/// Whether a dataflash text log begins like this, in whatever encoding.
+/// Whether a dataflash text log begins like this, in UTF-8 or UTF-16.
 #[pyfunction]
 pub(crate) fn begins_as_text_log(head: &[u8]) -> bool {
-    begins_as_text(&converted_head(head))
+    begins_as_text(&text_encoding::head_to_utf8(head))
 }
 
 /// The start of a text log as UTF-8 with line feeds; other bytes as they are.
 #[pyfunction]
-pub(crate) fn plain_head(head: &[u8]) -> Cow<'static, [u8]> {
-    Cow::Owned(converted_head(head))
+pub(crate) fn head_to_utf8(head: &[u8]) -> Cow<'static, [u8]> {
+    Cow::Owned(text_encoding::head_to_utf8(head))
 }
 
 /// What the name of a file begins with until it is complete: its own name, or one made of it where that is long.

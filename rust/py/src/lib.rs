@@ -140,7 +140,7 @@ mod _native {
     use crate::dataflash_tables::DataflashTables;
     #[pymodule_export]
     use crate::decompress::{
-        begins_as_text_log, decompress, draft_stem, is_stamped, log_head, plain_head,
+        begins_as_text_log, decompress, draft_stem, head_to_utf8, is_stamped, log_head,
     };
     #[pymodule_export]
     use crate::describe::describe;

@@ -1,19 +1,19 @@
-//! Text logs of other encodings and line ends as UTF-8 with line feeds.
+//! Converts text logs of other encodings and line ends to UTF-8 with line feeds.
 //!
-//! Windows programs put a byte order mark in front of a text log or write UTF-16, and old editors end lines with a carriage
-//! return alone. Readers of lines know nothing of this: the bytes are converted on the way to them, in bounded memory.
+//! Windows programs put a byte order mark in front of a text log or write UTF-16. Old editors end lines with a carriage
+//! return alone. Readers of lines need not know this: the bytes are converted before they get them, in bounded memory.
 
 use std::io::{self, Cursor, Read};
 
 use crate::dataflash::begins_as_text;
 
-/// Bytes at the start of a log that tell how it is written.
+/// The encoding is recognised by so many bytes at the start of a log.
 const PROBE: usize = 16_000;
-/// Bytes that are converted at a time.
+/// Bytes per conversion step.
 const CHUNK: usize = 64 << 10;
-const MARK: &str = "\u{feff}";
+const BYTE_ORDER_MARK: &str = "\u{feff}";
 
-/// How the units of a text are stored.
+/// The encoding of the characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Unit {
     Utf8,
@@ -22,17 +22,17 @@ enum Unit {
 }
 
 impl Unit {
-    /// The unit that a byte order mark tells, and the bytes of that mark.
+    /// The encoding by the byte order mark, and the length of the mark.
     fn of(head: &[u8]) -> (Self, usize) {
         match head {
-            [0xEF, 0xBB, 0xBF, ..] => (Self::Utf8, MARK.len()),
+            [0xEF, 0xBB, 0xBF, ..] => (Self::Utf8, BYTE_ORDER_MARK.len()),
             [0xFF, 0xFE, ..] => (Self::Utf16Little, 2),
             [0xFE, 0xFF, ..] => (Self::Utf16Big, 2),
             _ => (Self::Utf8, 0),
         }
     }
 
-    /// Appends text as UTF-8; returns how many bytes are left for the next time, since a character goes on behind them.
+    /// Appends text as UTF-8. Returns the number of bytes at the end that are the start of a split character.
     fn decode(self, bytes: &[u8], at_end: bool, into: &mut Vec<u8>) -> usize {
         let unit = match self {
             Self::Utf8 => {
@@ -52,18 +52,18 @@ impl Unit {
     }
 }
 
-/// How a text log is written that has to be converted.
+/// The encoding and line ends of a log that needs conversion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Encoding {
     unit: Unit,
-    /// Bytes of the byte order mark.
+    /// Length of the byte order mark.
     mark: usize,
-    /// Carriage returns alone end the lines.
+    /// Lines end with a carriage return alone.
     returns: bool,
 }
 
 impl Encoding {
-    /// By the first bytes of a log; `None` for a log that is read as it is.
+    /// Recognises the encoding by the first bytes of a log; `None` if the log needs no conversion.
     fn of(head: &[u8]) -> Option<Self> {
         let head = &head[..head.len().min(PROBE)];
         let (unit, mark) = Unit::of(head);
@@ -79,51 +79,51 @@ impl Encoding {
     }
 }
 
-/// The first bytes of a log, converted if it is text that has to be.
-pub fn converted_head(head: &[u8]) -> Vec<u8> {
+/// The first bytes of a log, converted if it is a text log that needs it.
+pub fn head_to_utf8(head: &[u8]) -> Vec<u8> {
     let mut text = Vec::new();
     // Reading memory does not fail.
-    let _ = converted(Box::new(Cursor::new(head.to_vec()))).read_to_end(&mut text);
+    let _ = to_utf8(Box::new(Cursor::new(head.to_vec()))).read_to_end(&mut text);
     text
 }
 
-/// The bytes of a log, converted if it is text that has to be.
-pub fn converted(mut source: Box<dyn Read + Send>) -> Box<dyn Read + Send> {
+/// A reader of a log, which converts it if it is a text log that needs it.
+pub fn to_utf8(mut source: Box<dyn Read + Send>) -> Box<dyn Read + Send> {
     let mut head = Vec::new();
     let rest: Box<dyn Read + Send> = match source.by_ref().take(PROBE as u64).read_to_end(&mut head)
     {
         Ok(_) => source,
-        Err(error) => Box::new(Failed(Some(error))),
+        Err(error) => Box::new(FailsOnce(Some(error))),
     };
     let encoding = Encoding::of(&head);
     let mut start = Cursor::new(head);
     let Some(encoding) = encoding else { return Box::new(start.chain(rest)) };
     start.set_position(encoding.mark as u64);
     let (left, ready) = Default::default();
-    Box::new(Converted { inner: start.chain(rest), encoding, left, ready, at: 0 })
+    Box::new(Utf8Reader { inner: start.chain(rest), encoding, left, ready, at: 0 })
 }
 
-/// A source that fails once.
-struct Failed(Option<io::Error>);
+/// A source that fails at the first read and then ends.
+struct FailsOnce(Option<io::Error>);
 
-impl Read for Failed {
+impl Read for FailsOnce {
     fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
         self.0.take().map_or(Ok(0), Err)
     }
 }
 
-/// A text that is converted chunk by chunk.
-struct Converted<R> {
+/// Converts a text chunk by chunk.
+struct Utf8Reader<R> {
     inner: R,
     encoding: Encoding,
-    /// Bytes of a character that goes on in the next chunk.
+    /// The start of a character that the next chunk completes.
     left: Vec<u8>,
     ready: Vec<u8>,
-    /// Bytes of `ready` that were handed out.
+    /// The number of bytes of `ready` that were read.
     at: usize,
 }
 
-impl<R: Read> Converted<R> {
+impl<R: Read> Utf8Reader<R> {
     fn convert(&mut self) -> io::Result<()> {
         let Encoding { unit, returns, .. } = self.encoding;
         let read = self.inner.by_ref().take(CHUNK as u64).read_to_end(&mut self.left)?;
@@ -138,7 +138,7 @@ impl<R: Read> Converted<R> {
     }
 }
 
-impl<R: Read> Read for Converted<R> {
+impl<R: Read> Read for Utf8Reader<R> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         while self.at == self.ready.len() {
             let before = self.left.len();
@@ -162,7 +162,7 @@ mod tests {
     fn text(bytes: &[u8]) -> String {
         let mut text = String::new();
         let source: Box<dyn Read + Send> = Box::new(Cursor::new(bytes.to_vec()));
-        converted(source).read_to_string(&mut text).expect("text");
+        to_utf8(source).read_to_string(&mut text).expect("text");
         text
     }
 
@@ -171,8 +171,8 @@ mod tests {
     }
 
     #[test]
-    fn marks_utf16_and_carriage_returns_are_converted() {
-        let marked = format!("{MARK}{LOG}");
+    fn utf16_byte_order_marks_and_carriage_returns_are_converted() {
+        let marked = format!("{BYTE_ORDER_MARK}{LOG}");
         let logs = [
             marked.as_bytes().to_vec(),
             utf16(&marked, u16::to_le_bytes),
@@ -188,9 +188,10 @@ mod tests {
 
     #[test]
     fn long_texts_are_converted_chunk_by_chunk() {
-        let long = format!("{MARK}{LOG}{}", "MSG, \u{1f681}x\r\n".repeat(40_000));
-        assert_eq!(text(&utf16(&long, u16::to_le_bytes)), long[MARK.len()..]);
-        let odd = [utf16(&format!("{MARK}{LOG}"), u16::to_be_bytes), vec![0xD8]].concat();
+        let long = format!("{BYTE_ORDER_MARK}{LOG}{}", "MSG, \u{1f681}x\r\n".repeat(40_000));
+        assert_eq!(text(&utf16(&long, u16::to_le_bytes)), long[BYTE_ORDER_MARK.len()..]);
+        let odd =
+            [utf16(&format!("{BYTE_ORDER_MARK}{LOG}"), u16::to_be_bytes), vec![0xD8]].concat();
         assert_eq!(text(&odd), LOG);
     }
 
@@ -199,15 +200,15 @@ mod tests {
         let frames = [b"\xFE\xFF\0\x01\x01FMT,\r".as_slice(), &[7; 300]].concat();
         for log in [LOG.as_bytes(), &frames, b"\xA3\x95\x80\0FMT,\r", b"", b"\xFF\xFE", b"FMT, 1"] {
             assert!(Encoding::of(log).is_none());
-            assert_eq!(converted_head(log), log);
+            assert_eq!(head_to_utf8(log), log);
         }
     }
 
     #[test]
-    fn an_error_comes_behind_the_bytes_before_it() {
-        let failed = Failed(Some(io::ErrorKind::PermissionDenied.into()));
+    fn bytes_before_an_error_are_read_first() {
+        let failed = FailsOnce(Some(io::ErrorKind::PermissionDenied.into()));
         let source = Cursor::new(LOG.as_bytes()).chain(failed);
-        let mut whole = converted(Box::new(source));
+        let mut whole = to_utf8(Box::new(source));
         let mut text = Vec::new();
         let error = whole.read_to_end(&mut text).expect_err("the error");
         assert_eq!(
