@@ -89,8 +89,8 @@ class Link:
         """The home position of a system is known for good."""
 
 def peer_to_replace(host: str, peers: list[tuple[str, bool, float]]) -> int | None:
-    """Which of the peers of a link that has no place left makes room for a new one from `host`, None if none does. Of each
-    the host, whether it sent something to a system, and for how many seconds it has been silent.
+    """The position of the peer that a full link replaces by a new one from `host`; None if all peers stay. Each peer is given
+    by its host, whether it has sent a message to a system, and the seconds since its last message.
     """
 
 def receive_batch(link: LiveLink, messages: list[Any], limit: int) -> bool:

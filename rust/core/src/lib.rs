@@ -17,7 +17,7 @@ pub mod codec;
 pub mod frame;
 pub mod kind_hash;
 pub mod log;
-pub mod peer_places;
+pub mod peer_slots;
 pub mod pyfloat;
 pub mod registry;
 pub mod router;

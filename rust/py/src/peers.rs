@@ -5,7 +5,7 @@
 
 use core::net::IpAddr;
 
-use mavwire_core::peer_places::{Origin, Peer as Rival, Place, Standing, place_for};
+use mavwire_core::peer_slots::{Origin, Slot, SlotHolder, Usefulness, slot_for};
 use mavwire_link::address::Address;
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
@@ -126,25 +126,25 @@ impl Peers {
     }
 }
 
-/// Which of the peers of a link that has no place left makes room for a new one from `host`, None if none does. Of each the
-/// host, whether it sent something to a system, and for how many seconds it has been silent.
+/// The position of the peer that a full link replaces by a new one from `host`; None if all peers stay. Each peer is given
+/// by its host, whether it has sent a message to a system, and the seconds since its last message.
 #[pyfunction]
 pub(crate) fn peer_to_replace(host: &str, peers: Vec<(String, bool, f64)>) -> Option<usize> {
-    let rivals: Vec<Rival> = peers
+    let holders: Vec<SlotHolder> = peers
         .into_iter()
-        .map(|(host, is_useful, silence)| Rival {
+        .map(|(host, is_useful, silence)| SlotHolder {
             origin: origin(&host),
-            standing: if is_useful { Standing::Useful } else { Standing::Heard },
+            usefulness: if is_useful { Usefulness::Useful } else { Usefulness::Heard },
             silence: (silence * 1e6) as u64,
         })
         .collect();
-    match place_for(origin(host), &rivals, rivals.len()) {
-        Place::Of(position) => Some(position),
-        Place::Free | Place::None => None,
+    match slot_for(origin(host), &holders, holders.len()) {
+        Slot::Replace(position) => Some(position),
+        Slot::Free | Slot::Refused => None,
     }
 }
 
-/// Where a host that Python shows is; hosts that are no numeric addresses are one.
+/// The origin of a host as Python shows it. Host names share one origin.
 fn origin(host: &str) -> Origin {
     let address = host.split('%').next().unwrap_or(host).parse();
     Origin::from(address.unwrap_or(IpAddr::from([0; 4])))

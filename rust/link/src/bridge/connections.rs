@@ -6,7 +6,7 @@ use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::rc::Rc;
 use std::time::Duration;
 
-use mavwire_core::peer_places::{Origin, Peer, Place, place_for};
+use mavwire_core::peer_slots::{Origin, Slot, SlotHolder, slot_for};
 use mavwire_core::router::LinkId;
 
 use super::BridgeError;
@@ -20,8 +20,8 @@ use crate::wording::in_words;
 
 /// Peers of a UDP server, and connections to a TCP server.
 const MAX_PEERS: usize = 64;
-/// Ports that peers leave to links that the program adds.
-const KEPT_FREE: usize = 32;
+/// Ports that only links of the program may use, not peers of servers.
+const RESERVED_PORTS: usize = 32;
 /// The first pause before a connection is tried again, doubled up to the limit of the link; microseconds.
 const FIRST_RETRY: u64 = 250_000;
 
@@ -191,7 +191,7 @@ impl EventLoop {
     /// A port for a new peer of a server; `None` if there is no room for it.
     pub(super) fn welcome(&mut self, number: u32, wire: Wire, from: SocketAddr) -> Option<LinkId> {
         let origin = Origin::from(from.ip());
-        let room = self.make_room(number, origin);
+        let room = self.free_slot(number, origin);
         let link = self.links.get_mut(&number)?;
         let added = room.then(|| self.switch.add_peer(number, wire, &link.spec.port)).flatten();
         let Some(port) = added else {
@@ -204,20 +204,20 @@ impl EventLoop {
         Some(port.id)
     }
 
-    /// Whether there is a place for a new peer of a server, be it that of a less useful one, which is sent away. Where the
-    /// bridge can have no more ports the peers of all servers compete.
-    fn make_room(&mut self, number: u32, origin: Origin) -> bool {
-        let is_own = |&(link, ..): &(u32, LinkId, Peer)| link == number;
+    /// Whether a new peer of a server gets a slot. A less useful peer may be disconnected for it. If the bridge has no more
+    /// ports, the peers of all servers compete.
+    fn free_slot(&mut self, number: u32, origin: Origin) -> bool {
+        let is_own = |&(link, ..): &(u32, LinkId, SlotHolder)| link == number;
         let mut rivals: Vec<_> = self.switch.peers().collect();
         let is_full = rivals.iter().filter(|rival| is_own(rival)).count() >= MAX_PEERS;
-        if !is_full && self.switch.free() > KEPT_FREE {
+        if !is_full && self.switch.free_ports() > RESERVED_PORTS {
             return true;
         }
         if is_full {
             rivals.retain(is_own);
         }
-        let peers: Vec<Peer> = rivals.iter().map(|&(.., peer)| peer).collect();
-        let Place::Of(n) = place_for(origin, &peers, peers.len()) else { return false };
+        let peers: Vec<SlotHolder> = rivals.iter().map(|&(.., peer)| peer).collect();
+        let Slot::Replace(n) = slot_for(origin, &peers, peers.len()) else { return false };
         let (number, id, _) = rivals[n];
         let Some(link) = self.links.get_mut(&number) else { return false };
         if let Kind::DatagramServer(_, peers) = &mut link.kind {

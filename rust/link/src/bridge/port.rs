@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use mavwire_core::border::Border;
 use mavwire_core::frame::Header;
-use mavwire_core::peer_places::{self, Origin, Peer};
+use mavwire_core::peer_slots::{Origin, SlotHolder, Usefulness};
 use mavwire_core::registry::Entry;
 use mavwire_core::router::LinkId;
 use mavwire_core::scan::Resync;
@@ -44,14 +44,14 @@ impl From<Connection> for Wire {
     }
 }
 
-/// What is known of a peer.
+/// Whether a peer has proved that it speaks MAVLink, with the key where one is needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Standing {
-    /// No good frame came from it.
+pub(super) enum Trust {
+    /// It has sent no valid frame.
     New,
-    /// The same, and it gets nothing before one with a good signature came.
+    /// It has sent no valid frame, and gets none before it sends one with a good signature.
     Muted,
-    /// A good frame came, with a good signature where one is needed.
+    /// It has sent a valid frame, with a good signature where one is needed.
     Proven,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct Port {
     /// Number of the link that it belongs to.
     pub(super) link: u32,
     pub(super) peer: Option<String>,
-    /// Where the peer of a server comes from.
+    /// The address of a server's peer, which competes for slots.
     pub(super) origin: Option<Origin>,
     pub(super) wire: Wire,
     /// Taken out while it is being fed.
@@ -82,7 +82,7 @@ pub(super) struct Port {
     pub(super) automation: Option<Automation>,
     /// Messages that leave before others.
     urgent: Box<[u32]>,
-    pub(super) standing: Standing,
+    pub(super) trust: Trust,
 }
 
 impl Port {
@@ -110,7 +110,7 @@ impl Port {
             border,
             automation: Automation::new(&spec.automation),
             urgent: spec.options.limits.urgent.as_slice().into(),
-            standing: Standing::New,
+            trust: Trust::New,
         }
     }
 
@@ -125,7 +125,7 @@ impl Port {
     ) {
         match self.wire {
             Wire::Program => return,
-            _ if self.standing == Standing::Muted => return, // nothing is meant for it yet
+            _ if self.trust == Trust::Muted => return, // nothing is meant for it yet
             Wire::Down => {
                 self.outbox.dropped += 1;
                 return;
@@ -145,22 +145,21 @@ impl Port {
         }
     }
 
-    /// The peer of a server as it competes for its place; `has_targeted` if it sent something to a known system.
-    pub(super) fn as_peer(&self, has_targeted: bool, now: u64) -> Option<Peer> {
+    /// A server's peer as the holder of a slot. `has_targeted`: it has sent a frame to a known system.
+    pub(super) fn as_slot_holder(&self, has_targeted: bool, now: u64) -> Option<SlotHolder> {
         let is_verified = self.border.as_ref().is_some_and(Border::verifies);
-        let standing = match self.standing {
-            Standing::New | Standing::Muted => peer_places::Standing::Unproven,
-            Standing::Proven if is_verified || has_targeted => peer_places::Standing::Useful,
-            Standing::Proven => peer_places::Standing::Heard,
+        let usefulness = match self.trust {
+            Trust::New | Trust::Muted => Usefulness::Unproven,
+            Trust::Proven if is_verified || has_targeted => Usefulness::Useful,
+            Trust::Proven => Usefulness::Heard,
         };
         let silence = now.saturating_sub(self.heard);
-        self.origin.map(|origin| Peer { origin, standing, silence })
+        self.origin.map(|origin| SlotHolder { origin, usefulness, silence })
     }
 
     /// Whether there is anyone to send to.
     pub(super) fn is_up(&self) -> bool {
-        matches!(self.wire, Wire::Stream(_) | Wire::Datagrams(..))
-            && self.standing != Standing::Muted
+        matches!(self.wire, Wire::Stream(_) | Wire::Datagrams(..)) && self.trust != Trust::Muted
     }
 
     /// The descriptor that only this port reads from.

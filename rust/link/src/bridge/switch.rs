@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use mavwire_core::border::{Border, BorderOptions};
 use mavwire_core::frame::{FrameBuffer, Header};
-use mavwire_core::peer_places::Peer;
+use mavwire_core::peer_slots::SlotHolder;
 use mavwire_core::registry::{Entry, Registry};
 use mavwire_core::router::{Fate, LinkId, LinkOptions, LinkSet, MAX_LINKS, Router, Settings};
 use mavwire_core::scan::{Found, Resync, Scanner};
@@ -16,7 +16,7 @@ use mavwire_core::stream::Piece;
 use super::endpoint::PortSpec;
 use super::frames::{FrameInfo, Frames};
 use super::latency::Latency;
-use super::port::{Port, Standing, Wire};
+use super::port::{Port, Trust, Wire};
 use super::stats::Traffic;
 
 /// The link number that stands for the program around the bridge.
@@ -97,7 +97,7 @@ impl Switch {
         let id = self.add(link, wire, spec)?;
         let port = self.port(id)?;
         if spec.options.border.verify {
-            port.standing = Standing::Muted;
+            port.trust = Trust::Muted;
         }
         Some(port)
     }
@@ -148,16 +148,16 @@ impl Switch {
         self.ports.iter().flatten()
     }
 
-    /// The peers of all servers: their link, port and usefulness.
-    pub(super) fn peers(&self) -> impl Iterator<Item = (u32, LinkId, Peer)> {
+    /// The peers of all servers, with their link and port.
+    pub(super) fn peers(&self) -> impl Iterator<Item = (u32, LinkId, SlotHolder)> {
         self.ports().filter_map(|port| {
-            let peer = port.as_peer(self.router.has_targeted(port.id), self.moment.now)?;
+            let peer = port.as_slot_holder(self.router.has_targeted(port.id), self.moment.now)?;
             Some((port.link, port.id, peer))
         })
     }
 
-    /// How many more ports there can be.
-    pub(super) fn free(&self) -> usize {
+    /// The number of ports that can still be added.
+    pub(super) fn free_ports(&self) -> usize {
         MAX_LINKS - self.ports().count()
     }
 
@@ -218,7 +218,7 @@ impl Switch {
             port.count(tally.damaged, tally.junk_bytes);
             if tally.proven {
                 port.heard = now;
-                port.standing = Standing::Proven;
+                port.trust = Trust::Proven;
             }
         }
     }

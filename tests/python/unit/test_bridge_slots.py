@@ -1,4 +1,4 @@
-"""Places of a bridge's servers: no address takes them all, and who is silent or useless makes room."""
+"""Slots of a bridge's servers: no address takes them all, and silent or useless peers are replaced."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from unit.bridge_tools import TCP, UDP, command, peers, port_of, report, wait_un
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="needs two loopback addresses")
 
-PLACES = 64
+SLOTS = 64
 ATTACKER, STATION = "127.0.0.9", "127.0.0.1"
-# Who sends nothing for so many seconds is not active; a little more than the bridge's.
+# A peer that is silent for so many seconds is not active; a little more than in the bridge.
 SILENCE = 5.2
 
 
@@ -37,10 +37,10 @@ class Door:
         one.connect(self.address)
         return one
 
-    def fill(self, host: str, places: int = PLACES) -> list[socket.socket]:
+    def fill(self, host: str, slots: int = SLOTS) -> list[socket.socket]:
         """A crowd, each of which has sent a heartbeat."""
         crowd = []
-        for _ in range(places):
+        for _ in range(slots):
             crowd.append(self.come(host))
             crowd[-1].sendall(heartbeat(sysid=9))
         wait_until("them", lambda: all(map(self.has, crowd)))
@@ -70,21 +70,21 @@ def pause(bridge: Bridge, seconds: float) -> None:
 
 @pytest.mark.parametrize("endpoint", [UDP, TCP])
 def test_a_crowd_of_one_address_keeps_no_other_one_out(endpoint: str) -> None:
-    """Not even an active crowd: a quarter of the places is for others, and it takes none of these back."""
+    """Not even an active crowd: a quarter of the slots is for others, and it takes none of these back."""
     with Bridge() as bridge, ExitStack() as stack:
         door = Door(bridge, stack, endpoint)
         door.fill(ATTACKER)
-        stations = door.fill(STATION, PLACES // 4)
-        assert len(door.inside()) == PLACES
+        stations = door.fill(STATION, SLOTS // 4)
+        assert len(door.inside()) == SLOTS
         for _ in range(20):
             door.come(ATTACKER).sendall(heartbeat(sysid=9))
-        wait_until("their fate", lambda: door.came() == PLACES + PLACES // 4 + 20)
+        wait_until("their fate", lambda: door.came() == SLOTS + SLOTS // 4 + 20)
         assert all(map(door.has, stations))
-        assert len(door.inside()) == PLACES
+        assert len(door.inside()) == SLOTS
 
 
 @pytest.mark.parametrize("endpoint", [UDP, TCP])
-def test_a_frame_now_and_then_holds_no_place(endpoint: str) -> None:
+def test_a_frame_now_and_then_keeps_no_slot(endpoint: str) -> None:
     """Of the silent ones who never sent a command makes room, and who is heard stays."""
     with Bridge() as bridge, ExitStack() as stack:
         door = Door(bridge, stack, endpoint)
