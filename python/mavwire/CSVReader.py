@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 
 from ._dataflash.csv_log import CSVFormat, CSVMessage, CSVReader
-from ._hooks import STANDARD, ReplaceableModule, make_replaceable
+from ._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
 
 
 class _CSVReader(ReplaceableModule):
     _users = ("mavwire._dataflash",)
     _not_called = {  # noqa: RUF012
-        **dict.fromkeys(("csv", "os"), STANDARD),
+        **dict.fromkeys(("csv", "os"), IN_STANDARD_MODULE),
         "mavutil": "replace the function in mavwire.mavutil itself",
     }
 

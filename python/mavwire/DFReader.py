@@ -26,7 +26,7 @@ from ._dataflash.formats import (
 from ._dataflash.metadata import DFMetaData
 from ._dataflash.reader import DFReader
 from ._dataflash.text import DFReader_is_text_log, DFReader_text
-from ._hooks import STANDARD, ReplaceableModule, make_replaceable
+from ._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
 from ._native import DFMessage
 
 __all__ = [
@@ -49,20 +49,20 @@ __all__ = [
     "to_string",
 ]
 
-_TEXTS = "texts are decoded natively: convert the values of the messages that you read"
+_CONVERT_TEXTS = "texts are decoded natively: convert the values of the messages that you read"
 
 
 class _DFReader(ReplaceableModule):
     _users = ("mavwire._dataflash",)
     _not_called = {  # noqa: RUF012
-        **dict.fromkeys("array math mmap os platform struct time".split(), STANDARD),
+        **dict.fromkeys("array math mmap os platform struct time".split(), IN_STANDARD_MODULE),
         "DFMessage": "its objects are native: change what recv_msg returns, in a class derived from the reader",
         "DFReader_is_text_log": "mavlink_connection looks at the log itself: make a DFReader_text where one is wanted",
         "FORMAT_TO_STRUCT": "formats are decoded natively",
         "dfindexer": "the reader has an index of its own",
         "mavutil": "replace the function in mavwire.mavutil itself",
-        "null_term": _TEXTS,
-        "to_string": _TEXTS,
+        "null_term": _CONVERT_TEXTS,
+        "to_string": _CONVERT_TEXTS,
     }
 
 

@@ -62,7 +62,7 @@ def install_as_pymavlink() -> None:
                 "or start the program with: mavwire run",
                 name=foreign[0],
             )
-        _finder.steps_back = False
+        _finder.gives_way = False
         if _finder not in sys.meta_path:
             sys.meta_path.insert(0, _finder)
 
@@ -72,7 +72,7 @@ def install_for_environment() -> None:
     on ``sys.path`` stays: a source tree brings its own, and expects no other.
     """
     install_as_pymavlink()
-    _finder.steps_back = True
+    _finder.gives_way = True
 
 
 def uninstall_as_pymavlink() -> None:
@@ -125,19 +125,19 @@ def _another_comes_first() -> bool:
 class _Finder:
     """Answers ``pymavlink`` and below; other imports cost one comparison."""
 
-    steps_back = False
+    gives_way = False
 
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         if name == _ALIAS:
-            return None if self._has_to_step_back() else _package_spec()
+            return None if self._must_give_way() else _package_spec()
         if name.startswith(_ALIAS + ".") and (_ALIAS not in sys.modules or _is_ours(_ALIAS)):
             return _module_spec(name)
         return None
 
-    def _has_to_step_back(self) -> bool:
-        return self.steps_back and _another_comes_first()
+    def _must_give_way(self) -> bool:
+        return self.gives_way and _another_comes_first()
 
     def find_distributions(
         self, context: DistributionFinder.Context | None = None
@@ -146,7 +146,7 @@ class _Finder:
         as they are.
         """
         name = getattr(context, "name", None)
-        if isinstance(name, str) and name.lower() == _ALIAS and not self._has_to_step_back():
+        if isinstance(name, str) and name.lower() == _ALIAS and not self._must_give_way():
             from mavwire._alias_metadata import AliasDistribution
 
             yield AliasDistribution(COMPATIBLE_VERSION)

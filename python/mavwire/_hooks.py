@@ -28,7 +28,7 @@ class ReplaceableModule(ModuleType):
     # Name -> what to do instead of replacing it.
     _not_called: ClassVar[dict[str, str]] = {}
     # Name -> what is told of a new value, and whether it is the original one.
-    _told: ClassVar[dict[str, Callable[[Any, bool], None]]] = {}
+    _callbacks: ClassVar[dict[str, Callable[[Any, bool], None]]] = {}
     # Replaced names and their originals. Each module has its own.
     _originals: dict[str, Any]
 
@@ -58,8 +58,8 @@ class ReplaceableModule(ModuleType):
         for names in list(self._namespaces()):
             if names.get(name) is before:
                 names[name] = value
-        if name in self._told:
-            self._told[name](value, is_original)
+        if name in self._callbacks:
+            self._callbacks[name](value, is_original)
 
     def _namespaces(self) -> Iterator[dict[str, Any]]:
         for name in self._users:
@@ -70,7 +70,9 @@ class ReplaceableModule(ModuleType):
 
 
 # For standard modules that pymavlink's have as attributes.
-STANDARD = "replace the function in the module itself, as in monkeypatch.setattr('time.time', ...)"
+IN_STANDARD_MODULE = (
+    "replace the function in the module itself, as in monkeypatch.setattr('time.time', ...)"
+)
 
 
 def make_replaceable(module: ModuleType, kind: type[ReplaceableModule]) -> None:

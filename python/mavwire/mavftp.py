@@ -26,7 +26,7 @@ from ._ftp.params import ParamData
 from ._ftp.result import DirectoryEntry, FtpError, MAVFTPReturn
 from ._ftp.settings import MAVFTPSetting, MAVFTPSettings
 from ._ftp.wire import HEADER, MAX_PAYLOAD
-from ._hooks import STANDARD, ReplaceableModule, make_replaceable
+from ._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
 from .mavftp_op import (
     FTP_OP,
     OP_Ack,
@@ -54,7 +54,7 @@ class _Mavftp(ReplaceableModule):
     _users = ("mavwire._ftp",)
     _not_called = {  # noqa: RUF012
         **dict.fromkeys(
-            "datetime logging math os random struct sys tempfile time".split(), STANDARD
+            "datetime logging math os random struct sys tempfile time".split(), IN_STANDARD_MODULE
         ),
         "mavutil": "replace the function in mavwire.mavutil itself",
     }

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from mavwire import _parameter_file, mavutil
-from mavwire._hooks import STANDARD, ReplaceableModule, make_replaceable
+from mavwire._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
 from mavwire._parameter_file import (
     EXCLUDED,
     SMALLEST_DIFFERENCE,
@@ -23,7 +23,7 @@ from mavwire._replacing import replace_text
 
 
 class _Mavparm(ReplaceableModule):
-    _not_called = {"fnmatch": STANDARD}  # noqa: RUF012
+    _not_called = {"fnmatch": IN_STANDARD_MODULE}  # noqa: RUF012
 
 
 make_replaceable(sys.modules[__name__], _Mavparm)

@@ -11,7 +11,7 @@ import os
 import sys
 from types import ModuleType
 
-from ._hooks import STANDARD, ReplaceableModule, make_replaceable
+from ._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
 from ._native import replace_function
 from .links import state
 from .links.conditions import evaluate_condition, evaluate_expression
@@ -194,7 +194,7 @@ def _of_state(name: str) -> property:
     )
 
 
-def _tell(name: str) -> Callable[[Any, bool], None]:
+def _replace_natively(name: str) -> Callable[[Any, bool], None]:
     return lambda value, is_original: replace_function(name, None if is_original else value)
 
 
@@ -202,13 +202,13 @@ class _Mavutil(ReplaceableModule):
     """This module's type: the process-wide state of the links as assignable attributes."""
 
     _users = ("mavwire.links", "mavwire._dataflash")
-    _told: ClassVar[dict[str, Callable[[Any, bool], None]]] = {
-        name: _tell(name) for name in ("time", "add_message")
+    _callbacks: ClassVar[dict[str, Callable[[Any, bool], None]]] = {
+        name: _replace_natively(name) for name in ("time", "add_message")
     }
     _not_called: ClassVar[dict[str, str]] = {
         **dict.fromkeys(
             "array ascii copy errno fnmatch json math os platform re select socket ssl struct sys".split(),
-            STANDARD,
+            IN_STANDARD_MODULE,
         ),
         "u_ord": "bytes are numbers already",
     }

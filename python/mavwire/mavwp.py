@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 
-from ._hooks import STANDARD, ReplaceableModule, make_replaceable
+from ._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
 from ._missions.errors import MAVFenceError, MAVRallyError, MAVWPError
 from ._missions.files import get_first_line_from_file
 from ._missions.items import (
@@ -38,7 +38,7 @@ __all__ = [
 class _Mavwp(ReplaceableModule):
     _users = ("mavwire._missions",)
     _not_called = {  # noqa: RUF012
-        **dict.fromkeys(("copy", "time"), STANDARD),
+        **dict.fromkeys(("copy", "time"), IN_STANDARD_MODULE),
         "mavutil": "replace the function in mavwire.mavutil itself",
     }
 

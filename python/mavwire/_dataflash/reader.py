@@ -55,8 +55,8 @@ _NO_NUMBER = (ValueError, TypeError, OverflowError)
 
 
 # The clock that native code stands for, and its methods, which a program may replace.
-_MICROS_CLOCK = DFReaderClock_usec
-_MICROS_METHODS = {
+_NATIVE_CLOCK = DFReaderClock_usec
+_NATIVE_CLOCK_METHODS = {
     name: getattr(DFReaderClock_usec, name)
     for name in (
         "message_arrived", "set_message_timestamp", "should_use_msec_field0",
@@ -66,9 +66,9 @@ _MICROS_METHODS = {
 
 
 def _is_native(clock: Any) -> bool:
-    methods = _MICROS_METHODS.items()
-    return type(clock) is _MICROS_CLOCK and all(
-        getattr(_MICROS_CLOCK, name) is method for name, method in methods
+    methods = _NATIVE_CLOCK_METHODS.items()
+    return type(clock) is _NATIVE_CLOCK and all(
+        getattr(_NATIVE_CLOCK, name) is method for name, method in methods
     )
 
 

@@ -89,8 +89,8 @@ class Link:
         """The home position of a system is known for good."""
 
 def peer_to_replace(host: str, peers: list[tuple[str, bool, float]]) -> int | None:
-    """The position of the peer that a full link replaces by a new one from `host`; None if all peers stay. Each peer is given
-    by its host, whether it has sent a message to a system, and the seconds since its last message.
+    """The position of the peer that a full link replaces by a new one from `host`; None if all peers stay. A peer is given
+    as its host, whether it has sent a message to a system, and the seconds since its last message.
     """
 
 def receive_batch(link: LiveLink, messages: list[Any], limit: int) -> bool:

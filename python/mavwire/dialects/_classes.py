@@ -98,21 +98,21 @@ def defining_class(cls: type) -> type | None:
     return None
 
 
-def _own(name: str) -> "Callable[[_native.MessageInfo], Any]":
+def _read_attribute(name: str) -> "Callable[[_native.MessageInfo], Any]":
     return lambda info: getattr(info, name)
 
 
 SCHEMA_ATTRS: "dict[str, tuple[Any, Callable[[_native.MessageInfo], Any]]]" = {
-    "fieldnames": ([], _own("fieldnames")),
-    "ordered_fieldnames": ([], _own("ordered_fieldnames")),
-    "fieldtypes": ([], _own("fieldtypes")),
-    "fielddisplays_by_name": ({}, _own("fielddisplays_by_name")),
-    "fieldenums_by_name": ({}, _own("fieldenums_by_name")),
-    "fieldunits_by_name": ({}, _own("fieldunits_by_name")),
+    "fieldnames": ([], _read_attribute("fieldnames")),
+    "ordered_fieldnames": ([], _read_attribute("ordered_fieldnames")),
+    "fieldtypes": ([], _read_attribute("fieldtypes")),
+    "fielddisplays_by_name": ({}, _read_attribute("fielddisplays_by_name")),
+    "fieldenums_by_name": ({}, _read_attribute("fieldenums_by_name")),
+    "fieldunits_by_name": ({}, _read_attribute("fieldunits_by_name")),
     "native_format": (bytearray(), lambda info: bytearray(info.native_format.encode())),
-    "orders": ([], _own("orders")),
-    "lengths": ([], _own("lengths")),
-    "array_lengths": ([], _own("array_lengths")),
+    "orders": ([], _read_attribute("orders")),
+    "lengths": ([], _read_attribute("lengths")),
+    "array_lengths": ([], _read_attribute("array_lengths")),
     "unpacker": (struct.Struct(""), lambda info: struct.Struct(info.unpacker_format)),
     "instance_field": (None, lambda info: info.instance[0]),
     "instance_offset": (-1, lambda info: info.instance[1]),

@@ -7,7 +7,7 @@ there already goes on as it was.
 
 from __future__ import annotations
 
-from mavwire._hooks import STANDARD, ReplaceableModule
+from mavwire._hooks import IN_STANDARD_MODULE, ReplaceableModule
 from mavwire.dialects import _methods
 
 TYPE_CHECKING = False
@@ -30,7 +30,7 @@ class MessageMap(dict[int, "type[Any]"]):
         self._namespace = namespace
 
     def _changed(self) -> None:
-        obey_map(self._namespace, self._originals)
+        decode_by_map(self._namespace, self._originals)
 
     def __setitem__(self, msgid: int, cls: type[Any]) -> None:
         if msgid not in self._originals:
@@ -82,7 +82,7 @@ class MessageMap(dict[int, "type[Any]"]):
         return self
 
 
-def obey_map(namespace: dict[str, Any], originals: dict[int, type[Any]]) -> None:
+def decode_by_map(namespace: dict[str, Any], originals: dict[int, type[Any]]) -> None:
     """Have the module's `MAVLink` make messages as its `mavlink_map` says, which is not as it was."""
     base = _base(namespace)
     if "decode" in vars(base):
@@ -98,12 +98,14 @@ def obey_map(namespace: dict[str, Any], originals: dict[int, type[Any]]) -> None
         cls = namespace["mavlink_map"].get(msgid)
         if cls is originals.get(msgid):
             return message
-        return namespace["MAVLink_unknown"](msgid, msgbuf) if cls is None else _made(cls, message)
+        return (
+            namespace["MAVLink_unknown"](msgid, msgbuf) if cls is None else _as_class(cls, message)
+        )
 
     base.decode = decode
 
 
-def _made(cls: Callable[..., Any], message: Any) -> Any:
+def _as_class(cls: Callable[..., Any], message: Any) -> Any:
     """A message of a program's own class with the values of `message`, and all that came with them."""
     texts = type(message)._info.char_fields
     names = (f"_{name}_raw" if name in texts else name for name in message.fieldnames)
@@ -121,7 +123,7 @@ class DialectModule(ReplaceableModule):
     """A dialect module, of which programs may replace classes and `mavlink_map`."""
 
     _not_called: ClassVar[dict[str, str]] = {
-        **dict.fromkeys("hashlib json logging os struct sys time".split(), STANDARD),
+        **dict.fromkeys("hashlib json logging os struct sys time".split(), IN_STANDARD_MODULE),
         **dict.fromkeys(("mcrf4xx", "x25crc"), "checksums are reckoned natively"),
         "MAVLink_header": "headers are made natively: change those of the messages that you make or receive",
     }
@@ -129,7 +131,7 @@ class DialectModule(ReplaceableModule):
 
     def _use(self, name: str, before: Any, value: Any, is_original: bool) -> None:
         if name == "mavlink_map":
-            obey_map(vars(self), self._originals[name]._originals)
+            decode_by_map(vars(self), self._originals[name]._originals)
         elif (message := _message_of(name)) is not None:
             self._use_class(message, value, is_original)
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from mavwire.logs.common_columns import Described
 
-NAME_LEN = 4
+DATAFLASH_NAME_LEN = 4
 """Characters of a type's name in a FMT record."""
 Source = tuple[str, Part | None]
 
@@ -89,7 +89,7 @@ def _described(path: str, how: dict[str, Any]) -> Described | None:
     """
     name, options = how["types"], how["storage_options"]
     module, _, query = query_of(**how)
-    if (len(name) > NAME_LEN and has_message(module, name)) or not begins_as_dataflash(
+    if (len(name) > DATAFLASH_NAME_LEN and has_message(module, name)) or not begins_as_dataflash(
         path, options
     ):
         return None

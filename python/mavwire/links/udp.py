@@ -121,7 +121,7 @@ class mavudp(ChunkedLink):
 
     def _recv_own(self, n: int | None) -> bytes:
         """Of what this link parses itself `post_message` knows whom to answer."""
-        is_replaced = getattr(self.recv, "__func__", None) is not _RECV
+        is_replaced = getattr(self.recv, "__func__", None) is not _NATIVE_RECV
         return self.recv(n) if is_replaced else self._read_datagram()
 
     def _read_datagram(self) -> bytes:
@@ -314,4 +314,4 @@ def _is_targeted(msg: Message) -> bool:
 
 
 # A program may replace it in the class.
-_RECV = mavudp.recv
+_NATIVE_RECV = mavudp.recv

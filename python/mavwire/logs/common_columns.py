@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     Described = tuple[list[str], RecordBatches | None]
     """The types that a dataflash log describes, and the wanted one without rows, if it is among them."""
 
-KEPT = 64
+MAX_KEPT = 64
 """Logs of a scan whose surveys are kept: up to some 200 KB each."""
 
 
 class Surveys:
-    """Surveys of the logs of a scan. The first `KEPT` are kept, since their columns are needed before their rows."""
+    """Surveys of the logs of a scan. The first `MAX_KEPT` are kept, since their columns are needed before their rows."""
 
     def __init__(self) -> None:
         self._kept: dict[str, tuple[tuple[int, int], DataflashTables]] = {}
@@ -38,7 +38,7 @@ class Surveys:
         known, tables = self._kept.get(path, (None, None))
         if tables is None or known != status:
             tables = open_dataflash(path, path)
-            if tables is not None and len(self._kept) < KEPT:
+            if tables is not None and len(self._kept) < MAX_KEPT:
                 self._kept[path] = status, tables
         return tables
 

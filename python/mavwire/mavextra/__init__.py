@@ -14,7 +14,7 @@ from types import ModuleType as _ModuleType
 from typing import Any as _Any
 
 from mavwire._hooks import (
-    STANDARD as _STANDARD,
+    IN_STANDARD_MODULE as _IN_STANDARD_MODULE,
     ReplaceableModule as _ReplaceableModule,
     make_replaceable as _make_replaceable,
 )
@@ -213,7 +213,9 @@ __all__ = [
 
 class _Mavextra(_ReplaceableModule):
     _users = ("mavwire.mavextra",)
-    _not_called = dict.fromkeys((name for name in vars(_math) if name[0] != "_"), _STANDARD)
+    _not_called = dict.fromkeys(
+        (name for name in vars(_math) if name[0] != "_"), _IN_STANDARD_MODULE
+    )
 
 
 _make_replaceable(_sys.modules[__name__], _Mavextra)

@@ -14,7 +14,7 @@ use mavwire_link::files::{Draft, commit_all};
 use pyo3::prelude::*;
 
 /// Files that a log makes by itself. One that names more types than this means harm, or some of them are named.
-const MOST_FILES: usize = 1000;
+const MAX_UNNAMED_TYPES: usize = 1000;
 
 /// The files of a log, which appear when all of them are complete, and are gone if that never happens.
 pub(crate) enum Output {
@@ -44,7 +44,7 @@ impl Output {
         compression: Compression,
         types_are_named: bool,
     ) -> Self {
-        let limit = if types_are_named { usize::MAX } else { MOST_FILES };
+        let limit = if types_are_named { usize::MAX } else { MAX_UNNAMED_TYPES };
         Self::Tables(Tables { folder, file, format, compression, limit, sinks: BTreeMap::new() })
     }
 

@@ -292,7 +292,7 @@ impl LiveLink {
     #[getter]
     fn _has_read_ahead(slf: &Bound<'_, Self>) -> bool {
         let state = slf.as_super().get().state();
-        let waits = |mav: &Py<crate::mavlink::MAVLink>| mav.get().parser().is_worth_a_look();
+        let waits = |mav: &Py<crate::mavlink::MAVLink>| mav.get().parser().may_hold_frame();
         !slf.get().source().inbox.is_empty() || state.native_mav.as_ref().is_some_and(waits)
     }
 

@@ -184,12 +184,12 @@ impl Parser {
             &[byte] => self.buffer.push(byte),
             _ => self.buffer.extend_from_slice(bytes),
         }
-        self.is_worth_a_look()
+        self.may_hold_frame()
     }
 
     /// Enough bytes wait for a frame, or for what is none, as far as was looked.
     #[inline]
-    pub(crate) fn is_worth_a_look(&self) -> bool {
+    pub(crate) fn may_hold_frame(&self) -> bool {
         self.buffer.len() - self.parsed >= self.awaited
     }
 

@@ -220,6 +220,6 @@ def test_a_log_is_surveyed_once_for_columns_and_rows(three, monkeypatch):
     assert len(opened) == 3
     assert len(mavwire.scan_polars(three, "TST").collect()) == 4
     assert len(opened) == 6
-    monkeypatch.setattr(common_columns, "KEPT", 1)
+    monkeypatch.setattr(common_columns, "MAX_KEPT", 1)
     assert len(pa.table(mavwire.scan(three, "TST"))) == 4
     assert len(opened) == 11

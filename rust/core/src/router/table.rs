@@ -2,7 +2,7 @@
 //!
 //! A route lasts while its owner is heard. Each keeps the links of this epoch and of the one before, so that ageing is a
 //! comparison at the next look and nothing has to be swept. The table is bounded by the protocol, which has 256 systems
-//! of 256 components: some 15 MB if someone makes up all of them.
+//! of 256 components: some 15 MB if a sender makes up all of them.
 
 use super::links::{LinkId, LinkSet};
 
@@ -43,21 +43,21 @@ impl Route {
 
 /// The links that lead to a system or a component.
 #[derive(Debug, Clone, Copy, Default)]
-struct Ways {
-    /// Where it was heard.
+struct Routes {
+    /// Links where its frames came first.
     heard: Route,
-    /// Where copies of its frames came after that: others were faster, and the way is as good as before. They do not
-    /// count as hearing it, or a ring of bridges would have no second way.
+    /// Links where copies of its frames came after that. Others were faster, and the route is as good as before. Copies do
+    /// not count in `heard`: a ring of bridges would lose its second route otherwise.
     renewed: Route,
 }
 
-impl Ways {
+impl Routes {
     #[inline]
     fn links(&self, epoch: u32) -> LinkSet {
         self.heard.links(epoch) | self.renewed.links(epoch)
     }
 
-    /// Notes a copy that came over `links`, which makes no new way.
+    /// Renews known routes for a copy that came over `links`. A copy makes no new route.
     fn renew(&mut self, links: LinkSet, epoch: u32) {
         let known = self.links(epoch) & links;
         if !known.is_empty() {
@@ -88,7 +88,7 @@ pub struct ComponentStats {
 
 #[derive(Debug, Clone, Default)]
 struct Component {
-    ways: Ways,
+    routes: Routes,
     stats: ComponentStats,
     next_seq: u8,
 }
@@ -96,7 +96,7 @@ struct Component {
 #[derive(Debug, Clone)]
 struct System {
     /// The links of all its components.
-    ways: Ways,
+    routes: Routes,
     components: Box<[Option<Box<Component>>; 256]>,
 }
 
@@ -138,13 +138,13 @@ impl Table {
 
     /// The entries of a system and one of its components.
     #[inline]
-    fn entries(&mut self, sysid: u8, compid: u8) -> (&mut Ways, &mut Component) {
+    fn entries(&mut self, sysid: u8, compid: u8) -> (&mut Routes, &mut Component) {
         let system = self.systems[usize::from(sysid)].get_or_insert_with(|| System {
-            ways: Ways::default(),
+            routes: Routes::default(),
             components: Box::new([const { None }; 256]),
         });
         let component = system.components[usize::from(compid)].get_or_insert_with(Box::default);
-        (&mut system.ways, component)
+        (&mut system.routes, component)
     }
 
     /// Notes that a frame is heard over `links`, and what is missing before it; returns all the links its sender lives at.
@@ -161,8 +161,8 @@ impl Table {
         component.stats.bytes += sender.len as u64;
         component.stats.heard = now;
         system.heard.learn(links, epoch);
-        component.ways.heard.learn(links, epoch);
-        component.ways.heard.links(epoch)
+        component.routes.heard.learn(links, epoch);
+        component.routes.heard.links(epoch)
     }
 
     /// Counts a copy of a frame that came over `links` from a component that was heard before.
@@ -171,8 +171,8 @@ impl Table {
         let Some(system) = &mut self.systems[usize::from(sysid)] else { return };
         if let Some(component) = &mut system.components[usize::from(compid)] {
             component.stats.duplicates += 1;
-            component.ways.renew(links, epoch);
-            system.ways.renew(links, epoch);
+            component.routes.renew(links, epoch);
+            system.routes.renew(links, epoch);
         }
     }
 
@@ -180,7 +180,7 @@ impl Table {
     #[inline]
     pub(super) fn system(&self, sysid: u8) -> LinkSet {
         let system = self.systems[usize::from(sysid)].as_ref();
-        system.map_or(LinkSet::EMPTY, |system| system.ways.links(self.epoch))
+        system.map_or(LinkSet::EMPTY, |system| system.routes.links(self.epoch))
     }
 
     /// Links over which a component was heard; those of its system as long as it has not been heard itself.
@@ -191,17 +191,17 @@ impl Table {
             return LinkSet::EMPTY;
         };
         let component = system.components[usize::from(compid)].as_ref();
-        let links = component.map_or(LinkSet::EMPTY, |component| component.ways.links(epoch));
-        if links.is_empty() { system.ways.links(epoch) } else { links }
+        let links = component.map_or(LinkSet::EMPTY, |component| component.routes.links(epoch));
+        if links.is_empty() { system.routes.links(epoch) } else { links }
     }
 
     /// Forgets all routes over a link.
     pub(super) fn forget_link(&mut self, link: LinkId) {
         let links = LinkSet::only(link);
         for system in self.systems.iter_mut().flatten() {
-            system.ways.forget(links);
+            system.routes.forget(links);
             for component in system.components.iter_mut().flatten() {
-                component.ways.forget(links);
+                component.routes.forget(links);
             }
         }
     }
@@ -218,7 +218,7 @@ impl Table {
                 let components = (0..=u8::MAX).zip(system.components.iter());
                 components.filter_map(move |(compid, component)| {
                     let component = component.as_ref()?;
-                    Some((sysid, compid, component.stats, component.ways.links(epoch)))
+                    Some((sysid, compid, component.stats, component.routes.links(epoch)))
                 })
             },
         )
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_renew_a_way_and_make_none() {
+    fn copies_renew_a_route_and_make_none() {
         let mut table = Table::new(AGE);
         table.learn(1, 1, link(0));
         table.learn(1, 1, link(1));

@@ -168,7 +168,7 @@ fn r53_keys_stay_where_they_are() {
 }
 
 #[test]
-fn spoofed_restarts_take_no_way_from_a_system_that_is_alive() {
+fn spoofed_restarts_take_no_route_from_a_system_that_is_alive() {
     let time = |boot_ms: u32| [&[1; 8][..], &boot_ms.to_le_bytes()].concat();
     let mut net = Net::plain(3);
     net.hear(0, (1, 1));
@@ -180,7 +180,7 @@ fn spoofed_restarts_take_no_way_from_a_system_that_is_alive() {
 }
 
 #[test]
-fn a_system_that_moves_to_another_link_is_known_at_both_until_the_old_way_is_silent() {
+fn a_system_that_moves_to_another_link_is_known_at_both_until_the_old_route_is_silent() {
     let mut net = Net::plain(3);
     net.hear(0, (1, 1));
     net.now += 59_000_000;
@@ -193,7 +193,7 @@ fn a_system_that_moves_to_another_link_is_known_at_both_until_the_old_way_is_sil
 }
 
 #[test]
-fn who_is_faster_with_the_frames_of_another_takes_no_way_from_it() {
+fn faster_copies_of_the_frames_of_another_take_no_route_from_it() {
     let mut net = Net::plain(3);
     net.hear(0, (1, 1));
     for _ in 0..30 {
@@ -254,7 +254,7 @@ fn copies_from_another_link_are_dropped_and_teach_nothing() {
     assert_eq!(net.feed(0, &frame), to(&[1, 2]));
     assert_eq!(net.feed(1, &frame), Fate::Duplicate);
     assert_eq!(net.feed(0, &frame), to(&[1, 2]), "the same link may repeat itself");
-    // Or in a ring of bridges nothing would go the second way any more, and nothing arrive when the first is cut.
+    // Otherwise the second route of a ring of bridges is unused, and nothing arrives when the first is cut.
     assert_eq!(net.send(0, (1, 1), HEARTBEAT, &[1; 9]), to(&[1, 2]));
     assert_eq!(net.command(2, (255, 190), (1, 1)), to(&[0]));
     let stats = net.router.link_stats(LinkId(1)).expect("it is there");

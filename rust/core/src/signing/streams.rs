@@ -19,7 +19,7 @@ pub struct StreamId {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct StreamEntry {
     id: StreamId,
     /// The last one.
     timestamp: u64,
@@ -30,7 +30,7 @@ struct Known {
 /// Last timestamps by stream, sorted.
 #[derive(Debug, Clone)]
 pub struct StreamTable {
-    streams: Vec<Known>,
+    streams: Vec<StreamEntry>,
     capacity: usize,
     heard: u64,
     /// By link id, the least timestamp of a stream that is not in the table; empty while none made room.
@@ -55,7 +55,7 @@ impl StreamTable {
         // As one number, which is one comparison.
         let number =
             |StreamId { link_id, sysid, compid }| u32::from_be_bytes([0, link_id, sysid, compid]);
-        self.streams.binary_search_by_key(&number(id), |known| number(known.id))
+        self.streams.binary_search_by_key(&number(id), |entry| number(entry.id))
     }
 
     /// The last timestamp of a stream.
@@ -94,19 +94,19 @@ impl StreamTable {
         horizon: u64,
     ) {
         self.heard += 1;
-        let known = Known { id, timestamp, heard: self.heard };
+        let entry = StreamEntry { id, timestamp, heard: self.heard };
         match at {
-            Ok(at) => self.streams[at] = known,
-            Err(at) if self.streams.len() < self.capacity => self.streams.insert(at, known),
-            Err(at) => self.replace(at, known, horizon),
+            Ok(at) => self.streams[at] = entry,
+            Err(at) if self.streams.len() < self.capacity => self.streams.insert(at, entry),
+            Err(at) => self.replace(at, entry, horizon),
         }
     }
 
     #[cold]
-    fn replace(&mut self, at: usize, new: Known, horizon: u64) {
+    fn replace(&mut self, at: usize, new: StreamEntry, horizon: u64) {
         let silent = self.streams.iter().enumerate();
-        let silent = silent.min_by_key(|(_, one)| (one.timestamp > horizon, one.heard));
-        let Some((place, &Known { id, timestamp, .. })) = silent else { return };
+        let silent = silent.min_by_key(|(_, entry)| (entry.timestamp > horizon, entry.heard));
+        let Some((place, &StreamEntry { id, timestamp, .. })) = silent else { return };
         self.floors.resize(256, 0);
         let floor = &mut self.floors[usize::from(id.link_id)];
         *floor = (*floor).max(timestamp.saturating_add(1));
@@ -141,6 +141,6 @@ impl StreamTable {
 
     /// All streams with their last timestamps, in order.
     pub fn iter(&self) -> impl Iterator<Item = (StreamId, u64)> + '_ {
-        self.streams.iter().map(|known| (known.id, known.timestamp))
+        self.streams.iter().map(|entry| (entry.id, entry.timestamp))
     }
 }
