@@ -56,8 +56,8 @@ class _DFReader(ReplaceableModule):
     _users = ("mavwire._dataflash",)
     _not_called = {  # noqa: RUF012
         **dict.fromkeys("array math mmap os platform struct time".split(), IN_STANDARD_MODULE),
-        "DFMessage": "its objects are native: change what recv_msg returns, in a class derived from the reader",
-        "DFReader_is_text_log": "mavlink_connection looks at the log itself: make a DFReader_text where one is wanted",
+        "DFMessage": "messages are native: derive from the reader, and change the result of recv_msg",
+        "DFReader_is_text_log": "mavlink_connection recognises logs natively: make a DFReader_text yourself",
         "FORMAT_TO_STRUCT": "formats are decoded natively",
         "dfindexer": "the reader has an index of its own",
         "mavutil": "replace the function in mavwire.mavutil itself",

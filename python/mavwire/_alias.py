@@ -68,8 +68,8 @@ def install_as_pymavlink() -> None:
 
 
 def install_for_environment() -> None:
-    """The same for a process that did not ask for it. A pymavlink in front of the installed packages
-    on ``sys.path`` stays: a source tree brings its own, and expects no other.
+    """Install the alias for an environment. A pymavlink that comes before the installed packages on
+    ``sys.path`` is imported nevertheless: a source tree that brings its own needs that one.
     """
     install_as_pymavlink()
     _finder.gives_way = True

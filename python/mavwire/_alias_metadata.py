@@ -10,7 +10,7 @@ from pathlib import Path
 
 
 def installed_folder() -> Path | None:
-    """Where the packages of an installed pymavlink are, whatever the alias says; None without one."""
+    """The folder of an installed pymavlink, with or without the alias; None if it is not installed."""
     context = DistributionFinder.Context(name="pymavlink")
     for installed in MetadataPathFinder.find_distributions(context):
         return Path(str(installed.locate_file("")))

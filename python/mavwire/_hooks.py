@@ -1,10 +1,13 @@
-"""What programs replace in the modules and classes that pymavlink has too.
+"""Modules of which programs may replace names, as in pymavlink.
 
-pymavlink looks a name of its modules up whenever it uses it, so `mavutil.time = clock` or
-`monkeypatch.setattr(DFReader, "DFFormat", Mine)` has an effect there. mavwire's modules hold names of
-what is implemented elsewhere, partly natively. A name that is replaced in a `ReplaceableModule` is
-therefore replaced wherever its implementation looks that name up; a name that is not looked up at all
-warns. Nothing is paid for that while nothing is replaced.
+pymavlink looks up the names of its modules at each use. So `mavutil.time = clock` or
+`monkeypatch.setattr(DFReader, "DFFormat", Mine)` has an effect there. mavwire's public modules import
+their names from other modules, some of which are native. A `ReplaceableModule` therefore replaces a name
+in all modules that use it. If no module looks the name up, it warns. Programs that replace nothing pay
+nothing for this.
+
+Links import `monotonic` by name for their time-outs (`from time import monotonic`). So `mavutil.time = clock`
+does not move time-outs: with a clock that stands still they would never end.
 """
 
 from __future__ import annotations
@@ -21,13 +24,13 @@ _ABSENT: Any = object()
 
 
 class ReplaceableModule(ModuleType):
-    """The class of modules of which programs may replace names."""
+    """A module of which programs may replace names."""
 
-    # Modules, and packages with the modules in them, that use the names.
+    # Modules and packages that use the names.
     _users: ClassVar[tuple[str, ...]] = ()
-    # Name -> what to do instead of replacing it.
+    # Name -> advice for a name whose replacement has no effect.
     _not_called: ClassVar[dict[str, str]] = {}
-    # Name -> what is told of a new value, and whether it is the original one.
+    # Name -> function to call with the new value, and whether it is the original.
     _callbacks: ClassVar[dict[str, Callable[[Any, bool], None]]] = {}
     # Replaced names and their originals. Each module has its own.
     _originals: dict[str, Any]
@@ -45,7 +48,7 @@ class ReplaceableModule(ModuleType):
             self._use(name, before, value, value is original)
 
     def __delattr__(self, name: str) -> None:
-        """Take a replacement back, as mock.patch does with a name that is made when it is first asked for."""
+        """Restore the original. mock.patch deletes names that the module makes at their first use."""
         replacement = vars(self).get(name, _ABSENT)
         super().__delattr__(name)
         original = vars(self).get("_originals", {}).get(name, _ABSENT)
@@ -53,38 +56,38 @@ class ReplaceableModule(ModuleType):
             self._use(name, replacement, original, True)
 
     def _use(self, name: str, before: Any, value: Any, is_original: bool) -> None:
-        """Let what is behind this module use `value` where it used `before`."""
-        # All of them are imported before one is changed: classes derive from those that are replaced.
-        for names in list(self._namespaces()):
+        """Make the modules behind this one use `value` instead of `before`."""
+        # All are imported before the first is changed: their classes may derive from the original.
+        for names in list(self._namespaces(name)):
             if names.get(name) is before:
                 names[name] = value
         if name in self._callbacks:
             self._callbacks[name](value, is_original)
 
-    def _namespaces(self) -> Iterator[dict[str, Any]]:
-        for name in self._users:
-            module = _import(name)
+    def _namespaces(self, name: str) -> Iterator[dict[str, Any]]:
+        for user in self._users:
+            module = _import(user)
             yield vars(module)
-            for inner in _modules_of(module):
-                yield vars(_import(f"{name}.{inner}"))
+            for inner in _modules_with(name, module):
+                yield vars(_import(inner))
 
 
-# For standard modules that pymavlink's have as attributes.
+# The advice for standard modules, which pymavlink's modules have as attributes.
 IN_STANDARD_MODULE = (
     "replace the function in the module itself, as in monkeypatch.setattr('time.time', ...)"
 )
 
 
 def make_replaceable(module: ModuleType, kind: type[ReplaceableModule]) -> None:
-    """Give a module the class that notices what is replaced in it."""
+    """Make a module notice the replacement of its names."""
     kind.__name__ = kind.__qualname__ = ModuleType.__name__
     module.__class__ = kind
 
 
 def quick_methods(cls: Any, base: type | None = None) -> list[tuple[type | None, str, Any]]:
-    """The methods that native code stands for, as they are in `cls`, and in a `base` that it hides.
+    """The methods of `cls` that native code skips, and those of a `base` that `cls` overrides.
 
-    Objects that are made while a program has others in their place are read by these others.
+    Native code compares them with the methods of each new object, and calls those that a program replaced.
     """
     names = cls._QUICK_METHODS
     methods = [(None, name, getattr(cls, name)) for name in names if hasattr(cls, name)]
@@ -93,7 +96,7 @@ def quick_methods(cls: Any, base: type | None = None) -> list[tuple[type | None,
 
 
 def warn_not_called(name: str, advice: str) -> None:
-    """Say that what a program replaces is not called, and what to do."""
+    """Warn that a replacement is not called, and say what to do."""
     import warnings
 
     text = f"{name} was replaced, and mavwire does not call it: {advice}"
@@ -105,7 +108,20 @@ def _import(name: str) -> ModuleType:
     return sys.modules[name]
 
 
-def _modules_of(package: ModuleType) -> list[str]:
+def _modules_with(name: str, package: ModuleType) -> Iterator[str]:
+    """The modules of a package that are imported, or have `name` in their source.
+
+    The import of the others would take 0.1 s.
+    """
     import pkgutil
 
-    return [found.name for found in pkgutil.iter_modules(getattr(package, "__path__", []))]
+    for found in pkgutil.iter_modules(getattr(package, "__path__", [])):
+        module = f"{package.__name__}.{found.name}"
+        if module in sys.modules or _has_in_source(name, module, found.module_finder):
+            yield module
+
+
+def _has_in_source(name: str, module: str, finder: Any) -> bool:
+    spec = finder.find_spec(module)
+    source = spec.loader.get_source(module)
+    return source is None or name in source

@@ -195,7 +195,7 @@ class Dialect:
         """What tables of some messages are made of, or of all; it differs where any of it does."""
 
     def invalid_fields(self, frame: bytes) -> dict[str, list[bool]]:
-        """Fields of a frame with values that stand for none: for each element, whether it does."""
+        """The fields of a frame that have invalid values: for each element, whether it is invalid."""
 
     def descriptions(self, name: str) -> tuple[str, dict[str, str]]:
         """What the definitions themselves say of a message and its fields, empty for built-in ones.
@@ -399,13 +399,13 @@ class StatusTexts:
 
     def __new__(cls) -> StatusTexts: ...
     def hear(self, message: Message) -> list[tuple[Message, bytes]]:
-        """The texts that end with a message that was received: `(first message, text)`.
+        """The texts that a received message completes: `(first message, text)`.
 
-        None for the start of a longer one, and for a message that is no STATUSTEXT.
+        Empty for a message that begins a longer text, and for a message of another type.
         """
 
     def finish(self) -> list[tuple[Message, bytes]]:
-        """Gives up the texts that are incomplete."""
+        """Ends the incomplete texts and returns them."""
 
 @final
 class SequenceGaps:
@@ -619,7 +619,7 @@ def send_values(mav: Any, info: MessageInfo, force_mavlink1: object, /, *values:
     """Sends a message without making an object of it, unless somebody is there to see one."""
 
 def is_device(name: str) -> bool:
-    """Whether Windows takes the name of a file or folder for a device, such as `nul` or `COM1.txt`."""
+    """Whether Windows treats the name of a file or folder as a device, such as `nul` or `COM1.txt`."""
 
 def reserved_name(name: str, is_field: bool) -> str | None:
     """Why a field, or else an enum entry, cannot have this name; None where it can."""

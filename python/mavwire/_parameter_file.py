@@ -1,7 +1,7 @@
 """Files of parameters, and how two of them differ.
 
-A line has a name and a value, or as QGroundControl writes it the ids of vehicle and component, name,
-value and type. Spaces, tabs or commas separate them; `#` starts a comment. A file is read as a whole
+A line has a name and a value. A line of QGroundControl has vehicle id, component id, name, value and
+type. Spaces, tabs or commas separate them; `#` starts a comment. A file is read as a whole
 before the first value is used, so that a mistake at its end does not leave a vehicle with half of it.
 """
 
@@ -32,7 +32,7 @@ MOST_SHOWN = 80
 
 
 class MAVParmFileError(ValueError):
-    """A value in a parameter file that is no number, or a file without a parameter; the text names
+    """A value in a parameter file is not a number, or the file has no parameters. The text names
     the file, and the line.
     """
 
@@ -47,16 +47,16 @@ class ParameterFile:
     values: list[tuple[str, float]] = field(default_factory=list)
     invalid: list[str] = field(default_factory=list)
     names: int = 0
-    """Lines with a parameter, wanted or not."""
+    """The number of lines with a parameter, wanted or not."""
     component: tuple[str, ...] = ()
-    """The vehicle and component of the first line that names them. Those of others are left out."""
+    """The vehicle and component of the first line that has them. Lines of others are left out."""
 
     def why_empty(self) -> str:
-        """What to say of a file without a single parameter; nothing of another."""
+        """The error text for a file without parameters; empty for another file."""
         if self.names:
             return ""
-        expected = "a line should have a name and a value, or QGroundControl's five columns"
-        return f"no parameter in {self.path}: {expected}"
+        expected = "each line needs a name and a value, or the five columns of QGroundControl"
+        return f"{self.path}: no parameters found; {expected}"
 
     def show_invalid(self) -> None:
         """Print what is no line of such a file."""
@@ -70,12 +70,12 @@ class ParameterFile:
         print(f"Loaded {len(self.values)} parameters from {self.path}")
 
     def warn_if_empty(self) -> None:
-        """Say on standard error that a file has no parameter."""
+        """Print to standard error that a file has no parameters."""
         if why := self.why_empty():
             print(printable(why), file=sys.stderr)
 
     def check_any(self) -> None:
-        """Raise MAVParmFileError for a file without a single parameter."""
+        """Raise MAVParmFileError for a file without parameters."""
         if why := self.why_empty():
             self.show_invalid()
             raise MAVParmFileError(printable(why))

@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from typing import Any
 
-# Characters that turn the direction of a text, so that it looks like another one.
+# Characters that change the direction of text, so that it looks like another text.
 _BIDIRECTIONAL = (0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A))
-# What terminals act upon: C0 but for tabs, DEL, C1 and directions of text.
+# Characters that terminals act upon: C0 except tabs, DEL, C1 and changes of direction.
 _CONTROLS = {
     code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0)) if code != ord("\t")
 } | {code: f"\\u{code:04x}" for code in _BIDIRECTIONAL}

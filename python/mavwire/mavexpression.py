@@ -32,7 +32,7 @@ def __getattr__(name: str) -> Any:
 
 
 class _Mavexpression(ReplaceableModule):
-    """Names that a program sets here are known to expressions, as in pymavlink."""
+    """Expressions can use the names that a program sets here, as in pymavlink."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         super().__setattr__(name, value)

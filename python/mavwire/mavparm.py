@@ -104,7 +104,7 @@ class MAVParmDict(dict[str, Any]):
         use_excludes: bool = True,
     ) -> bool:
         """Read a parameter file; False, and a text on standard output, when it cannot be opened.
-        A text on standard error says that a file has no parameter.
+        A warning on standard error says that a file has no parameters.
 
         With a link `mav` the values that differ are set on the vehicle, and `check` leaves out
         those that it does not have. Raises MAVParmFileError for a value that is no number.

@@ -44,7 +44,7 @@ class DFReader_binary(DFReader):
         self.init_arrays_fast(progress_callback)
 
     def init_arrays_fast(self, progress_callback: Callable[[int], Any] | None = None) -> None:
-        """The same: pymavlink has two versions."""
+        """As `init_arrays`: pymavlink has two versions of it."""
         contents = self._init_contents(progress_callback)
         self.formats = {fmt.type: fmt for fmt in self._layouts}
         self.name_to_id = {fmt.name: fmt.type for fmt in self._layouts}

@@ -30,9 +30,7 @@ GPS_TYPES = ("GPS", "GPS2")
 def time_of_gps(
     m: DFMessage, reckon: Callable[[float, float], float] | None = None
 ) -> float | None:
-    """Unix time of a GPS message, as `reckon(week, msec)` has it; None where it tells none, or what is
-    no time.
-    """
+    """Unix time of a GPS message, by `reckon(week, msec)`. None if the message has no valid time."""
     names = m.get_fieldnames()
     for week, msec in (("Week", "TimeMS"), ("GWk", "GMS")):
         if week in names and msec in names:

@@ -106,7 +106,7 @@ def _cell(text: str) -> float | str:
 
 
 def _encoding_of(filename: str) -> str:
-    """The encoding that a byte order mark tells, which is no part of the first heading."""
+    """The encoding by the byte order mark. The mark does not become part of the first heading."""
     with open(filename, "rb") as file:
         head = file.read(2)
     return "utf-16" if head in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"

@@ -96,7 +96,7 @@ class DFFormat:
         self.units: list[str] | None = None
         known = [c for c in self.format if c in FORMAT_TO_STRUCT]
         self.msg_struct = "<" + "".join(FORMAT_TO_STRUCT[c][0] for c in known)
-        # The table says str of arrays, pymavlink's too, and the types of the values are here.
+        # The table says str for arrays, as pymavlink's does. The types of their values are here.
         self.msg_types = [array if c == "a" else FORMAT_TO_STRUCT[c][2] for c in known]
         self.msg_mults = [FORMAT_TO_STRUCT[c][1] for c in known]
         self.msg_fmts = list(self.format)

@@ -49,12 +49,12 @@ _TIME_TYPES = (*GPS_TYPES, "TIME", "PARM")
 _MICROS = frozenset(("TimeUS", "GWk", "GMS"))
 _MILLIS = frozenset(("T", "Week", "TimeMS"))
 
-# What reckoning with the value of a column raises: a log may describe a time as a text or a list, and a
-# line of a text log may have anything in it.
+# Errors of arithmetic with the value of a column: a log may describe a time as a text or a list, and a
+# line of a text log may hold anything.
 _NO_NUMBER = (ValueError, TypeError, OverflowError)
 
 
-# The clock that native code stands for, and its methods, which a program may replace.
+# The clock that native code implements too. The native one is not used if a program replaced a method.
 _NATIVE_CLOCK = DFReaderClock_usec
 _NATIVE_CLOCK_METHODS = {
     name: getattr(DFReaderClock_usec, name)
@@ -77,7 +77,7 @@ class DFReader(_native.DataflashReader):
 
     filehandle: Any
     formats: dict[Any, DFFormat]
-    # The methods that native code stands for. A log of which one was replaced is read through them.
+    # Methods that native code skips. If a program replaces one of them, logs are read through them.
     _quick_methods: list[tuple[type | None, str, Any]]
     _clock: Any
 
@@ -347,7 +347,7 @@ class DFReader(_native.DataflashReader):
         return True
 
     def init_clock_gps_interpolated(self, clock: DFReaderClock) -> None:
-        """Take the clock of logs of which only GPS messages have a time."""
+        """Use the clock for logs in which only GPS messages have a time."""
         self.clock = clock
 
     # -- state
@@ -365,7 +365,7 @@ class DFReader(_native.DataflashReader):
             pass
 
     def _add_msg(self, m: Any) -> None:
-        """Give a message its time and take it into `messages` and the state."""
+        """Set the time of a message, and update `messages` and the state."""
         self._set_time(m)
         if isinstance(m, _native.DFMessage):
             self._keep(m)
@@ -374,7 +374,7 @@ class DFReader(_native.DataflashReader):
         self._track(m)
 
     def _recv_match_slowly(self, condition: str | None, types: Any, strict: bool) -> Any:
-        """`recv_match` where a program replaced one of the methods that it calls in pymavlink."""
+        """`recv_match` for a program that replaced a method which pymavlink's `recv_match` calls."""
         if isinstance(types, str):
             types = {types}
         while True:

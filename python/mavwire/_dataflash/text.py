@@ -84,7 +84,7 @@ class DFReader_text(DFReader):
         return None if latched is None else [self._layouts[index].name for index in latched]
 
     def last_timestamp(self) -> float:
-        """The time of the last line that has one, to which this moves. Of the last line where none has."""
+        """Move to the last line with a time, or to the last line if no line has one; return its time."""
         timed = tuple(f"{fmt.name},".encode() for fmt in self._layouts if _TIMES & set(fmt.columns))
         log = self.data_map
         end = log.rfind(b"\n") + 1

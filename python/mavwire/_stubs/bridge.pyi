@@ -36,7 +36,7 @@ class BridgeCore:
         """The newest message of an id, from a system and a component or from any."""
 
     def latest_text(self, sysid: int, compid: int) -> bytes | None:
-        """The last STATUSTEXT of a component that ended, whole."""
+        """The last complete status text of a component."""
 
     def tap(self, messages: list[int] | None, systems: list[int] | None) -> BridgeTap:
         """The frames from now on, of some message ids and systems or of all. BridgeError in a fork."""

@@ -126,12 +126,12 @@ class RecordBatches:
 
     @staticmethod
     def common(tables: Iterator[tuple[str, RecordBatches]]) -> RecordBatches:
-        """A table without rows with the columns of all tables of one type, `(path of the log, table)` each;
-        ValueError where two logs have columns of one name and no common type.
+        """An empty table with the columns of all `tables`, pairs of `(path of the log, table)` of one type.
+        ValueError if columns of one name in two logs have no common type.
         """
 
     def fitted(self, like: RecordBatches) -> RecordBatches:
-        """The same rows with the columns that `common` gave for several logs; what does not fit is null."""
+        """The same rows with the columns of a table that `common` made. Values that do not fit are null."""
 
     def stream(self, tables: Iterator[RecordBatches]) -> object:
         """An Arrow stream of tables that an iterator gives, with the columns of this one."""
@@ -308,7 +308,7 @@ def log_head(log: _Log, size: int) -> bytes:
     """The first `size` bytes of a log; of a compressed log that is cut off, those that are whole."""
 
 def is_stamped(path: str | PathLike[str]) -> bool | None:
-    """Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one."""
+    """Whether the records of a telemetry log have time stamps; None if the file may be no telemetry log."""
 
 def begins_as_text_log(head: bytes) -> bool:
     """Whether a dataflash text log begins like this, in UTF-8 or UTF-16."""

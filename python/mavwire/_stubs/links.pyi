@@ -108,7 +108,7 @@ class LiveLink(Link):
     """
 
     _QUICK_METHODS: ClassVar[list[str]]
-    """Methods whose replacement is noticed."""
+    """Methods that the fast path skips. A program may replace them."""
 
     def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     def __setattr__(self, name: str, value: Any, /) -> None: ...
@@ -146,7 +146,7 @@ class LiveLink(Link):
 
     @property
     def _has_read_ahead(self) -> bool:
-        """Something that was read ahead waits to be handed out, which the descriptor does not tell."""
+        """Whether data that was read ahead is buffered. The descriptor does not show such data."""
 
     def _take_datagram(self) -> tuple[bytes, tuple[Any, ...]] | None:
         """A datagram that was read ahead, or the rest of one, with its sender."""
@@ -155,8 +155,9 @@ class LiveLink(Link):
         """What is parsed next comes from `address`: bytes of another peer's frame are put aside."""
 
 def replace_function(name: str, value: Any) -> None:
-    """Lets links use what a program put in place of `mavutil.time` or `mavutil.add_message`; None for
-    the original again. ValueError for another name."""
+    """Makes links use a replacement of `mavutil.time` or `mavutil.add_message`; None restores the
+    original. ValueError for another name.
+    """
 
 def forget_states() -> None:
     """Makes every link look its systems' states up again: somebody replaced one."""

@@ -17,7 +17,7 @@ class LogLink(Link):
     """
 
     _QUICK_METHODS: ClassVar[list[str]]
-    """Methods whose replacement is noticed."""
+    """Methods that the fast path skips. A program may replace them."""
 
     def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
     def __setattr__(self, name: str, value: Any, /) -> None: ...

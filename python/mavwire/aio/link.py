@@ -113,9 +113,7 @@ class Link(Parameters):
         return Stream(self._feed.reader(wants, None, condition is not None))
 
     def texts(self, *, sysid: int | None = None, compid: int | None = None) -> Texts:
-        """The status texts from now on, to be iterated over with `async for`. A text that comes in
-        several messages is told once, whole.
-        """
+        """Status texts from now on, for `async for`. A text that several messages carry is one text."""
         return Texts(self.stream("STATUSTEXT", sysid=sysid, compid=compid))
 
     def _position(self) -> Position:

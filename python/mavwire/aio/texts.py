@@ -1,4 +1,4 @@
-"""Status texts of vehicles, those of several messages as one."""
+"""Status texts of vehicles. Texts that several messages carry are joined."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from .stream import Stream
 
 
 class StatusText(NamedTuple):
-    """A whole text, and the message that it begins in, which has its severity and sender."""
+    """A whole text, and its first message, which has the severity and the sender."""
 
     text: str
     message: Any
 
 
 class Texts:
-    """Whole texts, in the order in which they end. It ends as a `Stream` does."""
+    """Whole texts, in the order in which they end. The iteration ends as that of a `Stream`."""
 
     def __init__(self, stream: Stream) -> None:
         self._stream = stream
@@ -28,7 +28,7 @@ class Texts:
 
     @property
     def dropped(self) -> int:
-        """Messages that the link did not keep until they were read here."""
+        """The number of messages that were dropped because this iterator was too slow."""
         return self._stream.dropped
 
     def __aiter__(self) -> Texts:
@@ -40,7 +40,7 @@ class Texts:
                 raise StopAsyncIteration
             try:
                 found = self._joined.hear(await anext(self._stream))
-            except StopAsyncIteration:  # of a text that lacks its end, what came is told
+            except StopAsyncIteration:  # incomplete texts come last
                 self._at_end = True
                 found = self._joined.finish()
             self._ready.extend(

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 MAX_KINDS = 4000
 MAX_COMPONENTS = 1000
 MAX_OPEN = 64
-# In the place of a value that stands for none, such as 65535 mV.
+# Shown instead of an invalid value, such as 65535 mV.
 NO_VALUE = "no value"
 # Numbers that JavaScript holds exactly.
 MAX_SAFE = 2**53
@@ -91,7 +91,7 @@ class View:
         return {"name": kind.msgname, "fields": fields}
 
     def _fields(self, message: Any) -> list[list[Any]]:
-        """Value and meaning of each field; of a status text that comes in parts, the whole text."""
+        """Value and meaning of each field. A status text is whole, even if several messages carry it."""
         marks = self._bridge._native_dialect().invalid_fields(bytes(message.get_msgbuf()))
         values = {name: getattr(message, name) for name in message.fieldnames}
         if message.get_type() == "STATUSTEXT":
@@ -102,7 +102,7 @@ class View:
         ]
 
     def _shown(self, message: Any, name: str, value: Any, marks: list[bool] | None) -> list[Any]:
-        """Value and meaning of a field; `marks` are its elements that stand for no value."""
+        """Value and meaning of a field. `marks` says for each element whether it is invalid."""
         if marks is None:
             return [plain(value), self._meaning(message, name, value)]
         if isinstance(value, list | tuple):

@@ -160,7 +160,7 @@ class WebSocketPublisher(HttpServer):
         self._batch.append(_Item(key.removeprefix(f"{self._prefix}/"), data, frames))
 
     def flush(self, seconds: float) -> bool:
-        """The batch is whole: it waits for each reader by itself."""
+        """Nothing to do: each reader has its own queue."""
         batch, self._batch = self._batch, []
         with self._lock:
             readers = list(self._readers)

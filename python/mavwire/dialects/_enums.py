@@ -19,7 +19,7 @@ class EnumEntry:
 
 
 _STORED = EnumEntry.__dict__["__dict__"]
-"""The attributes that an entry has stored."""
+"""The stored attributes of an entry."""
 
 
 class _DefinedEntry(EnumEntry):
@@ -45,7 +45,7 @@ class _DefinedEntry(EnumEntry):
 
     @property
     def __dict__(self) -> dict[str, Any]:  # type: ignore[override]
-        """All attributes, as programs write them to JSON."""
+        """All attributes: programs write `vars(entry)` to JSON."""
         _ = self.description, self.param
         return cast("dict[str, Any]", _STORED.__get__(self))
 
@@ -69,7 +69,7 @@ _DefinedEntry.__name__ = _DefinedEntry.__qualname__ = EnumEntry.__name__
 
 
 def _entry(attributes: dict[str, Any]) -> EnumEntry:
-    """An entry that was copied or pickled."""
+    """Make an entry again from its attributes, for copy and pickle."""
     entry = EnumEntry("", "")
     vars(entry).update(attributes)
     return entry

@@ -94,7 +94,7 @@ def make_encode(owner: Any, message_class: Any, made: Any = None) -> FunctionTyp
 def make_send(
     owner: Any, message_class: Any, send: Callable[..., None] | None = None
 ) -> FunctionType:
-    """``MAVLink.<name>_send`` of the class ``owner``, which hands its values to ``send``."""
+    """``MAVLink.<name>_send`` of the class ``owner``, which passes its values to ``send``."""
     return _make_method(_SEND, owner, message_class, _send=send or send_values)
 
 

@@ -1,8 +1,8 @@
-"""What programs replace in a dialect module: message classes, and what `mavlink_map` says of a message id.
+"""Replacement of message classes and of `mavlink_map` entries in a dialect module.
 
-Messages are made natively, without a look at either. So the module's `MAVLink` class gets Python methods
-for what was replaced, which are called as those that a program puts there itself: a `MAVLink` object that is
-there already goes on as it was.
+Messages are made natively, without a lookup of either. So a replacement adds Python methods to the module's
+`MAVLink` class. They are called like methods that a program puts there itself: by `MAVLink` objects that are made
+afterwards.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
     from mavwire import _native
 
-# Attributes that a decoded message has beside the values of its fields.
+# Attributes of a decoded message other than its fields.
 _DECODED = ("_msgbuf", "_payload", "_crc", "_header", "_signed", "_link_id")
 
 
 class MessageMap(dict[int, "type[Any]"]):
-    """Message id -> message class. Parsers that are made after a change follow it."""
+    """Message id -> message class. Parsers that are made after a change use the new class."""
 
     def __init__(self, namespace: dict[str, Any], native: _native.Dialect) -> None:
         super().__init__({msgid: native.message_class(name) for name, msgid in native.messages()})
@@ -48,7 +48,7 @@ class MessageMap(dict[int, "type[Any]"]):
         return self[msgid]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy is an ordinary dictionary: to change it changes no parser."""
+        """A copy is an ordinary dictionary: changes to it have no effect on parsers."""
         return dict, (dict(self),)
 
     def __delitem__(self, msgid: int) -> None:
@@ -83,14 +83,14 @@ class MessageMap(dict[int, "type[Any]"]):
 
 
 def decode_by_map(namespace: dict[str, Any], originals: dict[int, type[Any]]) -> None:
-    """Have the module's `MAVLink` make messages as its `mavlink_map` says, which is not as it was."""
+    """Make the module's `MAVLink` use the classes of a changed `mavlink_map`."""
     base = _base(namespace)
     if "decode" in vars(base):
         return
     native_decode = base.decode
 
     def decode(self: Any, msgbuf: bytearray) -> Any:
-        """Decode a frame into a message of the class that `mavlink_map` has for its id."""
+        """Decode a frame into a message of its class in `mavlink_map`."""
         message = native_decode(self, msgbuf)
         msgid = message.get_msgId()
         if msgid < 0:
@@ -106,7 +106,7 @@ def decode_by_map(namespace: dict[str, Any], originals: dict[int, type[Any]]) ->
 
 
 def _as_class(cls: Callable[..., Any], message: Any) -> Any:
-    """A message of a program's own class with the values of `message`, and all that came with them."""
+    """A message of the program's class with the fields, header and frame of `message`."""
     texts = type(message)._info.char_fields
     names = (f"_{name}_raw" if name in texts else name for name in message.fieldnames)
     made = cls(*(getattr(message, name) for name in names))
@@ -120,12 +120,12 @@ def _base(namespace: dict[str, Any]) -> Any:
 
 
 class DialectModule(ReplaceableModule):
-    """A dialect module, of which programs may replace classes and `mavlink_map`."""
+    """A dialect module. Programs may replace its classes and `mavlink_map`."""
 
     _not_called: ClassVar[dict[str, str]] = {
         **dict.fromkeys("hashlib json logging os struct sys time".split(), IN_STANDARD_MODULE),
-        **dict.fromkeys(("mcrf4xx", "x25crc"), "checksums are reckoned natively"),
-        "MAVLink_header": "headers are made natively: change those of the messages that you make or receive",
+        **dict.fromkeys(("mcrf4xx", "x25crc"), "checksums are computed natively"),
+        "MAVLink_header": "headers are made natively: change the header of each message instead",
     }
     _dialect: _native.Dialect
 
@@ -136,7 +136,7 @@ class DialectModule(ReplaceableModule):
             self._use_class(message, value, is_original)
 
     def _use_class(self, message: str, cls: Any, is_original: bool) -> None:
-        """Let `<message>_encode` and `_send` make messages of a program's own class."""
+        """Make `<message>_encode` and `_send` use the program's message class."""
         from mavwire.dialects import _classes
 
         base, lower = _base(vars(self)), message.lower()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mavwire.logs.common_columns import Described
 
 DATAFLASH_NAME_LEN = 4
-"""Characters of a type's name in a FMT record."""
+"""Length of a type's name in a FMT record."""
 Source = tuple[str, Part | None]
 
 
@@ -84,8 +84,9 @@ def dask_frame(
 
 
 def _described(path: str, how: dict[str, Any]) -> Described | None:
-    """What a dataflash log says of the wanted type; None for a log of telemetry. No dataflash log has a
-    type of a long name that the dialect has: its logs are not read for that.
+    """The description of the wanted type in a dataflash log; None for a telemetry log.
+
+    Dataflash logs have no types with names over four letters. So no log is read for such a type of the dialect.
     """
     name, options = how["types"], how["storage_options"]
     module, _, query = query_of(**how)
@@ -99,8 +100,8 @@ def _described(path: str, how: dict[str, Any]) -> Described | None:
 
 
 def _empty(described: Mapping[str, Described | None], how: dict[str, Any]) -> tuple[Table, bool]:
-    """A table without rows, and whether some logs may have no values for its columns. ValueError for a
-    type or column that no log has.
+    """An empty table, and whether its columns may have nulls. ValueError for a type or column that no
+    log has.
     """
     module, native, query = query_of(**how)
     empty = common_columns(described.items(), module, native, query)

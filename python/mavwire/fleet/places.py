@@ -148,7 +148,7 @@ def _head(path: str, options: Mapping[str, Any] | None) -> bytes:
 
 
 def begins_as_dataflash(path: str, options: Mapping[str, Any] | None = None) -> bool:
-    """Whether a log is a dataflash log by its head. OSError, and what fsspec raises, where it cannot be read."""
+    """Whether a log begins as a dataflash log. Raises OSError or an error of fsspec if it cannot be read."""
     return is_dataflash(_head(path, options))
 
 

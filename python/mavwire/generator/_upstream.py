@@ -1,6 +1,6 @@
-"""Languages other than Python: an installed pymavlink generates them, in a process of its own.
+"""Runs an installed pymavlink in its own process, to generate languages other than Python.
 
-Nothing of it is imported here: it is under another licence, and under the alias its name is ours.
+pymavlink is not imported here: it has another licence, and the alias gives its name to mavwire.
 """
 
 from __future__ import annotations
@@ -29,11 +29,9 @@ sys.exit(not mavgen.mavgen(mavgen.Opts(**options), files))
 
 
 def generate(folder: Path, options: dict[str, Any], filenames: Sequence[str]) -> bool:
-    """Run the generator of the pymavlink in `folder`; what it prints is printed, whether it succeeded is
-    returned.
-    """
+    """Run the generator of the pymavlink in `folder`, with its output; return whether it succeeded."""
     task = json.dumps([str(folder), options, list(filenames)])
-    # -P: the current folder may hold a module of the name of one that pymavlink imports.
+    # -P: a file in the current folder must not hide a module that pymavlink imports.
     command = [sys.executable, "-P", "-c", _PROGRAM, task]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     print(done.stdout, end="")

@@ -54,9 +54,7 @@ supportedLanguages = [
     "Java",
     "C++11",
 ]
-"""Language names ``--lang`` accepts. mavwire itself writes Python and Python3, an installed pymavlink
-the others.
-"""
+"""Languages for ``--lang``. mavwire writes Python and Python3. An installed pymavlink writes the others."""
 
 _PYTHON = ("python", "python3")
 _DIALECT_PACKAGES = {mavparse.PROTOCOL_1_0: "v10", mavparse.PROTOCOL_2_0: "v20"}
@@ -246,7 +244,7 @@ def _validate(filename: str, strict_units: bool) -> None:
 
 
 def _plain(opts: _Options) -> dict[str, Any]:
-    """The options as pymavlink's `Opts` takes them."""
+    """The options as keyword arguments of pymavlink's `Opts`."""
     return {
         "output": os.fspath(opts.output),
         "wire_protocol": opts.wire_protocol,

@@ -149,8 +149,8 @@ def merge_enums(xml: list[MAVXML]) -> None:
 
 
 def _move_behind(enum: MAVEnum, included: MAVEnum) -> None:
-    """Number the entries that a file gives no value behind those of an included file, where the
-    ranges of both files meet: the rule of `NumberedPart` in rust/schema.
+    """Number entries without a value behind those of an included file, if the ranges of both files
+    overlap. `NumberedPart` in rust/schema has the same rule.
     """
     if enum.start_value is None or included.start_value is None:
         return

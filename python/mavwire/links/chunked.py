@@ -30,8 +30,8 @@ class ChunkedLink(LiveLink, mavfile):
     """A link whose `recv(None)` returns everything that one read can bring."""
 
     __dict__ = link_dict
-    # The methods that the native ones stand for. A link of which one was replaced is read through the
-    # methods here.
+    # Methods that the native ones skip. If a program replaces one of them, the link is read through
+    # the methods here.
     _quick_methods: list[tuple[type | None, str, Any]]
     # Descriptor and bytes of the native reader are those of this object.
     port: Any
@@ -49,7 +49,7 @@ class ChunkedLink(LiveLink, mavfile):
         return mavfile.recv_match(self, *arguments)
 
     def select(self, timeout: float) -> bool:
-        """Whether data may be there within `timeout` seconds. What was read ahead counts."""
+        """Whether there may be data within `timeout` seconds, or data that was read ahead."""
         return self._has_read_ahead or super().select(timeout)
 
     def _recv_msg_slowly(self) -> Any:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def evaluate_expression(expression: str, vars: dict[str, Any], nocondition: bool = False) -> Any:
     """The value of `expression` over the names in `vars`, or None where it has none yet."""
-    # That of mavutil, which a program may have replaced.
+    # mavutil's, since a program may replace it there.
     evaluator = getattr(state.public, "mavexpression", None)
     if evaluator is None:
         evaluator = state.import_module("mavwire.mavexpression")

@@ -100,7 +100,7 @@ class LogFile:
             LogLink.pre_message(self._link)
             frame = self._frame = range(here + STAMP_LEN, here + STAMP_LEN + length)
         left = frame.stop - self.tell()
-        if left < 1:  # another thread has read on meanwhile
+        if left < 1:  # another thread has read messages meanwhile
             return self.read_frame(size)
         return LogLink.recv(self._link, left if size is None else min(size, left))
 

@@ -134,7 +134,7 @@ class mavmmaplog(mavlogfile):
         self._rewind()
 
     def _rewind(self) -> None:
-        """The name that pymavlink's scripts call, and their subclasses replace."""
+        """Scripts for pymavlink call this name and override it in subclasses."""
         self._restart()
         self.flightmode = "UNKNOWN"
 

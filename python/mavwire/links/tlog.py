@@ -38,7 +38,7 @@ class mavlogfile(LogLink, mavfile):
     # A log that is read ignores what is sent to it, so that programs can replay through it.
     discarded_writes = 0
     discarded_bytes = 0
-    # The methods that the native quick paths stand for. A log of which one was replaced is read
+    # Methods that the native fast path skips. If a program replaces one of them, logs are read
     # through mavfile's own loop.
     _quick_methods: list[tuple[type | None, str, Any]]
 
@@ -72,7 +72,7 @@ class mavlogfile(LogLink, mavfile):
             self._open_reader(filename, not notimestamps, time.time())
             self.f = LogFile(self, self.f)
 
-    # Looked up at each call: a program may have replaced them in mavfile.
+    # Looked up at each call: a program may replace them in mavfile.
 
     def _recv_msg_slowly(self) -> Any:
         return mavfile.recv_msg(self)

@@ -82,7 +82,7 @@ class mavudp(ChunkedLink):
         self.timeout = timeout
         self.clients: set[Any] = set()
         self.clients_last_alive: dict[Any, float] = {}
-        # Those that sent something to a system: they make room last.
+        # Clients that have sent a message to a system. They are replaced last.
         self._useful_clients: set[Any] = set()
         self.resolved_destination_addr: Any = None
         super().__init__(
@@ -167,7 +167,7 @@ class mavudp(ChunkedLink):
         return msg.get_msgId() >= 0 and (not self._has_key() or bool(msg.get_signed()))
 
     def _heard(self, address: Any, is_targeted: bool = False) -> None:
-        """A valid message came from `address`, be it one for a system: answer it from now on."""
+        """Answer `address` from now on: a valid message came from it."""
         if self.udp_server:
             now = time.time()
             if address in self.clients or self._room_for_client(address, now):
@@ -309,9 +309,9 @@ class mavudp(ChunkedLink):
 
 
 def _is_targeted(msg: Message) -> bool:
-    """Whether `msg` is for one system, which MANUAL_CONTROL calls its target."""
+    """Whether `msg` has a target system. MANUAL_CONTROL calls the field `target`."""
     return bool(getattr(msg, "target_system", 0) or getattr(msg, "target", 0))
 
 
-# A program may replace it in the class.
+# Programs may replace `recv` in the class. The comparison with the original shows it.
 _NATIVE_RECV = mavudp.recv

@@ -42,7 +42,7 @@ class mavfile_state(SystemState):
         self.armed: int = False
         mavlink = state.mavlink
         if (gps := getattr(mavlink, "MAVLink_gps_raw_int_message", None)) is not None:
-            # Without its constructor: a tool over a short log would wait for that to be compiled.
+            # Without a call of its constructor: that would be compiled, and a tool would wait for it.
             self.messages["HOME"] = home = gps.__new__(gps)
             _native.build(home, *[0] * len(gps.fieldnames))
         _name_waypoint_class(mavlink)

@@ -1,6 +1,6 @@
-"""The columns of one message type over several logs: those of all of them.
+"""The common columns of one message type in several logs.
 
-A dataflash log describes its types itself, so that each log may have other columns.
+Each dataflash log describes its types itself, so logs may have different columns.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from .query import Query
 
     Described = tuple[list[str], RecordBatches | None]
-    """The types that a dataflash log describes, and the wanted one without rows, if it is among them."""
+    """The types that a dataflash log describes, and an empty table of the wanted type if it has one."""
 
 MAX_KEPT = 64
-"""Logs of a scan whose surveys are kept: up to some 200 KB each."""
+"""Number of logs whose surveys are kept, of up to some 200 KB each."""
 
 
 class Surveys:
@@ -31,8 +31,8 @@ class Surveys:
         self._kept: dict[str, tuple[tuple[int, int], DataflashTables]] = {}
 
     def open(self, path: str) -> DataflashTables | None:
-        """What a dataflash log says about itself; None for another kind of log. LogFormatError as by
-        `open_dataflash`.
+        """The survey of a dataflash log; None for another kind of log. Raises LogFormatError as
+        `open_dataflash` does.
         """
         status = file_status(path)
         known, tables = self._kept.get(path, (None, None))
@@ -46,8 +46,8 @@ class Surveys:
 def empty_of(
     paths: list[str], surveys: Surveys, module: Any, native: Any, query: Query
 ) -> RecordBatches:
-    """A table of the wanted type without rows, with the columns of all logs. ValueError as by
-    `common_columns`.
+    """An empty table of the wanted type with the columns of all logs. Raises ValueError as
+    `common_columns` does.
     """
     logs = ((path, surveys.open(path) if is_dataflash(path) else None) for path in paths)
     described = ((path, tables and description_of(tables, query)) for path, tables in logs)
@@ -55,7 +55,7 @@ def empty_of(
 
 
 def description_of(tables: DataflashTables, query: Query) -> Described:
-    """What a dataflash log says of the wanted type. ValueError for what makes no sense with its kind."""
+    """The description of the wanted type in a dataflash log. ValueError for arguments that do not suit it."""
     query.check_dataflash()
     [name] = query.names or [""]
     names = tables.names
@@ -65,9 +65,9 @@ def description_of(tables: DataflashTables, query: Query) -> Described:
 def common_columns(
     logs: Iterable[tuple[str, Described | None]], module: Any, native: Any, query: Query
 ) -> RecordBatches:
-    """A table of the wanted type without rows, with the columns of all logs. A log is a path and its
-    description of the type, None for a log of telemetry. ValueError where no log can have the type, and
-    where columns of one name have no common type.
+    """An empty table of the wanted type with the columns of all logs. A log is a path and its
+    description of the type, which is None for a telemetry log. ValueError if no log can have the type,
+    or if columns of one name have no common type.
     """
     return RecordBatches.common(_columns_of_each(logs, module, native, query))
 

@@ -151,7 +151,7 @@ def prepare(
     if format in ONE_FILE and (units is not None or enums is not None):
         raise ValueError(f"{format} has values as they are sent: leave units and enums out")
     if format in ONE_FILE:
-        invalid = invalid or "null"  # programs that draw graphs read them
+        invalid = invalid or "null"  # MCAP files are read by programs that draw graphs
     fields = None if fields is None else names_of(fields)
     query = Query.of(module, types, systems, fields, start, end, units, enums, invalid)
     query.csv_safe = csv_safe and format == "csv"

@@ -118,7 +118,7 @@ class _Source:
                 return
 
     def _tables(self, wanted: Query) -> Iterator[Table]:
-        """Batches of all logs. A system that only the filter names is about telemetry alone."""
+        """Batches of all logs. A system that only the filter names selects from telemetry logs alone."""
         for path in self._paths:
             check_readable(path)
             dataflash = self._surveys.open(path)

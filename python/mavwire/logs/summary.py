@@ -21,7 +21,7 @@ class Count:
     first: float
     last: float
     seconds: float
-    """How long the messages took. A step back of the clock takes no time."""
+    """Duration of the messages. A step back of the clock does not count."""
 
     @property
     def rate(self) -> float:
@@ -39,12 +39,12 @@ class Sender:
     repeated: int
     """Messages that were there before, as where two links hear the same."""
     reboots: int
-    """How often its clock (`time_boot_ms`) started anew: went back by more than 5 s. The wrap of the
-    clock after 49.7 days is no reboot. 0 where the id is shared.
+    """The number of times that its clock (`time_boot_ms`) went back by more than 5 s. The wrap of the
+    clock after 49.7 days is no reboot. 0 if several vehicles share the id.
     """
     shared: bool
-    """Several vehicles send under this id: their clocks take turns. Their numbers are mixed, too, so
-    `lost` counts messages that were not lost.
+    """Whether several vehicles send under this id. Their sequence numbers are mixed, so `lost` counts
+    messages that were not lost.
     """
 
     @property
@@ -62,7 +62,7 @@ class LogInfo:
     bytes: int
     """Of the log, decompressed."""
     stamped: bool
-    """False for a raw stream. Its times are seconds since the sender's start, 0 where none is known."""
+    """False for a raw stream. Its times are seconds since the sender's start, 0 if unknown."""
     count: Count
     types: dict[str, Count]
     """By message name, the most frequent first; ids that the dialect lacks as UNKNOWN_<id>."""
@@ -74,7 +74,7 @@ class LogInfo:
     times_back: int
     """Records with a time before that of the record in front."""
     set_back: float
-    """Seconds by which the clock was set back, in all."""
+    """Seconds that the clock was set back in total."""
     distrusted: int
     """Records behind damage whose time was days off and is replaced by that of the last good one."""
     bad: list[tuple[int, int]]

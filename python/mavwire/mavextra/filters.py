@@ -68,7 +68,7 @@ def average(var: float, key: Any, N: int) -> float:
     if isinstance(history, _Window):
         return history.push(var) / N
     recent = [*history[1:], var]
-    total = sum_of(recent)  # before it is kept, because it refuses values that are not numbers
+    total = sum_of(recent)  # first, since it refuses values that are not numbers
     history[:] = recent
     return total / N
 

@@ -47,12 +47,16 @@ _KEPT = frozenset({"EleModel"})  # a cache that does not depend on the log
 
 
 def remember(history: dict[Any, Any], key: Any, value: Any) -> None:
-    """Keep a filter's state; ExpressionError where a key changes for ever, or is no name."""
+    """Keep the state of a filter. ExpressionError for too many keys, or a key that is too long."""
     if key not in history:
         if sum(map(len, _HISTORIES)) >= MAX_KEYS:
-            raise ExpressionError(f"filters under more than {MAX_KEYS} keys; a key names a signal")
+            raise ExpressionError(
+                f"filters have more than {MAX_KEYS} keys: give each signal one constant key"
+            )
         if weight(key, MAX_KEY) > MAX_KEY or weight(value, MAX_STATE) > MAX_STATE:
-            raise ExpressionError("a filter of something that is not a number, or with a long key")
+            raise ExpressionError(
+                f"the value of a filter is not a number, or its key has more than {MAX_KEY} items"
+            )
     history[key] = value
 
 

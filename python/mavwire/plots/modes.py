@@ -23,8 +23,8 @@ MOST_SPANS = 10_000
 """Changes of mode that are shown; whoever makes a log chooses their number."""
 UNKNOWN = "UNKNOWN"
 EQUIPMENT = NOT_VEHICLES | {5, *range(30, 35), *range(36, 43), 44, 48}
-"""Values of MAV_TYPE that are no vehicles, though an autopilot may drive them: antenna trackers,
-cameras, winches and the like.
+"""Values of MAV_TYPE for equipment that may have an autopilot: antenna trackers, cameras, winches
+and the like.
 """
 
 
@@ -47,8 +47,8 @@ def vehicle_rows(heartbeats: Table) -> Any:
 
 
 def vehicle_of(heartbeats: Table, tables: Iterable[Table]) -> int | None:
-    """The system that is the vehicle: the first autopilot that is heard. One of a vehicle type comes
-    before an antenna tracker and the like, then one with rows in `tables` before one without.
+    """The system id of the vehicle: that of the first autopilot. Vehicles are preferred to equipment
+    such as antenna trackers, and then systems with rows in `tables` to others.
     """
     import numpy as np
 
@@ -69,7 +69,7 @@ def mode_changes(
     import numpy as np
 
     rows = vehicle_rows(heartbeats) & (heartbeats["sysid"] == (system or 0))
-    rows &= ~np.isnat(heartbeats["timestamp"])  # in front of the clock of a raw stream
+    rows &= ~np.isnat(heartbeats["timestamp"])  # messages of a raw stream before its first time
     names = ("type", "autopilot", "base_mode", "custom_mode")
     columns = [heartbeats[name][rows] for name in names]
     times = heartbeats["timestamp"][rows].astype("int64") * 1e-6

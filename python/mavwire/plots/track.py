@@ -156,7 +156,7 @@ def _positions(table: Table, system: int | None) -> tuple[Any, Any, Any, Any]:
 
     stamps = table["timestamp"][rows]
     unknown = np.isnat(stamps)
-    # The start of a raw stream has no clock yet, and some streams never have one.
+    # The first messages of a raw stream have no time, and some streams have no times at all.
     micros = np.where(unknown, np.arange(len(stamps)) if unknown.all() else 0, stamps.view("int64"))
     lat, lon, alt = (table[name][rows] for name in ("lat", "lon", "alt"))
     return micros * 1e-6, lat / 1e7, lon / 1e7, alt / 1e3

@@ -49,9 +49,9 @@ pub struct Growing {
     values: Values,
     /// Which rows have a value; of numbers only, the others know themselves.
     valid: NullBufferBuilder,
-    /// Which elements of an array have one.
+    /// The elements of an array that have a value.
     valid_elements: NullBufferBuilder,
-    /// Which values stand for none.
+    /// The invalid values of the field.
     invalid: Option<Invalid>,
     /// Numbers of a row.
     elements: usize,

@@ -11,19 +11,19 @@ use arrow::datatypes::{DataType, Field, FieldRef, Schema, SchemaRef};
 
 use crate::error::Error;
 
-/// Columns of one frame at most. Logs that were made for it would fill the memory with nulls otherwise.
+/// Largest number of columns of one frame. Logs made for it would fill the memory with nulls otherwise.
 const MAX_COLUMNS: usize = 4096;
 /// The key of a field's metadata that marks the column of instances.
 const INSTANCE: &str = "instance";
 
-/// The schemas that logs have for one type, each once, with the path of one of its logs.
+/// The different schemas of one type in several logs, each with the path of one log.
 #[derive(Debug, Default)]
 pub struct CommonSchema {
     known: Vec<(SchemaRef, PathBuf)>,
 }
 
 impl CommonSchema {
-    /// Adds the schema of a log. Of the logs that share it the first path by name is kept.
+    /// Adds the schema of a log. For logs with the same schema, the alphabetically first path is kept.
     pub fn add(&mut self, schema: &SchemaRef, path: PathBuf) {
         match self.known.iter_mut().find(|(one, _)| one == schema) {
             Some((_, known)) => *known = path.min(std::mem::take(known)),
@@ -31,10 +31,10 @@ impl CommonSchema {
         }
     }
 
-    /// The columns of all logs. Telemetry logs share those of the dialect; else each column may lack values.
+    /// The columns of all logs. Without telemetry logs, whose columns the dialect gives, each column may lack values.
     ///
     /// # Errors
-    /// Two logs whose columns of one name have no common type, and more columns than a frame may have.
+    /// Columns of one name in two logs have no common type, or there are more columns than a frame may have.
     pub fn schema(mut self) -> Result<SchemaRef, Error> {
         if let [(one, _)] = &self.known[..]
             && is_telemetry(one)
@@ -74,7 +74,7 @@ impl CommonSchema {
     }
 }
 
-/// A column whose values in two logs fit no common type.
+/// A column whose types in two logs have no common type.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "column {column:?} of {message} is {kind} in {} and {other_kind} in {}. One frame cannot hold both: read these logs \
@@ -105,7 +105,7 @@ fn has_instances(schema: &Schema) -> bool {
 struct Column<'a> {
     name: &'a str,
     data_type: DataType,
-    /// A log in which it has, or had to be given, this type.
+    /// A log that caused this type.
     path: &'a Path,
     metadata: HashMap<String, String>,
 }
@@ -116,7 +116,7 @@ impl<'a> Column<'a> {
         Self { name: field.name(), data_type, path, metadata }
     }
 
-    /// Takes in the column of the same name of another log.
+    /// Merges the column of the same name of another log.
     fn join(&mut self, field: &FieldRef, path: &'a Path, message: &str) -> Result<(), Error> {
         let Some(data_type) = common_type(&self.data_type, field.data_type()) else {
             return Err(Box::new(MixedColumn {
@@ -132,7 +132,7 @@ impl<'a> Column<'a> {
         if data_type != self.data_type {
             (self.data_type, self.path) = (data_type, path);
         }
-        // A unit that some log does not state would be wrong there. One log that tells instances apart is enough.
+        // A unit would be wrong for a log that does not state it. For instances, one log that states them is enough.
         let other = field.metadata();
         self.metadata.retain(|key, value| key == INSTANCE || other.get(key) == Some(value));
         if let Some(value) = other.get(INSTANCE) {
@@ -146,7 +146,7 @@ impl<'a> Column<'a> {
     }
 }
 
-/// The type that holds the values of both; `None` where there is none.
+/// The narrowest type that holds the values of both, or `None`.
 fn common_type(one: &DataType, other: &DataType) -> Option<DataType> {
     if one == other {
         return Some(one.clone());
@@ -159,7 +159,7 @@ fn common_type(one: &DataType, other: &DataType) -> Option<DataType> {
     Some(common.unwrap_or(DataType::Float64))
 }
 
-/// The narrowest integer that holds all values of both; `None` for 64 bits without a sign beside integers with one.
+/// The narrowest integer type that holds all values of both; `None` for unsigned 64-bit and signed integers.
 fn common_integer(one: &DataType, other: &DataType) -> Option<DataType> {
     let bits = |data_type: &DataType| data_type.primitive_width().map(|bytes| 8 * bytes);
     let signed_bits = |data_type: &DataType| {

@@ -19,17 +19,17 @@ pub enum Error {
     Mcap(mcap::McapError),
     /// An MCAP file of a log without times.
     #[error(
-        "MCAP needs a time stamp for each message, and this log has none: convert to another format"
+        "MCAP needs a time stamp for each message, and this log has no time stamps: convert it to another format"
     )]
     NoTimes,
-    /// A span of time is wanted of a raw stream, or of a dataflash log without a clock.
-    #[error("the records of this log have no time stamps: leave start and end out")]
+    /// `start` or `end` was given for a raw stream, or for a dataflash log without a clock.
+    #[error("the records of this log have no time stamps: read it without start and end")]
     Untimed,
     /// More message types and senders than an MCAP file has room for.
     #[error("MCAP has room for {0} message types and senders: choose some types or systems")]
     TooManyChannels(usize),
-    /// More message types than a log has files for.
-    #[error("more than {0} message types, each of which is a file: name the types that are wanted")]
+    /// The log has more message types than the limit of files.
+    #[error("more than {0} message types, and each would become a file: choose some types")]
     TooManyFiles(usize),
     /// A column that the message does not have.
     #[error("{message} has no column {column:?}")]
@@ -39,7 +39,7 @@ pub enum Error {
         /// What was asked for.
         column: String,
     },
-    /// A column whose values in two logs fit no common type.
+    /// The types of a column in two logs have no common type.
     #[error(transparent)]
     MixedColumn(#[from] Box<MixedColumn>),
     /// More columns of several logs than a frame may have.

@@ -1,5 +1,5 @@
-//! Tables with the columns of several logs. A column that a log does not have is null in its rows, and so is a value that
-//! does not fit its column.
+//! Tables with the columns of several logs. A column that a log does not have is null in its rows. So is a value that does
+//! not fit its column.
 
 use std::sync::Arc;
 

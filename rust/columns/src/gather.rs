@@ -14,17 +14,17 @@ use crate::units::Scale;
 /// Records side by side: the ids of the sender, then the payload at its full length.
 #[derive(Debug)]
 pub struct Rows<'a> {
-    /// Microseconds since 1970, or [`NO_TIME`] in a table that has such rows.
+    /// Microseconds since 1970, or [`NO_TIME`] for rows without a time.
     pub times: &'a [i64],
     /// `stride` bytes for each record.
     pub bytes: &'a [u8],
     /// Bytes of a record.
     pub stride: usize,
-    /// The texts of the records, where these are longer than their fields; else empty.
+    /// Whole texts of the records where they are longer than the field; otherwise empty.
     pub texts: &'a [Vec<u8>],
 }
 
-/// A row without a time.
+/// The time of a row without a time.
 pub(crate) const NO_TIME: i64 = i64::MIN;
 
 /// Where the payload begins in a row: behind `sysid`, `compid` and `seq`.
@@ -90,7 +90,7 @@ pub(crate) fn gather<T, const N: usize>(
     }
 }
 
-/// Which rows have a value of a field, and of arrays which elements.
+/// The rows that have a value of a field, and the elements of arrays that have one.
 pub(crate) fn each_valid(
     rows: &Rows<'_>,
     (offset, elements): (usize, usize),

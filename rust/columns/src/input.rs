@@ -48,8 +48,8 @@ impl Steps {
     }
 }
 
-/// Undoes gzip and zstd, which are told by their first bytes, and makes plain text of text logs in other encodings. A zstd
-/// file may begin with a frame that is skipped (`0x184D2A5?`), as those of pzstd do.
+/// Decompresses gzip and zstd, recognised by their first bytes, and converts text logs of other encodings to UTF-8. A zstd
+/// file may begin with a skippable frame (`0x184D2A5?`), as files of pzstd do.
 ///
 /// # Errors
 /// What reading says.
@@ -74,11 +74,11 @@ pub fn framing_of(source: Box<dyn Read + Send>, registry: &Registry) -> io::Resu
     Ok(Framing::of(head::telling(&head::read(source)?), registry))
 }
 
-/// How a file that is not compressed is framed, by its first bytes; `None` where it is in doubt that they are of a telemetry
-/// log with messages that come with mavwire.
+/// The framing of an uncompressed telemetry log, by its first bytes. `None` if it is not certain that they are messages of a
+/// dialect that comes with mavwire.
 ///
 /// # Errors
-/// What reading says.
+/// The file cannot be read.
 pub fn telemetry_framing(source: Box<dyn Read + Send>) -> io::Result<Option<Framing>> {
     let head = head::read(source)?;
     let telling = head::telling(&head);

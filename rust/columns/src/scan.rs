@@ -31,7 +31,7 @@ pub struct Scanned {
     pub records: Vec<Located>,
     /// Records whose time stamp is not believed, and what to take for it.
     pub distrusted: Vec<(u32, u64)>,
-    /// In a raw stream, the records from which on the stream's clock shows another time.
+    /// In a raw stream, the records at which the time of the stream's clock changes.
     clock: Option<Vec<(u32, u64)>>,
     /// Bytes that belong to no record; what touches is one range.
     pub bad: Vec<Range<usize>>,
@@ -139,7 +139,7 @@ impl LogScanner {
         let (Some(first), Some(last)) = (records.first(), records.last()) else { return };
         out.records.extend_from_slice(records);
         if let (Some(clock), Some(times)) = (&mut self.clock, &mut out.clock) {
-            return hear(clock, block, records, times);
+            return note_times(clock, block, records, times);
         }
         let mut before = Before::of(stamp_at(block, first.at));
         if self.after_damage
@@ -161,7 +161,7 @@ pub fn stamp_at(block: &[u8], at: u32) -> u64 {
 }
 
 impl Scanned {
-    /// The time of a record in microseconds: since 1970, or in a raw stream as [`StreamClock`] says.
+    /// The time of a record in microseconds: since 1970, or in a raw stream that of [`StreamClock`].
     #[inline]
     pub fn time(&self, block: &[u8], at: u32) -> Option<u64> {
         if let Some(clock) = &self.clock {
@@ -177,8 +177,13 @@ impl Scanned {
     }
 }
 
-/// Notes the records of a raw stream at which its clock shows another time.
-fn hear(clock: &mut StreamClock, block: &[u8], records: &[Located], times: &mut Vec<(u32, u64)>) {
+/// Notes the records of a raw stream at which the time of its clock changes.
+fn note_times(
+    clock: &mut StreamClock,
+    block: &[u8],
+    records: &[Located],
+    times: &mut Vec<(u32, u64)>,
+) {
     for &Located { at, index } in records {
         let before = clock.now();
         let now = clock.hear(index, &block[at as usize..]);

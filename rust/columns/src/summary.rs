@@ -23,22 +23,22 @@ const MOST_LISTED: usize = 1000;
 pub struct Count {
     /// How many.
     pub messages: u64,
-    /// Time of the first that has one, microseconds since 1970.
+    /// Time of the first message with a time, microseconds since 1970.
     pub first: u64,
     /// Time of the last.
     pub last: u64,
-    /// Microseconds between the two, in which a clock that was set back goes on.
+    /// Microseconds between the two on a clock that is never set back.
     pub elapsed: u64,
-    /// Steady time of the first.
+    /// Steady time of the first message with a time.
     began: Option<u64>,
 }
 
 /// The time of a record.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RecordTime {
-    /// What its time stamp says.
+    /// Its time stamp.
     time: u64,
-    /// The same on a clock that is never set back.
+    /// Its time on a clock that is never set back.
     steady: u64,
 }
 
@@ -63,7 +63,7 @@ pub struct Sender {
     pub lost: u64,
     /// Messages that were there before, as where two links hear the same.
     pub repeated: u64,
-    /// What its clocks since start tell.
+    /// Its clocks since boot: reboots, and whether several senders share the id.
     pub clocks: BootClocks,
     sequence: Sequence,
 }
@@ -91,7 +91,7 @@ pub struct Summary {
     pub gap_count: u64,
     /// Records whose time is before that of the record in front.
     pub times_back: u64,
-    /// The clock that gave the times.
+    /// Turns time stamps into steady times.
     pub steady: SteadyTime,
     /// Records whose time was not believed.
     pub distrusted: u64,

@@ -42,7 +42,7 @@ pub struct TableBuilder {
 /// A row with its time and text.
 type TextRow = (i64, Vec<u8>);
 
-/// The parts of texts that are longer than a message, until they are complete.
+/// Parts of long texts that are not complete yet.
 #[derive(Debug)]
 struct LongTexts {
     fields: TextFields,
@@ -57,7 +57,7 @@ impl TableBuilder {
         Self { layout, columns, rows: 0, room: 0, recent: 0, long_texts: None }
     }
 
-    /// Makes one row of the parts of a text.
+    /// Joins the parts of long texts: one row for each text.
     #[must_use]
     pub(crate) fn with_long_texts(mut self, fields: Option<TextFields>) -> Self {
         let long_texts = |fields| LongTexts { fields, texts: StatusTexts::default() };
@@ -116,7 +116,7 @@ impl TableBuilder {
         }
     }
 
-    /// The same where some records have parts of texts: a row for each text, when it is complete.
+    /// Appends records that may have parts of texts. A text gets its row when it is complete.
     fn append_joined(&mut self, rows: &Rows<'_>, long: &mut LongTexts) {
         for (row, &time) in rows.bytes.chunks_exact(rows.stride).zip(rows.times) {
             let Some(chunk) = long.fields.chunk(&row[PAYLOAD..]) else {
@@ -136,7 +136,7 @@ impl TableBuilder {
         }
     }
 
-    /// Appends what is left at the end of the log.
+    /// Appends the incomplete texts at the end of the log.
     pub(crate) fn finish(&mut self) {
         let left = self.long_texts.as_mut().map(|long| long.texts.finish());
         self.append_texts_of(left.unwrap_or_default());

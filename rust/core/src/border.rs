@@ -90,7 +90,7 @@ impl Border {
         Self { options, signing }
     }
 
-    /// Only frames with a good signature, and a few named ones, get in.
+    /// Only frames with a good signature, and those of `allow_unsigned_in`, get in.
     pub fn verifies(&self) -> bool {
         self.options.verify
     }

@@ -4,14 +4,14 @@
 //!
 //! 1. What the source link's inbound filter stops, and a duplicate, counts as never received.
 //! 2. `SETUP_SIGNING` carries a key in clear and is not forwarded (R53).
-//! 3. The sender is now known at the source link, and at all links of its group. A duplicate only renews what is known.
+//! 3. The sender is now known at the source link, and at all links of its group. A duplicate only renews known routes.
 //! 4. A frame without a target, or of an unknown id, goes to every link that is not private. A frame with one goes to
 //!    the links where the target component was heard, or its system as long as the component was not; nowhere if
 //!    nobody knows it.
 //! 5. Sniffers get every frame. Nothing goes back to a link where its sender lives, or to the source's group.
 //! 6. Outbound filters and limits of each link take their share.
 //!
-//! Frames are never looked into further than to their target, and never altered. A frame may add a route and never takes
+//! Of a frame only the header and the target are read, and frames are never altered. A frame may add a route and never takes
 //! one away: anyone can send in the name of any system. Routes end by silence or with their link. Time is an argument, in
 //! microseconds of a clock that does not go back.
 
@@ -122,7 +122,7 @@ struct Port {
     limiter: Option<Limiter>,
     /// The links of its group, itself among them.
     group: LinkSet,
-    /// A frame came for a system that is known.
+    /// The link has sent a frame to a known system.
     has_targeted: bool,
     stats: LinkStats,
 }
@@ -291,7 +291,7 @@ impl Router {
         !self.screen(LinkSet::only(link), frame, header, entry, LinkSet::EMPTY, now).is_empty()
     }
 
-    /// The links that a frame from `source` is meant for; `None` if nobody knows its target.
+    /// The links that a frame from `source` goes to; `None` if its target is unknown.
     #[inline]
     fn reached(
         &mut self,
@@ -329,7 +329,7 @@ impl Router {
         }
     }
 
-    /// Those of `links` whose outbound filter and limits let the frame pass that came from the group `source`.
+    /// Filters `links`: outbound filters and limits may hold back a frame that came from the group `source`.
     #[inline]
     fn screen(
         &mut self,
@@ -375,7 +375,7 @@ impl Router {
         Some(self.ports.get(link.index())?.as_ref()?.stats)
     }
 
-    /// Whether a frame for a system that was known came over a link.
+    /// Whether a link has sent a frame to a known system.
     pub fn has_targeted(&self, link: LinkId) -> bool {
         self.ports.get(link.index()).and_then(Option::as_ref).is_some_and(|port| port.has_targeted)
     }

@@ -77,11 +77,11 @@ pub enum Verdict {
         /// Last timestamp of the stream.
         last: u64,
     },
-    /// First of its stream, and more than a minute behind this side's time, or not above a stream that made room.
+    /// First of its stream, and more than a minute behind this side's time or below the floor of its link id.
     NewStreamTooOld {
         /// Timestamp of the frame.
         timestamp: u64,
-        /// This side's time, or the least timestamp beyond streams that made room, whichever is later.
+        /// This side's time, or the floor of the link id if that is later.
         local: u64,
     },
     /// Further ahead of the clock than the application allows.
@@ -173,7 +173,7 @@ impl SigningState {
         self.judge(streams, None, frame, now)
     }
 
-    /// What is old to `others` is old, too.
+    /// A frame that is old to `others` is old, too.
     fn judge(
         &mut self,
         streams: &mut StreamTable,
@@ -215,9 +215,9 @@ impl SigningState {
         Verdict::Good { stream }
     }
 
-    /// The time that new streams are measured against. Where there is a clock, it is the clock: the timestamp of this side
-    /// follows those of peers by up to [`MAX_LOCAL_LEAD`], and one whose clock is ahead must not shut out all the others.
-    /// Only beyond that the timestamp says that the clock went back.
+    /// The time that new streams are compared with: the clock, if there is one. The local timestamp follows those of peers by
+    /// up to [`MAX_LOCAL_LEAD`], and one peer with a fast clock must not shut out the others. A local timestamp beyond that
+    /// lead shows that the clock went back.
     fn local_time(&self, now: Option<u64>) -> u64 {
         now.map_or(self.timestamp, |now| now.max(self.timestamp.saturating_sub(MAX_LOCAL_LEAD)))
     }

@@ -1,4 +1,4 @@
-//! What a receiver concludes from the messages it hears, as plain data.
+//! Facts that a receiver derives from messages: status texts, reboots and times.
 
 mod boot_clocks;
 mod boot_time;

@@ -26,7 +26,7 @@ pub struct FileWindow {
     chunk: usize,
 }
 
-/// Another window over the same file, which has read nothing yet.
+/// Another window over the same file, still empty.
 impl Clone for FileWindow {
     fn clone(&self) -> Self {
         Self {

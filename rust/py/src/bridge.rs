@@ -138,7 +138,7 @@ impl BridgeCore {
         self.dialect.get().stamped(py, latest.info.index, frame, time, 0).map(Some)
     }
 
-    /// The last STATUSTEXT of a component that ended, whole; `None` if there was none.
+    /// The last complete status text of a component; `None` if it has sent no text.
     fn latest_text<'py>(
         &self,
         py: Python<'py>,

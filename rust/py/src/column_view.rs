@@ -100,7 +100,7 @@ impl ColumnView {
         matches!(self.values.data_type(), DataType::Timestamp(..))
     }
 
-    /// A byte for each value, 1 where there is one, those of lists one by one; `None` where there are all.
+    /// A byte for each value, 0 for a null. List elements have a byte each. `None` if there are no nulls.
     fn valid(&self) -> Option<Cow<'static, [u8]>> {
         if self.values.null_count() == 0 && !has_null_elements(&self.values) {
             return None;

@@ -24,7 +24,7 @@ use crate::table::{RecordBatches, columns_error};
 
 /// What to read: the attributes of the object that `LogColumns` is given.
 #[derive(FromPyObject)]
-#[allow(clippy::struct_excessive_bools)] // they are the attributes of the object
+#[allow(clippy::struct_excessive_bools)] // the fields are attributes of a Python object
 pub(crate) struct Query {
     /// Message ids; `None` for all.
     #[pyo3(from_py_with = optional_list)]
@@ -45,7 +45,7 @@ pub(crate) struct Query {
     si: bool,
     enum_names: bool,
     null_invalid: bool,
-    /// Cells of CSV files are no formulas.
+    /// Guard CSV cells against formulas.
     pub(crate) csv_safe: bool,
     /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
     untimed: bool,

@@ -81,7 +81,7 @@ impl Work {
     /// Writes what was read, while more of the log is; false at its end.
     fn step(&mut self) -> Result<bool, Error> {
         let Self { reader, output, batches, .. } = self;
-        // Some of the batches of a raw stream may have times in all rows.
+        // Even in a raw stream all rows of a batch may have times.
         if matches!(output, Output::Mcap { .. }) && !batches.is_empty() && !reader.has_times() {
             return Err(Error::NoTimes);
         }

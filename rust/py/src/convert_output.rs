@@ -13,7 +13,7 @@ use mavwire_columns::reader::Batch;
 use mavwire_link::files::{Draft, commit_all};
 use pyo3::prelude::*;
 
-/// Files that a log makes by itself. One that names more types than this means harm, or some of them are named.
+/// Largest number of types of a log that become files without `--types`. A log with more types is likely made to do harm.
 const MAX_UNNAMED_TYPES: usize = 1000;
 
 /// The files of a log, which appear when all of them are complete, and are gone if that never happens.
@@ -30,7 +30,7 @@ pub(crate) struct Tables {
     file: String,
     format: Format,
     compression: Compression,
-    /// How many files there may be.
+    /// Largest number of files.
     limit: usize,
     /// By message index.
     sinks: BTreeMap<u16, (PathBuf, Sink<Draft>)>,
@@ -122,7 +122,7 @@ impl Tables {
     }
 }
 
-/// Whether Windows takes the name of a file or folder for a device, such as `nul` or `COM1.txt`.
+/// Whether Windows treats the name of a file or folder as a device, such as `nul` or `COM1.txt`.
 #[pyfunction]
 pub(crate) fn is_device(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or_default();

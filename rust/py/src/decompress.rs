@@ -37,7 +37,7 @@ pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> PyResul
     done.map_err(Stopped::into_err)
 }
 
-/// The first bytes of a log, `size` of them and no more than are whole of a compressed one.
+/// The first `size` bytes of a log; of a compressed log that is cut off, those that are whole.
 #[pyfunction]
 pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow<'static, [u8]>> {
     let head = py.detach(|| {
@@ -47,7 +47,7 @@ pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow
     Ok(Cow::Owned(head?.1))
 }
 
-/// Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one.
+/// Whether the records of a telemetry log have time stamps; None if the file may be no telemetry log.
 #[pyfunction]
 pub(crate) fn is_stamped(py: Python<'_>, path: PathBuf) -> PyResult<Option<bool>> {
     let framing = py.detach(|| input::telemetry_framing(files::open(&path)?))?;

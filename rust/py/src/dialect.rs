@@ -43,7 +43,7 @@ pub(crate) struct Dialect {
     by_name: HashMap<String, u16>,
     namespace: OnceLock<Py<PyDict>>,
     make_class: OnceLock<Py<PyAny>>,
-    /// `MAVLink_bad_data` and `MAVLink_unknown` as the module began with them.
+    /// The original `MAVLink_bad_data` and `MAVLink_unknown` of the module.
     special: OnceLock<Vec<Py<PyAny>>>,
 }
 
@@ -105,8 +105,8 @@ impl Dialect {
         value.ok_or_else(|| PyRuntimeError::new_err(format!("the dialect module lost its {name}")))
     }
 
-    /// A message of the module's class called `name`, around `message` where the class is the module's own; one that a
-    /// program put in its place is called with `arguments`.
+    /// A message of the module's class called `name`, made of `message`. A class that the program put there is called with
+    /// `arguments` instead.
     pub(crate) fn special<'py>(
         &self,
         py: Python<'py>,
@@ -175,7 +175,7 @@ impl Dialect {
         create::pooled(class.class.bind(py), message)
     }
 
-    /// A frame of an id that the dialect does not have, as a message object.
+    /// A message object for a frame with an id that the dialect does not have.
     pub(crate) fn unknown<'py>(
         &self,
         py: Python<'py>,
@@ -334,7 +334,7 @@ impl Dialect {
         })
     }
 
-    /// Fields of a frame with values that stand for none: for each element, whether it does.
+    /// The fields of a frame that have invalid values: for each element, whether it is invalid.
     fn invalid_fields(&self, frame: &[u8]) -> HashMap<&str, Vec<bool>> {
         let known = FrameRef::parse(frame).ok().and_then(|frame| {
             let entry = self.registry.lookup(frame.header().msgid)?;

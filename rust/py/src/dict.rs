@@ -43,7 +43,7 @@ pub(crate) fn message_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound
     let this = message.get();
     if !this.has(flags::MATERIALISED) {
         let packed = this.packed(message.py());
-        // Python code runs here, and other threads with it: until all is there they see the dictionary as it was.
+        // Python code, and so other threads, may run here. They see the old dictionary until the new one is complete.
         let complete = complete_dict(message)?;
         if !this.has(flags::MATERIALISED) {
             complete.update(instance_dict(message)?.as_mapping())?;
@@ -94,7 +94,7 @@ fn complete_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDi
     Ok(complete)
 }
 
-/// Makes a dictionary with everything in it the message's own.
+/// Replaces the dictionary of a message by a complete one.
 fn replace_dict(message: &Bound<'_, Message>, complete: &Bound<'_, PyDict>) -> PyResult<()> {
     // SAFETY: two live objects; the call takes a reference of its own or sets an exception.
     let status = unsafe {
@@ -126,7 +126,7 @@ pub(crate) fn copy<'py>(
     each: impl Fn(&Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, Message>> {
     let this = message.get();
-    // All of it at one moment: `each` runs Python code, and other threads may write to the message meanwhile.
+    // One snapshot: `each` runs Python code, and other threads may write to the message meanwhile.
     let bits = this.flags.load(Ordering::Relaxed);
     let duplicate = this.duplicate(message.py());
     let has_dict = bits & flags::DICT != 0;
@@ -158,7 +158,7 @@ pub(crate) fn reduce<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, 
     } else {
         Some(message_dict(message)?)
     };
-    // A copy: pickle goes through it while other threads write to the message.
+    // A copy: other threads may write to the message while pickle reads it.
     let state = attributes.map(|attributes| attributes.copy()).transpose()?;
     let flags = this.flags.load(Ordering::Relaxed) & (flags::WIRE | flags::WRITTEN);
     (restore, (message.get_type(), frame, flags, timestamp, link), state).into_pyobject(py)

@@ -18,7 +18,7 @@ pub(crate) enum Item<'a> {
         labels: &'a Labels,
         payload: &'a [u8],
         header: Header,
-        /// Of several messages, in the place of this one's.
+        /// The text joined from several messages, shown instead of this one's.
         text: Option<&'a [u8]>,
     },
     Unknown {

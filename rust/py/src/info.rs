@@ -141,7 +141,7 @@ impl Info {
         boot.or_else(|| self.usec.and_then(number).map(|us| us * 1.0e-6))
     }
 
-    /// The message is for one system.
+    /// The message has a target system, and it is not 0.
     pub(crate) fn is_targeted(&self, payload: &[u8]) -> bool {
         let offset = self.definition.target_system_offset;
         offset.and_then(|at| payload.get(usize::from(at))).is_some_and(|&system| system != 0)

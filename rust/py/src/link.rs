@@ -353,9 +353,8 @@ pub(crate) fn instance_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'
     crate::dict::generic_dict(object)
 }
 
-/// True if `class` has its own version of a method that the quick paths stand for: `_quick_methods` of the class names each with
-/// the class that has it (None for `class` itself) and what it was when mavwire was loaded. Later a program may have put
-/// another in its place, in a class of its own or in ours.
+/// True if `class` has its own version of a method that the fast path skips. `_quick_methods` of the class lists each method
+/// with its class (None for `class` itself) and its original. A program may replace a method in a subclass or in our class.
 pub(crate) fn overrides(class: &Bound<'_, PyType>) -> PyResult<bool> {
     let methods = class.attribute(intern!(class.py(), "_quick_methods"))?;
     for method in methods.items()? {

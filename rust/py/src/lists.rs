@@ -77,7 +77,7 @@ pub(crate) fn bytes(object: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
 ///
 /// # Errors
 /// As [`list`].
-#[cfg(unix)] // only the options of a bridge use it
+#[cfg(unix)] // only options of the bridge use it
 pub(crate) fn optional_bytes(object: &Bound<'_, PyAny>) -> PyResult<Option<Vec<u8>>> {
     if object.is_none() { Ok(None) } else { bytes(object).map(Some) }
 }

@@ -182,7 +182,7 @@ impl LiveLink {
         source.drained && source.inbox.is_empty() && state.native_mav.as_ref().is_some_and(empty)
     }
 
-    /// Announces a peer, and whether it sent a message, be it one for a system.
+    /// Announces a peer. `sent_message`: it has sent a valid message. `is_targeted`: that message has a target system.
     pub(crate) fn announce(
         slf: &Bound<'_, Self>,
         address: Address,
@@ -288,7 +288,7 @@ impl LiveLink {
         self.source().peers.forgotten
     }
 
-    /// Something that was read ahead waits to be handed out, which the descriptor does not tell.
+    /// Whether data that was read ahead is buffered. The descriptor does not show such data.
     #[getter]
     fn _has_read_ahead(slf: &Bound<'_, Self>) -> bool {
         let state = slf.as_super().get().state();

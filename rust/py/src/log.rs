@@ -64,7 +64,7 @@ impl LogLink {
         }
     }
 
-    /// Somebody replaced one of the methods that the quick paths stand for.
+    /// A method that the fast path skips was replaced.
     pub(crate) fn is_read_slowly(&self) -> bool {
         !self.quick.load(Relaxed)
     }

@@ -122,14 +122,14 @@ pub(crate) mod overridden {
     pub(crate) const ENCODE: u8 = 4;
     /// What links call for received bytes is not the native one, so that the bytes have to be shown to it.
     pub(crate) const PARSER: u8 = 8;
-    /// Signatures are checked by a method of the program's own.
+    /// The program has its own method to check signatures.
     pub(crate) const SIGNATURE: u8 = 16;
 
     /// Methods of the native class whose replacement matters.
     pub(super) const METHODS: [&str; 5] =
         ["send", "decode", "parse_char", "bytes_needed", "check_signature"];
 
-    /// The method of pymavlink's parser that this one has no use for.
+    /// A method of pymavlink's parser that this parser never calls.
     pub(super) const NOT_CALLED: &str = "buf_len";
 
     pub(super) fn by_name(name: &str) -> u8 {

@@ -51,7 +51,7 @@ impl Meta {
         Self::Link,
     ];
 
-    /// Those that follow from the frame.
+    /// The attributes that depend on the frame.
     pub(crate) const OF_FRAME: [Self; 4] = [Self::Header, Self::Payload, Self::Msgbuf, Self::Crc];
 
     pub(crate) const fn name(self) -> &'static str {
@@ -76,7 +76,7 @@ impl Meta {
         Self::ALL.into_iter().find(|meta| meta.name() == name)
     }
 
-    /// The value, or `None` where the attribute is not set. An object with an identity is kept.
+    /// The value, or `None` if the attribute is not set. The object is stored, so that the next call gives the same one.
     pub(crate) fn read(self, message: &Bound<'_, Message>) -> PyResult<Option<Py<PyAny>>> {
         let py = message.py();
         let this = message.get();
@@ -85,7 +85,7 @@ impl Meta {
         if !matches!(self, Self::Header | Self::Payload | Self::Msgbuf) {
             return Ok(value);
         }
-        // Making a header runs Python code: another thread may have kept its own meanwhile, or packed another frame.
+        // The header is made by Python code. Another thread may have stored its own meanwhile, or packed another frame.
         let attributes = instance_dict(message)?;
         if let Some(kept) = attributes.get_item(self.name())? {
             return Ok(Some(kept.unbind()));
@@ -128,15 +128,15 @@ impl Meta {
     }
 }
 
-/// Brings a dictionary with every attribute in it up to the frame packed last. Values are replaced and never taken out,
-/// since other threads read them meanwhile.
+/// Updates a complete dictionary to the frame packed last. Values are replaced and never removed: other threads may read
+/// them meanwhile.
 pub(crate) fn refresh(message: &Bound<'_, Message>) -> PyResult<()> {
     let py = message.py();
     let packed = message.get().packed(py);
     for meta in Meta::OF_FRAME {
         let value = meta.value(message)?;
         if !message.get().is_packed_as(py, packed.as_ref()) {
-            return Ok(()); // left to the thread that packed another frame
+            return Ok(()); // the thread that packed another frame updates it
         }
         instance_dict(message)?.set_item(meta.name(), value)?;
     }

@@ -187,7 +187,7 @@ impl Parser {
         self.may_hold_frame()
     }
 
-    /// Enough bytes wait for a frame, or for what is none, as far as was looked.
+    /// Whether enough bytes are buffered to go on parsing.
     #[inline]
     pub(crate) fn may_hold_frame(&self) -> bool {
         self.buffer.len() - self.parsed >= self.awaited

@@ -72,7 +72,7 @@ enum Scanned<'py> {
 pub(crate) fn next_message<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Received<'py>> {
     let Some(mav) = native_mav(slf) else { return Ok(Received::Trouble) };
     for _ in 0..READS_PER_CALL {
-        // Python may be asked for the time, which must not happen while a lock is held.
+        // The time may come from Python code, which must not run while a lock is held.
         match scan(slf, &mav, replaced::now(slf.py())?) {
             Scanned::Fresh(fresh) => return deliver(slf, &mav, fresh).map(Received::Message),
             Scanned::Other(step, from) => {

@@ -1,6 +1,6 @@
-//! What a program put in place of functions that mavutil shows: its clock, and who keeps the newest messages.
+//! Replacements of `mavutil.time` and `mavutil.add_message` by a program.
 //!
-//! Links are quick because they call neither. So whoever replaces one of them says it here, once, and links ask a flag.
+//! Links are fast because they call neither. A replacement is stored here and sets a flag, which links check.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -43,16 +43,20 @@ static TIME: Replaceable = Replaceable::new();
 /// `mavutil.add_message`
 static ADD_MESSAGE: Replaceable = Replaceable::new();
 
-/// What the module `time` holds, and its function of that name as it was when mavwire was loaded.
+/// The namespace of the module `time`, and `time.time` as it was when mavwire was loaded.
 static TIME_MODULE: OnceLock<(Py<PyDict>, Py<PyAny>)> = OnceLock::new();
 
-/// Lets links use what a program put in place of `mavutil.time` or `mavutil.add_message`; None for the original again.
+/// Makes links use a replacement of `mavutil.time` or `mavutil.add_message`; None restores the original.
 #[pyfunction]
 pub(crate) fn replace_function(name: &str, value: Option<Py<PyAny>>) -> PyResult<()> {
     match name {
         "time" => TIME.set(value),
         "add_message" => ADD_MESSAGE.set(value),
-        _ => return Err(PyValueError::new_err(format!("nothing here is called {name}"))),
+        _ => {
+            return Err(PyValueError::new_err(format!(
+                "{name} cannot be replaced: use 'time' or 'add_message'"
+            )));
+        }
     }
     Ok(())
 }
@@ -68,12 +72,12 @@ fn time_module(py: Python<'_>) -> PyResult<&(Py<PyDict>, Py<PyAny>)> {
     Ok(TIME_MODULE.get_or_init(|| (names.unbind(), function.unbind())))
 }
 
-/// Remembers the clock while it is still the system's.
+/// Remembers the system's clock before a program can replace it.
 pub(crate) fn prepare(py: Python<'_>) -> PyResult<()> {
     time_module(py).map(drop)
 }
 
-/// Seconds since 1970, by the program's clock: it may have replaced `mavutil.time`, or `time.time`.
+/// Seconds since 1970 by the program's clock: the program may have replaced `mavutil.time` or `time.time`.
 #[inline]
 pub(crate) fn now(py: Python<'_>) -> PyResult<f64> {
     let (names, original) = time_module(py)?;
@@ -85,7 +89,7 @@ pub(crate) fn now(py: Python<'_>) -> PyResult<f64> {
     if function.is(original) { Ok(unix_seconds()) } else { function.invoke1(())?.extract() }
 }
 
-/// `mavutil.add_message(messages, kind, message)`, as far as there is room.
+/// Calls `mavutil.add_message(messages, kind, message)`, or stores the message natively within the limits of `room`.
 #[inline]
 pub(crate) fn add_message(
     messages: &Bound<'_, PyDict>,

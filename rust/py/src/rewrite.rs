@@ -192,5 +192,8 @@ fn named(path: &Path, error: io::Error) -> PyErr {
 }
 
 fn no_times(path: &Path) -> PyErr {
-    PyValueError::new_err(format!("{} is a raw stream, which has no time stamps", path.display()))
+    PyValueError::new_err(format!(
+        "{}: a raw stream has no time stamps, and this needs them",
+        path.display()
+    ))
 }

@@ -219,7 +219,7 @@ impl Signing {
         }
     }
 
-    /// The same where the program has its own `check_signature`.
+    /// Checks a signature with the program's own `check_signature`.
     fn accept_by_method(
         &self,
         mav: &Bound<'_, MAVLink>,

@@ -1,4 +1,4 @@
-//! `StatusTexts`: the texts of STATUSTEXT messages, those of several messages joined. See `mavwire_core::telemetry`.
+//! `StatusTexts`: joins long texts that several STATUSTEXT messages carry. See `mavwire_core::telemetry`.
 
 use mavwire_core::telemetry::{StatusTexts as Texts, TextFields};
 use pyo3::prelude::*;

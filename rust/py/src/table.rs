@@ -225,8 +225,8 @@ impl RecordBatches {
         Ok(Self::new(Arc::clone(&self.schema), vec![whole.slice(start, rows)]))
     }
 
-    /// A table without rows with the columns of all tables of one type that an iterator gives, `(path of the log, table)`
-    /// each. `ValueError` where two logs have columns of one name and no common type.
+    /// An empty table with the columns of all `tables`, pairs of `(path of the log, table)` of one message type. `ValueError`
+    /// if columns of one name in two logs have no common type.
     #[staticmethod]
     fn common(tables: &Bound<'_, PyIterator>) -> PyResult<Self> {
         let mut common = CommonSchema::default();
@@ -238,7 +238,7 @@ impl RecordBatches {
         Ok(Self::new(schema, Vec::new()))
     }
 
-    /// The same rows with the columns that `common` gave for several logs; what does not fit them is null.
+    /// The same rows with the columns of a table that `common` made. Values that do not fit are null.
     fn fitted(&self, py: Python<'_>, like: &Self) -> PyResult<Self> {
         let fit_all = || self.batches.iter().map(|batch| fit(batch, &like.schema)).collect();
         let fitted: Result<Vec<_>, ArrowError> = py.detach(fit_all);
@@ -248,7 +248,7 @@ impl RecordBatches {
         ))
     }
 
-    /// An Arrow stream of tables that an iterator gives, with the columns of this one, which `common` gave.
+    /// An Arrow stream of the tables of an iterator, with the columns of this table, which `common` made.
     fn stream<'py>(
         &self,
         py: Python<'py>,

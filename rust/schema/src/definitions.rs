@@ -69,7 +69,7 @@ pub struct EnumEntryDef {
     pub line: u32,
     /// Status marks.
     pub status: Status,
-    /// `value`, from -2^63 to 2^64 - 1; `None` means highest value of the file so far plus one.
+    /// `value`, from -2^63 to 2^64 - 1; `None` means the highest value of the file so far plus one.
     pub value: Option<i128>,
     /// `hasLocation="true"`.
     pub has_location: bool,

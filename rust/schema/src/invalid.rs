@@ -1,14 +1,14 @@
-//! Values that stand for none: the attribute `invalid` of a field.
+//! Invalid values: the attribute `invalid` of a field.
 //!
-//! `NaN`, `-1` or `UINT16_MAX` is a scalar without a value. Of arrays, `[x]` marks each element that is `x`, `[x:]` marks all
-//! elements if the first is `x`, and `[x,,y]` marks the elements in the places of its numbers. (MAVLink guide, "MAVLink XML
-//! schema": `invalid`.)
+//! `NaN`, `-1` or `UINT16_MAX` is the invalid value of a scalar. In arrays, `[x]` marks each element that is `x`, and `[x:]`
+//! marks all elements if the first is `x`. `[x,,y]` marks elements that equal the number at their position. (MAVLink guide,
+//! "MAVLink XML schema": `invalid`.)
 
 use crate::definitions::FieldType;
 use crate::dialect::{Enum, Field};
 use crate::number::parse_value;
 
-/// Which values of a field stand for none.
+/// The invalid values of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Invalid {
     field_type: FieldType,
@@ -17,11 +17,11 @@ pub struct Invalid {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Marks {
-    /// Each element that is this one.
+    /// Each element with this value.
     Each(Number),
-    /// All elements, if the first is this one.
+    /// All elements, if the first has this value.
     First(Number),
-    /// Elements by their places; the others always have a value.
+    /// Invalid values by position. Elements without a number are always valid.
     Places(Vec<Option<Number>>),
 }
 
@@ -32,7 +32,7 @@ enum Number {
 }
 
 impl Invalid {
-    /// Of a field; `None` where each of its values is one, and for an attribute that makes no sense with its type.
+    /// The invalid values of a field; `None` without the attribute, or if it makes no sense for the type.
     pub fn of(field: &Field, enums: &[Enum]) -> Option<Self> {
         let text = field.invalid.as_deref()?.trim();
         let entries = || {
@@ -67,14 +67,14 @@ impl Invalid {
         (!field.is_char()).then_some(Self { field_type: field.field_type, marks })
     }
 
-    /// Whether elements have a value each on their own; else all have one or none.
+    /// Whether single elements can be invalid; otherwise all are or none is.
     pub fn is_by_element(&self) -> bool {
         !matches!(self.marks, Marks::First(_))
     }
 
-    /// Whether an element stands for no value. `field` begins with the bytes of the field on the wire.
+    /// Whether an element is invalid. `field` begins with the bytes of the field on the wire.
     #[inline]
-    #[allow(clippy::float_cmp)] // the definition means this value and no other
+    #[allow(clippy::float_cmp)] // exactly the value of the definition
     pub fn is_invalid(&self, field: &[u8], element: usize) -> bool {
         let (number, element) = match &self.marks {
             Marks::Each(number) => (*number, element),
@@ -122,7 +122,7 @@ fn number(text: &str, field_type: FieldType) -> Option<Number> {
         _ => parse_value(text),
     };
     match field_type {
-        // As the field holds it, so that 0.1 is equal to the nearest float.
+        // Rounded to the type of the field, so that 0.1 equals the float that is sent.
         FieldType::F32 => match limit {
             Some(limit) => Some(Number::Float(f64::from(limit as f32))),
             None => text.parse::<f32>().ok().map(|float| Number::Float(f64::from(float))),

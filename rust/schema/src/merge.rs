@@ -98,7 +98,7 @@ fn merge_parts(mut parts: Parts) -> Result<Enum, SchemaError> {
     Ok(merged)
 }
 
-/// All entries with their values, those of included files first.
+/// All entries with their values. Entries of included files come first.
 fn number_entries(parts: Parts) -> Result<Vec<(Place, EnumEntry)>, SchemaError> {
     let mut merged: Option<NumberedPart> = None;
     for (file, definition) in parts {
@@ -111,11 +111,11 @@ fn number_entries(parts: Parts) -> Result<Vec<(Place, EnumEntry)>, SchemaError> 
     Ok(merged.map(|merged| merged.entries).unwrap_or_default())
 }
 
-/// The entries of an enum in one file, each with a value. Numbers go over the wire: they are those of pymavlink's generator,
-/// whose modules and headers the other side uses.
+/// The entries of an enum in one file, each with a value. The values are those of pymavlink's generator: the other side uses
+/// its modules and headers.
 struct NumberedPart {
     entries: Vec<(Place, EnumEntry)>,
-    /// Indices of the entries without a value in the definitions, the main file's first.
+    /// Indices of entries that have no value in the definitions. Those of the main file come first.
     automatic: Vec<usize>,
     lowest: i128,
     highest: i128,
@@ -142,8 +142,8 @@ impl NumberedPart {
         Ok(part)
     }
 
-    /// Puts the entries of an included file in front. Where its range of values meets that of the first file, entries
-    /// without a value move behind it; otherwise they stay.
+    /// Puts the entries of an included file in front. If its range of values overlaps that of the first file, entries without
+    /// a value move behind it. Otherwise they stay.
     fn extend(&mut self, included: Self) -> Result<(), SchemaError> {
         if self.lowest <= included.highest && included.lowest <= self.highest {
             let mut highest = included.highest;

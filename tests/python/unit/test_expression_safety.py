@@ -394,7 +394,7 @@ def test_keys_that_change_for_ever_are_refused(call: str) -> None:
     ],
 )  # fmt: skip
 def test_filters_keep_numbers_under_short_keys(call: str) -> None:
-    with pytest.raises(ExpressionError, match="not a number, or with a long key"):
+    with pytest.raises(ExpressionError, match="not a number, or its key has more"):
         evaluate_expression(call, {})
 
 

@@ -133,12 +133,12 @@ def test_a_file_without_a_parameter_is_called_so(
     name = file(tmp_path, text)
     assert mavparm.MAVParmDict().load(name)
     said = capsys.readouterr()
-    assert "Loaded 0 parameters from" in said.out and f"no parameter in {name}: a line" in said.err
+    assert "Loaded 0 parameters from" in said.out and f"{name}: no parameters found" in said.err
     good = tmp_path / "good.parm"
     good.write_text("A 1\n")
     for names in ([name, str(good)], [str(good), name]):
         for command in ("parmdiff", "extract_parms"):
             assert cli.main([command, *names]) == 1
-            assert f"no parameter in {name}" in capsys.readouterr().err
+            assert f"{name}: no parameters found" in capsys.readouterr().err
     assert mavparm.MAVParmDict().load(str(good), wildcard="B*")
     assert "no parameter" not in capsys.readouterr().err

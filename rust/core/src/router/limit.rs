@@ -11,14 +11,14 @@ use crate::frame::Header;
 use crate::kind_hash::KindHash;
 
 /// Streams whose pace is remembered: message types times components. Only made-up addresses are more than that, and what
-/// finds no room passes: who makes them up must not stop a genuine stream.
+/// finds no room passes: made-up streams must not stop a genuine one.
 const MAX_STREAMS: usize = 1 << 16;
 /// Those that are through with their last message are looked for no more often than this.
 const SWEEP_INTERVAL: u64 = 100_000_000;
 const SECOND: f64 = 1e9;
 
-/// The stream of a frame: a message type from a component over a link, or a group of them. Without the link, somebody who
-/// sends in the name of a component would use up its rate. What the bridge itself sends comes from no link.
+/// The key of a frame's stream: a message type from a component over a link, or over a group of links. Without the link, a
+/// forger could use up the rate of a component. Messages of the bridge itself come from no link.
 pub(super) fn stream_key(&Header { msgid, sysid, compid, .. }: &Header, source: LinkSet) -> u64 {
     let origin = source.iter().next().map_or(0, |link| u64::from(link.0) + 1);
     origin << 40 | u64::from(msgid) << 16 | u64::from(sysid) << 8 | u64::from(compid)
@@ -29,7 +29,7 @@ fn msgid_of(stream: u64) -> u32 {
     (stream >> 16) as u32 & 0x00FF_FFFF
 }
 
-/// A moment for each stream. Those that have passed are forgotten when room is needed.
+/// The next send time of each stream. Times in the past are removed when room is needed.
 #[derive(Debug, Clone, Default)]
 struct Streams {
     moments: HashMap<u64, u64, KindHash>,
@@ -38,7 +38,7 @@ struct Streams {
 }
 
 impl Streams {
-    /// Puts a message of a stream on its account, if there is room for another stream.
+    /// Counts a message of a stream, if there is room for its stream.
     fn advance(&mut self, key: u64, interval: u64, now: u64) {
         if let Some(due) = self.moments.get_mut(&key) {
             *due = (*due).max(now).saturating_add(interval);
@@ -106,7 +106,7 @@ impl Limiter {
         }
     }
 
-    /// Whether a frame of `len` bytes of a `stream` may leave, the one that has this `number` at all links.
+    /// Whether a frame of `len` bytes of a `stream` may leave. `number` identifies the frame at all links.
     pub(super) fn admit(&mut self, stream: u64, len: usize, number: u64, now: u64) -> bool {
         let msgid = msgid_of(stream);
         let interval = self.interval_of(msgid);

@@ -1,8 +1,8 @@
 //! The last timestamp of every verified stream.
 //!
-//! Only genuine frames get in, and only so many: peers choose `link_id`, `sysid` and `compid` themselves. In a full table the
-//! stream that has been silent for longest makes room. Its last timestamp becomes a floor for its link id: a stream that is
-//! not in the table has to begin above it, so that no frame is believed twice.
+//! Only genuine frames add streams. The table is bounded, since peers choose `link_id`, `sysid` and `compid` themselves. A new
+//! stream replaces the one silent for longest if the table is full. The last timestamp of the replaced stream becomes the
+//! floor of its link id: a stream that is not in the table has to begin above it. So no frame is accepted twice.
 
 /// Streams a table holds unless told otherwise.
 const DEFAULT_CAPACITY: usize = 1024;
@@ -21,9 +21,8 @@ pub struct StreamId {
 #[derive(Debug, Clone, Copy)]
 struct StreamEntry {
     id: StreamId,
-    /// The last one.
     timestamp: u64,
-    /// When it came, counted in timestamps of the table.
+    /// The number of timestamps that the table had seen when it came.
     heard: u64,
 }
 
@@ -33,7 +32,7 @@ pub struct StreamTable {
     streams: Vec<StreamEntry>,
     capacity: usize,
     heard: u64,
-    /// By link id, the least timestamp of a stream that is not in the table; empty while none made room.
+    /// The least timestamp of a new stream by link id. Empty until a stream is replaced.
     floors: Vec<u64>,
 }
 
@@ -44,7 +43,7 @@ impl Default for StreamTable {
 }
 
 impl StreamTable {
-    /// A table for `capacity` streams, one at least.
+    /// A table for `capacity` streams, at least one.
     pub fn with_capacity(capacity: usize) -> Self {
         Self { streams: Vec::new(), capacity: capacity.max(1), heard: 0, floors: Vec::new() }
     }
@@ -64,7 +63,7 @@ impl StreamTable {
         self.find(id).ok().map(|at| self.streams[at].timestamp)
     }
 
-    /// The least timestamp that is none of a replay, for a stream that was looked for.
+    /// The least timestamp of a stream that is not a replay. `at` comes from `find`.
     #[inline]
     pub(super) fn least(&self, at: Result<usize, usize>, id: StreamId) -> u64 {
         match at {
@@ -73,18 +72,18 @@ impl StreamTable {
         }
     }
 
-    /// The least timestamp with which a stream with a link id may begin: 0 unless one made room.
+    /// The least timestamp of a new stream with this link id: 0 unless a stream with it was replaced.
     pub fn floor(&self, link_id: u8) -> u64 {
         self.floors.get(usize::from(link_id)).copied().unwrap_or(0)
     }
 
-    /// Sets the last timestamp of a stream. A new one may take the place of another.
+    /// Sets the last timestamp of a stream. A new stream replaces another if the table is full.
     pub fn set(&mut self, id: StreamId, timestamp: u64) {
         self.put(self.find(id), id, timestamp, u64::MAX);
     }
 
-    /// Sets the last timestamp of a stream that was looked for. If it is new to a full table, another one makes room, if
-    /// possible one without timestamps beyond the `horizon`: these would make a floor that only wrong clocks reach.
+    /// Sets the last timestamp of a stream. `at` comes from `find`. A new stream replaces another if the table is full, one
+    /// with a timestamp up to `horizon` if possible: later ones would make a floor that only wrong clocks reach.
     #[inline]
     pub(super) fn put(
         &mut self,
@@ -119,7 +118,7 @@ impl StreamTable {
         self.find(id).ok().map(|at| self.streams.remove(at).timestamp)
     }
 
-    /// Forgets all streams. Those that made room stay refused.
+    /// Forgets all streams. The floors of replaced streams stay.
     pub fn clear(&mut self) {
         self.streams.clear();
     }
@@ -129,7 +128,7 @@ impl StreamTable {
         self.streams.len()
     }
 
-    /// How many it has room for.
+    /// The largest number of streams.
     pub fn capacity(&self) -> usize {
         self.capacity
     }

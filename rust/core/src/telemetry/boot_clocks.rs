@@ -1,26 +1,26 @@
-//! What the clocks since start (`time_boot_ms`) of one sender id tell: starts, and several senders behind one id.
+//! Derives reboots, and several senders behind one id, from the clocks since boot (`time_boot_ms`) of a sender id.
 
-/// A clock that goes back by more milliseconds says that the sender started anew. By less it goes back, too, where messages
-/// overtake each other. Times this near belong to one clock.
+/// A clock that goes back by more milliseconds is a reboot. It goes back by less when messages overtake each other. Times
+/// this near belong to one clock.
 const REBOOT_MS: u32 = 5000;
-/// 32 bits of milliseconds begin again after 49.7 days. A clock that was so near to the end has not started anew.
+/// 32 bits of milliseconds wrap after 49.7 days. A jump from so near to the end is no reboot.
 const WRAP_MS: u32 = 3_600_000;
-/// Clocks that are remembered.
+/// The number of clocks that are remembered.
 const CLOCKS: usize = 4;
-/// So many returns to an older clock show that senders send by turns. A late message makes two.
+/// So many returns to an older clock show that several senders share the id. A late message makes two returns.
 const RETURNS: u64 = 3;
 
 /// The clocks of one sender id.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BootClocks {
-    /// The newest times of each clock, the clock heard last first.
+    /// The newest time of each clock. The clock heard last comes first.
     clocks: [Option<u32>; CLOCKS],
     starts: u64,
     returns: u64,
 }
 
 impl BootClocks {
-    /// Takes in the next `time_boot_ms`.
+    /// Adds the next `time_boot_ms`.
     #[inline]
     pub fn hear(&mut self, millis: u32) {
         match self.clocks[0] {
@@ -47,7 +47,7 @@ impl BootClocks {
         self.returns >= RETURNS
     }
 
-    /// How often the sender started anew; not known of several.
+    /// The number of reboots; 0 if several senders share the id.
     pub fn reboots(&self) -> u64 {
         if self.is_shared() { 0 } else { self.starts }
     }
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_wraps_is_none() {
+    fn a_clock_that_wraps_is_no_reboot() {
         let wrapping = (0..200_u32).map(|n| 4_294_900_000_u32.wrapping_add(1000 * n));
         assert_eq!(heard(wrapping), (0, false));
         assert_eq!(heard([4_294_000_000, 60_000]), (0, false));

@@ -1,10 +1,10 @@
-//! Where messages say how long their sender has been running.
+//! Reads `time_boot_ms`, the time since the start of the sender, from messages.
 
 use mavwire_schema::{Dialect, FieldType, Message};
 
 use crate::codec::read;
 
-/// The place of `time_boot_ms` in the payload of each message of a dialect.
+/// The offset of `time_boot_ms` in the payload of each message of a dialect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BootTimes {
     /// By message index.
@@ -12,12 +12,12 @@ pub struct BootTimes {
 }
 
 impl BootTimes {
-    /// Looks through the definitions of a dialect.
+    /// The offsets in the messages of a dialect.
     pub fn of(dialect: &Dialect) -> Self {
         Self { offsets: dialect.messages.iter().map(offset).collect() }
     }
 
-    /// Milliseconds since the sender's start. Senders leave fields empty that they do not know: 0 is no time.
+    /// Milliseconds since the sender's start. 0 is no time: senders leave unknown fields empty.
     #[inline]
     pub fn millis(&self, index: u16, payload: &[u8]) -> Option<u32> {
         let offset = (*self.offsets.get(usize::from(index))?)?;

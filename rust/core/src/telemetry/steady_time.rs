@@ -1,9 +1,9 @@
-//! A time that never goes back, made of the times of records.
+//! Makes a time that never goes back from the times of records.
 
-/// A smaller step back is no change of the clock: messages of two links overtake each other.
+/// A smaller step back is no change of the clock: messages of two links can overtake each other.
 const CLOCK_STEP: u64 = 1_000_000;
 
-/// Adds up how long a log goes on, whatever its clock does. A clock that was set back goes on from where it was.
+/// The duration of a log, in spite of changes of its clock. A clock that was set back goes on from where it was.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SteadyTime {
     before: Option<u64>,

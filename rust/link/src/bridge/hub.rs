@@ -25,7 +25,7 @@ pub struct Latest {
     pub info: FrameInfo,
     /// Its bytes.
     pub frame: Vec<u8>,
-    /// Of a STATUSTEXT, the last text that ended, which several messages may have brought.
+    /// The last complete text of a STATUSTEXT; several messages may have carried it.
     pub text: Option<Vec<u8>>,
     /// Frames of its kind so far.
     count: u64,
@@ -49,7 +49,7 @@ struct State {
     /// By [`key`].
     latest: HashMap<u64, Latest, KindHash>,
     count: u64,
-    /// Parts of texts, with their sender.
+    /// Parts of long texts by sender.
     texts: StatusTexts<(u8, u8)>,
     taps: Vec<Arc<TapShared>>,
     link_names: HashMap<u32, String>,
@@ -72,7 +72,7 @@ fn forget_oldest(latest: &mut HashMap<u64, Latest, KindHash>) {
     latest.retain(|_, one| one.order > last);
 }
 
-/// The text that ends with a STATUSTEXT.
+/// The text that a STATUSTEXT completes.
 fn text_of(texts: &mut StatusTexts<(u8, u8)>, frame: &[u8]) -> Option<Vec<u8>> {
     let header = Header::parse(frame)?;
     let payload = &frame.get(header.len()..)?.get(..usize::from(header.payload_len))?;

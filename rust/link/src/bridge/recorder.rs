@@ -21,7 +21,7 @@ use crate::wording::in_words;
 const MAX_PENDING: usize = 16 << 20;
 /// More than this is written without waiting for the interval to end.
 const EAGER: usize = 256 << 10;
-/// How long the end of a recording waits for the disk.
+/// Longest wait for the disk at the end of a recording.
 const CLOSE_TIME: Duration = Duration::from_millis(1_500);
 /// Logs that can be begun in one second.
 const MAX_TRIES: u32 = 1_000;
@@ -63,12 +63,12 @@ struct State {
     records: u64,
     stats: RecordingStats,
     stopping: bool,
-    /// Everything is written.
+    /// Everything has been written.
     ended: bool,
 }
 
 impl State {
-    /// Makes room where the disk is too slow. The newest records are those that tell how a flight ended.
+    /// Makes room if the disk is too slow. The newest records stay: they show how a flight ended.
     fn drop_older_half(&mut self) {
         let (mut len, mut count) = (0, 0);
         for record in lengths(&self.pending) {

@@ -34,11 +34,11 @@ const STATE_TYPES: [&str; 6] = ["MODE", "MSG", "PARM", "STAT", "ORGN", "VER"];
 #[pyclass(frozen, subclass, weakref, module = "mavwire._native")]
 pub(crate) struct DataflashReader {
     state: Lock<State>,
-    /// Nobody replaced what the quick paths stand for.
+    /// No method that the fast path skips was replaced.
     quick: AtomicBool,
 }
 
-/// Methods whose replacement turns the quick paths off.
+/// Methods that the fast path skips. If one of them is replaced, the fast path is off.
 const QUICK_METHODS: [&str; 5] =
     ["recv_msg", "_parse_next", "_add_msg", "_set_time", "skip_to_type"];
 
@@ -179,8 +179,8 @@ impl DataflashReader {
         Ok(())
     }
 
-    /// Goes through the log while others run. What `walk` calls with the offset it has come to calls `progress` with each
-    /// new whole percent, and returns false when that, or a signal, ends it. `ValueError` if the log is closed.
+    /// Goes through the log without the global lock. `walk` gets a function to call with its offset. The function calls
+    /// `progress` at each new percent, and returns false if that fails or a signal arrives. `ValueError` if the log is closed.
     fn walk<T: Send>(
         &self,
         py: Python<'_>,
@@ -189,7 +189,7 @@ impl DataflashReader {
     ) -> PyResult<T> {
         let state = self.state.lock(py);
         let len = state.len.max(1);
-        // With a buffer of its own: other threads, and what `progress` calls, read on meanwhile.
+        // With its own buffer: other threads and `progress` may read from the log meanwhile.
         let mut source = state.source.clone().ok_or_else(closed)?;
         drop(state);
         let (mut percent, mut failed) = (0, None);
@@ -392,7 +392,7 @@ impl DataflashReader {
         slf.invoke_method0(intern!(slf.py(), "_parse_next"))
     }
 
-    /// The same, taken into `messages` and the state by `_add_msg`.
+    /// The next message, after `_add_msg` has updated `messages` and the state.
     fn _parse_next<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, DFMessage>>> {
         let py = slf.py();
         let found = slf.get().state.lock(py).next(slf.as_any(), false, false, BUDGET)?;
@@ -421,9 +421,9 @@ impl DataflashReader {
     /// The next message of the given types (a name or a collection of names) for which `condition` holds; None at the
     /// end.
     ///
-    /// The types of the first call after a rewind are the ones that later calls visit. A call with types goes on where the
-    /// last one ended, whatever was read without types in between. Types that tell the state of the vehicle are read as
-    /// well unless `strict`. `blocking` means nothing for a log.
+    /// The types of the first call after a rewind are the types that later calls visit. A call with types goes on where the
+    /// last such call ended, even if messages were read without types in between. Types with the state of the vehicle are
+    /// read as well unless `strict`. `blocking` has no effect.
     #[pyo3(signature = (condition=None, r#type=None, blocking=false, strict=false))]
     fn recv_match<'py>(
         slf: &Bound<'py, Self>,
@@ -460,7 +460,7 @@ impl DataflashReader {
         Ok(py.None().into_bound(py))
     }
 
-    /// Moves to the next record that a filtered read would give, or to the end; filtered reads go on behind it.
+    /// Moves to the next record of a filtered read, or to the end. Filtered reads go on behind it.
     #[pyo3(signature = (r#type, strict=false))]
     fn skip_to_type(
         &self,

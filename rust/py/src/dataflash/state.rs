@@ -55,7 +55,7 @@ pub(super) struct State {
     pub(super) len: u64,
     /// Layouts that a filtered read visits; `None` before the first after a rewind.
     pub(super) latched: Option<Vec<bool>>,
-    /// Where the next filtered read looks, wherever `offset` is: other reads and jumps in between do not move it.
+    /// The position of the next filtered read. Other reads and jumps move `offset` and not this one.
     pub(super) filtered_offset: u64,
     pub(super) messages: Py<PyDict>,
     /// The clock, if Python need not be asked for the time.
@@ -95,8 +95,8 @@ impl State {
         }
     }
 
-    /// Reads the next record of the wanted layouts, looking at `budget` records at most. It gets its time from the native
-    /// clock if there is one and `stamps` says so.
+    /// Reads the next record of the wanted layouts, and looks at no more than `budget` records. With `stamps` the native clock,
+    /// if there is one, sets its time.
     pub(super) fn next(
         &mut self,
         owner: &Bound<'_, PyAny>,
@@ -176,7 +176,7 @@ impl State {
     }
 }
 
-/// The error of reading a log that was closed.
+/// The error for reads from a closed log.
 pub(super) fn closed() -> PyErr {
     pyo3::exceptions::PyValueError::new_err("the log is closed")
 }

@@ -15,7 +15,7 @@ pub(super) fn text_of(bytes: &[u8]) -> String {
     decode_line(&bytes[..memchr::memchr(0, bytes).unwrap_or(bytes.len())])
 }
 
-/// The value as it is stored; texts as bytes with all their NULs, arrays as `array.array`.
+/// The stored value: texts are bytes with all their NULs, arrays are `array.array`.
 pub(super) fn stored<'py>(py: Python<'py>, value: Value<'_>) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::Integer(number) => number.into_pyobject(py)?.into_any(),

@@ -58,7 +58,7 @@ const MAX_COLUMN_NAMES_LEN: usize = 16 * MAX_COLUMNS;
 
 /// A line without the white space at its end.
 ///
-/// The delimiter behind `FMT, 10, 3, STRT, ` or behind a name alone stays: such lines are of types without fields.
+/// The delimiter behind `FMT, 10, 3, STRT, ` or behind a name alone stays: the types of such lines have no fields.
 pub fn trimmed(line: &[u8]) -> &[u8] {
     let end = line.iter().rposition(|byte| !byte.is_ascii_whitespace());
     let end = end.map_or(0, |end| end + 1);

@@ -1,4 +1,4 @@
-//! Whether the records of a telemetry log have time stamps, told by its first bytes.
+//! Recognises by the first bytes of a telemetry log whether its records have time stamps.
 
 use std::iter;
 use std::ops::Range;
@@ -7,23 +7,23 @@ use super::{FoundRecord, RecordScanner, STAMP_LEN, Stamp, is_date};
 use crate::frame::{MAX_FRAME_LEN, STX_V1, STX_V2};
 use crate::registry::Registry;
 
-/// Good records in a row that no other kind of log has.
+/// So many good records in a row occur in no other kind of file.
 const SURE_RECORDS: usize = 3;
 
-/// Of so many dates one at most goes back.
+/// At most one of so many dates goes back.
 const DATES_BACK: usize = 8;
 
-/// What a log looks like.
+/// The form of the records of a telemetry log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Framing {
-    /// Records of time stamp and frame.
+    /// Each record is a time stamp and a frame.
     Stamped,
-    /// Frames alone.
+    /// Each record is a frame: a raw stream.
     Raw,
 }
 
 impl Framing {
-    /// Bytes of a record in front of its frame.
+    /// Length of a record in front of its frame.
     pub fn lead(self) -> usize {
         match self {
             Self::Stamped => STAMP_LEN,
@@ -31,13 +31,13 @@ impl Framing {
         }
     }
 
-    /// What a log is that begins with these bytes: the way in which more records follow each other, or failing that the one in
-    /// which the first record is good, or the one of which frames have dates in front, in their order, or none.
+    /// The form of a log that begins with these bytes: the one in which more records follow each other. If both have as many,
+    /// it is the form whose first record is good. After that, ordered dates in front of the frames decide.
     pub fn of(head: &[u8], registry: &Registry) -> Self {
         let stamped: Vec<_> = Self::Stamped.records(head, registry).collect();
         let is_dated = are_dated(stamped.iter().filter_map(|one| Stamp::parse(&head[one.start..])));
         if is_dated && !begins_with_frame(head) && is_whole(&stamped, head) {
-            return Self::Stamped; // as nearly every log: frames alone need not be looked for
+            return Self::Stamped; // nearly every log: the search for frames alone is saved
         }
         let raw: Vec<_> = Self::Raw.records(head, registry).collect();
         let begins = |found: &[Range<usize>]| found.first().is_some_and(|first| first.start == 0);
@@ -46,12 +46,12 @@ impl Framing {
         if for_raw > for_stamped { Self::Raw } else { Self::Stamped }
     }
 
-    /// Whether these bytes have good records one behind the other in either form: chance makes no three of them.
+    /// Whether these bytes have [`SURE_RECORDS`] good records in a row in either form.
     pub fn is_in(head: &[u8], registry: &Registry) -> bool {
         [Self::Stamped, Self::Raw].into_iter().any(|framing| framing.has_row(head, registry))
     }
 
-    /// The same of this form. Fewer records do where there is nothing else.
+    /// Whether the records are of this form for certain. Fewer records are enough if the bytes hold nothing else.
     pub fn is_sure(self, head: &[u8], registry: &Registry) -> bool {
         let bytes = || self.records(head, registry).map(|one| one.len()).sum::<usize>();
         self.has_row(head, registry) || !head.is_empty() && bytes() == head.len()
@@ -66,14 +66,14 @@ impl Framing {
         })
     }
 
-    /// Bytes that good records have in the form that gives more of them.
+    /// The length of all good records, in the form that has more of them.
     pub fn bytes_in(head: &[u8], registry: &Registry) -> usize {
         let bytes =
             |framing: Self| framing.records(head, registry).map(|one| one.len()).sum::<usize>();
         bytes(Self::Stamped).max(bytes(Self::Raw))
     }
 
-    /// Where the good records of known messages are in these bytes.
+    /// The ranges of good records of known messages.
     fn records(self, head: &[u8], registry: &Registry) -> impl Iterator<Item = Range<usize>> {
         let (mut scanner, mut at) = (self.scanner(), 0);
         iter::from_fn(move || {
@@ -93,7 +93,7 @@ impl Framing {
         })
     }
 
-    /// What finds its records.
+    /// A scanner for records of this form.
     pub fn scanner(self) -> RecordScanner {
         match self {
             Self::Stamped => RecordScanner::new(),
@@ -106,7 +106,7 @@ fn begins_with_frame(head: &[u8]) -> bool {
     head.first().is_some_and(|first| matches!(*first, STX_V1 | STX_V2))
 }
 
-/// Whether these records are all that there is, but for one that goes on behind the head.
+/// Whether these records fill the head. The last one may be cut off.
 fn is_whole(records: &[Range<usize>], head: &[u8]) -> bool {
     let all = following(records) + 1 == records.len();
     let (first, last) = (records.first(), records.last());
@@ -114,13 +114,13 @@ fn is_whole(records: &[Range<usize>], head: &[u8]) -> bool {
         && last.is_some_and(|last| head.len() - last.end < STAMP_LEN + MAX_FRAME_LEN)
 }
 
-/// How many records begin where the one in front of them ends.
+/// The number of records that begin where the previous one ends.
 fn following(records: &[Range<usize>]) -> usize {
     records.windows(2).filter(|two| two[0].end == two[1].start).count()
 }
 
-/// Whether most of what stands in front of frames are dates, of which hardly one goes back: the ends of HEARTBEATs, which look
-/// like dates as well, do half of the time.
+/// Whether most frames have a date in front, and hardly any date goes back. The ends of HEARTBEATs look like dates too, but
+/// half of them go back.
 fn are_dated(stamps: impl Iterator<Item = Stamp>) -> bool {
     let (mut frames, mut dates, mut back, mut last) = (0, 0, 0, 0);
     for stamp in stamps.map(Stamp::micros) {
