@@ -382,5 +382,5 @@ def test_overridden_methods_are_called_or_warn(
     assert not never
 
 
-# docs/compatibility.md says so: a method of a message class, replaced in the class itself.
+# Not called, as docs/compatibility.md says: methods assigned to a message class.
 LEFT = (("MAVLink_heartbeat_message", "_pack"), ("MAVLink_heartbeat_message", "sign_packet"))
