@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""`cargo check` for systems that nobody here has. `make targets`.
+"""`cargo check` for other systems than this one: `make targets`.
 
-`cargo check` links nothing, but build scripts compile C: zig stands in for the compiler of each system. A target whose
-standard library rustup cannot fetch is named and left out.
+`cargo check` links nothing, but build scripts compile C. zig is the C compiler for each system. A target is skipped, with a
+message, if rustup cannot fetch its standard library.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ TARGETS = {
     "x86_64-pc-windows-gnu": "x86_64-windows-gnu",
     "aarch64-apple-darwin": "aarch64-macos",
 }
-# zig has names of its own for targets: what the `cc` crate says of them is taken out.
+# zig has its own names for targets. The arguments of the `cc` crate with other names are removed.
 COMPILER = """#!/bin/sh
 for argument; do
     shift

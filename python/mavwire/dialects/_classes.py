@@ -4,8 +4,8 @@ pymavlink's modules are self-contained: each has its own ``MAVLink_message``, ``
 messages of two modules never compare equal and catching one module's ``MAVError`` does not catch another's. So the
 classes are made here once per module, around the native ones.
 
-Annotations are evaluated in this file: ``inspect`` and ``typing.get_type_hints`` find types, as in pymavlink. What only a
-type checker needs is quoted, since ``typing`` is not imported.
+Annotations are evaluated in this file: ``inspect`` and ``typing.get_type_hints`` find types, as in pymavlink. Annotations
+that only a type checker needs are quoted, since ``typing`` is not imported.
 """
 
 import struct
@@ -256,7 +256,7 @@ def _message_class_maker(
 class LazyFunction:
     """``MAVLink.<name>_encode`` or ``_send``, or a message's ``__init__``, before its first use.
 
-    To compile all of them would take a second. Whoever asks for one gets the real function, which replaces this object.
+    To compile all of them would take a second. The first access to one compiles the function, which replaces this object.
     """
 
     __slots__ = ("_make", "_message", "_owner")

@@ -1,11 +1,10 @@
-"""Where a large log may be cut, so that its parts give exactly the rows of the whole.
+"""Finds cuts of a large log, so that its parts give exactly the rows of the whole log.
 
-What a reader finds at a place depends on the bytes before it: whether it stands in the middle of
-damage, which time it believed last, which unknown ids it has met. So the log is read once, without
-making tables, and is cut only at places the reader came by where none of that matters: between good
-records, far from damage, in a log that holds no unknown ids. Where there are none, it stays whole.
-A raw stream does too: its times depend on all frames before. What kind of log it
-is goes with each part: nobody has to guess that again by what a part begins with.
+The records at a position depend on the bytes before it: on damage, on the last believed time, and on
+unknown ids. So the log is read once without making tables, and cut between good records, far from
+damage. A log with unknown ids is not cut, and a log without such positions stays whole. A raw stream
+stays whole, too: its times depend on all frames before. Each part is given the kind of the log, so it
+need not be recognised by the bytes of the part.
 """
 
 from __future__ import annotations

@@ -72,11 +72,10 @@ def convert(
     """Convert logs of any kind to `out/MESSAGE/LOG.parquet` (or .csv, .jsonl, .arrow), or to
     `out/LOG.mcap`, which holds all messages.
 
-    `fields`, `units`, `enums` and `invalid` are those of `mavwire.read`. MCAP has values as they are
-    sent, and none where they stand for none, unless `invalid="keep"`. `csv_safe` puts an apostrophe in front of
-    texts in CSV files that begin with = + - @, a tab or a line break and are no numbers: a
-    spreadsheet would take them for formulas. A log with more than 1,000 types is refused unless
-    `types` names those that are wanted.
+    `fields`, `units`, `enums` and `invalid` are those of `mavwire.read`. MCAP has values as sent,
+    without invalid values unless `invalid="keep"`. `csv_safe` puts an apostrophe in front of texts in
+    CSV files that begin with = + - @, a tab or a line break, except numbers: a spreadsheet would run
+    them as formulas. A log with more than 1,000 types is refused unless `types` names some.
     Returns a row for each log, in the order given, and writes them to `out/manifest.json`. Logs
     that the manifest has with the same size, time, options and definitions, and whose files are all there, are
     not converted again. Logs of one name are numbered, and keep their numbers in later runs. With

@@ -170,7 +170,7 @@ class DataflashLog(Log):
         """Tables of several types in one pass: `mavwire.read` on this log.
 
         `systems` is there for `TelemetryLog`; ValueError for anything but None. `enums` and
-        `invalid` change nothing: no column has an enum or a value that stands for none.
+        `invalid` have no effect: columns have no enums and no invalid values.
         """
         fields = None if fields is None else names_of(fields)
         columns = None if wide else fields  # all: one of them tells instances apart

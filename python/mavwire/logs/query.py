@@ -37,7 +37,7 @@ class Query:
     enum_names: bool = False
     null_invalid: bool = False
     csv_safe: bool = False
-    """An apostrophe in front of texts in CSV files that a spreadsheet would take for formulas."""
+    """CSV files have an apostrophe in front of texts that a spreadsheet would run as formulas."""
     untimed: bool = False
     """Records without times are wanted whatever `start` and `end` are; else that is an error."""
     batch_rows: int | None = None
@@ -201,7 +201,7 @@ def no_record_type(name: object, described: Iterable[str]) -> str:
 
 
 def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:
-    """The table of a message that is not in a log; of the wanted columns those that it has."""
+    """An empty table of a message, with those of the wanted columns that it has."""
     if query.columns is None:
         return empty_table(native, msgid, query)
     every = empty_table(native, msgid, replace(query, columns=None)).names

@@ -80,8 +80,8 @@ def read(
 
     `types`, `systems`, `start` and `end` are those of `TelemetryLog.messages`; `fields` names the
     fields that become columns. `units="si"` scales values to SI units (angles stay degrees or
-    radians), `enums="names"` makes names of enum values. `invalid="null"` makes nulls of values that
-    stand for none, such as 65535 mV or NaN, as the definitions say; `"keep"` keeps them. The default
+    radians), `enums="names"` makes names of enum values. `invalid="null"` makes nulls of
+    invalid values, such as 65535 mV or NaN, as the definitions say; `"keep"` keeps them. The default
     is "null" with `units="si"` and "keep" otherwise. A file ending in gzip or zstd is
     decompressed on the way. Types that are asked for and are not in the log give empty tables.
     `wide=True` gives types with an instance field as `Table.wide` does, a column for each instance.

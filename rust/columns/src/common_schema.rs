@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_widen_whatever_the_order() {
+    fn numbers_widen_in_any_order() {
         let kinds = [
             (Int8, UInt8, Int16),
             (Int16, UInt8, Int16),

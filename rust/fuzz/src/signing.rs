@@ -58,8 +58,8 @@ fn signed_frame(input: &mut Input<'_>, timestamp: u64) -> (Vec<u8>, bool) {
     (frame, genuine)
 }
 
-/// The streams that were verified: timestamp of the last frame and when it came, by stream. And by link id, the last
-/// timestamps of those that made room.
+/// The verified streams: the timestamp of the last frame, and when it came. And by link id, the last timestamps of replaced
+/// streams.
 #[derive(Default)]
 struct Account {
     known: BTreeMap<StreamId, (u64, u64)>,
@@ -68,7 +68,7 @@ struct Account {
 }
 
 impl Account {
-    /// Takes note of a genuine frame; the longest silent makes room, those far ahead of the clock last.
+    /// Notes a genuine frame. It may replace the longest silent stream; streams far ahead of the clock are replaced last.
     fn note(&mut self, id: StreamId, timestamp: u64, now: Option<u64>) {
         if !self.known.contains_key(&id) && self.known.len() == CAPACITY {
             let ahead = |timestamp| now.is_some_and(|now| timestamp > now + NEW_STREAM_WINDOW);

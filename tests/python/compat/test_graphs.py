@@ -31,7 +31,7 @@ CASES = (
 
 
 def draw(command: list[str], folder: Path, run: tuple[str, ...] = ()) -> list[str]:
-    """What a program prints that draws in a folder; `run` is how Python runs it."""
+    """The output of a program that draws in a folder; `run` is how Python runs it."""
     result = subprocess.run(
         [sys.executable, *run, RECORDER, *command],
         capture_output=True, check=True, cwd=folder, env=environment(), timeout=250,

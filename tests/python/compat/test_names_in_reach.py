@@ -34,7 +34,7 @@ for name in ("mavextra", "mavexpression", "rotmat", "quaternion", "mavwp", "mavp
             print(name, found)
 """
 
-# Each name of a module replaced, and ordinary use: what was called.
+# Replaces each name of a module, and notes which ones ordinary use calls.
 HOOKED = f"""
 sys.path.insert(0, {str(Path(__file__).parents[1])!r})
 from differential import hooked
@@ -44,7 +44,7 @@ PAGE = Path(__file__).parents[3] / "docs" / "compatibility.md"
 
 
 def test_replaced_names_are_called_or_warn(oracle: str, tmp_path: Path) -> None:
-    """A program that replaces a name of a module is told where that has no effect."""
+    """A warning says so if the replacement of a name has no effect."""
     ours, theirs = (
         {
             tuple(line.split()[:2]): line.split()[2]

@@ -18,7 +18,7 @@ SCRIPTS = Path(sys.executable).parent
 
 
 def result_of(command: list[str], folder: Path) -> subprocess.CompletedProcess[bytes]:
-    """What Python does with a program and its arguments in `folder`."""
+    """The result of a program with its arguments in `folder`."""
     return subprocess.run(
         [sys.executable, *command],
         capture_output=True, check=False, cwd=folder, env=environment(), timeout=250,

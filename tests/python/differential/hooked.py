@@ -38,7 +38,7 @@ LOOK_UPS = ("__getitem__", "get", "__contains__", "items", "keys", "values", "__
 
 
 def watched(value: Any, calls: list[str]) -> Any:
-    """What behaves as `value` and notes when it is used; None where that cannot be made."""
+    """A replacement that behaves as `value` and notes its uses; None if that is not possible."""
     if isinstance(value, types.ModuleType) or type(value).__module__.startswith("mavwire"):
         return WatchedModule(value, calls)
     if inspect.isclass(value):

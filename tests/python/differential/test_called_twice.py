@@ -129,7 +129,7 @@ def logs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def shown(value: Any) -> Any:
-    """What can be compared of a value: numbers by value, messages by text and time, times of now as such."""
+    """The comparable part of a value: numbers by value, messages by text and time, current times as such."""
     if isinstance(value, float) and abs(value - time.time()) < NOW:
         return "now"
     if value is None or isinstance(value, (bool, int, float, str, bytes)):
@@ -159,7 +159,7 @@ OF_TEXT_LOGS = ("type_nums", "offset")
 
 
 class Script:
-    """What one package answers, line by line."""
+    """The answers of one package, line by line."""
 
     attributes: list[str]
 

@@ -1,4 +1,4 @@
-"""Hooks of real programs, in both packages: what they see, and what comes of it.
+"""Hooks of real programs, in both packages: the calls they see, and their effects.
 
 A test clock, a bound on the memory for newest messages, readers and messages of a program's own.
 """
@@ -200,7 +200,7 @@ def test_a_message_class_of_the_program(agree: Callable[[Scenario], Any]) -> Non
 
 
 def test_classes_of_a_dialect_module(agree: Callable[[Scenario], Any]) -> None:
-    """What is sent, bad and unknown is made of the classes that the module has now."""
+    """Sent, bad and unknown messages are made of the classes that are now in the module."""
 
     def scenario(package: workload.Package, patch: pytest.MonkeyPatch) -> Any:
         mavlink = package.mavutil.mavlink

@@ -63,7 +63,7 @@ class Package:
         return str(self.folder / name)
 
     def use(self, parts: Iterable[Callable[[Package], None]]) -> None:
-        """Run the parts. What was replaced may break one of them, which then ends early."""
+        """Run the parts. A replacement may break one of them, which then ends early."""
         for part in parts:
             self.mavutil.set_dialect("all")
             with contextlib.suppress(Exception):
@@ -103,7 +103,7 @@ def telemetry_log(package: Package, kind: Any) -> None:
 
 
 def command(link: Any) -> None:
-    """What a program asks of a link, and sends with it."""
+    """The calls of a program to a link, with sends."""
     link.mode_mapping(), link.param("P1"), link.field("ATTITUDE", "roll"), link.packet_loss()
     link.mav.heartbeat_send(1, 2, 3, 4, 5)
     link.param_fetch_all(), link.param_fetch_one("X"), link.param_set_send("X", 1)
@@ -179,7 +179,7 @@ def tcpin(package: Package, kind: Any) -> None:
 
 
 def bare_link(package: Package, kind: Any) -> None:
-    """What a program makes of mavfile: a link over something of its own."""
+    """A link of a program, derived from mavfile."""
 
     class Own(kind):
         def __init__(self) -> None:

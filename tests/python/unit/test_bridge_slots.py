@@ -21,7 +21,7 @@ SILENCE = 5.2
 
 
 class Door:
-    """A server of a bridge, and those who come in."""
+    """A server of a bridge, and its clients."""
 
     def __init__(self, bridge: Bridge, stack: ExitStack, endpoint: str, name: str = "door") -> None:
         bridge.add(endpoint, name=name)
@@ -85,7 +85,7 @@ def test_a_crowd_of_one_address_keeps_no_other_one_out(endpoint: str) -> None:
 
 @pytest.mark.parametrize("endpoint", [UDP, TCP])
 def test_a_frame_now_and_then_keeps_no_slot(endpoint: str) -> None:
-    """Of the silent ones who never sent a command makes room, and who is heard stays."""
+    """A silent peer without a command is replaced first, and active peers stay."""
     with Bridge() as bridge, ExitStack() as stack:
         door = Door(bridge, stack, endpoint)
         (commander,) = door.fill(STATION, 1)

@@ -1,4 +1,4 @@
-"""Values that stand for none, by the attribute `invalid` of the definitions: nulls, or kept."""
+"""Invalid values, by the attribute `invalid` of the definitions: nulls, or kept."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ UNKNOWN = [65535] * 9
 
 
 def messages(known: bool) -> list[Any]:
-    """A message of each form of the attribute; its values stand for something, or for nothing."""
+    """A message with each form of the attribute, with valid or invalid values."""
     covariance = [0.5] * 21
     return [
         mavlink.MAVLink_gps_raw_int_message(

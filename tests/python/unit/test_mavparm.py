@@ -113,7 +113,7 @@ QGC = """# Onboard parameters for Vehicle 1
 def test_files_of_qgroundcontrol_load_by_their_contents(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Those of the first component; what another one has is shown."""
+    """Parameters of the first component are loaded; lines of another one are shown."""
     parameters = mavparm.MAVParmDict()
     assert parameters.load(file(tmp_path, QGC))
     assert parameters == {"ATC_RAT_YAW_FLTT": 20.0, "AUTO_OPTIONS": 3.0}

@@ -98,7 +98,7 @@ def test_a_clock_days_ahead_shuts_out_nobody() -> None:
 
 
 def test_more_streams_than_there_is_room_for() -> None:
-    """R55: the longest silent makes room, and nothing of it is believed again. Forged ones take no place."""
+    """R55: the longest silent stream is replaced, and none of its frames is accepted again. Forged ones add none."""
     link = Capture()
     link.setup_signing(KEY, initial_timestamp=0)
     systems = [(1 + n // 250, 1 + n % 250) for n in range(STREAMS)]

@@ -253,7 +253,7 @@ fn r52_future_timestamps_are_limited_on_request() {
 }
 
 #[test]
-fn r40_r52_one_clock_that_is_days_ahead_closes_the_link_to_nobody() {
+fn r40_r52_one_fast_clock_shuts_out_no_peer() {
     let (mut state, now) = (receiver(), 100 * MAX_LOCAL_LEAD);
     let ahead = now + 5 * MAX_LOCAL_LEAD;
     assert_eq!(check(&mut state, &signed(ahead, 3), Some(now)), GOOD_NEW);
@@ -265,7 +265,7 @@ fn r40_r52_one_clock_that_is_days_ahead_closes_the_link_to_nobody() {
 }
 
 #[test]
-fn r40_timestamps_beyond_what_received_ones_can_do_are_the_measure_of_a_clock_that_went_back() {
+fn r40_timestamps_beyond_the_largest_lead_show_that_the_clock_went_back() {
     let (mut state, now) = (receiver(), 1000);
     state.timestamp = 100 * MAX_LOCAL_LEAD; // as a store kept it
     let local = 99 * MAX_LOCAL_LEAD;
@@ -276,7 +276,7 @@ fn r40_timestamps_beyond_what_received_ones_can_do_are_the_measure_of_a_clock_th
 }
 
 #[test]
-fn r55_the_stream_that_is_silent_for_longest_makes_room_and_cannot_be_replayed() {
+fn r55_the_longest_silent_stream_is_replaced_and_cannot_be_replayed() {
     let mut state = receiver();
     state.streams = StreamTable::with_capacity(2);
     assert_eq!(check(&mut state, &signed(1, 1), None), GOOD_NEW);
@@ -299,7 +299,7 @@ fn r55_the_stream_that_is_silent_for_longest_makes_room_and_cannot_be_replayed()
 }
 
 #[test]
-fn r55_a_clock_that_is_ahead_makes_no_floor_while_others_can_make_room() {
+fn r55_a_fast_clock_makes_no_floor_while_others_can_be_replaced() {
     let (mut state, now) = (receiver(), 100 * NEW_STREAM_WINDOW);
     state.streams = StreamTable::with_capacity(2);
     let ahead = now + MAX_LOCAL_LEAD;
@@ -324,7 +324,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
-    fn r39_r55_no_frame_is_believed_twice_whatever_makes_room(
+    fn r39_r55_no_frame_is_accepted_twice_after_replacements(
         frames in prop::collection::vec(any_frame(), 1..200),
         has_clock in any::<bool>(),
     ) {
@@ -391,7 +391,7 @@ fn r40_r52_who_looks_obeys_the_rules_of_who_receives() {
 }
 
 #[test]
-fn r41_who_only_looks_keeps_nothing_of_a_forged_frame() {
+fn r41_a_look_keeps_nothing_of_a_forged_frame() {
     let (mut state, mut seen) = (receiver(), Sightings::default());
     assert_eq!(check(&mut state, &signed(10, 3), None), GOOD_NEW);
     let forged = Verdict::Mismatch { stream: Stream::Known };
