@@ -2,7 +2,7 @@
 
 A line has a name and a value. A line of QGroundControl has vehicle id, component id, name, value and
 type. Spaces, tabs or commas separate them; `#` starts a comment. A file is read as a whole
-before the first value is used, so that a mistake at its end does not leave a vehicle with half of it.
+before the first value is used: a mistake at its end must not leave a vehicle with half of it.
 """
 
 from __future__ import annotations

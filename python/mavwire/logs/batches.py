@@ -18,8 +18,8 @@ class Batches:
 
     Where one type is scanned it is an Arrow stream too, which DuckDB, polars and
     `pyarrow.RecordBatchReader.from_stream` read in bounded memory. Each stream reads the logs from
-    their beginning. Its columns are those of the dialect, or of all dataflash logs that describe the
-    type; a column that a log does not have is null there.
+    their beginning. Its columns are those of the dialect, or of all dataflash logs with the
+    type. A column is null for a log that does not have it.
     """
 
     def __init__(

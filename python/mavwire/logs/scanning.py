@@ -39,10 +39,10 @@ def scan_polars(
 ) -> Any:
     """The messages of one type of one or many logs as a `polars.LazyFrame`.
 
-    Needs polars. Columns are those of the dialect, or of all dataflash logs that describe the type; a column that
-    a log does not have is null there. ValueError where columns of one name have no common type. The arguments are
-    those of `mavwire.scan`. The rows are read when the frame is collected, and before that the
-    descriptions of dataflash logs alone; a text column is always followed by `<name>_raw`.
+    Needs polars. Columns are those of the dialect, or of all dataflash logs with the type. A column is null for
+    a log that does not have it. ValueError if columns of one name have no common type. The arguments are
+    those of `mavwire.scan`. The rows are read when the frame is collected. Before that only the
+    descriptions of dataflash logs are read. A text column is always followed by `<name>_raw`.
     """
     with extra("data"):
         from polars.io.plugins import register_io_source
