@@ -308,7 +308,7 @@ def log_head(log: _Log, size: int) -> bytes:
     """The first `size` bytes of a log; of a compressed log that is cut off, those that are whole."""
 
 def is_stamped(path: str | PathLike[str]) -> bool | None:
-    """Whether the records of a telemetry log have time stamps; None if the file may be no telemetry log."""
+    """Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one."""
 
 def begins_as_text_log(head: bytes) -> bool:
     """Whether a dataflash text log begins like this, in UTF-8 or UTF-16."""

@@ -62,7 +62,7 @@ class Expression:
     conditional: bool = False
     """It has a value only where its condition holds."""
     places: frozenset[tuple[str, str, int | None]] = frozenset()
-    """The fields that it reads: message type, field, and the index of a single element."""
+    """Fields of messages that it reads: type, field, and the index where one element is named."""
 
     @property
     def type(self) -> str:
@@ -120,7 +120,7 @@ def _messages(trees: list[ast.Expression]) -> set[str]:
 def _places(
     trees: list[ast.Expression], types: frozenset[str]
 ) -> frozenset[tuple[str, str, int | None]]:
-    """The fields, and elements of fields, that expressions read."""
+    """The fields that expressions read, and elements of them."""
     found = set()
     for node in (node for tree in trees for node in ast.walk(tree)):
         item = node.value if isinstance(node, ast.Subscript) else node

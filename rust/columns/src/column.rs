@@ -51,7 +51,7 @@ pub struct Growing {
     valid: NullBufferBuilder,
     /// The elements of an array that have a value.
     valid_elements: NullBufferBuilder,
-    /// The invalid values of the field.
+    /// Which values stand for none.
     invalid: Option<Invalid>,
     /// Numbers of a row.
     elements: usize,

@@ -26,7 +26,7 @@ pub struct Options {
     pub si: bool,
     /// Enum values by name.
     pub enum_names: bool,
-    /// Invalid values become nulls.
+    /// Nulls in the place of values that stand for none.
     pub null_invalid: bool,
     /// The columns that are wanted, in their order; `None` for all.
     pub columns: Option<Vec<String>>,
@@ -82,7 +82,7 @@ pub struct Column {
     pub scale: Option<Scale>,
     /// What makes names of its values.
     pub names: Option<Names>,
-    /// The values that become nulls.
+    /// Which values become nulls.
     pub invalid: Option<Invalid>,
 }
 

@@ -139,7 +139,7 @@ impl LogScanner {
         let (Some(first), Some(last)) = (records.first(), records.last()) else { return };
         out.records.extend_from_slice(records);
         if let (Some(clock), Some(times)) = (&mut self.clock, &mut out.clock) {
-            return note_times(clock, block, records, times);
+            return hear(clock, block, records, times);
         }
         let mut before = Before::of(stamp_at(block, first.at));
         if self.after_damage
@@ -177,13 +177,8 @@ impl Scanned {
     }
 }
 
-/// Notes the records of a raw stream at which the time of its clock changes.
-fn note_times(
-    clock: &mut StreamClock,
-    block: &[u8],
-    records: &[Located],
-    times: &mut Vec<(u32, u64)>,
-) {
+/// Notes the records of a raw stream at which its clock shows another time.
+fn hear(clock: &mut StreamClock, block: &[u8], records: &[Located], times: &mut Vec<(u32, u64)>) {
     for &Located { at, index } in records {
         let before = clock.now();
         let now = clock.hear(index, &block[at as usize..]);

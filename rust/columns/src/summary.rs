@@ -43,9 +43,9 @@ pub(crate) struct RecordTime {
 }
 
 impl Count {
-    pub(crate) fn add(&mut self, time_of_record: Option<RecordTime>) {
+    pub(crate) fn add(&mut self, moment: Option<RecordTime>) {
         self.messages += 1;
-        let Some(RecordTime { time, steady }) = time_of_record else { return };
+        let Some(RecordTime { time, steady }) = moment else { return };
         if self.began.is_none() {
             self.first = time;
         }
@@ -153,11 +153,11 @@ impl Summary {
     ) {
         for record in &scanned.records {
             let Some(header) = header_at(block, record.at, lead) else { continue };
-            let time_of_record = self.add_time(scanned.time(block, record.at), gap);
+            let moment = self.add_time(scanned.time(block, record.at), gap);
             let payload = &block[record.at as usize + lead + header.len()..]
                 [..usize::from(header.payload_len)];
             let boot = boot_times.millis(record.index, payload);
-            self.add_record(record.index, &header, time_of_record, boot);
+            self.add_record(record.index, &header, moment, boot);
         }
         self.distrusted += scanned.distrusted.len() as u64;
         self.add_bad(&scanned.bad);
@@ -176,31 +176,30 @@ impl Summary {
                 }
             }
         }
-        let time_of_record = time.map(|time| RecordTime { time, steady: self.steady.of(time) });
-        self.count.add(time_of_record);
-        time_of_record
+        let moment = time.map(|time| RecordTime { time, steady: self.steady.of(time) });
+        self.count.add(moment);
+        moment
     }
 
     fn add_record(
         &mut self,
         index: u16,
         header: &Header,
-        time_of_record: Option<RecordTime>,
+        moment: Option<RecordTime>,
         boot: Option<u32>,
     ) {
         self.version1 += u64::from(header.version == WireVersion::V1);
         self.signed += u64::from(header.is_signed());
         if index != UNKNOWN {
-            self.types[usize::from(index)].add(time_of_record);
+            self.types[usize::from(index)].add(moment);
         } else if self.unknown.len() < MOST_LISTED || self.unknown.contains_key(&header.msgid) {
-            self.unknown.entry(header.msgid).or_default().add(time_of_record);
+            self.unknown.entry(header.msgid).or_default().add(moment);
         } else {
             self.unlisted += 1;
         }
         let sender = self.senders.entry((header.sysid, header.compid)).or_default();
-        sender.count.add(time_of_record);
-        match sender.sequence.add(header.seq, time_of_record.map_or(0, |of_record| of_record.time))
-        {
+        sender.count.add(moment);
+        match sender.sequence.add(header.seq, moment.map_or(0, |moment| moment.time)) {
             Heard::After(lost) => sender.lost += u64::from(lost),
             Heard::Late => sender.lost -= 1,
             Heard::Again => sender.repeated += 1,

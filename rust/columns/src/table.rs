@@ -116,7 +116,7 @@ impl TableBuilder {
         }
     }
 
-    /// Appends records that may have parts of texts. A text gets its row when it is complete.
+    /// The same where some records have parts of texts: a row for each text, when it is complete.
     fn append_joined(&mut self, rows: &Rows<'_>, long: &mut LongTexts) {
         for (row, &time) in rows.bytes.chunks_exact(rows.stride).zip(rows.times) {
             let Some(chunk) = long.fields.chunk(&row[PAYLOAD..]) else {

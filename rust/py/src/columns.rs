@@ -45,7 +45,7 @@ pub(crate) struct Query {
     si: bool,
     enum_names: bool,
     null_invalid: bool,
-    /// Guard CSV cells against formulas.
+    /// Cells of CSV files are no formulas.
     pub(crate) csv_safe: bool,
     /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
     untimed: bool,

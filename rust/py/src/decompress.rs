@@ -47,7 +47,7 @@ pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow
     Ok(Cow::Owned(head?.1))
 }
 
-/// Whether the records of a telemetry log have time stamps; None if the file may be no telemetry log.
+/// Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one.
 #[pyfunction]
 pub(crate) fn is_stamped(py: Python<'_>, path: PathBuf) -> PyResult<Option<bool>> {
     let framing = py.detach(|| input::telemetry_framing(files::open(&path)?))?;

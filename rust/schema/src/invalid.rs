@@ -32,7 +32,7 @@ enum Number {
 }
 
 impl Invalid {
-    /// The invalid values of a field; `None` without the attribute, or if it makes no sense for the type.
+    /// Of a field; `None` where each of its values is one, and for an attribute that makes no sense with its type.
     pub fn of(field: &Field, enums: &[Enum]) -> Option<Self> {
         let text = field.invalid.as_deref()?.trim();
         let entries = || {
@@ -122,7 +122,7 @@ fn number(text: &str, field_type: FieldType) -> Option<Number> {
         _ => parse_value(text),
     };
     match field_type {
-        // Rounded to the type of the field, so that 0.1 equals the float that is sent.
+        // As the field holds it, so that 0.1 is equal to the nearest float.
         FieldType::F32 => match limit {
             Some(limit) => Some(Number::Float(f64::from(limit as f32))),
             None => text.parse::<f32>().ok().map(|float| Number::Float(f64::from(float))),

@@ -2,7 +2,7 @@
 //!
 //! * `id` 0 is a text of one message. Other messages of one sender and `id` belong together, in the order of `chunk_seq`.
 //! * A NUL in the text, or less than a whole field, ends it: then the text is complete. Chunks that never came are `...`.
-//! * A text is given up, as far as it was heard, when its sender uses its `id` for another one or when [`MAX_OPEN_TEXTS`] newer
+//! * A text is given up, as far as it was heard, when its sender uses its `id` for another one or when [`MOST_OPEN`] newer
 //!   texts are open. It ends in `...` then.
 
 use mavwire_schema::Message;
@@ -10,7 +10,7 @@ use mavwire_schema::Message;
 use crate::codec::read;
 
 /// Texts that may be incomplete at once.
-pub const MAX_OPEN_TEXTS: usize = 16;
+pub const MOST_OPEN: usize = 16;
 /// What stands for bytes that were not received.
 const MISSING: &[u8] = b"...";
 
@@ -111,7 +111,7 @@ impl<T> StatusTexts<T> {
             place = None;
         }
         let at = place.unwrap_or_else(|| {
-            if self.open.len() == MAX_OPEN_TEXTS {
+            if self.open.len() == MOST_OPEN {
                 given_up = Some(self.open.remove(0).text(true));
             }
             let (id, first) = (chunk.id, first());
@@ -238,10 +238,7 @@ mod tests {
         for id in 1..=1000 {
             heard.hear(1, id, 255, &full('a'));
         }
-        assert_eq!(
-            (heard.found.len(), heard.texts.open.len()),
-            (1000 - MAX_OPEN_TEXTS, MAX_OPEN_TEXTS)
-        );
+        assert_eq!((heard.found.len(), heard.texts.open.len()), (1000 - MOST_OPEN, MOST_OPEN));
         assert_eq!(heard.found[0], (0, format!("...{}...", full('a'))));
     }
 }

@@ -13,10 +13,10 @@ const SURE_RECORDS: usize = 3;
 /// At most one of so many dates goes back.
 const DATES_BACK: usize = 8;
 
-/// The form of the records of a telemetry log.
+/// What a log looks like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Framing {
-    /// Each record is a time stamp and a frame.
+    /// Records of time stamp and frame.
     Stamped,
     /// Each record is a frame: a raw stream.
     Raw,
