@@ -182,7 +182,7 @@ audit: | $(BIN)/python ## Check licences and sources of all crates, and look up 
 	@$(BIN)/python tools/audit.py
 
 .PHONY: targets
-targets: $(VENV)/.requirements-targets ## Check that it compiles for other systems (TARGETS="aarch64-apple-darwin")
+targets: $(VENV)/.requirements-targets ## Check that mavwire compiles for other systems (TARGETS="aarch64-apple-darwin")
 	@$(BIN)/python tools/check_targets.py $(TARGETS)
 
 .PHONY: sbom

@@ -25,7 +25,7 @@ MAX_KEPT = 64
 
 
 class Surveys:
-    """Surveys of the logs of a scan. The first `MAX_KEPT` are kept, since their columns are needed before their rows."""
+    """Surveys of the logs of a scan. The first `MAX_KEPT` are kept for the pass that reads rows."""
 
     def __init__(self) -> None:
         self._kept: dict[str, tuple[tuple[int, int], DataflashTables]] = {}
