@@ -116,30 +116,32 @@ impl TableBuilder {
         }
     }
 
-    /// The same where some records have parts of texts: a row for each text, when it is complete.
+    /// The same with a row for each text, when it is complete.
     fn append_joined(&mut self, rows: &Rows<'_>, long: &mut LongTexts) {
+        let LongTexts { fields, texts } = long;
         for (row, &time) in rows.bytes.chunks_exact(rows.stride).zip(rows.times) {
-            let Some(chunk) = long.fields.chunk(&row[PAYLOAD..]) else {
-                let (times, bytes, stride) = (&[time][..], row, rows.stride);
-                self.append_whole(&Rows { times, bytes, stride, texts: &[] });
-                continue;
-            };
-            let found = long.texts.hear((row[0], row[1]), chunk, || (time, row.to_vec()));
-            self.append_texts_of(found);
+            let (sender, payload) = ((row[0], row[1]), &row[PAYLOAD..]);
+            let found = texts.receive(*fields, sender, payload, || (time, row.to_vec()));
+            self.append_texts_of(found, *fields);
         }
     }
 
-    fn append_texts_of(&mut self, found: Vec<(TextRow, Vec<u8>)>) {
+    fn append_texts_of(&mut self, found: Vec<(TextRow, Vec<u8>)>, fields: TextFields) {
         for ((time, row), text) in found {
             let (times, bytes, stride) = (&[time][..], &row[..], row.len());
-            self.append_whole(&Rows { times, bytes, stride, texts: &[text] });
+            // The bytes behind the NUL of a whole text are in its row only.
+            let is_own = fields.text(&row[PAYLOAD..]) == text;
+            let texts = if is_own { &[][..] } else { &[text] };
+            self.append_whole(&Rows { times, bytes, stride, texts });
         }
     }
 
     /// Appends the incomplete texts at the end of the log.
     pub(crate) fn finish(&mut self) {
-        let left = self.long_texts.as_mut().map(|long| long.texts.finish());
-        self.append_texts_of(left.unwrap_or_default());
+        if let Some(LongTexts { fields, texts }) = &mut self.long_texts {
+            let (left, fields) = (texts.finish(), *fields);
+            self.append_texts_of(left, fields);
+        }
     }
 
     fn append_whole(&mut self, rows: &Rows<'_>) {

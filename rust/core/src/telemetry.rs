@@ -8,6 +8,6 @@ mod stream_clock;
 
 pub use boot_clocks::BootClocks;
 pub use boot_time::BootTimes;
-pub use status_texts::{Chunk, MOST_OPEN, STATUSTEXT, StatusTexts, TextFields};
+pub use status_texts::{MOST_OPEN, STATUSTEXT, StatusTexts, TextFields};
 pub use steady_time::SteadyTime;
 pub use stream_clock::StreamClock;

@@ -264,16 +264,16 @@ impl<'a, 'py> Dump<'a, 'py> {
         if let Some((index, fields)) = &types.text
             && let Item::Known { index: known, payload, header, .. } = &item
             && known == index
-            && let Some(chunk) = fields.chunk(payload)
         {
             let first = || FirstPart { frame: frame.clone(), time: found.time };
-            let done = self.texts.hear((header.sysid, header.compid), chunk, first);
+            let sender = (header.sysid, header.compid);
+            let done = self.texts.receive(*fields, sender, payload, first);
             self.write_texts(done);
-            return Ok(());
+        } else {
+            self.set_clock(found.time)?;
+            let line = Line { time: found.time, clock: &self.clock.1, item: &item };
+            write_line(&mut self.lines, &types.style, &line);
         }
-        self.set_clock(found.time)?;
-        let line = Line { time: found.time, clock: &self.clock.1, item: &item };
-        write_line(&mut self.lines, &types.style, &line);
         if self.lines.len() >= CHUNK || self.records.len() >= CHUNK {
             self.flush()?;
         }

@@ -33,11 +33,8 @@ impl StatusTexts {
             return whole_text(message);
         };
         let own = || message.clone().unbind();
-        let found = match fields.chunk(payload) {
-            None => vec![(own(), fields.text(payload).to_vec())],
-            Some(chunk) => self.0.lock(py).hear((header.sysid, header.compid), chunk, own),
-        };
-        Ok(shown(py, found))
+        let sender = (header.sysid, header.compid);
+        Ok(shown(py, self.0.lock(py).receive(fields, sender, payload, own)))
     }
 
     /// Gives up the texts that are incomplete.

@@ -28,7 +28,7 @@ pub struct TextFields {
 
 /// A part of a long text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Chunk<'a> {
+struct Chunk<'a> {
     id: u16,
     seq: u8,
     text: &'a [u8],
@@ -62,7 +62,7 @@ impl TextFields {
     }
 
     /// The part that a message has; `None` where it has the whole text.
-    pub fn chunk<'a>(&self, payload: &'a [u8]) -> Option<Chunk<'a>> {
+    fn chunk<'a>(&self, payload: &'a [u8]) -> Option<Chunk<'a>> {
         let id = u16::from_le_bytes(read(payload, self.id));
         let (text, seq) = (self.text(payload), read::<1>(payload, self.seq)[0]);
         let is_last = text.len() < self.text_len;
@@ -93,8 +93,21 @@ impl<T> Default for StatusTexts<T> {
 }
 
 impl<T> StatusTexts<T> {
-    /// Takes in a part. Gives the texts that end with it: at most one that is given up, and its own.
-    pub fn hear(
+    /// Receives a message. Gives the texts that end with it: at most one that is given up, and its own.
+    pub fn receive(
+        &mut self,
+        fields: TextFields,
+        sender: (u8, u8),
+        payload: &[u8],
+        first: impl FnOnce() -> T,
+    ) -> Vec<(T, Vec<u8>)> {
+        match fields.chunk(payload) {
+            None => vec![(first(), fields.text(payload).to_vec())],
+            Some(chunk) => self.join(sender, chunk, first),
+        }
+    }
+
+    fn join(
         &mut self,
         sender: (u8, u8),
         chunk: Chunk<'_>,
@@ -186,10 +199,9 @@ mod tests {
             Self { texts: StatusTexts::default(), count: 0, found: Vec::new() }
         }
 
-        fn hear(&mut self, compid: u8, id: u16, seq: u8, text: &str) {
+        fn receive(&mut self, compid: u8, id: u16, seq: u8, text: &str) {
             let payload = payload(id, seq, text);
-            let chunk = fields().chunk(&payload).expect("a part");
-            let found = self.texts.hear((1, compid), chunk, || self.count);
+            let found = self.texts.receive(fields(), (1, compid), &payload, || self.count);
             let found = found
                 .into_iter()
                 .map(|(first, text)| (first, String::from_utf8(text).expect("ASCII")));
@@ -206,15 +218,15 @@ mod tests {
     fn parts_of_several_senders_and_texts_are_joined_by_number() {
         let (a, b) = (full('a'), full('b'));
         let mut heard = Heard::new();
-        assert_eq!(fields().chunk(&payload(0, 0, "short")), None);
-        heard.hear(1, 7, 0, &a);
-        heard.hear(2, 7, 0, &b);
-        heard.hear(1, 8, 1, &b);
-        heard.hear(1, 7, 0, &a); // over another link
-        heard.hear(1, 8, 0, &a);
-        heard.hear(2, 7, 1, "end");
-        heard.hear(1, 7, 1, "");
-        heard.hear(1, 8, 2, "end");
+        heard.receive(1, 7, 0, &a);
+        heard.receive(1, 0, 0, "short"); // whole
+        heard.receive(2, 7, 0, &b);
+        heard.receive(1, 8, 1, &b);
+        heard.receive(1, 7, 0, &a); // over another link
+        heard.receive(1, 8, 0, &a);
+        heard.receive(2, 7, 1, "end");
+        heard.receive(1, 7, 1, "");
+        heard.receive(1, 8, 2, "end");
         let expected = [(1, format!("{b}end")), (0, a.clone()), (2, format!("{a}{b}end"))];
         assert_eq!(heard.found, expected);
         assert_eq!(heard.texts.finish(), []);
@@ -224,10 +236,10 @@ mod tests {
     fn what_was_not_received_is_shown() {
         let (a, b) = (full('a'), full('b'));
         let mut heard = Heard::new();
-        heard.hear(1, 7, 1, &a);
-        heard.hear(1, 7, 3, "end");
-        heard.hear(1, 7, 0, &a);
-        heard.hear(1, 7, 0, &b); // another text
+        heard.receive(1, 7, 1, &a);
+        heard.receive(1, 7, 3, "end");
+        heard.receive(1, 7, 0, &a);
+        heard.receive(1, 7, 0, &b); // another text
         assert_eq!(heard.found, [(0, format!("...{a}...end")), (2, format!("{a}..."))]);
         assert_eq!(heard.texts.finish(), [(3, format!("{b}...").into_bytes())]);
     }
@@ -236,7 +248,7 @@ mod tests {
     fn few_texts_are_open() {
         let mut heard = Heard::new();
         for id in 1..=1000 {
-            heard.hear(1, id, 255, &full('a'));
+            heard.receive(1, id, 255, &full('a'));
         }
         assert_eq!((heard.found.len(), heard.texts.open.len()), (1000 - MOST_OPEN, MOST_OPEN));
         assert_eq!(heard.found[0], (0, format!("...{}...", full('a'))));

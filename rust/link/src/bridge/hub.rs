@@ -76,14 +76,9 @@ fn forget_oldest(latest: &mut HashMap<u64, Latest, KindHash>) {
 fn text_of(texts: &mut StatusTexts<(u8, u8)>, frame: &[u8]) -> Option<Vec<u8>> {
     let header = Header::parse(frame)?;
     let payload = &frame.get(header.len()..)?.get(..usize::from(header.payload_len))?;
-    match TextFields::STANDARD.chunk(payload) {
-        None => Some(TextFields::STANDARD.text(payload).to_vec()),
-        Some(chunk) => {
-            let sender = (header.sysid, header.compid);
-            let ended = texts.hear(sender, chunk, || sender).into_iter();
-            ended.rev().find(|&(of, _)| of == sender).map(|(_, text)| text)
-        }
-    }
+    let sender = (header.sysid, header.compid);
+    let ended = texts.receive(TextFields::STANDARD, sender, payload, || sender).into_iter();
+    ended.rev().find(|&(of, _)| of == sender).map(|(_, text)| text)
 }
 
 /// What event loop and program share.
