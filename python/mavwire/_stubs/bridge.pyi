@@ -92,7 +92,7 @@ class FrameBatch:
         self, *, units: str | None = None, enums: str | None = None, invalid: str | None = None
     ) -> dict[str, Table]:
         """A table for each message type, as `mavwire.read` gives of a log; ValueError for another
-        word than its `units`, `enums` and `invalid` have.
+        word than its `units`, `enums` and `invalid` have. Parts of a long text stay rows of their own.
         """
 
     def columns(self, query: Query) -> LogColumns:

@@ -82,6 +82,7 @@ impl Decoder {
         let new = |index| {
             let layout = Layout::new(registry, index as u16, *framing, options);
             let fields = TextFields::of(registry.message(index as u16));
+            let fields = fields.filter(|_| !options.text_parts);
             TableBuilder::new(Arc::new(layout)).with_long_texts(fields)
         };
         tables.append(pieces, done, new, append);

@@ -28,6 +28,8 @@ pub struct Options {
     pub enum_names: bool,
     /// Nulls in the place of values that stand for none.
     pub null_invalid: bool,
+    /// A row for each part of a long text, where the other parts may be elsewhere.
+    pub text_parts: bool,
     /// The columns that are wanted, in their order; `None` for all.
     pub columns: Option<Vec<String>>,
 }

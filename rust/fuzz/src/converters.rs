@@ -49,7 +49,7 @@ pub fn converters(data: &[u8]) {
         si: flags & 1 != 0,
         enum_names: flags & 2 != 0,
         null_invalid: flags & 8 != 0,
-        columns: None,
+        ..Options::default()
     };
     let limits = small_limits(&mut input);
     on_threads(flags & 4 != 0, || {

@@ -117,7 +117,7 @@ pub fn tables(data: &[u8]) {
         si: flags & 2 != 0,
         enum_names: flags & 4 != 0,
         null_invalid: flags & 8 != 0,
-        columns: None,
+        ..Options::default()
     };
     let (steps, limits) = (small_steps(&mut input, 1), small_limits(&mut input));
     let bytes = any_telemetry(input, framing.lead());

@@ -4,6 +4,7 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use mavwire_columns::input::Steps;
+use mavwire_columns::layout::Options;
 use mavwire_columns::reader::Reader;
 use mavwire_columns::scan::Framing;
 use mavwire_link::bridge::{FrameInfo, Frames, Hub};
@@ -108,7 +109,8 @@ impl FrameBatch {
             let (records, registry) = (self.records(), Arc::clone(&dialect.registry));
             let (size, wanted) = (records.len() as u64, query.wanted(dialect));
             let (framing, source) = (Some(Framing::Stamped), Box::new(Cursor::new(records)));
-            let (steps, options, limits) = (Steps::default(), query.options(), query.limits());
+            let options = Options { text_parts: true, ..query.options() };
+            let (steps, limits) = (Steps::default(), query.limits());
             Reader::new(steps, source, framing, registry, wanted, options, limits)
                 .map(|reader| reader.with_size(size))
         };

@@ -83,6 +83,7 @@ impl Query {
             si: self.si,
             enum_names: self.enum_names,
             null_invalid: self.null_invalid,
+            text_parts: false,
             columns: self.columns.clone(),
         }
     }

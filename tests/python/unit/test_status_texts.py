@@ -72,6 +72,17 @@ def test_batches_and_blocks_make_no_difference(log: Path) -> None:
     assert found == TEXTS
 
 
+def test_a_batch_of_a_bridge_has_a_row_for_each_message() -> None:
+    with Bridge() as bridge, bridge.frames(max_batch=1) as batches:
+        rows = []
+        for part in parts(LONG, 7):
+            bridge.send(part)
+            table = next(batches).tables()["STATUSTEXT"].to_numpy()
+            rows += zip(table["text"], table["id"], table["chunk_seq"], strict=True)
+    text = LONG.encode()
+    assert rows == [(text[:50].decode(), 7, 0), (text[50:].decode(), 7, 1)]
+
+
 @pytest.mark.parametrize("options", [[], ["--show-types"], ["--types", "STATUSTEXT"]])
 def test_json_has_a_line_for_each_text(
     log: Path, options: list[str], capsys: pytest.CaptureFixture[str]
