@@ -44,6 +44,10 @@ class LogLink(Link):
         heartbeats and parameters stand.
         """
 
+    @property
+    def _stamped(self) -> bool:
+        """Records have time stamps, whether or not messages are stamped with them."""
+
     def pre_message(self) -> None:
         """Reads the time stamp of the next record."""
 

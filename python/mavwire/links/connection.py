@@ -211,10 +211,13 @@ def _telemetry_log(device: str, o: Options) -> Any:
         # The index depends on the policy, so that it has to be known before it is made.
         resync = {} if o.resync is None else {"resync": o.resync}
         return state.public.mavmmaplog(device, progress_callback=o.progress_callback, **resync)
-    return state.public.mavlogfile(
+    log = state.public.mavlogfile(
         device, planner_format=o.planner_format, write=o.write, append=o.append,
         robust_parsing=o.robust_parsing, notimestamps=unstamped, **o.common,
     )  # fmt: skip
+    # A raw stream that was recognised has the times of its own clock, those of `open_log`.
+    log.notimestamps = o.notimestamps
+    return log
 
 
 def _log(device: str, kind: str, o: Options) -> Any:

@@ -75,7 +75,7 @@ class LogFile:
         """Bytes that are left; 0 if these are but the beginning of a record."""
         here, link = self.tell(), self._link
         left: int = max(link.filesize - here, 0)
-        whole = left >= RECORD_HEAD or link.notimestamps or here in self._frame
+        whole = left >= RECORD_HEAD or not link._stamped or here in self._frame
         return left if whole else 0
 
     def read_frame(self, size: int | None = None) -> bytes:

@@ -28,7 +28,8 @@ PLANNER_TIME_LEN = 21
 class mavlogfile(LogLink, mavfile):
     """A log file as a link. Opened to be written (`write`), it takes whole records.
 
-    `notimestamps`: a raw stream without record headers; messages are stamped with `uptime`.
+    `notimestamps`: a raw stream without record headers; messages are stamped with `uptime`. Set to
+    False later, they have the times of the stream's clock; see `mavlink_connection`.
     `robust_parsing` is accepted and has no effect: damage is always BAD_DATA.
     """
 
@@ -99,7 +100,7 @@ class mavlogfile(LogLink, mavfile):
         for, just as much as the parser waits for, is read as it stands.
         """
         file = self.f
-        if n == self.mav.bytes_needed() or self.notimestamps or not isinstance(file, LogFile):
+        if n == self.mav.bytes_needed() or not self._stamped or not isinstance(file, LogFile):
             return LogLink.recv(self, n)
         return b"" if file.closed else file.read_frame(n)
 

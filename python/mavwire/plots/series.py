@@ -232,8 +232,9 @@ def _from_messages(
     messages: dict[str, Any] = {}
     types = [*wanted, *(how.xaxis.types if how.xaxis is not None else ()), "MODE"]
     for msg, link in vehicle_messages(path, types, how.system, how.dialect):
-        if not changes or changes[-1][1] != link.flightmode:
-            changes.append((msg._timestamp, link.flightmode))
+        time = time_of(msg)
+        if isfinite(time) and (not changes or changes[-1][1] != link.flightmode):
+            changes.append((time, link.flightmode))
         kind, messages = msg.get_type(), link.messages
         if kind not in wanted or not _holds(how.condition, link):
             continue
@@ -293,7 +294,7 @@ class _Collector:
             self._mixed = kind
         try:
             number = nan if self._lacks_value(messages) else _number(self.expression, messages)
-            place = msg._timestamp if self._xaxis is None else _number(self._xaxis, messages)
+            place = time_of(msg) if self._xaxis is None else _number(self._xaxis, messages)
         except Exception as error:  # whatever a function of an expression raises
             self._failed += 1
             self._error = self._error or in_words(error)
@@ -347,6 +348,12 @@ def _number(expression: Expression, messages: dict[str, Any]) -> float | None:
     if value is None and not expression.conditional and expression.types <= messages.keys():
         return nan  # as of a division by zero
     return None if value is None else as_number(value)
+
+
+def time_of(msg: Any) -> float:
+    """When a message came; NaN in front of the first clock of a raw stream."""
+    time: float = msg._timestamp
+    return time if time or hasattr(msg, "fmt") else nan
 
 
 def is_instance(msg: Any, number: int) -> bool:

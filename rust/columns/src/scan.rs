@@ -13,7 +13,7 @@ use mavwire_core::log::tlog::{
     Before, FoundRecord, Located, RecordScanner, Runs, Stamp, find_runs,
 };
 use mavwire_core::registry::Registry;
-use mavwire_core::telemetry::{BootTimes, StreamClock};
+use mavwire_core::telemetry::StreamClock;
 use rayon::prelude::*;
 
 /// Bytes that are searched in one go: few enough for the last processor not to be waited for long.
@@ -53,8 +53,7 @@ impl LogScanner {
     /// A scanner at the start of a log.
     pub fn new(registry: Arc<Registry>, framing: Framing) -> Self {
         let scanner = framing.scanner();
-        let clock = || StreamClock::new(BootTimes::of(registry.dialect()));
-        let clock = (framing == Framing::Raw).then(clock);
+        let clock = (framing == Framing::Raw).then(StreamClock::default);
         Self { registry, scanner, clock, before: None, after_damage: false, stretch: STRETCH }
     }
 
@@ -139,7 +138,7 @@ impl LogScanner {
         let (Some(first), Some(last)) = (records.first(), records.last()) else { return };
         out.records.extend_from_slice(records);
         if let (Some(clock), Some(times)) = (&mut self.clock, &mut out.clock) {
-            return hear(clock, block, records, times);
+            return hear(clock, &self.registry, block, records, times);
         }
         let mut before = Before::of(stamp_at(block, first.at));
         if self.after_damage
@@ -178,10 +177,16 @@ impl Scanned {
 }
 
 /// Notes the records of a raw stream at which its clock shows another time.
-fn hear(clock: &mut StreamClock, block: &[u8], records: &[Located], times: &mut Vec<(u32, u64)>) {
+fn hear(
+    clock: &mut StreamClock,
+    registry: &Registry,
+    block: &[u8],
+    records: &[Located],
+    times: &mut Vec<(u32, u64)>,
+) {
     for &Located { at, index } in records {
         let before = clock.now();
-        let now = clock.hear(index, &block[at as usize..]);
+        let now = clock.hear(registry, index, &block[at as usize..]);
         times.extend(now.filter(|_| now != before).map(|now| (at, now)));
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use mavwire_core::frame::Header;
 use mavwire_core::registry::Registry;
-use mavwire_core::telemetry::{BootClocks, BootTimes, SteadyTime};
+use mavwire_core::telemetry::{BootClocks, SteadyTime};
 use mavwire_schema::WireVersion;
 
 use crate::error::Error;
@@ -126,13 +126,12 @@ impl Summary {
         let (mut blocks, framing) =
             Blocks::new(source).and_then(|b| b.with_framing(&registry)).map_err(Error::from)?;
         let mut scanner = LogScanner::new(Arc::clone(&registry), framing);
-        let boot_times = BootTimes::of(registry.dialect());
         let types = vec![Count::default(); registry.dialect().messages.len()];
         let mut sum = Self { stamped: framing == Framing::Stamped, types, ..Self::default() };
         loop {
             let next = blocks.next(|block, at_end| {
                 let found = scanner.scan(block, at_end);
-                sum.add(block, framing.lead(), &found, gap, &boot_times);
+                sum.add(block, framing.lead(), &found, gap, &registry);
                 (found.consumed, ())
             });
             if next.map_err(Error::from)?.is_none() {
@@ -143,20 +142,13 @@ impl Summary {
         }
     }
 
-    fn add(
-        &mut self,
-        block: &[u8],
-        lead: usize,
-        scanned: &Scanned,
-        gap: u64,
-        boot_times: &BootTimes,
-    ) {
+    fn add(&mut self, block: &[u8], lead: usize, scanned: &Scanned, gap: u64, registry: &Registry) {
         for record in &scanned.records {
             let Some(header) = header_at(block, record.at, lead) else { continue };
             let moment = self.add_time(scanned.time(block, record.at), gap);
             let payload = &block[record.at as usize + lead + header.len()..]
                 [..usize::from(header.payload_len)];
-            let boot = boot_times.millis(record.index, payload);
+            let boot = registry.boot_times().millis(record.index, payload);
             self.add_record(record.index, &header, moment, boot);
         }
         self.distrusted += scanned.distrusted.len() as u64;

@@ -3,7 +3,11 @@
 //! Ids are 24 bits wide but cluster: a directory of pages of 256 ids costs two loads per lookup and a few kilobytes per
 //! dialect. Page 0 of the table is the empty page that all unused directory entries point at.
 
+use std::sync::OnceLock;
+
 use mavwire_schema::{Dialect, Message};
+
+use crate::telemetry::BootTimes;
 
 const PAGE: usize = 256;
 const NO_MESSAGE: u16 = u16::MAX;
@@ -30,6 +34,7 @@ pub struct Registry {
     /// `directory[msgid / PAGE]`: number of the page in `entries`.
     directory: Box<[u16]>,
     entries: Box<[Entry]>,
+    boot_times: OnceLock<BootTimes>,
 }
 
 impl Registry {
@@ -55,7 +60,13 @@ impl Registry {
                 max_len: message.max_len,
             };
         }
-        Self { dialect, directory, entries: entries.into_boxed_slice() }
+        let (entries, boot_times) = (entries.into_boxed_slice(), OnceLock::new());
+        Self { dialect, directory, entries, boot_times }
+    }
+
+    /// Where its messages say how long their sender has been running.
+    pub fn boot_times(&self) -> &BootTimes {
+        self.boot_times.get_or_init(|| BootTimes::of(&self.dialect))
     }
 
     /// The dialect.

@@ -19,7 +19,7 @@ use mavwire_columns::summary::Summary;
 use mavwire_core::codec::{Number, number, text_bytes};
 use mavwire_core::frame::{FrameRef, Header};
 use mavwire_core::log::tlog::{FoundRecord, RecordScanner};
-use mavwire_core::telemetry::{BootTimes, StreamClock, TextFields};
+use mavwire_core::telemetry::{StreamClock, TextFields};
 use mavwire_schema::Message;
 
 use crate::dialects::ALL;
@@ -60,7 +60,7 @@ pub(crate) fn one_by_one(bytes: &[u8], framing: Framing) -> (Vec<Record>, u64) {
     };
     let (mut records, mut bad, mut at) = (Vec::<Record>::new(), 0, 0);
     let (mut after_damage, mut said) = (false, 0);
-    let mut clock = StreamClock::new(BootTimes::of(ALL.dialect()));
+    let mut clock = StreamClock::default();
     loop {
         match scanner.next(&bytes[at..], &ALL, true) {
             FoundRecord::Record { len, stamp, header, entry } => {
@@ -76,7 +76,7 @@ pub(crate) fn one_by_one(bytes: &[u8], framing: Framing) -> (Vec<Record>, u64) {
                 }
                 (after_damage, said) = (false, stamp);
                 let (frame, index) = (frame.bytes().to_vec(), entry.map(|entry| entry.index));
-                let now = clock.hear(index.unwrap_or(u16::MAX), &frame);
+                let now = clock.hear(&ALL, index.unwrap_or(u16::MAX), &frame);
                 let is_timed = framing == Framing::Stamped || now.is_some();
                 if framing == Framing::Raw {
                     time = now.unwrap_or(0);

@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-use mavwire_core::log::tlog::Stamp;
+use mavwire_core::log::tlog::{Framing, Stamp};
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
@@ -125,6 +125,26 @@ impl LogLink {
         Self::visit(slf, &[offset])
     }
 
+    /// Takes the time from a message of a raw stream that the reader has not seen as one.
+    fn hear_raw(slf: &Bound<'_, Self>, message: &Message) {
+        let mut state = slf.as_super().get().state();
+        let state = &mut *state;
+        if let (Some(reader), Some(mav), Some(info)) =
+            (state.reader.as_mut(), state.native_mav.as_ref(), message.info)
+            && let registry = &mav.get().dialect.get().registry
+            && let Some(entry) = registry.lookup(info.definition.id)
+        {
+            reader.hear_raw(registry, entry.index, &message.frame);
+            state.record_time = Some(reader.time);
+        }
+    }
+
+    /// Records have time stamps.
+    fn is_stamped(slf: &Bound<'_, Self>) -> bool {
+        let state = slf.as_super().get().state();
+        state.reader.as_ref().is_none_or(|reader| reader.framing == Framing::Stamped)
+    }
+
     fn call_slowly<'py>(
         slf: &Bound<'py, Self>,
         method: &str,
@@ -181,7 +201,8 @@ impl LogLink {
 
     /// Opens the file for reading; `stamped` says that its records have time stamps, `now` is the clock.
     fn _open_reader(slf: &Bound<'_, Self>, path: PathBuf, stamped: bool, now: f64) -> PyResult<()> {
-        let reader = LogReader::open(&path, stamped, now)?;
+        let framing = if stamped { Framing::Stamped } else { Framing::Raw };
+        let reader = LogReader::open(&path, framing, now)?;
         let mut state = slf.as_super().get().state();
         state.record_time = Some(reader.time);
         state.reader = Some(Box::new(reader));
@@ -253,6 +274,12 @@ impl LogLink {
         slf.as_super().get().state().reader.as_ref().and_then(|reader| reader.last_good)
     }
 
+    /// Records have time stamps, whether or not messages are stamped with them.
+    #[getter]
+    fn _stamped(slf: &Bound<'_, Self>) -> bool {
+        Self::is_stamped(slf)
+    }
+
     /// Number of the link that the current record came from.
     #[getter]
     fn _link(slf: &Bound<'_, Self>) -> u8 {
@@ -279,6 +306,7 @@ impl LogLink {
 
     /// Takes a message into the state, stamped with its record's time and link number.
     fn post_message(slf: &Bound<'_, Self>, msg: &Bound<'_, Message>) -> PyResult<()> {
+        Self::hear_raw(slf, msg.get());
         Self::settle(slf, msg)
     }
 

@@ -9,9 +9,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mavwire_core::frame::MAX_FRAME_LEN;
-use mavwire_core::log::tlog::{Before, MAX_JUMP, STAMP_LEN, Stamp};
+use mavwire_core::log::tlog::{Before, Framing, MAX_JUMP, STAMP_LEN, Stamp};
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::Resync;
+use mavwire_core::telemetry::StreamClock;
 use mavwire_link::records::{AtOffset, RecordFinder};
 use mavwire_link::window::FileWindow;
 
@@ -28,6 +29,11 @@ pub(crate) fn seconds(stamp: Stamp) -> f64 {
     stamp.micros() as f64 * 1.0e-6
 }
 
+/// What stands for the time stamp of a frame in a raw stream.
+fn raw_stamp(clock: &mut StreamClock, registry: &Registry, index: u16, frame: &[u8]) -> Stamp {
+    Stamp(clock.hear(registry, index, frame).unwrap_or(0))
+}
+
 /// Position in a log and what the next record depends on.
 pub(crate) struct LogReader {
     pub(crate) window: FileWindow,
@@ -37,8 +43,9 @@ pub(crate) struct LogReader {
     pub(crate) offset: u64,
     /// Bytes of the file when it was opened.
     pub(crate) size: u64,
-    /// Records have time stamps.
-    stamped: bool,
+    pub(crate) framing: Framing,
+    /// The times of a raw stream.
+    clock: StreamClock,
     /// A time stamp is read and its frame is not, because the file ended in between; it may have grown since.
     in_record: bool,
     /// The message before was BAD_DATA.
@@ -49,7 +56,7 @@ pub(crate) struct LogReader {
     distrusted: Option<(u64, f64)>,
     /// Number of the link that the record came from.
     pub(crate) link: u8,
-    /// Time of the record.
+    /// Time of the record; 0 in a raw stream until its clock shows one.
     pub(crate) time: f64,
 }
 
@@ -66,22 +73,27 @@ pub(crate) struct Peeked<'a> {
 }
 
 impl LogReader {
-    pub(crate) fn open(path: &Path, stamped: bool, now: f64) -> io::Result<Self> {
+    pub(crate) fn open(path: &Path, framing: Framing, now: f64) -> io::Result<Self> {
         let window = FileWindow::open(path)?;
         let size = window.len()?;
+        let (finder, time) = match framing {
+            Framing::Stamped => (RecordFinder::default(), now),
+            Framing::Raw => (RecordFinder::unstamped(), 0.0),
+        };
         Ok(Self {
             window,
-            finder: if stamped { RecordFinder::default() } else { RecordFinder::unstamped() },
+            finder,
             ahead: Ahead::new(),
             offset: 0,
             size,
-            stamped,
+            framing,
+            clock: StreamClock::default(),
             in_record: false,
             after_damage: false,
             last_good: None,
             distrusted: None,
             link: 0,
-            time: if stamped { now } else { 0.0 },
+            time,
         })
     }
 
@@ -109,7 +121,7 @@ impl LogReader {
 
     /// Reads the time stamp of the record at the position; false if the file ends before it is complete.
     pub(crate) fn begin_record(&mut self) -> io::Result<bool> {
-        if !self.stamped || self.in_record {
+        if self.framing == Framing::Raw || self.in_record {
             return Ok(true);
         }
         let Some(stamp) = Stamp::parse(self.window.at(self.offset, STAMP_LEN)?) else {
@@ -128,6 +140,20 @@ impl LogReader {
         self.after_damage = bad;
         if !bad {
             self.last_good = Some(self.time);
+        }
+    }
+
+    fn end_step(&mut self, step: &Step, registry: &Registry) {
+        if let Step::Frame { bytes, entry: Some(entry), .. } = step {
+            self.hear_raw(registry, entry.index, bytes);
+        }
+        self.end_record(matches!(step, Step::Bad { .. }));
+    }
+
+    /// Takes the time from a frame of a raw stream.
+    pub(crate) fn hear_raw(&mut self, registry: &Registry, index: u16, frame: &[u8]) {
+        if self.framing == Framing::Raw {
+            self.time = seconds(raw_stamp(&mut self.clock, registry, index, frame));
         }
     }
 
@@ -165,13 +191,16 @@ impl LogReader {
         let lead = rules.lead;
         let len = usize::from(checked.len);
         let bytes = self.window.at(self.offset, lead + len)?;
-        let stamp = if self.stamped { Stamp::parse(bytes) } else { None };
         let Some(stream) = bytes.get(lead..).filter(|stream| stream.len() >= len) else {
             return Ok(None);
         };
-        let (time, link) =
-            stamp.map_or((self.time, self.link), |stamp| (seconds(stamp), stamp.link()));
-        Ok(Some(Peeked { index: checked.index, len, stream, time, link }))
+        let index = checked.index;
+        let stamp = match self.framing {
+            Framing::Stamped => Stamp::parse(bytes).unwrap_or(Stamp(0)),
+            Framing::Raw => raw_stamp(&mut self.clock, registry, index, stream),
+        };
+        let (time, link) = (seconds(stamp), stamp.link());
+        Ok(Some(Peeked { index, stream, len, time, link }))
     }
 
     fn rules<'a>(&self, parser: &Parser, registry: &'a Arc<Registry>) -> Rules<'a> {
@@ -185,7 +214,7 @@ impl LogReader {
 
     /// Bytes of a record in front of its frame.
     pub(crate) fn lead(&self) -> usize {
-        if self.stamped { STAMP_LEN } else { 0 }
+        self.framing.lead()
     }
 
     #[inline(never)]
@@ -234,7 +263,7 @@ impl LogReader {
         robust: bool,
     ) -> io::Result<(Step, usize)> {
         self.ahead.clear();
-        if self.stamped && parser.resync() == Resync::Rescan {
+        if self.framing == Framing::Stamped && parser.resync() == Resync::Rescan {
             return self.next_good(parser, dialect);
         }
         let ready = self.begin_record()?;
@@ -242,7 +271,7 @@ impl LogReader {
             let bytes = self.window.at(self.offset, MAX_FRAME_LEN)?;
             if let Some((step, len)) = parser.look(bytes, dialect) {
                 self.offset += len as u64;
-                self.end_record(matches!(step, Step::Bad { .. }));
+                self.end_step(&step, &dialect.registry);
                 return Ok((step, len));
             }
         }
@@ -261,7 +290,7 @@ impl LogReader {
                 Step::Nothing if ended => return Ok((Step::Nothing, fed)),
                 Step::Nothing => {}
                 step => {
-                    self.end_record(matches!(step, Step::Bad { .. }));
+                    self.end_step(&step, &dialect.registry);
                     return Ok((step, fed));
                 }
             }
@@ -290,6 +319,15 @@ impl LogReader {
     pub(crate) fn next_record(&mut self, registry: &Registry) -> io::Result<AtOffset> {
         let found = self.finder.look(&mut self.window, self.offset, registry)?;
         match found {
+            AtOffset::Record { len, entry, .. } if self.framing == Framing::Raw => {
+                let frame = self.window.at(self.offset, len)?;
+                self.offset += len as u64;
+                if let Some(entry) = entry {
+                    let stamp = raw_stamp(&mut self.clock, registry, entry.index, frame);
+                    self.time = seconds(stamp);
+                }
+                self.end_record(false);
+            }
             AtOffset::Record { len, stamp, .. } => {
                 self.offset += len as u64;
                 let is_believed = self.stamp(stamp);
@@ -300,7 +338,9 @@ impl LogReader {
                 let stamp = Stamp::parse(self.window.at(self.offset, STAMP_LEN)?);
                 self.offset += len as u64;
                 self.after_damage = true;
-                self.stamp(stamp.filter(|_| self.stamped).unwrap_or(Stamp(0)));
+                if self.framing == Framing::Stamped {
+                    self.stamp(stamp.unwrap_or(Stamp(0)));
+                }
                 self.end_record(true);
             }
             AtOffset::End => {}

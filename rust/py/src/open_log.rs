@@ -8,12 +8,10 @@ use std::sync::{Mutex, PoisonError};
 
 use mavwire_columns::Error;
 use mavwire_columns::input::framing_of;
-use mavwire_columns::scan::{Framing, UNKNOWN};
+use mavwire_columns::scan::Framing;
 use mavwire_core::frame::Header;
-use mavwire_core::log::tlog::Stamp;
 use mavwire_core::registry::Entry;
 use mavwire_core::scan::Resync;
-use mavwire_core::telemetry::{BootTimes, StreamClock};
 use mavwire_link::files;
 use mavwire_link::records::AtOffset;
 use pyo3::prelude::*;
@@ -23,7 +21,7 @@ use crate::dialect::Dialect;
 use crate::frame_bytes::FrameBytes;
 use crate::lists::optional_list;
 use crate::lock::Lock;
-use crate::log_reader::{LogReader, seconds};
+use crate::log_reader::LogReader;
 use crate::message::Message;
 use crate::parser::{Parser, Step};
 use crate::table::columns_error;
@@ -132,8 +130,6 @@ struct Source {
     reader: LogReader,
     parser: Parser,
     filter: Filter,
-    /// Of a raw stream.
-    clock: Option<StreamClock>,
     /// Why reading failed, until what was read before is handed out.
     failed: Option<io::Error>,
 }
@@ -177,8 +173,7 @@ impl Source {
         let Some(record) = self.reader.peek(&self.parser, &dialect.registry)? else {
             return Ok(false);
         };
-        let (len, link) = (record.len, record.link);
-        let time = time_of(&mut self.clock, record.index, record.stream, record.time);
+        let (len, time, link) = (record.len, record.time, record.link);
         if self.filter.wants_plain(record.index, record.stream, time) {
             batch.push(&record.stream[..len], Some(record.index), time, link);
         }
@@ -192,8 +187,6 @@ impl Source {
             AtOffset::Record { len, header, entry, .. } => {
                 let (time, link) = (self.reader.time, self.reader.link);
                 let frame = self.reader.last(len - self.reader.lead())?;
-                let index = entry.map_or(UNKNOWN, |entry| entry.index);
-                let time = time_of(&mut self.clock, index, frame, time);
                 if self.filter.wants(&header, entry, time) {
                     batch.push(frame, entry.map(|entry| entry.index), time, link);
                 }
@@ -208,9 +201,7 @@ impl Source {
     fn hop(&mut self, dialect: &Dialect, batch: &mut Batch) -> io::Result<bool> {
         match self.reader.next(&mut self.parser, dialect, true)?.0 {
             Step::Frame { bytes, header, entry } => {
-                let link = self.reader.link;
-                let index = entry.map_or(UNKNOWN, |entry| entry.index);
-                let time = time_of(&mut self.clock, index, &bytes, self.reader.time);
+                let (time, link) = (self.reader.time, self.reader.link);
                 if self.filter.wants(&header, entry, time) {
                     batch.push(&bytes, entry.map(|entry| entry.index), time, link);
                 }
@@ -220,13 +211,6 @@ impl Source {
             _ => Ok(false),
         }
     }
-}
-
-/// Seconds of a record's time stamp, or in a raw stream of the stream's clock; 0 before it shows a time.
-#[inline]
-fn time_of(clock: &mut Option<StreamClock>, index: u16, frame: &[u8], stamp: f64) -> f64 {
-    let Some(clock) = clock else { return stamp };
-    clock.hear(index, frame).map_or(0.0, |micros| seconds(Stamp(micros)))
 }
 
 /// One run over a log: an iterator of message objects.
@@ -368,15 +352,13 @@ impl LogScan {
         if is_timed && framing == Framing::Raw {
             return Err(columns_error(Error::Untimed));
         }
-        let reader = LogReader::open(&path, framing == Framing::Stamped, 0.0)?;
+        let reader = LogReader::open(&path, framing, 0.0)?;
         let mut parser = Parser::new();
         parser.set_resync(if rescan { Resync::Rescan } else { Resync::Skip });
         let filter = wanted.filter(dialect.get());
-        let clock = || StreamClock::new(BootTimes::of(dialect.get().registry.dialect()));
-        let clock = (framing == Framing::Raw).then(clock);
         Ok(Self {
             dialect,
-            source: Mutex::new(Some(Source { reader, parser, filter, clock, failed: None })),
+            source: Mutex::new(Some(Source { reader, parser, filter, failed: None })),
             ready: Lock::new(Batch::default()),
         })
     }

@@ -54,11 +54,12 @@ def test_every_reader_finds_the_same_messages(raw: Path) -> None:
 
 
 def test_every_reader_finds_the_same_times(raw: Path) -> None:
-    """mavutil's are pymavlink's of `notimestamps=True`; 0 is told by a first message, and by nobody."""
+    """Of one system those of pymavlink with `notimestamps=True`; a first message tells 0, which is no time."""
     stamps = [msg._timestamp for msg in by_mavutil(raw)]
+    assert [msg._timestamp for msg in mavwire.open_log(raw)] == stamps
     if raw.suffix != ".BIN":
-        assert stamps == [msg._timestamp for msg in by_mavutil(raw, notimestamps=True)]
-    assert [msg._timestamp for msg in mavwire.open_log(raw)] == pytest.approx(stamps)
+        theirs = [msg._timestamp for msg in by_mavutil(raw, notimestamps=True)]
+        assert stamps == pytest.approx(theirs)
     own = [msg.time_boot_ms / 1e3 for msg in mavwire.open_log(raw).messages(["ATTITUDE"])]
     times = mavwire.read(raw, "ATTITUDE")["ATTITUDE"]["timestamp"][1:]
     assert (times.astype("int64") / 1e6).tolist() == pytest.approx(own[1:])
@@ -98,6 +99,42 @@ def test_dump_loss_and_info_count_the_same(raw: Path, capsys: pytest.CaptureFixt
     told = json.loads(capsys.readouterr().out)
     assert (told["messages"], told["lost"], told["stamped"]) == (COUNT, 0, False)
     assert (told["first"], told["span"]) == pytest.approx((0.1, 3.6))
+
+
+def attitude(system: int, millis: int, roll: float) -> bytes:
+    message = mavlink.MAVLink_attitude_message(millis, roll, 0.0, 0.0, 0.0, 0.0, 0.0)
+    frame: bytes = message.pack(mavlink.MAVLink(None, system, 1))
+    return frame
+
+
+@pytest.mark.parametrize("options", [{}, {"resync": "rescan"}, {"append": True}])
+def test_the_first_clock_gives_the_times_of_all_systems(
+    options: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """And its wrap after 49.7 days goes on."""
+    path, wrap = tmp_path / "two.raw", 1 << 32
+    path.write_bytes(
+        heartbeat()
+        + b"".join(
+            attitude(1, (wrap - 1000 + 500 * n) % wrap + 1, n) + attitude(2, 500_000 + n, 10 + n)
+            for n in range(5)
+        )
+    )
+    clock = [(wrap - 999 + 500 * n) / 1e3 for n in range(5)]
+    expected = [0.0] + [time for one in clock for time in (one, one)]
+    with mavutil.mavlink_connection(str(path), **options) as log:
+        slowly = list(iter(log._recv_msg_slowly, None))
+    for messages in (mavwire.open_log(path), by_mavutil(path, **options), slowly):
+        assert [msg._timestamp for msg in messages] == pytest.approx(expected)
+    table = mavwire.read(path, "ATTITUDE")["ATTITUDE"]["timestamp"].astype("int64") / 1e6
+    assert table.tolist() == pytest.approx(expected[1:])
+    for more in ([], ["--verbose"]):
+        assert cli.main(["dump", "--types", "ATTITUDE", *more, str(path)]) == 0
+        lines = [line for line in capsys.readouterr().out.splitlines() if "ATTITUDE" in line]
+        assert len(lines) == 10 and all(line.startswith("1970-02-19 17:02:4") for line in lines)
+    texts = ["ATTITUDE.roll", "ATTITUDE.roll**2"]  # by columns, and by messages
+    for series in read_series(str(path), [parse(text) for text in texts], system=2).series:
+        assert series.times.tolist() == pytest.approx(clock)
 
 
 def test_plots_and_maps(raw: Path, tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ impl BootClocks {
         if let Some(place) = self.clocks.iter().position(is_known) {
             self.returns += 1;
             self.clocks[..=place].rotate_right(1);
-        } else if millis < newest && millis.wrapping_sub(newest) > WRAP_MS {
+        } else if is_start(newest, millis) {
             self.starts += 1;
             self.clocks.rotate_right(1);
         }
@@ -53,7 +53,12 @@ impl BootClocks {
     }
 }
 
-fn is_near(one: u32, other: u32) -> bool {
+/// Whether a clock started anew between two of its times. Where it did not, `millis - newest` may wrap.
+pub(super) fn is_start(newest: u32, millis: u32) -> bool {
+    millis < newest && millis.wrapping_sub(newest) > WRAP_MS && !is_near(newest, millis)
+}
+
+pub(super) fn is_near(one: u32, other: u32) -> bool {
     one.wrapping_sub(other).min(other.wrapping_sub(one)) <= REBOOT_MS
 }
 
