@@ -139,7 +139,7 @@ def _undescribed(rows: list[Converted], types: list[str]) -> list[str]:
             missing = [name for name in missing if name not in described]
             if not missing:
                 break
-        return [no_record_type(name, known) for name in missing]
+        return [no_record_type(name, known, len(rows)) for name in missing]
     return []
 
 

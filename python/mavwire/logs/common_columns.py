@@ -93,4 +93,4 @@ def _columns_of_each(
         if by_dialect:
             query.check_telemetry()
             check_tables(module, native, query)
-        check_described(dict.fromkeys(names, ()), query)
+        check_described(dict.fromkeys(names, ()), query, logs=dataflash)

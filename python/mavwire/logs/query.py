@@ -181,23 +181,28 @@ def check_tables(
 
 
 def check_described(
-    described: Mapping[str, Iterable[str]], query: Query, fields: str | Iterable[str] | None = None
+    described: Mapping[str, Iterable[str]],
+    query: Query,
+    fields: str | Iterable[str] | None = None,
+    logs: int = 1,
 ) -> None:
-    """Raise ValueError for a record type that is not among those that dataflash logs describe, and
-    for a field that none of the wanted ones has.
+    """Raise ValueError for a record type that is not among those that so many dataflash logs describe,
+    and for a field that none of the wanted ones has.
     """
     for name in query.names or ():
         if name not in described:
-            raise ValueError(no_record_type(name, described))
+            raise ValueError(no_record_type(name, described, logs))
     if fields is None:
         return
     check_fields({one for name in query.names or described for one in described[name]}, fields)
 
 
-def no_record_type(name: object, described: Iterable[str]) -> str:
-    """The error for a record type that dataflash logs do not describe."""
+def no_record_type(name: object, described: Iterable[str], logs: int = 1) -> str:
+    """The error for a record type that so many dataflash logs do not describe."""
     hint = did_you_mean(name.upper(), described) if isinstance(name, str) else ""
-    return f"no record type {name!r} is described by the log{hint}"
+    if logs == 1:
+        return f"the log describes no record type {name!r}{hint}"
+    return f"none of the {logs:,} logs describes a record type {name!r}{hint}"
 
 
 def no_rows(native: Any, msgid: int, query: Query) -> RecordBatches:

@@ -225,7 +225,7 @@ def _checked_batches(
         for name, columns in ({} if tables is None else tables.types()).items():
             described.setdefault(name, set()).update(columns)
         if not telemetry and number == len(paths) - 1:
-            check_described(described, query, fields)
+            check_described(described, query, fields, len(paths))
         yield from batches_of(tables, path, native, query)
 
 

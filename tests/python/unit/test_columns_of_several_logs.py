@@ -197,7 +197,9 @@ def test_a_type_that_no_dataflash_log_has_is_answered_with_theirs(tmp_path, thre
     ]
     for call in calls:
         for wrong, hint in (("TSTS", "; did you mean 'TST'?"), ("HEARTBEAT", ""), ("IMU", "")):
-            said = f"no record type '{wrong}' is described by the log{hint}"
+            of_one = f"the log describes no record type '{wrong}'{hint}"
+            of_all = f"none of the 3 logs describes a record type '{wrong}'{hint}"
+            said = of_one if call is calls[-1] else of_all
             with pytest.raises(ValueError, match=f"^{re.escape(said)}$"):
                 call(three, wrong)
     with pytest.raises(KeyError, match="did you mean 'TST'"):
@@ -205,7 +207,7 @@ def test_a_type_that_no_dataflash_log_has_is_answered_with_theirs(tmp_path, thre
     with pytest.raises(ValueError, match="no message 'HEARTBEET'; did you mean 'HEARTBEAT'"):
         mavwire.scan_polars([*three, telemetry], "HEARTBEET")
     cli.main(["convert", *three, "-o", str(tmp_path / "out"), "--types", "TSTS", "--quiet"])
-    assert "'TSTS' is described by the log; did you mean 'TST'?" in capsys.readouterr().err
+    assert "logs describes a record type 'TSTS'; did you mean 'TST'?" in capsys.readouterr().err
 
 
 def test_a_log_is_surveyed_once_for_columns_and_rows(three, monkeypatch):

@@ -172,7 +172,7 @@ def test_a_type_that_no_dataflash_log_describes_is_named(tmp_path, capsys, forma
     sample().write(log)
     options = ["-o", str(tmp_path / "out"), "--format", format, "--quiet"]
     assert cli.main(["convert", str(log), *options, "--types", "IMU,NOPE"]) == 0
-    said = "mavwire convert: no record type 'NOPE' is described by the log\n"
+    said = "mavwire convert: the log describes no record type 'NOPE'\n"
     assert capsys.readouterr().err == said
     assert cli.main(["convert", str(log), *options, "--types", "IMU"]) == 0
     assert capsys.readouterr().err == ""
