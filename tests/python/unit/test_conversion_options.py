@@ -70,19 +70,22 @@ def test_files_of_another_output_are_made_anew(flight, tmp_path, monkeypatch):
         ('name="far"', 'name="near"', False),
         ('enum="COLOUR" ', "", False),
         ("uint16_t", "int16_t", False),
+        ('invalid="RED"', 'invalid="1"', False),
+        ('value="1"', 'value="2"', False),
     ],
 )
 def test_other_definitions_under_the_same_name_are_other_options(
     flight: Path, tmp_path: Path, said: str, instead: str, same: bool
 ) -> None:
     text = """<mavlink><enums><enum name="COLOUR"><entry value="1" name="RED"/></enum></enums>
-    <messages><message id="200" name="SIGHT"><field type="uint16_t" name="far" enum="COLOUR" units="m">-</field>
+    <messages><message id="200" name="SIGHT">
+    <field type="uint16_t" name="far" enum="COLOUR" units="m" invalid="RED">-</field>
     </message></messages></mavlink>"""
     xml = tmp_path / "sights.xml"
     skipped = []
     for definitions in (text, text.replace(said, instead)):
         xml.write_text(definitions)
-        [row] = convert([flight], tmp_path / "out", dialect=load(xml))
+        [row] = convert([flight], tmp_path / "out", dialect=load(xml), invalid="null")
         assert row.error is None
         skipped.append(row.skipped)
     assert skipped == [False, same]
