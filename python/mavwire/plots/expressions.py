@@ -26,6 +26,8 @@ STATE_NAMES = frozenset(("MAV", "HOME"))
 EXACT = 2**53
 """Integers beyond this are not all doubles."""
 
+Places = frozenset[tuple[str, str, int | None]]
+"""Fields of messages: type, field, and the index where one element is named."""
 Columns = Callable[[str], Any]
 """A column of the message as doubles, by its name."""
 
@@ -61,8 +63,8 @@ class Expression:
     """It can be computed over columns."""
     conditional: bool = False
     """It has a value only where its condition holds."""
-    places: frozenset[tuple[str, str, int | None]] = frozenset()
-    """Fields of messages that it reads: type, field, and the index where one element is named."""
+    places: Places = frozenset()
+    """What it reads."""
 
     @property
     def type(self) -> str:
@@ -108,6 +110,14 @@ def parse(text: str) -> Expression:
     )  # fmt: skip
 
 
+def places_read(text: str | None) -> Places:
+    """The fields that a condition reads; none where it is no expression, as evaluating it will say."""
+    try:
+        return frozenset() if text is None else parse(text).places
+    except ValueError:
+        return frozenset()
+
+
 def _messages(trees: list[ast.Expression]) -> set[str]:
     """The names that are neither functions nor variables of a comprehension."""
     nodes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)]
@@ -117,9 +127,7 @@ def _messages(trees: list[ast.Expression]) -> set[str]:
     return {name for name in names if name not in known}
 
 
-def _places(
-    trees: list[ast.Expression], types: frozenset[str]
-) -> frozenset[tuple[str, str, int | None]]:
+def _places(trees: list[ast.Expression], types: frozenset[str]) -> Places:
     """The fields that expressions read, and elements of them."""
     found = set()
     for node in (node for tree in trees for node in ast.walk(tree)):

@@ -14,14 +14,15 @@ from mavwire.links.recognise import log_kind
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
-from .expressions import EXACT, Expression, as_number, column_of, why_nothing
+from .expressions import EXACT, Expression, as_number, column_of, places_read, why_nothing
 from .modes import Span, mode_changes, spans, vehicle_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from mavwire.logs.table import Table
 
+    from .expressions import Places
 
 NO_NUMBER = "no number"
 
@@ -230,25 +231,48 @@ def _from_messages(
             wanted.setdefault(name, []).append(one)
     changes: list[tuple[float, str]] = []
     messages: dict[str, Any] = {}
+    condition_places = places_read(how.condition)
     types = [*wanted, *(how.xaxis.types if how.xaxis is not None else ()), "MODE"]
     for msg, link in vehicle_messages(path, types, how.system, how.dialect):
         time = time_of(msg)
         if isfinite(time) and (not changes or changes[-1][1] != link.flightmode):
             changes.append((time, link.flightmode))
         kind, messages = msg.get_type(), link.messages
-        if kind not in wanted or not _holds(how.condition, link):
+        if kind not in wanted or not _holds(how, condition_places, link):
             continue
         for one in wanted[kind]:
             one.take(msg, kind, messages)
     return [one.series(messages) for one in collectors], changes
 
 
-def _holds(condition: str | None, link: Any) -> bool:
-    """Whether a condition holds now. ValueError names one that cannot be evaluated."""
+def _holds(how: _How, places: Places, link: Any) -> bool:
+    """Whether the condition, which reads some places, holds now. ValueError names one that cannot be
+    evaluated.
+    """
     try:
-        return bool(link.check_condition(condition))
+        holds = bool(link.check_condition(how.condition))
     except Exception as error:  # whatever a function of an expression raises
-        raise ValueError(f"the condition {condition!r}: {in_words(error)}") from error
+        raise ValueError(f"the condition {how.condition!r}: {in_words(error)}") from error
+    return holds and not lacks_value(places, link.messages, how.dialect)
+
+
+def lacks_value(
+    places: Places, messages: Mapping[str, Any], dialect: str | os.PathLike[str]
+) -> bool:
+    """Whether one of some fields holds what stands for no value."""
+    from mavwire.logs.reading import native_dialect
+
+    for kind, name, index in places:
+        msg = messages.get(kind)
+        if msg is None or hasattr(msg, "fmt"):  # a dataflash log has no such values
+            continue
+        _, native = native_dialect(dialect)
+        marks = native.invalid_fields(bytes(msg.get_msgbuf())).get(name, [])
+        if index is None and marks and all(marks):
+            return True
+        if index is not None and index < len(marks) and marks[index]:
+            return True
+    return False
 
 
 def vehicle_messages(
@@ -293,8 +317,8 @@ class _Collector:
         if instance is None and self._is_other_instance(kind, instance_of(msg)):
             self._mixed = kind
         try:
-            number = nan if self._lacks_value(messages) else _number(self.expression, messages)
-            place = time_of(msg) if self._xaxis is None else _number(self._xaxis, messages)
+            number = self._number(self.expression, messages)
+            place = time_of(msg) if self._xaxis is None else self._number(self._xaxis, messages)
         except Exception as error:  # whatever a function of an expression raises
             self._failed += 1
             self._error = self._error or in_words(error)
@@ -308,21 +332,9 @@ class _Collector:
         self._times.append(place)
         self._values.append(number)
 
-    def _lacks_value(self, messages: dict[str, Any]) -> bool:
-        """Whether a field that the expression reads holds what stands for no value."""
-        from mavwire.logs.reading import native_dialect
-
-        for kind, name, index in self.expression.places:
-            msg = messages.get(kind)
-            if msg is None or hasattr(msg, "fmt"):  # a dataflash log has no such values
-                continue
-            _, native = native_dialect(self._dialect)
-            marks = native.invalid_fields(bytes(msg.get_msgbuf())).get(name, [])
-            if index is None and marks and all(marks):
-                return True
-            if index is not None and index < len(marks) and marks[index]:
-                return True
-        return False
+    def _number(self, expression: Expression, messages: dict[str, Any]) -> float | None:
+        lacks = lacks_value(expression.places, messages, self._dialect)
+        return nan if lacks else _number(expression, messages)
 
     def _is_other_instance(self, kind: str, instance: Any) -> bool:
         return bool(self._instances.setdefault(kind, instance) != instance)

@@ -112,6 +112,8 @@ def _track(
 
 
 def _from_tables(path: str, system: int | None, dialect: str | os.PathLike[str]) -> Track:
+    import numpy as np
+
     from mavwire.logs import DataflashLog, open_log, read
 
     log = open_log(path, dialect=dialect)  # says what the file is, if it is no telemetry log
@@ -120,12 +122,12 @@ def _from_tables(path: str, system: int | None, dialect: str | os.PathLike[str])
             return _from_messages(copy, path)
     names = "GLOBAL_POSITION_INT GPS_RAW_INT HEARTBEAT HOME_POSITION".split()
     names += "MISSION_COUNT MISSION_ITEM MISSION_ITEM_INT".split()
-    tables = read(path, names, dialect=dialect)
+    tables = read(path, names, invalid="null", dialect=dialect)
     if system is None:
         positions = (tables["GLOBAL_POSITION_INT"], tables["GPS_RAW_INT"])
         system = vehicle_of(tables["HEARTBEAT"], positions) or busiest_system(path, dialect)
     columns = _positions(tables["GLOBAL_POSITION_INT"], system)
-    if not columns[1].any():
+    if not np.nan_to_num(columns[1]).any():
         columns = _positions(tables["GPS_RAW_INT"], system)
     track = _track(path, columns, mode_changes(tables["HEARTBEAT"], system))
     items = _mission(tables, system)

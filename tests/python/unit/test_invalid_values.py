@@ -18,10 +18,12 @@ from mavwire.fleet.decoding import decode
 from mavwire.logs.conversion import convert
 from mavwire.plots.expressions import parse
 from mavwire.plots.series import read_series
+from mavwire.plots.track import read_track
 
 np = pytest.importorskip("numpy")
 
 NAN = math.nan
+DEFINITIONS = Path(__file__).parents[3] / "message_definitions" / "v1.0"
 UNKNOWN = [65535] * 9
 
 
@@ -217,6 +219,32 @@ def test_plots_leave_them_out(text: str, values: list[float], path: Path) -> Non
     (series,) = read_series(str(path), [parse(text)]).series
     assert list(series.values) == values
     assert series.left_out == 2 - len(values)
+
+
+def test_conditions_and_other_axes_leave_them_out(path: Path) -> None:
+    for condition in ("SYS_STATUS.voltage_battery>0", "SYS_STATUS.voltage_battery!=5"):
+        (series,) = read_series(str(path), [parse("SYS_STATUS.load")], condition=condition).series
+        assert len(series.values) == 1
+    xaxis = parse("SYS_STATUS.voltage_battery/1000")
+    (series,) = read_series(str(path), [parse("SYS_STATUS.load")], xaxis=xaxis).series
+    assert (list(series.times), series.left_out) == ([12.6], 1)
+
+
+def test_maps_leave_them_out(tmp_path: Path) -> None:
+    standard = (DEFINITIONS / "standard.xml").read_text()
+    latitude = '<field type="int32_t" name="lat" units="degE7"'
+    (tmp_path / "standard.xml").write_text(standard.replace(latitude, f'{latitude} invalid="0"'))
+    own = tmp_path / "own.xml"
+    own.write_text((DEFINITIONS / "common.xml").read_text())
+    log = Log(tmp_path / "track.tlog")
+    for seconds, lat in enumerate((473977420, 0, 473977430)):
+        position = mavlink.MAVLink_global_position_int_message(
+            1500, lat, 85455940, 500000, 0, 0, 0, 0, 0
+        )
+        log.add(float(seconds), position)
+    path = str(log.done())
+    assert list(read_track(path).lat) == [47.397742, 0, 47.397743]
+    assert list(read_track(path, dialect=own).lat) == [47.397742, 47.397743]
 
 
 def test_the_inspector_says_that_there_is_no_value() -> None:
