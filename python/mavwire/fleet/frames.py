@@ -110,7 +110,7 @@ def _empty(described: Mapping[str, Described | None], how: dict[str, Any]) -> tu
         if name not in names:
             raise ValueError(f"no log has a column {name!r} of {how['types']}")
     empty = empty if wanted is None else empty.select(wanted)
-    return Table(how["types"], empty), query.null_invalid or any(described.values())
+    return Table(how["types"], empty), query.invalid == "null" or any(described.values())
 
 
 def _load(sources: list[Source], how: dict[str, Any], empty: Table, nullable: bool) -> Any:

@@ -177,7 +177,7 @@ def _fingerprint(native: Any, query: Query) -> str:
     """What tells the definitions of the wanted messages from others under the same name."""
     types = None if query.types is None else set(query.types)
     told = hashlib.sha256(native.layout_bytes(types))
-    if query.enum_names or query.null_invalid:  # `invalid` may be the name of an enum's value
+    if query.enum_names or query.invalid == "null":  # `invalid` may be the name of an enum's value
         told.update(repr(native.enums()).encode())
     return told.hexdigest()
 

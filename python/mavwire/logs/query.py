@@ -35,7 +35,8 @@ class Query:
     columns: list[str] | None = None
     si: bool = False
     enum_names: bool = False
-    null_invalid: bool = False
+    invalid: str = "keep"
+    """"null" or "keep"."""
     csv_safe: bool = False
     """CSV files have an apostrophe in front of texts that a spreadsheet would run as formulas."""
     untimed: bool = False
@@ -80,7 +81,7 @@ class Query:
             columns=None if fields is None else columns_of(fields),
             si=units == "si",
             enum_names=enums == "names",
-            null_invalid=invalid == "null" or (invalid is None and units == "si"),
+            invalid=invalid or ("null" if units == "si" else "keep"),
             foreign=foreign,
         )
 

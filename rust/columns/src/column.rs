@@ -12,7 +12,7 @@ use arrow::datatypes::{
     Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
 };
 use mavwire_core::log::dataflash::{half, text::decode_line};
-use mavwire_schema::{Field, FieldType, Invalid};
+use mavwire_schema::{Field, FieldType, InvalidRule};
 
 use crate::gather::{
     NO_TIME, Rows, each_text, each_valid, gather, gather_scaled, logged, number_in, parse,
@@ -52,7 +52,7 @@ pub struct Growing {
     /// The elements of an array that have a value.
     valid_elements: NullBufferBuilder,
     /// Which values stand for none.
-    invalid: Option<Invalid>,
+    invalid: Option<InvalidRule>,
     /// Numbers of a row.
     elements: usize,
     /// About how many bytes the name of a number may come to.

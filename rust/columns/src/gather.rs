@@ -6,7 +6,7 @@ use std::str::FromStr;
 use arrow::array::NullBufferBuilder;
 use mavwire_core::codec::{read, text_bytes};
 use mavwire_core::log::dataflash::{half, text::decode_line};
-use mavwire_schema::{FieldType, Invalid};
+use mavwire_schema::{FieldType, InvalidRule};
 
 use crate::layout::Source;
 use crate::units::Scale;
@@ -94,7 +94,7 @@ pub(crate) fn gather<T, const N: usize>(
 pub(crate) fn each_valid(
     rows: &Rows<'_>,
     (offset, elements): (usize, usize),
-    invalid: &Invalid,
+    invalid: &InvalidRule,
     valid: &mut NullBufferBuilder,
     valid_elements: &mut NullBufferBuilder,
 ) {

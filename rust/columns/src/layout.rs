@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use arrow::datatypes::{DataType, Field as ArrowField, Schema, SchemaRef, TimeUnit};
 use mavwire_core::registry::Registry;
-use mavwire_schema::{Dialect, Enum, Field, FieldType, Invalid, Message};
+use mavwire_schema::{Dialect, Enum, Field, FieldType, InvalidRule, Message};
 
 use crate::enums::{Names, mask_len};
 use crate::error::Error;
@@ -19,6 +19,16 @@ use crate::units::{Scale, to_si};
 /// The columns in front of the fields, which say where a row came from and not what was measured.
 pub(crate) const HEADER: [&str; 4] = ["timestamp", "sysid", "compid", "seq"];
 
+/// What becomes of values that stand for none.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Invalid {
+    /// They become nulls.
+    Null,
+    /// They stay as they are.
+    #[default]
+    Keep,
+}
+
 /// How a table is wanted.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
@@ -26,8 +36,8 @@ pub struct Options {
     pub si: bool,
     /// Enum values by name.
     pub enum_names: bool,
-    /// Nulls in the place of values that stand for none.
-    pub null_invalid: bool,
+    /// What becomes of values that stand for none.
+    pub invalid: Invalid,
     /// A row for each part of a long text, where the other parts may be elsewhere.
     pub text_parts: bool,
     /// The columns that are wanted, in their order; `None` for all.
@@ -85,7 +95,7 @@ pub struct Column {
     /// What makes names of its values.
     pub names: Option<Names>,
     /// Which values become nulls.
-    pub invalid: Option<Invalid>,
+    pub invalid: Option<InvalidRule>,
 }
 
 /// The columns of a message type.
@@ -221,7 +231,10 @@ fn numbers(
     let names = definition.map(|definition| Names::new(definition, is_bitmask(field)));
     let si = if options.si && field.enum_name.is_none() { to_si(field) } else { None };
     let scale = si.map(|(scale, _)| scale);
-    let invalid = options.null_invalid.then(|| Invalid::of(field, &dialect.enums)).flatten();
+    let invalid = match options.invalid {
+        Invalid::Null => InvalidRule::of(field, &dialect.enums),
+        Invalid::Keep => None,
+    };
     let (mut column, arrow) = numbers_of(field, scale, names, invalid, metadata(field, si));
     name.clone_into(&mut column.name);
     (column, arrow.with_name(name))
@@ -232,7 +245,7 @@ pub(crate) fn numbers_of(
     field: &Field,
     scale: Option<Scale>,
     names: Option<Names>,
-    invalid: Option<Invalid>,
+    invalid: Option<InvalidRule>,
     metadata: HashMap<String, String>,
 ) -> (Column, ArrowField) {
     let element = if names.is_some() {

@@ -11,7 +11,7 @@ use mavwire_columns::arrow::ipc::reader::FileReader;
 use mavwire_columns::convert::{Compression, Format, Sink, write_all};
 use mavwire_columns::dataflash::{Reader as DataflashReader, Wanted as DataflashWanted};
 use mavwire_columns::input::{Steps, decompressed};
-use mavwire_columns::layout::Options;
+use mavwire_columns::layout::{Invalid, Options};
 use mavwire_columns::mcap::{self as to_mcap, McapSink};
 use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
 use mavwire_columns::scan::Framing;
@@ -48,7 +48,7 @@ pub fn converters(data: &[u8]) {
     let options = Options {
         si: flags & 1 != 0,
         enum_names: flags & 2 != 0,
-        null_invalid: flags & 8 != 0,
+        invalid: if flags & 8 == 0 { Invalid::Keep } else { Invalid::Null },
         ..Options::default()
     };
     let limits = small_limits(&mut input);

@@ -11,7 +11,7 @@ use mavwire_columns::arrow::datatypes::{
 };
 use mavwire_columns::error::Error;
 use mavwire_columns::input::Steps;
-use mavwire_columns::layout::Options;
+use mavwire_columns::layout::{Invalid, Options};
 use mavwire_columns::reader::{Decode, Limits, Reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
@@ -116,7 +116,7 @@ pub fn tables(data: &[u8]) {
     let options = Options {
         si: flags & 2 != 0,
         enum_names: flags & 4 != 0,
-        null_invalid: flags & 8 != 0,
+        invalid: if flags & 8 == 0 { Invalid::Keep } else { Invalid::Null },
         ..Options::default()
     };
     let (steps, limits) = (small_steps(&mut input, 1), small_limits(&mut input));
@@ -137,7 +137,7 @@ pub fn tables(data: &[u8]) {
         let records: Vec<&Record> = of(index).collect();
         assert_eq!(rows.num_rows(), records.len());
         same_senders(rows, &records);
-        if !options.si && !options.enum_names && !options.null_invalid {
+        if !options.si && !options.enum_names && options.invalid == Invalid::Keep {
             same_values(ALL.message(index), rows, &records);
         }
     }

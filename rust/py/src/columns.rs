@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use mavwire_columns::Error;
 use mavwire_columns::input::Steps;
-use mavwire_columns::layout::{Layout, Options};
+use mavwire_columns::layout::{Invalid, Layout, Options};
 use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
@@ -44,7 +44,8 @@ pub(crate) struct Query {
     columns: Option<Vec<String>>,
     si: bool,
     enum_names: bool,
-    null_invalid: bool,
+    #[pyo3(from_py_with = invalid_of)]
+    invalid: Invalid,
     /// Cells of CSV files are no formulas.
     pub(crate) csv_safe: bool,
     /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
@@ -53,6 +54,14 @@ pub(crate) struct Query {
     batch_rows: Option<usize>,
     /// Bytes that all batches under way may have.
     batch_bytes: Option<usize>,
+}
+
+fn invalid_of(word: &Bound<'_, PyAny>) -> PyResult<Invalid> {
+    match word.extract()? {
+        "null" => Ok(Invalid::Null),
+        "keep" => Ok(Invalid::Keep),
+        other => Err(PyValueError::new_err(format!("invalid is 'null' or 'keep', not '{other}'"))),
+    }
 }
 
 impl Query {
@@ -82,7 +91,7 @@ impl Query {
         Options {
             si: self.si,
             enum_names: self.enum_names,
-            null_invalid: self.null_invalid,
+            invalid: self.invalid,
             text_parts: false,
             columns: self.columns.clone(),
         }

@@ -7,7 +7,7 @@ use mavwire_core::builtin;
 use mavwire_core::frame::{FrameRef, Header};
 use mavwire_core::registry::Registry;
 use mavwire_schema::{
-    Definitions, Invalid, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion,
+    Definitions, InvalidRule, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion,
     dialect_name, parse_definitions, reserved, resolve,
 };
 use pyo3::create_exception;
@@ -345,7 +345,7 @@ impl Dialect {
         whole.resize(payload.len().max(message.max_len.into()), 0);
         let enums = &self.registry.dialect().enums;
         let marked = message.fields.iter().filter_map(|field| {
-            let (invalid, bytes) = (Invalid::of(field, enums)?, &whole[field.offset.into()..]);
+            let (invalid, bytes) = (InvalidRule::of(field, enums)?, &whole[field.offset.into()..]);
             let marks: Vec<_> =
                 (0..field.elements()).map(|n| invalid.is_invalid(bytes, n)).collect();
             marks.contains(&true).then_some((field.name.as_str(), marks))

@@ -10,7 +10,7 @@ use crate::number::parse_value;
 
 /// The invalid values of a field.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Invalid {
+pub struct InvalidRule {
     field_type: FieldType,
     marks: Marks,
 }
@@ -31,7 +31,7 @@ enum Number {
     Float(f64),
 }
 
-impl Invalid {
+impl InvalidRule {
     /// Of a field; `None` where each of its values is one, and for an attribute that makes no sense with its type.
     pub fn of(field: &Field, enums: &[Enum]) -> Option<Self> {
         let text = field.invalid.as_deref()?.trim();
@@ -150,7 +150,7 @@ mod tests {
             enum_name: Some("STATE".into()),
             ..Field::default()
         };
-        let Some(invalid) = Invalid::of(&field_of, &enums) else { return Vec::new() };
+        let Some(invalid) = InvalidRule::of(&field_of, &enums) else { return Vec::new() };
         (0..field_of.elements()).map(|n| invalid.is_invalid(field, n)).collect()
     }
 

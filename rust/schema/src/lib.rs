@@ -31,7 +31,7 @@ pub use definitions::{
 };
 pub use dialect::{Dialect, Enum, EnumEntry, Field, Message, WireVersion};
 pub use error::{Reason, SchemaError};
-pub use invalid::Invalid;
+pub use invalid::InvalidRule;
 pub use library::{Library, decode_blob, encode_blob};
 pub use parse::{ParseOptions, dialect_name, parse_definitions, reserved};
 pub use resolve::resolve;
