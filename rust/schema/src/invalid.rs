@@ -121,18 +121,14 @@ fn number(text: &str, field_type: FieldType) -> Option<Number> {
         "UINT8_MIN" | "UINT16_MIN" | "UINT32_MIN" | "UINT64_MIN" => Some(0),
         _ => parse_value(text),
     };
-    match field_type {
-        // As the field holds it, so that 0.1 is equal to the nearest float.
-        FieldType::F32 => match limit {
-            Some(limit) => Some(Number::Float(f64::from(limit as f32))),
-            None => text.parse::<f32>().ok().map(|float| Number::Float(f64::from(float))),
-        },
-        FieldType::F64 => match limit {
-            Some(limit) => Some(Number::Float(limit as f64)),
-            None => text.parse().ok().map(Number::Float),
-        },
-        _ => limit.map(Number::Integer),
-    }
+    let is_single = match field_type {
+        FieldType::F32 => true,
+        FieldType::F64 => false,
+        _ => return limit.map(Number::Integer),
+    };
+    let float = limit.map(|limit| limit as f64).or_else(|| text.parse().ok())?;
+    // As the field holds it, so that 0.1 is equal to the nearest float.
+    Some(Number::Float(if is_single { f64::from(float as f32) } else { float }))
 }
 
 #[cfg(test)]
