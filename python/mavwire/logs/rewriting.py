@@ -133,7 +133,7 @@ def merge(
     """Write the good records of several logs as one, in the order of time.
 
     Each log is read in its own order; of records of one time those of the first log come first.
-    ValueError for a raw stream, which has no times, LogFormatError for what is no telemetry log.
+    ValueError for a raw stream, which has no time stamps, LogFormatError for what is no telemetry log.
     """
     _, native = native_dialect(dialect)
     inputs, target = _checked(paths, out, dialect)

@@ -1,6 +1,6 @@
 //! The columns of a message type: names, types and metadata.
 //!
-//! First `timestamp` (microseconds, UTC; null in a raw stream), `sysid`, `compid` and `seq`, then the fields in XML order.
+//! First `timestamp` (microseconds, UTC; null where the log tells no time), `sysid`, `compid` and `seq`, then the fields in XML order.
 //! A field that bears one of those names, or that of a column before it, gets underscores behind its own. Metadata tells the
 //! rest: `field` (the name in the definition), `unit`, `enum`, `bitmask`, `multiplier`, `invalid` (as sent, before scaling).
 

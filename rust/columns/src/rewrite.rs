@@ -205,7 +205,7 @@ impl Merge {
     /// A run over logs; each is read in its own order, and of records of one time that of the first log comes first.
     ///
     /// # Errors
-    /// What reading says; a raw stream, which has no times, with its place among the logs.
+    /// What reading says; a raw stream, which has no time stamps, with its place among the logs.
     pub fn new(
         steps: Steps,
         sources: Vec<Box<dyn Read + Send>>,
