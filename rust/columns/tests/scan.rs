@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use common::{damage, log, registry};
 use mavwire_columns::scan::{Framing, LogScanner, UNKNOWN};
-use mavwire_core::log::tlog::{FoundRecord, RecordScanner};
+use mavwire_core::log::tlog::FoundRecord;
 use mavwire_core::registry::Registry;
 use proptest::prelude::*;
 
@@ -34,10 +34,7 @@ impl Outcome {
 
 /// By one scanner, told of all bytes at once.
 fn sequential(bytes: &[u8], registry: &Registry, framing: Framing) -> Outcome {
-    let mut scanner = match framing {
-        Framing::Stamped => RecordScanner::new(),
-        Framing::Raw => RecordScanner::unstamped(),
-    };
+    let mut scanner = framing.scanner();
     let (mut out, mut at) = (Outcome::default(), 0);
     let (mut before, mut after_damage) = (None::<(u64, u64)>, false);
     loop {

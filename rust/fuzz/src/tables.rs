@@ -18,7 +18,7 @@ use mavwire_columns::select::Wanted;
 use mavwire_columns::summary::Summary;
 use mavwire_core::codec::{Number, number, text_bytes};
 use mavwire_core::frame::{FrameRef, Header};
-use mavwire_core::log::tlog::{FoundRecord, RecordScanner};
+use mavwire_core::log::tlog::FoundRecord;
 use mavwire_core::telemetry::{StreamClock, TextFields};
 use mavwire_schema::Message;
 
@@ -54,10 +54,7 @@ impl Record {
 
 /// The records in the order of the log, by one scanner over all of it, and how many bytes belong to none.
 pub(crate) fn one_by_one(bytes: &[u8], framing: Framing) -> (Vec<Record>, u64) {
-    let mut scanner = match framing {
-        Framing::Stamped => RecordScanner::new(),
-        Framing::Raw => RecordScanner::unstamped(),
-    };
+    let mut scanner = framing.scanner();
     let (mut records, mut bad, mut at) = (Vec::<Record>::new(), 0, 0);
     let (mut after_damage, mut said) = (false, 0);
     let mut clock = StreamClock::default();

@@ -1,6 +1,6 @@
 //! Telemetry logs: runs of records that are looked for anywhere, by guess, change nothing about what one scanner finds.
 
-use mavwire_core::log::tlog::{FoundRecord, RecordScanner, Runs, find_runs};
+use mavwire_core::log::tlog::{FoundRecord, Framing, RecordScanner, Runs, find_runs};
 
 use crate::dialects::ALL;
 use crate::input::Input;
@@ -9,7 +9,8 @@ use crate::input::Input;
 type Records = Vec<(usize, Option<u16>)>;
 
 fn scanner(lead: usize) -> RecordScanner {
-    if lead == 0 { RecordScanner::unstamped() } else { RecordScanner::new() }
+    let framing = if lead == 0 { Framing::Raw } else { Framing::Stamped };
+    framing.scanner()
 }
 
 /// What stands at `at`, and how long it is; `None` at the end.

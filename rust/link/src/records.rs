@@ -6,7 +6,7 @@
 use std::io;
 
 use mavwire_core::frame::{Header, MAX_FRAME_LEN};
-use mavwire_core::log::tlog::{FoundRecord, RecordScanner, STAMP_LEN, Stamp};
+use mavwire_core::log::tlog::{FoundRecord, Framing, RecordScanner, STAMP_LEN, Stamp};
 use mavwire_core::registry::{Entry, Registry};
 
 use crate::window::FileWindow;
@@ -37,21 +37,20 @@ pub enum AtOffset {
 /// Finds records; remembers where it stands, and starts afresh wherever else it is asked to look.
 #[derive(Debug, Clone, Default)]
 pub struct RecordFinder {
+    framing: Framing,
     scanner: RecordScanner,
     offset: u64,
 }
 
 impl RecordFinder {
-    /// For a raw stream, whose records are frames without stamps.
-    pub fn unstamped() -> Self {
-        Self { scanner: RecordScanner::unstamped(), offset: 0 }
+    /// A finder at the start of a log.
+    pub fn new(framing: Framing) -> Self {
+        Self { framing, scanner: framing.scanner(), offset: 0 }
     }
 
     /// Stands at `offset`, and knows nothing of what is in front.
     fn restart(&mut self, offset: u64) {
-        let stamped = self.scanner.lead() > 0;
-        let scanner = if stamped { RecordScanner::new() } else { RecordScanner::unstamped() };
-        *self = Self { scanner, offset };
+        *self = Self { offset, ..Self::new(self.framing) };
     }
 
     /// Looks at `offset`. Where it is not `End`, the next look should be `len` bytes further.
@@ -97,11 +96,11 @@ impl RecordFinder {
             match scanner.next(&bytes[junk..], registry, true) {
                 FoundRecord::Junk { len } => junk += len,
                 FoundRecord::Record { .. } if junk > 0 => {
-                    *self = Self { scanner: there, offset: self.offset + junk as u64 };
+                    (self.scanner, self.offset) = (there, self.offset + junk as u64);
                     return AtOffset::Junk { len: junk };
                 }
                 FoundRecord::Record { len, stamp, header, entry } => {
-                    *self = Self { scanner, offset: self.offset + len as u64 };
+                    (self.scanner, self.offset) = (scanner, self.offset + len as u64);
                     return AtOffset::Record { len, stamp, header, entry };
                 }
                 FoundRecord::Incomplete { .. } => return AtOffset::End,

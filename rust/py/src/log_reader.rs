@@ -76,13 +76,10 @@ impl LogReader {
     pub(crate) fn open(path: &Path, framing: Framing, now: f64) -> io::Result<Self> {
         let window = FileWindow::open(path)?;
         let size = window.len()?;
-        let (finder, time) = match framing {
-            Framing::Stamped => (RecordFinder::default(), now),
-            Framing::Raw => (RecordFinder::unstamped(), 0.0),
-        };
+        let time = if framing == Framing::Stamped { now } else { 0.0 };
         Ok(Self {
             window,
-            finder,
+            finder: RecordFinder::new(framing),
             ahead: Ahead::new(),
             offset: 0,
             size,

@@ -14,9 +14,10 @@ const SURE_RECORDS: usize = 3;
 const DATES_BACK: usize = 8;
 
 /// What a log looks like.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Framing {
     /// Records of time stamp and frame.
+    #[default]
     Stamped,
     /// Each record is a frame: a raw stream.
     Raw,
@@ -95,10 +96,7 @@ impl Framing {
 
     /// A scanner for records of this form.
     pub fn scanner(self) -> RecordScanner {
-        match self {
-            Self::Stamped => RecordScanner::new(),
-            Self::Raw => RecordScanner::unstamped(),
-        }
+        RecordScanner::with_lead(self.lead())
     }
 }
 

@@ -67,12 +67,7 @@ impl RecordScanner {
         Self::default()
     }
 
-    /// The same for a raw stream, whose records are frames without stamps.
-    pub fn unstamped() -> Self {
-        Self::with_lead(0)
-    }
-
-    fn with_lead(lead: usize) -> Self {
+    pub(super) fn with_lead(lead: usize) -> Self {
         Self { lead, scanner: Scanner::new(Resync::Rescan), ahead: Ahead::AtFront }
     }
 
