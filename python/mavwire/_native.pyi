@@ -25,9 +25,9 @@ from mavwire._stubs.columns import (
     draft_stem,
     empty_table,
     head_to_utf8,
-    is_stamped,
     log_head,
     log_summary,
+    telemetry_kind,
     write_table,
 )
 from mavwire._stubs.dataflash import DataflashReader, DataflashShape, DFMessage, MicrosClock
@@ -111,7 +111,6 @@ __all__ = [
     "head_to_utf8",
     "instance_dict",
     "is_device",
-    "is_stamped",
     "log_head",
     "log_summary",
     "message_class",
@@ -123,6 +122,7 @@ __all__ = [
     "reserved_name",
     "restore",
     "send_values",
+    "telemetry_kind",
     "write_table",
     "x25_accumulate",
 ]

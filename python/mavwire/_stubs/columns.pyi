@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from os import PathLike
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias, final
+from typing import Any, Literal, Protocol, TypeAlias, final
 
 from mavwire._native import Dialect
 from typing_extensions import Buffer
@@ -20,9 +20,9 @@ __all__ = [
     "decompress",
     "draft_stem",
     "empty_table",
-    "is_stamped",
     "log_head",
     "log_summary",
+    "telemetry_kind",
     "write_table",
 ]
 
@@ -307,8 +307,8 @@ def decompress(path: str | PathLike[str], out: str | PathLike[str]) -> str | Non
 def log_head(log: _Log, size: int) -> bytes:
     """The first `size` bytes of a log; of a compressed log that is cut off, those that are whole."""
 
-def is_stamped(path: str | PathLike[str]) -> bool | None:
-    """Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one."""
+def telemetry_kind(path: str | PathLike[str]) -> Literal["tlog", "raw"] | None:
+    """Whether a telemetry log has time stamps or is a raw stream; None where it is in doubt that it is one."""
 
 def begins_as_text_log(head: bytes) -> bool:
     """Whether a dataflash text log begins like this, in UTF-8 or UTF-16."""

@@ -53,13 +53,11 @@ def open_without_index(args: Namespace) -> Any:
     memory that grows with the log. None where something else may come out than with one.
     """
     from mavwire import mavutil
-    from mavwire.links.recognise import is_stamped, log_kind
+    from mavwire.links.recognise import log_kind
 
     if args.types is not None or ":" in args.log or not options_fit(args):
         return None
     if not os.path.isfile(args.log) or log_kind(args.log, readonly=True) != "tlog":
-        return None
-    if is_stamped(args.log) is False:
         return None
     log = mavutil.mavlogfile(args.log)
     # From the first good record on, the reader's state is the same whatever was read before.

@@ -14,7 +14,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from types import ModuleType
 
-TELEMETRY = "tlog"
+TELEMETRY = ("tlog", "raw")
 COMPRESSED = "a compressed log, which info, convert and mavwire.read take as it is; unpack it first"
 
 
@@ -77,7 +77,7 @@ def _has_messages(path: str) -> bool:
     from mavwire.links.recognise import DATAFLASH_HEAD, FMT_LEN, log_kind, read_head
 
     kind = log_kind(path, readonly=True)
-    if kind == TELEMETRY:
+    if kind in TELEMETRY:
         return _has_telemetry(path)
     head = read_head(path, FMT_LEN)
     if len(head) == FMT_LEN and head.startswith(DATAFLASH_HEAD):

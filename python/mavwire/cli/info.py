@@ -327,7 +327,7 @@ def _count(path: str, dialect: str | None) -> Summary | None:
     from mavwire.logs import TelemetryLog, open_log
     from mavwire.logs.sources import is_dataflash
 
-    if log_kind(path, readonly=True) != "tlog" and not is_dataflash(path):
+    if log_kind(path, readonly=True) not in ("tlog", "raw") and not is_dataflash(path):
         return None
     log = open_log(path, dialect=dialect or "all")
     size = os.path.getsize(path)

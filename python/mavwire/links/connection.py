@@ -14,7 +14,6 @@ from .recognise import (
     check_usable,
     is_log_name,
     is_serial_name,
-    is_stamped,
     log_kind,
     mode_of,
 )
@@ -205,15 +204,15 @@ def _opened(reader: Any) -> Any:
     return reader
 
 
-def _telemetry_log(device: str, o: Options) -> Any:
-    unstamped = o.notimestamps or (not o.write and is_stamped(device) is False)
-    if not (o.write or o.append or unstamped):
+def _telemetry_log(device: str, kind: str, o: Options) -> Any:
+    is_raw = o.notimestamps or kind == "raw"
+    if not (o.write or o.append or is_raw):
         # The index depends on the policy, so that it has to be known before it is made.
         resync = {} if o.resync is None else {"resync": o.resync}
         return state.public.mavmmaplog(device, progress_callback=o.progress_callback, **resync)
     log = state.public.mavlogfile(
         device, planner_format=o.planner_format, write=o.write, append=o.append,
-        robust_parsing=o.robust_parsing, notimestamps=unstamped, **o.common,
+        robust_parsing=o.robust_parsing, notimestamps=is_raw, **o.common,
     )  # fmt: skip
     # A raw stream that was recognised has the times of its own clock, those of `open_log`.
     log.notimestamps = o.notimestamps
@@ -221,8 +220,8 @@ def _telemetry_log(device: str, o: Options) -> Any:
 
 
 def _log(device: str, kind: str, o: Options) -> Any:
-    if kind == "tlog":
-        return _telemetry_log(device, o)
+    if kind in ("tlog", "raw"):
+        return _telemetry_log(device, kind, o)
     module = _reader("DFReader")
     reader = module.DFReader_text if kind == "text" else module.DFReader_binary
     return _opened(reader(device, **o.reader))
@@ -267,7 +266,7 @@ def _connect(device: str, options: Options) -> Any:
 
 
 def _connect_unprefixed(device: str, o: Options) -> Any:
-    readonly = not (o.write or o.append or o.notimestamps)
+    readonly = not (o.write or o.notimestamps)
     kind = log_kind(device, readonly)
     if kind is None and ":" in device and not is_log_name(device):
         return _udp(device, o)

@@ -71,19 +71,18 @@ def looks_like_tlog(head: bytes) -> bool:
     return 0 < ofs <= len(head)
 
 
-def is_stamped(device: str) -> bool | None:
-    """Whether the records of a telemetry log have time stamps. False for a raw stream, whose records
-    are frames alone; None for a file that is no telemetry log beyond doubt.
+def _telemetry_kind(device: str, head: bytes) -> str | None:
+    """Either "tlog", or "raw" where records are frames alone; None for a file that is no telemetry log beyond
+    doubt.
     """
-    head = read_head(device, TEXT_LOG_PROBE)
     if looks_like_tlog(head):
-        return True
+        return "tlog"
     if not head or head.startswith((DATAFLASH_HEAD, b"FMT,")):
         return None
-    from mavwire._native import is_stamped
+    from mavwire._native import telemetry_kind
 
     try:
-        return is_stamped(device)
+        return telemetry_kind(device)
     except OSError as error:
         if from_handler(error):
             raise
@@ -91,14 +90,16 @@ def is_stamped(device: str) -> bool | None:
 
 
 def log_kind(device: str, readonly: bool) -> str | None:
-    """The kind of a log, "dataflash", "text" or "tlog"; None for what is not a log file.
+    """The kind of a log, "dataflash", "text", "tlog" or "raw"; None for what is not a log file.
 
     Files that are to be written, or read as raw streams, are not recognised by content.
     """
     lower = device.lower()
     exists = stat.S_ISREG(mode_of(device))
     head = read_head(device, TEXT_LOG_PROBE) if exists else b""
-    if looks_like_tlog(head) or (exists and readonly and is_stamped(device) is not None):
+    if readonly and (kind := _telemetry_kind(device, head)):
+        return kind
+    if looks_like_tlog(head):
         return "tlog"
     if lower.endswith(DATAFLASH_SUFFIXES):
         return "dataflash"

@@ -47,11 +47,14 @@ pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow
     Ok(Cow::Owned(head?.1))
 }
 
-/// Whether the records of a telemetry log have time stamps; None where it is in doubt that it is one.
+/// Whether a telemetry log has time stamps or is a raw stream; None where it is in doubt that it is one.
 #[pyfunction]
-pub(crate) fn is_stamped(py: Python<'_>, path: PathBuf) -> PyResult<Option<bool>> {
+pub(crate) fn telemetry_kind(py: Python<'_>, path: PathBuf) -> PyResult<Option<&'static str>> {
     let framing = py.detach(|| input::telemetry_framing(files::open(&path)?))?;
-    Ok(framing.map(|framing| framing == Framing::Stamped))
+    Ok(framing.map(|framing| match framing {
+        Framing::Stamped => "tlog",
+        Framing::Raw => "raw",
+    }))
 }
 
 /// Whether a dataflash text log begins like this, in UTF-8 or UTF-16.

@@ -140,7 +140,7 @@ mod _native {
     use crate::dataflash_tables::DataflashTables;
     #[pymodule_export]
     use crate::decompress::{
-        begins_as_text_log, decompress, draft_stem, head_to_utf8, is_stamped, log_head,
+        begins_as_text_log, decompress, draft_stem, head_to_utf8, log_head, telemetry_kind,
     };
     #[pymodule_export]
     use crate::describe::describe;

@@ -14,7 +14,7 @@ import pytest
 from mavwire import cli, mavutil, traffic
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.fleet.cuts import find_cuts
-from mavwire.links.recognise import is_stamped
+from mavwire.links.recognise import log_kind
 from mavwire.plots.expressions import parse
 from mavwire.plots.series import read_series
 from unit.link_tools import heartbeat, record
@@ -186,9 +186,9 @@ def test_what_is_written_is_not_recognised(tmp_path: Path) -> None:
     with mavutil.mavlink_connection(str(path), write=True, append=True) as log:
         assert not log.notimestamps
     shutil.copy(path, tmp_path / "b.tlog")
-    assert [is_stamped(str(tmp_path / name)) for name in ("a.tlog", "b.tlog")] == [False] * 2
+    assert [log_kind(str(tmp_path / name), True) for name in ("a.tlog", "b.tlog")] == ["raw"] * 2
     path.write_bytes(b"no log " * 3000)
-    assert is_stamped(str(path)) is None
+    assert log_kind(str(path), True) == "tlog"
 
 
 def test_a_plot_of_a_stream_whose_clock_begins_later(tmp_path: Path) -> None:
