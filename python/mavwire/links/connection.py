@@ -214,8 +214,9 @@ def _telemetry_log(device: str, kind: str, o: Options) -> Any:
         device, planner_format=o.planner_format, write=o.write, append=o.append,
         robust_parsing=o.robust_parsing, notimestamps=is_raw, **o.common,
     )  # fmt: skip
-    # A raw stream that was recognised has the times of its own clock, those of `open_log`.
-    log.notimestamps = o.notimestamps
+    if is_raw and not o.notimestamps:
+        # A raw stream that was recognised has the times of its own clock, those of `open_log`.
+        log.notimestamps = False
     return log
 
 

@@ -77,10 +77,11 @@ class Target:
     def params(self) -> dict[str, float]:
         """The target's parameters; those of component 1 while the component is 0."""
         sysid, component = self.param_sysid
-        if component == 0 and (self.sysid, 1) in self.param_state:
-            return self.param_state[(self.sysid, 1)].params
-        if sysid == 0 and (self.sysid, component) in self.param_state:
-            sysid = self.sysid
+        target = self.sysid  # once: another thread may receive the first heartbeat
+        if component == 0 and (target, 1) in self.param_state:
+            return self.param_state[(target, 1)].params
+        if sysid == 0 and (target, component) in self.param_state:
+            sysid = target
         return self.param_state[(sysid, component)].params
 
     @property
