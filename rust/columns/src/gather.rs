@@ -1,6 +1,7 @@
 //! The values of a field in many records that lie side by side.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::str::FromStr;
 
 use arrow::array::NullBufferBuilder;
@@ -22,6 +23,14 @@ pub struct Rows<'a> {
     pub stride: usize,
     /// Whole texts of the records where they are longer than the field; otherwise empty.
     pub texts: &'a [Vec<u8>],
+}
+
+impl<'a> Rows<'a> {
+    /// Some of the rows, none of which has a whole text of its own.
+    pub(crate) fn part(&self, range: Range<usize>) -> Rows<'a> {
+        let bytes = &self.bytes[range.start * self.stride..range.end * self.stride];
+        Rows { times: &self.times[range], bytes, stride: self.stride, texts: &[] }
+    }
 }
 
 /// The time of a row without a time.

@@ -116,14 +116,22 @@ impl TableBuilder {
         }
     }
 
-    /// The same with a row for each text, when it is complete.
+    /// The same with a row for each text, when it is complete. Nearly all texts are whole: they are appended together.
     fn append_joined(&mut self, rows: &Rows<'_>, long: &mut LongTexts) {
         let LongTexts { fields, texts } = long;
-        for (row, &time) in rows.bytes.chunks_exact(rows.stride).zip(rows.times) {
-            let (sender, payload) = ((row[0], row[1]), &row[PAYLOAD..]);
-            let found = texts.receive(*fields, sender, payload, || (time, row.to_vec()));
+        let mut start = 0;
+        for (number, row) in rows.bytes.chunks_exact(rows.stride).enumerate() {
+            let payload = &row[PAYLOAD..];
+            if fields.is_whole(payload) {
+                continue;
+            }
+            self.append_whole(&rows.part(start..number));
+            start = number + 1;
+            let first = || (rows.times[number], row.to_vec());
+            let found = texts.receive(*fields, (row[0], row[1]), payload, first);
             self.append_texts_of(found, *fields);
         }
+        self.append_whole(&rows.part(start..rows.times.len()));
     }
 
     fn append_texts_of(&mut self, found: Vec<(TextRow, Vec<u8>)>, fields: TextFields) {

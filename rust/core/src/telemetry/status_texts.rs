@@ -61,12 +61,26 @@ impl TextFields {
         &text[..memchr::memchr(0, text).unwrap_or(text.len())]
     }
 
+    /// Whether a message has a whole text.
+    #[inline]
+    pub fn is_whole(&self, payload: &[u8]) -> bool {
+        self.id(payload) == 0
+    }
+
+    #[inline]
+    fn id(&self, payload: &[u8]) -> u16 {
+        u16::from_le_bytes(read(payload, self.id))
+    }
+
     /// The part that a message has; `None` where it has the whole text.
     fn chunk<'a>(&self, payload: &'a [u8]) -> Option<Chunk<'a>> {
-        let id = u16::from_le_bytes(read(payload, self.id));
+        if self.is_whole(payload) {
+            return None;
+        }
+        let id = self.id(payload);
         let (text, seq) = (self.text(payload), read::<1>(payload, self.seq)[0]);
         let is_last = text.len() < self.text_len;
-        (id != 0).then_some(Chunk { id, seq, text, is_last })
+        Some(Chunk { id, seq, text, is_last })
     }
 }
 
