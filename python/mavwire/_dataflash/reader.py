@@ -117,8 +117,7 @@ class DFReader(_native.DataflashReader):
         """Go through the log; fill units, and `messages` with the first of each type."""
         contents = self._contents(progress_callback)
         self.unit_lookup = dict(contents["labels"])
-        # Autopilots reckon factors in single precision.
-        self.mult_lookup = {key: float(f"{one:.7g}") for key, one in contents["multipliers"]}
+        self.mult_lookup = dict(contents["multipliers"])
         for fmt in self._layouts:
             self._set_units(fmt, contents["fields"].get(fmt.type))
         self._set_kinds([(fmt, self._instance_index(fmt)) for fmt in self._layouts])

@@ -120,6 +120,34 @@ def test_units(tmp_path):
     assert latitude.tolist() == [-35.363262]
 
 
+def test_multipliers_in_single_precision_scale_as_written(tmp_path):
+    """ArduPilot 4.7 writes a factor of 0.001 as the double of the float32 that is next to it."""
+    written = float(np.float32(0.001))
+    binary = sample().add("MULT", 1, ord("C"), written).add("UNIT", 1, ord("s"), "s")
+    binary.add("FMTU", 2, 160, "--ssss", "F--C--").add("GPS", 6_000_000, 0, 3, 385_101_600, 1, 1)
+    lines = [
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns",
+        "FMT, 6, 20, UNIT, QbZ, TimeUS,Id,Label",
+        "FMT, 7, 20, MULT, Qbd, TimeUS,Id,Mult",
+        "FMT, 8, 20, FMTU, QBNN, TimeUS,FmtType,UnitIds,MultIds",
+        "FMT, 9, 20, GPS, QI, TimeUS,GMS",
+        f"UNIT, 1, {ord('s')}, s",
+        f"MULT, 1, {ord('C')}, {written!r}",
+        "FMTU, 1, 9, ss, -C",
+        "GPS, 6000000, 385101600",
+    ]
+    text = tmp_path / "text.log"
+    text.write_text("\n".join(lines) + "\n")
+    assert written == 0.0010000000474974513
+    for path in (binary.write(tmp_path / "binary.BIN"), str(text)):
+        assert mavwire.read(path, "GPS", units="si")["GPS"]["GMS"][-1] == 385101.6
+        assert mavwire.read(path, "GPS")["GPS"].metadata["GMS"]["multiplier"] == "0.001"
+        reader = DFReader_text if path.endswith(".log") else DFReader_binary
+        with reader(path) as log:
+            assert log.mult_lookup["C"] == 0.001
+            assert log.messages["GPS"].fmt.get_unit("GMS") == "ms"
+
+
 def test_selection(tmp_path):
     log = mavwire.open_log(sample().write(tmp_path / "flight.BIN"))
     assert isinstance(log, DataflashLog)

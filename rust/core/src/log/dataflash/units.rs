@@ -59,7 +59,7 @@ impl Units {
             }
             "MULT" => {
                 let factor = value("Mult").and_then(|factor| factor.trim().parse().ok());
-                put(&mut self.multipliers, id().zip(factor));
+                put(&mut self.multipliers, id().zip(factor.map(single_digits)));
                 None
             }
             "FMTU" => self.add_fields(value),
@@ -82,6 +82,11 @@ impl Units {
         let (ids, _) = self.fields.get(&layout.type_id)?;
         ids.chars().position(|id| id == INSTANCE).filter(|&index| index < layout.fields.len())
     }
+}
+
+/// A factor with the digits that single precision has. ArduPilot 4.7 writes 0.001 as 0.0010000000474974513.
+fn single_digits(factor: f64) -> f64 {
+    format!("{factor:.6e}").parse().unwrap_or(factor)
 }
 
 /// Adds an entry, or renews the one with its id. There are at most 256 ids.
