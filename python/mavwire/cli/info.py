@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from mavwire.logs.summary import LogInfo
 
 PROGRESS_EVERY = 20_000
+DAY = 86_400
+YEAR = 365.2425 * DAY
 LISTED = 5
 """Places that the table names; `--json` has more."""
 
@@ -67,7 +69,7 @@ class Summary:
 
     @property
     def span(self) -> float:
-        """Seconds between the first and the last message. A step back of the clock takes no time."""
+        """Seconds between the first and the last message. Steps of the clock take no time."""
         if self.info is not None:
             return self.info.count.seconds
         return (self.last or 0.0) - (self.first or 0.0)
@@ -113,7 +115,12 @@ class Summary:
 
 def _places(info: LogInfo) -> dict[str, Any]:
     """For `--json`: where a log is damaged or interrupted."""
-    return {"gaps": info.gaps, "times_back": info.times_back, "bad": info.bad}
+    return {
+        "gaps": info.gaps,
+        "times_back": info.times_back,
+        "times_forward": info.times_forward,
+        "bad": info.bad,
+    }
 
 
 def _details(info: LogInfo) -> dict[str, Any]:
@@ -191,10 +198,23 @@ def _place_lines(info: LogInfo) -> list[str]:
         lines.append(
             f"  shared   {shared}: several vehicles use this id; its lost count is not reliable"
         )
-    if info.times_back:
-        far = f", by {info.set_back:,.1f} s" if info.set_back else ""
-        lines.append(f"  clock    went back {info.times_back:,} times{far}")
+    steps = [
+        f"went {way} {times:,} times" + (f", by {_duration(far)}" if far else "")
+        for way, times, far in (
+            ("back", info.times_back, info.set_back),
+            ("forward", info.times_forward, info.set_forward),
+        )
+        if times
+    ]
+    if steps:
+        lines.append(f"  clock    {'; '.join(steps)}")
     return lines
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 3 * DAY:
+        return f"{seconds:,.1f} s"
+    return f"{seconds / DAY:,.1f} days" if seconds < YEAR else f"{seconds / YEAR:,.1f} years"
 
 
 def _lost(summary: Summary) -> str:
@@ -206,8 +226,13 @@ def _time(summary: Summary) -> str:
     if summary.first is None or summary.last is None:
         return "none, there is no message" if not summary.messages else "none, a log without times"
     if summary.since_start:
-        return f"{summary.first:,.3f} to {summary.last:,.3f} s since start, {summary.span:,.1f} s"
-    return f"{_clock(summary.first)} to {_clock(summary.last)} UTC, {summary.span:,.1f} s"
+        first, last = f"{summary.first:,.3f}", f"{summary.last:,.3f} s since start"
+    else:
+        first, last = _clock(summary.first), f"{_clock(summary.last)} UTC"
+    info = summary.info
+    if info is None or not (info.set_back or info.times_forward):
+        return f"{first} to {last}, {summary.span:,.1f} s"
+    return f"first {first}, last {last}, {summary.span:,.1f} s without the steps of the clock"
 
 
 def _bad(summary: Summary) -> str:
@@ -221,7 +246,7 @@ def _clock(seconds: float) -> str:
     try:
         return datetime.fromtimestamp(seconds, UTC).strftime("%Y-%m-%d %H:%M:%S")
     except (OverflowError, OSError, ValueError):
-        return f"{seconds:.6f}"
+        return f"year {1970 + seconds / YEAR:,.0f}"
 
 
 def table(summary: Summary) -> str:

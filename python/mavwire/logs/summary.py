@@ -21,7 +21,9 @@ class Count:
     first: float
     last: float
     seconds: float
-    """Duration of the messages. A step back of the clock does not count."""
+    """Duration of the messages. Steps back of the clock, and steps forward of three days or more, do not
+    count.
+    """
 
     @property
     def rate(self) -> float:
@@ -72,9 +74,13 @@ class LogInfo:
     """Spans of more than 5 s without a message: the times before and after."""
     gap_count: int
     times_back: int
-    """Records with a time before that of the record in front."""
+    """Records with a time a millisecond or more before that of the record in front."""
     set_back: float
     """Seconds that the clock was set back in total."""
+    times_forward: int
+    """Records with a time three days or more behind that of the record in front."""
+    set_forward: float
+    """Seconds that the clock was set forward in total."""
     distrusted: int
     """Records behind damage whose time was days off and is replaced by that of the last good one."""
     bad: list[tuple[int, int]]

@@ -1,5 +1,7 @@
 //! What the sequence numbers of a sender say: which messages were lost, and which came more than once.
 
+use mavwire_core::telemetry::is_jump_forward;
+
 /// Numbers ahead of the newest that are a loss; beyond that they are behind it.
 const FAR: u8 = 128;
 /// Without a message for this long, nobody can tell how often the numbers went round. Microseconds.
@@ -17,6 +19,13 @@ struct Newest {
     time: u64,
     /// Bit `n`: the number `n` before the newest is lost so far.
     missing: u128,
+}
+
+impl Newest {
+    /// Whether a time is before it, or too far behind it for one flight: the clock was set, or the time is damaged.
+    fn is_on_another_clock(self, time: u64) -> bool {
+        self.time.saturating_sub(time) > SILENCE || is_jump_forward(self.time, time)
+    }
 }
 
 /// How the counts change by a message.
@@ -38,7 +47,13 @@ impl Sequence {
             return Heard::After(0);
         };
         let ahead = number.wrapping_sub(newest.number);
-        if time.abs_diff(newest.time) > SILENCE {
+        if newest.is_on_another_clock(time) {
+            // Such a time says nothing of a silence. Numbers that go on do so, others are those of another flight.
+            if ahead > FAR {
+                *newest = Newest { number, time, missing: 0 };
+                return Heard::After(0);
+            }
+        } else if time.abs_diff(newest.time) > SILENCE {
             *newest = Newest { number, time, missing: 0 };
             return Heard::After(ahead.wrapping_sub(1));
         }
@@ -96,5 +111,23 @@ mod tests {
         assert_eq!(sequence.add(199, SILENCE), Heard::Again);
         assert_eq!(sequence.add(199, SILENCE + 1), Heard::After(254));
         assert_eq!(sequence.add(198, SILENCE + 2), Heard::Again);
+    }
+
+    #[test]
+    fn a_wrong_time_is_no_silence() {
+        for wrong in [0, u64::MAX] {
+            let mut sequence = Sequence::default();
+            let time = 1_700_000_000_000_000;
+            sequence.add(8, time);
+            assert_eq!(sequence.add(10, time), Heard::After(1));
+            assert_eq!(sequence.add(10, wrong), Heard::Again);
+            assert_eq!(sequence.add(11, wrong), Heard::After(0));
+            assert_eq!(sequence.add(11, time), Heard::Again);
+            assert_eq!(sequence.add(13, time), Heard::After(1));
+            assert_eq!(sequence.add(12, time), Heard::Late);
+            // Another flight.
+            assert_eq!(sequence.add(240, wrong), Heard::After(0));
+            assert_eq!(sequence.add(241, wrong), Heard::After(0));
+        }
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use mavwire_core::frame::Header;
 use mavwire_core::registry::Registry;
-use mavwire_core::telemetry::{BootClocks, SteadyTime};
+use mavwire_core::telemetry::{BootClocks, SteadyTime, is_jump_forward};
 use mavwire_schema::WireVersion;
 
 use crate::error::Error;
@@ -18,6 +18,9 @@ use crate::sequence::{Heard, Sequence};
 /// Places that are listed; beyond that they are only counted, since whoever makes a log chooses their number.
 const MOST_LISTED: usize = 1000;
 
+/// A smaller step back is none that is counted: records of one moment can overtake each other. Microseconds.
+const SMALLEST_STEP: u64 = 1000;
+
 /// Messages of one type.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Count {
@@ -27,7 +30,7 @@ pub struct Count {
     pub first: u64,
     /// Time of the last.
     pub last: u64,
-    /// Microseconds between the two on a clock that is never set back.
+    /// Microseconds between the two on a clock that is never set.
     pub elapsed: u64,
     /// Steady time of the first message with a time.
     began: Option<u64>,
@@ -38,7 +41,7 @@ pub struct Count {
 pub(crate) struct RecordTime {
     /// Its time stamp.
     time: u64,
-    /// Its time on a clock that is never set back.
+    /// Its time on a clock that is never set.
     steady: u64,
 }
 
@@ -89,7 +92,7 @@ pub struct Summary {
     pub gaps: Vec<(u64, u64)>,
     /// How many there are.
     pub gap_count: u64,
-    /// Records whose time is before that of the record in front.
+    /// Records whose time is a millisecond or more before that of the record in front.
     pub times_back: u64,
     /// Turns time stamps into steady times.
     pub steady: SteadyTime,
@@ -160,8 +163,8 @@ impl Summary {
     pub(crate) fn add_time(&mut self, time: Option<u64>, gap: u64) -> Option<RecordTime> {
         if let (Some(time), Some(_)) = (time, self.count.began) {
             let before = self.count.last;
-            self.times_back += u64::from(time < before);
-            if time.saturating_sub(before) > gap {
+            self.times_back += u64::from(before.saturating_sub(time) >= SMALLEST_STEP);
+            if time.saturating_sub(before) > gap && !is_jump_forward(before, time) {
                 self.gap_count += 1;
                 if self.gaps.len() < MOST_LISTED {
                     self.gaps.push((before, time));

@@ -9,5 +9,5 @@ mod stream_clock;
 pub use boot_clocks::BootClocks;
 pub use boot_time::BootTimes;
 pub use status_texts::{MOST_OPEN, STATUSTEXT, StatusTexts, TextFields};
-pub use steady_time::SteadyTime;
+pub use steady_time::{SteadyTime, is_jump_forward};
 pub use stream_clock::StreamClock;

@@ -291,6 +291,8 @@ pub(crate) fn summary_dict<'py>(
     dict.set_item("gap_count", sum.gap_count)?;
     dict.set_item("times_back", sum.times_back)?;
     dict.set_item("set_back", sum.steady.set_back as f64 * 1e-6)?;
+    dict.set_item("times_forward", sum.steady.times_forward)?;
+    dict.set_item("set_forward", sum.steady.set_forward as f64 * 1e-6)?;
     dict.set_item("distrusted", sum.distrusted)?;
     dict.set_item("bad", bad)?;
     dict.set_item("bad_count", sum.bad_count)?;

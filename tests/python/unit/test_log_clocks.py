@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -59,9 +60,71 @@ def test_a_clock_that_is_set_back_takes_no_time(
     assert cli.main(["info", str(log)]) == 0
     said = capsys.readouterr().out
     assert "UTC, 10.0 s" in said and "went back 1 times, by 3,599.8 s" in said
-    assert "10.20" in said and "-3" not in said
+    assert "10.20" in said and " -3" not in said
     assert cli.main(["info", "--json", str(log)]) == 0
     assert json.loads(capsys.readouterr().out)["span"] == pytest.approx(10.0)
+
+
+def told(log: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    """What `mavwire info` prints."""
+    assert cli.main(["info", str(log)]) == 0
+    return capsys.readouterr().out
+
+
+def test_a_clock_that_starts_in_1970_takes_no_time(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """600 records of a minute before the clock is set, and 400 behind it."""
+    times = [(100_000 if n < 600 else T0) + 100_000 * n for n in range(1000)]
+    log = tmp_path / "a.tlog"
+    frames = [attitude(100 * n + 1, seq=n) for n in range(1000)]
+    log.write_bytes(b"".join(map(record, frames, times)))
+    info = mavwire.open_log(log).info()
+    assert info.count.seconds == pytest.approx(99.8)
+    assert info.types["ATTITUDE"].rate == pytest.approx(999 / 99.8)
+    assert (info.times_forward, info.times_back, info.lost, info.gap_count) == (1, 0, 0, 0)
+    assert info.set_forward == pytest.approx(1_700_000_000)
+    said = told(log, capsys)
+    assert (
+        "first 1970-01-01 00:00:00, last 2023-11-14 22:14:59 UTC,"
+        " 99.8 s without the steps of the clock\n" in said
+    )
+    assert "clock    went forward 1 times, by 53.9 years\n" in said and "gaps" not in said
+    assert re.search(r"^  ATTITUDE +1,000 +10.02$", said, re.MULTILINE)
+
+
+@pytest.mark.parametrize("place", [0, 500, 501, 999])
+def test_a_damaged_time_takes_no_time_and_loses_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], place: int
+) -> None:
+    """Two links heard each message, the second one a little later."""
+    frames = [attitude(100 * (n // 2) + 1, seq=n // 2) for n in range(1000)]
+    records = [record(frame, T0 + 100_000 * (n // 2)) for n, frame in enumerate(frames)]
+    records[place] = b"\xff" + records[place][1:]
+    log = tmp_path / "a.tlog"
+    log.write_bytes(b"".join(records))
+    info = mavwire.open_log(log).info()
+    assert info.count.seconds == pytest.approx(49.9, abs=0.11)
+    assert (info.lost, info.repeated, info.gap_count) == (0, 500, 0)
+    assert (info.times_forward, info.times_back) == (int(place > 0), int(place < 999))
+    said = told(log, capsys)
+    if 0 < place < 999:
+        assert "first 2023-11-14 22:13:20, last 2023-11-14 22:14:09 UTC" in said
+        far = r"by 582,27\d\.\d years"
+        assert re.search(f"went back 1 times, {far}; went forward 1 times, {far}\n", said)
+    else:
+        assert f"{'last' if place else 'first'} year 584," in said
+
+
+def test_steps_of_some_microseconds_are_no_steps(tmp_path: Path) -> None:
+    times = [100_000 * n - (100_030 if n % 2 else 0) for n in range(100)]
+    log = tmp_path / "a.tlog"
+    log.write_bytes(
+        b"".join(record(attitude(n + 1, seq=n), T0 + time) for n, time in enumerate(times))
+    )
+    info = mavwire.open_log(log).info()
+    assert (info.times_back, info.set_back, info.lost) == (0, 0, 0)
+    assert info.count.seconds == pytest.approx(9.79997)
 
 
 @pytest.mark.parametrize(("boots", "reboots"), [
