@@ -17,9 +17,11 @@ __all__ = [
     "RecordBatches",
     "align_tables",
     "csv_safe",
+    "date_text",
     "decompress",
     "draft_stem",
     "empty_table",
+    "jump_text",
     "log_head",
     "log_summary",
     "telemetry_kind",
@@ -318,6 +320,12 @@ def head_to_utf8(head: bytes) -> bytes:
 
 def empty_table(dialect: Dialect, msgid: int, query: _Query) -> RecordBatches:
     """A table without rows of a message; ValueError if there is none of that id."""
+
+def date_text(seconds: float) -> str:
+    """A time in seconds since 1970 as date and time in UTC. Where calendars have none it is the year."""
+
+def jump_text(before: float, after: float) -> str | None:
+    """Says that times jump from one second to another; None if they may be those of one flight."""
 
 def align_tables(
     tables: list[tuple[str, RecordBatches]],

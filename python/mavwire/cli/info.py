@@ -14,9 +14,9 @@ import time
 from collections import Counter
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
-from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
+from mavwire._native import date_text
 from mavwire._wording import in_words, printable
 from mavwire.cli._errors import tell
 from mavwire.cli._foreign import warn_if_barren
@@ -228,7 +228,7 @@ def _time(summary: Summary) -> str:
     if summary.since_start:
         first, last = f"{summary.first:,.3f}", f"{summary.last:,.3f} s since start"
     else:
-        first, last = _clock(summary.first), f"{_clock(summary.last)} UTC"
+        first, last = date_text(summary.first), f"{date_text(summary.last)} UTC"
     info = summary.info
     if info is None or not (info.set_back or info.times_forward):
         return f"{first} to {last}, {summary.span:,.1f} s"
@@ -240,13 +240,6 @@ def _bad(summary: Summary) -> str:
     if summary.bad_bytes and not summary.bad_messages:
         return f"{summary.bad_bytes:,} bytes"
     return f"{summary.bad_bytes:,} bytes in {summary.bad_messages:,} pieces"
-
-
-def _clock(seconds: float) -> str:
-    try:
-        return datetime.fromtimestamp(seconds, UTC).strftime("%Y-%m-%d %H:%M:%S")
-    except (OverflowError, OSError, ValueError):
-        return f"year {1970 + seconds / YEAR:,.0f}"
 
 
 def table(summary: Summary) -> str:

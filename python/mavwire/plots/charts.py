@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from mavwire._native import jump_text
 from mavwire.logs.barren import lacking
 from mavwire.logs.extras import extra
 from mavwire.logs.store import write_file
@@ -55,7 +56,7 @@ class Plotted:
     path: str
     points: int
     notes: list[str]
-    """What was left out, and why."""
+    """What was left out and why, and times that jump."""
 
 
 def plot(
@@ -110,7 +111,7 @@ def plot(
     ]
     names = labels or [one.text for one in parsed]
     chart = _chart(read, names, title, relative, float(timeshift), modes, across)
-    notes = _notes(read)
+    notes = _notes(read) + ([] if across is not None else _jumps(read))
     points = sum(len(line.times) for line in chart.lines)
     if not points:
         lacks = [f"{said}: {path!r}" for path in paths if (said := lacking(path, dialect))]
@@ -197,6 +198,20 @@ def _chart(
 def _bounds(read: list[LogSeries]) -> list[float]:
     filled = [one.times for log in read for one in log.series if len(one.times)]
     return [float(bound) for times in filled for bound in (times.min(), times.max())]
+
+
+def _jumps(read: list[LogSeries]) -> list[str]:
+    """The logs with times that stretch the axis beyond a flight."""
+    import numpy as np
+
+    notes = []
+    for log in read:
+        times = np.sort(np.concatenate([one.times for one in log.series]))
+        if len(times) > 1:
+            widest = int(np.diff(times).argmax())
+            jump = jump_text(float(times[widest]), float(times[widest + 1]))
+            notes += [f"{log.path}: {jump}"] if jump else []
+    return notes
 
 
 def _notes(read: list[LogSeries]) -> list[str]:

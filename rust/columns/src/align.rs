@@ -110,6 +110,20 @@ pub fn span_of(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, A
     Ok(span)
 }
 
+/// The two times in a row, of those of all tables, that are furthest apart.
+///
+/// # Errors
+/// A table has no timestamps.
+pub fn widest_gap(tables: &[(String, RecordBatch)]) -> Result<Option<(i64, i64)>, ArrowError> {
+    let mut times = Vec::new();
+    for (_, table) in tables {
+        times.extend(times_of(table)?.iter().flatten());
+    }
+    times.sort_unstable();
+    let gaps = times.windows(2).map(|pair| (pair[0], pair[1]));
+    Ok(gaps.max_by_key(|&(before, after)| after.abs_diff(before)))
+}
+
 /// Values in a row of the wide table, those of lists one by one.
 pub fn values_of(tables: &[(String, RecordBatch)]) -> usize {
     let fields = tables.iter().flat_map(|(_, table)| table.schema_ref().fields());

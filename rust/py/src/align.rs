@@ -1,11 +1,12 @@
 //! `align_tables`: several tables on one clock.
 
-use mavwire_columns::align::{Method, align, clock_of, span_of, values_of};
+use mavwire_columns::align::{Method, align, clock_of, span_of, values_of, widest_gap};
 use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::arrow::error::ArrowError;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::dates::jump_text;
 use crate::lists::list;
 use crate::table::{RecordBatches, columns_error};
 
@@ -41,9 +42,12 @@ fn check_size(ticks: u64, tables: &[(String, RecordBatch)]) -> Result<(), ArrowE
     if ticks.saturating_mul(values) <= MOST_VALUES {
         return Ok(());
     }
+    let seconds = |time: i64| time as f64 * 1e-6;
+    let gap = widest_gap(tables)?;
+    let jump = gap.and_then(|(before, after)| jump_text(seconds(before), seconds(after)));
+    let cause = jump.unwrap_or_else(|| "choose a longer rate or fewer types and fields".to_owned());
     let text = format!(
-        "a clock of {ticks} ticks with {values} values at each is more than {MOST_VALUES} values: \
-         choose a longer rate or fewer types and fields"
+        "a clock of {ticks} ticks with {values} values at each is more than {MOST_VALUES} values: {cause}"
     );
     Err(ArrowError::InvalidArgumentError(text))
 }

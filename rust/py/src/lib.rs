@@ -30,6 +30,7 @@ mod convert_output;
 mod create;
 mod dataflash;
 mod dataflash_tables;
+mod dates;
 mod decompress;
 mod describe;
 mod descriptors;
@@ -138,6 +139,8 @@ mod _native {
     use crate::dataflash::shape::DataflashShape;
     #[pymodule_export]
     use crate::dataflash_tables::DataflashTables;
+    #[pymodule_export]
+    use crate::dates::{date_text, jump_text};
     #[pymodule_export]
     use crate::decompress::{
         begins_as_text_log, decompress, draft_stem, head_to_utf8, log_head, telemetry_kind,

@@ -90,7 +90,7 @@ def test_empty_log(tmp_path: Path) -> None:
 
 def test_times_that_no_calendar_has_are_shown_as_years() -> None:
     summary = info.Summary("x", first=1e17, last=float("1e17"), messages=1)
-    assert "year 3,168,875,821" in info.table(summary)
+    assert "year 3.169e9" in info.table(summary)
 
 
 def test_a_missing_log_is_named_and_the_others_are_read(
