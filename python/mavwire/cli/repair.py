@@ -1,7 +1,8 @@
 """`mavwire repair LOG -o FILE`: the good records of a damaged telemetry log, for any reader.
 
-Bytes that belong to no record are left out, and times that damage made implausible are replaced by
-that of the last good record. Says what it did.
+Bytes that belong to no record are left out. Times that damage made implausible are replaced by that
+of the last good record: behind such bytes, and single ones days from the times in front and behind.
+Says what it did.
 """
 
 from __future__ import annotations

@@ -88,8 +88,9 @@ def repair(
 ) -> Rewritten:
     """Write all good records of a damaged log, which any reader then finds.
 
-    A record is good if its checksum is; times that damage made implausible are replaced. Ids that
-    the dialect lacks have no checksum that could be told, and are kept where they stand in line.
+    A record is good if its checksum is. Times that damage made implausible are replaced: behind
+    bytes of no record, and single ones days from the times in front and behind. Ids that the
+    dialect lacks have no checksum that could be told, and are kept where they stand in line.
     """
     return cut(path, out, dialect=dialect, progress=progress)
 

@@ -8,12 +8,12 @@ use std::iter::Sum;
 use std::sync::Arc;
 
 use mavwire_core::anonymize::Anonymizer;
-use mavwire_core::log::tlog::Located;
+use mavwire_core::log::tlog::{Located, STAMP_LEN, are_near};
 use mavwire_core::registry::Registry;
 
 use crate::error::Error;
 use crate::input::{Blocks, Steps};
-use crate::scan::{Framing, LogScanner, Scanned, header_at};
+use crate::scan::{Framing, LogScanner, Scanned, header_at, stamp_at};
 use crate::select::Wanted;
 
 /// What became of a log.
@@ -29,7 +29,7 @@ pub struct Outcome {
     pub bad_bytes: u64,
     /// Places where such bytes are.
     pub bad_places: u64,
-    /// Records behind damage whose time was not believed and is now that of the last good one.
+    /// Records whose time was not believed and is now that of the last good one.
     pub restamped: u64,
 }
 
@@ -66,10 +66,63 @@ impl Sum for Outcome {
     }
 }
 
+/// Finds the records of a log, and replaces a damaged time between good ones. Its frame may be intact, so that nothing else
+/// shows the damage.
+struct Mender {
+    scanner: LogScanner,
+    framing: Framing,
+    /// The time of the last record.
+    before: Option<u64>,
+}
+
+impl Mender {
+    fn new(steps: Steps, registry: Arc<Registry>, framing: Framing) -> Self {
+        let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
+        Self { scanner, framing, before: None }
+    }
+
+    fn scan(&mut self, block: &[u8], at_end: bool) -> Scanned {
+        if self.framing == Framing::Raw {
+            return self.scanner.scan(block, at_end);
+        }
+        // Leaves the time behind the last record to be seen.
+        let len = if at_end { block.len() } else { block.len().saturating_sub(STAMP_LEN) };
+        let mut scanned = self.scanner.scan(&block[..len], at_end);
+        let mut replaced: Vec<_> = scanned
+            .records
+            .iter()
+            .filter_map(|record| self.judge(block, &scanned, *record))
+            .collect();
+        if !replaced.is_empty() {
+            replaced.append(&mut scanned.distrusted);
+            replaced.sort_by_key(|&(at, _)| at);
+            replaced.dedup_by_key(|&mut (at, _)| at);
+            scanned.distrusted = replaced;
+        }
+        scanned
+    }
+
+    /// What to take for the time of a record that those in front and behind contradict.
+    fn judge(&mut self, block: &[u8], scanned: &Scanned, record: Located) -> Option<(u32, u64)> {
+        let time = scanned.time(block, record.at)?;
+        let before = *self.before.get_or_insert(time);
+        if !are_near(time, before) {
+            let lead = self.framing.lead();
+            let len = lead + header_at(block, record.at, lead)?.frame_len();
+            let behind = stamp_at(block, record.at + len as u32);
+            if are_near(before, behind) && !are_near(time, behind) {
+                return Some((record.at, before));
+            }
+        }
+        self.before = Some(time);
+        None
+    }
+}
+
 /// A log being rewritten.
 pub struct Rewrite {
     blocks: Blocks,
-    scanner: LogScanner,
+    mender: Mender,
     framing: Framing,
     wanted: Wanted,
     anonymizer: Option<Anonymizer>,
@@ -92,9 +145,9 @@ impl Rewrite {
         anonymizer: Option<Anonymizer>,
     ) -> Result<Self, Error> {
         let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
-        let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
+        let mender = Mender::new(steps, registry, framing);
         let (outcome, in_damage) = Default::default();
-        Ok(Self { blocks, scanner, framing, wanted, anonymizer, outcome, in_damage })
+        Ok(Self { blocks, mender, framing, wanted, anonymizer, outcome, in_damage })
     }
 
     /// Whether records have times.
@@ -122,9 +175,9 @@ impl Rewrite {
     /// # Errors
     /// What reading and writing say.
     pub fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
-        let Self { blocks, scanner, framing, wanted, anonymizer, outcome, in_damage } = self;
+        let Self { blocks, mender, framing, wanted, anonymizer, outcome, in_damage } = self;
         let kept = blocks.next(|block, at_end| {
-            let scanned = scanner.scan(block, at_end);
+            let scanned = mender.scan(block, at_end);
             let mut kept = Vec::with_capacity(scanned.consumed);
             for record in &scanned.records {
                 let is_kept = wanted.wants(block, framing.lead(), &scanned, *record)
@@ -134,7 +187,7 @@ impl Rewrite {
                         *framing,
                         &scanned,
                         *record,
-                        scanner.registry(),
+                        mender.scanner.registry(),
                         anonymizer.as_ref(),
                     );
                 outcome.written += u64::from(is_kept);
@@ -191,7 +244,7 @@ pub struct Merge {
 /// One of them: the records of a block, and how many of them were taken.
 struct Input {
     blocks: Blocks,
-    scanner: LogScanner,
+    mender: Mender,
     bytes: Vec<u8>,
     /// Time, and where it ends in `bytes`.
     records: Vec<(u64, usize)>,
@@ -217,12 +270,11 @@ impl Merge {
             if framing == Framing::Raw {
                 return Ok(Err(place));
             }
-            let scanner =
-                LogScanner::new(Arc::clone(registry), framing).with_stretch(steps.stretch);
+            let mender = Mender::new(steps, Arc::clone(registry), framing);
             let (bytes, records) = (Vec::new(), Vec::new());
             logs.push(Input {
                 blocks,
-                scanner,
+                mender,
                 bytes,
                 records,
                 taken: 0,
@@ -297,15 +349,15 @@ impl Input {
     }
 
     fn refill(&mut self) -> Result<(), Error> {
-        let Self { blocks, scanner, bytes, records, taken, ended, outcome, in_damage } = self;
+        let Self { blocks, mender, bytes, records, taken, ended, outcome, in_damage } = self;
         bytes.clear();
         records.clear();
         *taken = 0;
         let more = blocks.next(|block, at_end| {
-            let scanned = scanner.scan(block, at_end);
+            let scanned = mender.scan(block, at_end);
             for record in &scanned.records {
                 let framing = Framing::Stamped;
-                if put(bytes, block, framing, &scanned, *record, scanner.registry(), None) {
+                if put(bytes, block, framing, &scanned, *record, mender.scanner.registry(), None) {
                     records.push((time_of(&scanned, block, *record), bytes.len()));
                 }
             }
@@ -361,6 +413,41 @@ mod tests {
             let outcome = rewrite.outcome();
             assert_eq!((outcome.written, outcome.bad_bytes), (30, 800), "blocks of {block}");
             assert_eq!(outcome.bad_places, 2, "blocks of {block}");
+        }
+    }
+
+    #[test]
+    fn a_wrong_time_between_good_ones_is_replaced_by_the_one_in_front() {
+        let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
+        let registry = Arc::new(Registry::new(dialect));
+        let day = 24 * 3600 * 1_000_000;
+        let start = 20_000 * day;
+        // The clock is set twice, which is no damage; a single time at either end is contradicted by one other.
+        let times =
+            [9 * day, 1, 2, start, start + 1, start + 2, 0, start + 3, u64::MAX, start + 4, 7];
+        let mended = [
+            9 * day,
+            1,
+            2,
+            start,
+            start + 1,
+            start + 2,
+            start + 2,
+            start + 3,
+            start + 3,
+            start + 4,
+            7,
+        ];
+        let (bytes, expected) = (log(times.into_iter(), 1), log(mended.into_iter(), 1));
+        for block in [1, 8, 29, 40, 100, 1 << 20] {
+            let source = Box::new(std::io::Cursor::new(bytes.clone()));
+            let (steps, framing) = (Steps { block, ..Steps::default() }, Some(Framing::Stamped));
+            let registry = Arc::clone(&registry);
+            let rewrite = Rewrite::new(steps, source, framing, registry, Wanted::default(), None);
+            let (mut rewrite, mut out) = (rewrite.expect("reading"), Vec::new());
+            while rewrite.advance(&mut out).expect("writing") {}
+            assert_eq!(out, expected, "blocks of {block}");
+            assert_eq!(rewrite.outcome().restamped, 2, "blocks of {block}");
         }
     }
 

@@ -432,6 +432,20 @@ def test_the_commands_say_what_they_did(tmp_path, capsys):
     assert capsys.readouterr().out == ""
 
 
+def test_a_damaged_time_of_an_intact_frame_is_replaced(tmp_path, capsys):
+    path, out = tmp_path / "flight.tlog", tmp_path / "out.tlog"
+    frames = [heartbeat(seq=n) for n in range(10)]
+    records = [record(frame, T0 + 1000 * n) for n, frame in enumerate(frames)]
+    damaged = [*records[:5], b"\xff" + records[5][1:], *records[6:]]
+    path.write_bytes(b"".join(damaged))
+    assert main(["repair", str(path), "-o", str(out)]) == 0
+    assert capsys.readouterr().out == (
+        f"{out}: 10 of 10 records\n  replaced 1 times that damage made implausible\n"
+    )
+    records[5] = record(frames[5], T0 + 4000)
+    assert out.read_bytes() == b"".join(records)
+
+
 MERGE_MANY = """
 import glob, resource, sys
 from mavwire.logs.rewriting import merge
