@@ -182,8 +182,12 @@ def scan(
 
     The rows of a type come in the order of the log. Memory stays bounded: what is read ahead does
     not depend on the size of a log. A text column is always followed by `<name>_raw`.
+
+    The first log is looked at right away, the others when their turn comes. Raises what `read`
+    raises, and ValueError if no log is given. Paths are no patterns: use `glob.glob`.
     """
-    every = paths_of(paths)
+    every = logs_of(paths)
+    check_readable(every[0])
     try:
         rows = min(index(batch_rows), sys.maxsize)
     except TypeError:
@@ -193,7 +197,9 @@ def scan(
     module, native = native_dialect(dialect)
     fields = None if fields is None else names_of(fields)
     query = Query.of(module, types, systems, fields, start, end, units, enums, invalid)
-    if every and not is_dataflash(every[0]):  # what makes no sense is said before the first step
+    if not is_dataflash(every[0]):  # what makes no sense is said before the first step
+        for path in every if query.foreign else ():
+            check_readable(path)  # a missing log may be the one that has the type
         check_beside(every, module, native, query, fields)
     query.batch_rows, query.batch_bytes = rows, BATCH_BYTES
     surveys = Surveys()
@@ -348,3 +354,10 @@ def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -
     if hasattr(paths, "read"):  # whose lines are no paths
         raise TypeError(f"a log is named by its path, not given as an open file: {paths!r}")
     return [os.fsdecode(path) for path in several(paths)]
+
+
+def logs_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:
+    """One path or several; ValueError for none."""
+    if every := paths_of(paths):
+        return every
+    raise ValueError("no logs given: name at least one path")

@@ -18,7 +18,7 @@ from mavwire._wording import naming
 
 from .barren import check_records
 from .query import Query
-from .reading import check_readable, native_dialect, paths_of
+from .reading import check_readable, logs_of, native_dialect
 from .sources import is_dataflash
 from .targets import file_to_write
 from .telemetry import LogFormatError, check_barren
@@ -148,9 +148,7 @@ def _checked(
     dialect: str | os.PathLike[str] | ModuleType,
 ) -> tuple[list[str], str]:
     """The names as texts; raises what tells why they cannot be read or written."""
-    inputs, out = paths_of(paths), file_to_write(out)
-    if not inputs:
-        raise ValueError("no logs to read")
+    inputs, out = logs_of(paths), file_to_write(out)
     for path in inputs:
         check_readable(path)
         if os.path.exists(out) and os.path.samefile(path, out):

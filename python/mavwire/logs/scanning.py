@@ -13,7 +13,7 @@ from .common_columns import Surveys, empty_of
 from .extras import extra
 from .pushdown import narrow
 from .query import Query
-from .reading import BATCH_ROWS, batches_of, check_readable, native_dialect, paths_of
+from .reading import BATCH_ROWS, batches_of, check_readable, logs_of, native_dialect
 from .telemetry import portable, restored
 
 if TYPE_CHECKING:
@@ -43,15 +43,17 @@ def scan_polars(
     a log that does not have it. ValueError if columns of one name have no common type. The arguments are
     those of `mavwire.scan`. The rows are read when the frame is collected. Before that only the
     descriptions of dataflash logs are read. A text column is always followed by `<name>_raw`.
+    Raises FileNotFoundError and its kin for a log that cannot be read.
     """
     with extra("data"):
         from polars.io.plugins import register_io_source
 
     if not isinstance(message, str):
         raise ValueError(f"a scan is of one message type, not of {message!r}")
-    source = _Source(
-        paths_of(paths), message, dialect, (systems, start, end, units, enums, invalid)
-    )
+    logs = logs_of(paths)
+    for path in logs:
+        check_readable(path)
+    source = _Source(logs, message, dialect, (systems, start, end, units, enums, invalid))
     return register_io_source(source, schema=source.schema, is_pure=True)
 
 

@@ -189,6 +189,28 @@ def test_folders_are_named_with_what_to_do(flight, tmp_path, capsys):
     assert "is a folder: name the logs in it" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["IMU", "ATTITUDE"])
+def test_a_scan_names_the_log_that_cannot_be_read(flight, tmp_path, name):
+    missing, pattern = str(tmp_path / "nope.BIN"), str(tmp_path / "*.tlog")
+    looks = [mavwire.scan]
+    if importlib.util.find_spec("polars") is not None:
+        looks.append(mavwire.scan_polars)
+    for look in looks:
+        for paths, error in [
+            (missing, FileNotFoundError),
+            ([missing], FileNotFoundError),
+            (pattern, FileNotFoundError),
+            (str(tmp_path), IsADirectoryError),
+        ]:
+            with pytest.raises(error) as caught:
+                look(paths, name)
+            assert caught.value.filename == (paths if isinstance(paths, str) else paths[0])
+        with pytest.raises(ValueError, match="no logs given"):
+            look([], name)
+        with pytest.raises(FileNotFoundError, match="nope"):
+            list(look([flight, missing], name))
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 def test_pipes_are_refused_and_not_waited_for(tmp_path, capsys):
     pipe = tmp_path / "pipe.tlog"
