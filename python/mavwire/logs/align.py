@@ -36,7 +36,8 @@ def align(
     (`method="ffill"`), the one closest to it ("nearest"), or for numbers the straight line between
     its neighbours ("linear", as float64; enum values and bit masks are those before). Rows further
     away than `tolerance` do not count; where none is left there are nulls. Several instances of a
-    type are aligned each by itself, as `TYPE[0].field`. The table is called `name`. ValueError for
+    type are aligned each by itself, as `TYPE[0].field`. The table is called `name`. For "linear"
+    read the tables with `invalid="null"`, as `log.align` does. ValueError for
     arguments that make no sense, for a type that several senders sent, and for rows without times.
     """
     check_clock(on)

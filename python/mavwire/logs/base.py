@@ -50,11 +50,16 @@ class Log:
         enums: str | None = None,
         invalid: str | None = None,
     ) -> Table:
-        """One wide table of several types on a common clock; see `mavwire.logs.align`."""
+        """One wide table of several types on a common clock; see `mavwire.logs.align`.
+
+        `invalid` is that of `read`, but "null" by default with `method="linear"`: a line to 65535
+        is no course of values.
+        """
         from .align import align, check_clock, of_fields, possible_columns
         from .query import check_fields, names_of
 
         check_clock(on)
+        invalid = invalid or ("null" if method == "linear" else None)
         names = names_of(types)
         fields = None if fields is None else names_of(fields)
         wanted = {*names, on} if on is not None else set(names)

@@ -141,8 +141,9 @@ def test_every_way_to_tables(path: Path) -> None:
         for method in ("ffill", "nearest", "linear"):
             wide = log.align("SYS_STATUS", on="HEARTBEAT", units="si", method=method)
             assert same(wide[f"SYS_STATUS.{field}"], wanted), method
-        wide = log.align("SYS_STATUS", rate="500ms", invalid="null", method="linear")
-        assert same(wide[f"SYS_STATUS.{field}"], [12600, NAN, NAN])
+        for invalid, line in ("null", [NAN, NAN]), (None, [NAN, NAN]), ("keep", [39067.5, 65535]):
+            wide = log.align("SYS_STATUS", rate="500ms", invalid=invalid, method="linear")
+            assert same(wide[f"SYS_STATUS.{field}"], [12600, *line]), invalid
         kept = log.align("SYS_STATUS", on="HEARTBEAT")[f"SYS_STATUS.{field}"]
         assert list(kept) == [12600, 65535]
     assert same([v for table in mavwire.scan(path, **how) for v in table[field]], wanted)
