@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mavwire._native import jump_text
+from mavwire._wording import did_you_mean
 from mavwire.logs.barren import lacking
 from mavwire.logs.extras import extra
 from mavwire.logs.store import write_file
@@ -17,7 +18,7 @@ from mavwire.logs.targets import file_to_write
 from .expressions import Expression, parse
 from .images import has_dates
 from .modes import Span
-from .series import LogSeries, read_series
+from .series import LogSeries, message_types, read_series
 
 IMAGES = (".png", ".svg", ".pdf")
 PAGES = (".html", ".htm")
@@ -77,12 +78,13 @@ def plot(
 ) -> Plotted:
     """Draw expressions such as `ATTITUDE.roll` or `degrees(ATTITUDE.pitch):2` over time.
 
-    `out` ends in .png, .svg or .pdf (needs matplotlib), or in .html. `:2` is the axis on the right.
+    Each expression is drawn from the logs that can have its messages, so telemetry and dataflash logs may
+    be mixed. `out` ends in .png, .svg or .pdf (needs matplotlib), or in .html. `:2` is the axis on the right.
     `labels` stand in the legend for the expressions. `condition` leaves out messages at which it
     does not hold; `xaxis` is an expression to plot over in the place of time. `system` is the
     vehicle's id, by default the first autopilot that is heard. `relative` counts seconds from the
     first value of each log, so that several can be compared; `timeshift` is added to the times of
-    the first log. `modes` shades the flight modes of the first log, which `flightmode` reads as
+    the first log. `modes` shades the flight modes of the first log that is drawn, which `flightmode` reads as
     those of ArduPilot ("apm") or PX4 ("px4") whatever a telemetry log says. Raises OSError for files
     that cannot be read or written, ImportError where matplotlib is missing, ValueError for what
     cannot be plotted.
@@ -97,20 +99,26 @@ def plot(
     target = file_to_write(out)
     parsed = [parse(text) for text in texts]
     across = None if xaxis is None else parse(xaxis)
+    known = [message_types(path, dialect) for path in paths]
+    _check_messages(parsed, known)
+    names = labels or [one.text for one in parsed]
+    named = [[(n, e) for n, e in zip(names, parsed, strict=True) if e.fits(has)] for has in known]
     read = [
         read_series(
             path,
-            parsed,
+            [one for _, one in own],
             condition=condition,
             xaxis=across,
             system=system,
             autopilot=None if flightmode is None else AUTOPILOTS[flightmode],
             dialect=dialect,
         )
-        for path in paths
+        if own
+        else LogSeries(path, [])
+        for path, own in zip(paths, named, strict=True)
     ]
-    names = labels or [one.text for one in parsed]
-    chart = _chart(read, names, title, relative, float(timeshift), modes, across)
+    own_names = [[name for name, _ in own] for own in named]
+    chart = _chart(read, own_names, title, relative, float(timeshift), modes, across)
     notes = _notes(read) + ([] if across is not None else _jumps(read))
     points = sum(len(line.times) for line in chart.lines)
     if not points:
@@ -141,6 +149,19 @@ def _check(
         raise ValueError(f"flightmode is one of {', '.join(AUTOPILOTS)}, not {flightmode!r}")
 
 
+def _check_messages(expressions: Sequence[Expression], known: Sequence[set[str] | None]) -> None:
+    """ValueError for an expression over messages that no log can have."""
+    for one in expressions:
+        if not any(map(one.fits, known)):
+            every = set().union(*filter(None, known))
+            needed = sorted({name for name, _, _ in one.places})
+            strange = [name for name in needed if name not in every]
+            if not strange:
+                raise ValueError(f"{one.text}: no log has all of {', '.join(needed)}")
+            hint = did_you_mean(strange[0].upper(), every)
+            raise ValueError(f"{one.text}: no log has a message {strange[0]!r}{hint}")
+
+
 def _check_times(timeshift: float, is_over_values: bool, relative: bool) -> None:
     try:
         is_number = math.isfinite(timeshift)
@@ -164,7 +185,7 @@ def _drawn(chart: Chart, suffix: str) -> bytes:
 
 def _chart(
     read: list[LogSeries],
-    labels: Sequence[str],
+    labels: Sequence[Sequence[str]],
     title: str | None,
     relative: bool,
     timeshift: float,
@@ -178,15 +199,16 @@ def _chart(
         times = [time + shift for time in _bounds(read) for shift in (0.0, timeshift)]
         first, last = min(times, default=0.0), max(times, default=0.0)
         relative = relative or first < 0 or not has_dates(first, last)
+    first_drawn = next((number for number, log in enumerate(read) if log.series), 0)
     for number, log in enumerate(read):
         own = [float(one.times[0]) for one in log.series if len(one.times)]
         zero = min(own, default=0.0) if relative else 0.0
         zero -= 0.0 if number else timeshift
         name = f"{os.path.basename(log.path)}: " if len(read) > 1 else ""
-        for label, one in zip(labels, log.series, strict=True):
+        for label, one in zip(labels[number], log.series, strict=True):
             right = one.expression.right
             lines.append(Line(name + label, right, one.times - zero, one.values))
-        if modes and number == 0 and firsts:
+        if modes and number == first_drawn and firsts:
             shown = [Span(s.mode, s.start - zero, s.end - zero) for s in log.modes]
     names = ", ".join(os.path.basename(log.path) for log in read)
     title = names if title is None else title
@@ -217,6 +239,8 @@ def _jumps(read: list[LogSeries]) -> list[str]:
 def _notes(read: list[LogSeries]) -> list[str]:
     notes = []
     for log in read:
+        if not log.series:
+            notes.append(f"{log.path}: not drawn: it cannot have the messages of the expressions")
         for one in log.series:
             text = one.expression.text
             if one.left_out:

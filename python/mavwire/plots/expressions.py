@@ -71,6 +71,10 @@ class Expression:
         """The message type of a plain expression."""
         return next(iter(self.types))
 
+    def fits(self, known: set[str] | None) -> bool:
+        """Whether a log of these types, which None leaves open, can have the fields that it names."""
+        return known is None or {name for name, _, _ in self.places} <= known
+
     def fields(self) -> set[str]:
         """The fields of a plain expression."""
         nodes = ast.walk(ast.parse(self.text.strip(), mode="eval"))

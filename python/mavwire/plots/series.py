@@ -119,6 +119,21 @@ def is_telemetry(path: str) -> bool:
     return not csv and log_kind(path, readonly=True) not in ("dataflash", "text")
 
 
+def message_types(path: str, dialect: str | os.PathLike[str]) -> set[str] | None:
+    """The types that a log can have: those of the dialect, or those that a dataflash log describes.
+    None where neither tells. Raises as `read_series` does.
+    """
+    from mavwire.logs.reading import native_dialect
+    from mavwire.logs.sources import open_dataflash
+
+    stamped = is_telemetry(path)
+    tables = open_dataflash(path, path)
+    if tables is not None:
+        return set(tables.names)
+    module, _ = native_dialect(dialect)
+    return {cls.msgname for cls in module.mavlink_map.values()} if stamped else None
+
+
 def _end(series: Sequence[Series]) -> float | None:
     return max((float(one.times.max()) for one in series if len(one.times)), default=None)
 

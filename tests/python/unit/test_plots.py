@@ -627,6 +627,24 @@ def test_several_logs_side_by_side(tmp_path):
     assert {numbers(one["x"])[0] for one in data["lines"]} == {0.0}
 
 
+def test_each_expression_is_drawn_from_the_logs_that_have_its_message(tmp_path):
+    flight, onboard = tmp_path / "a.tlog", sample().write(tmp_path / "b.BIN")
+    attitudes(flight)
+    for logs in ([flight, onboard], [onboard, flight]):
+        done = plots.plot(logs, ["IMU.AccX", "ATTITUDE.roll"], tmp_path / "x.html", labels=["x", "r"])
+        lines = Page((tmp_path / "x.html").read_bytes()).data()["lines"]
+        assert {one["label"] for one in lines} == {"b.BIN: x", "a.tlog: r"}
+        assert not any("a.tlog: IMU" in note for note in done.notes)
+        done = plots.plot(logs, "IMU.AccX{IMU.AccX>-99}", tmp_path / "x.html")
+        assert f"{flight}: not drawn: it cannot have the messages of the expressions" in done.notes
+    for wrong, hint in ("IMV.AccX", "'IMU'"), ("ATITUDE.roll%2", "'ATTITUDE'"):
+        said = f"{wrong}: no log has a message .*; did you mean {hint}"
+        with pytest.raises(ValueError, match=said):
+            plots.plot([flight, onboard], ["IMU.AccX", wrong], tmp_path / "x.html")
+    with pytest.raises(ValueError, match="no log has all of ATTITUDE, IMU"):
+        plots.plot([flight, onboard], "ATTITUDE.roll+IMU.AccX", tmp_path / "x.html")
+
+
 # -- the command
 
 
