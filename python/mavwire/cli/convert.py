@@ -68,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def main(args: argparse.Namespace) -> int:
-    """Run the subcommand; 1 where a log could not be read."""
+    """Run the subcommand; 1 where a log could not be read, or none describes a wanted type."""
     if args.workers is not None and args.workers < 1:
         raise CommandError(f"--workers takes a number from 1 on, not {args.workers}")
     options = {
@@ -93,10 +93,10 @@ def main(args: argparse.Namespace) -> int:
         raise CommandError(str(error)) from error
     finally:
         bars.finish()
-    if not _is_fleet(args):
-        for problem in _undescribed(rows, options["types"] or []):
-            tell(f"mavwire convert: {problem}")
-    failed = 0
+    undescribed = _undescribed(rows, options["types"] or [])
+    for problem in undescribed:
+        tell(f"mavwire convert: {problem}")
+    failed = len(undescribed)
     for row in rows:
         if row.error is None and not row.files and not row.skipped:
             warn_if_barren("convert", row.path, args.dialect)
@@ -104,7 +104,8 @@ def main(args: argparse.Namespace) -> int:
             failed += not row.skipped  # what is damaged is damaged for ever
             hint = "" if _is_fleet(args) else _hint(row.path, args.logs)
             tell(f"mavwire convert: {row.path}: {row.error}{hint}")
-        if not args.quiet and (row.error is None or row.files):
+        nothing = not row.files and (row.error is not None or undescribed)
+        if not args.quiet and not nothing:
             done = "converted before" if row.skipped else "converted"
             left = f", without {row.bad_bytes:,} bytes of no record" if row.bad_bytes else ""
             told = f"{row.path}: {done}, {row.rows:,} rows in {len(row.files)} files{left}"

@@ -174,7 +174,7 @@ def test_a_type_that_no_dataflash_log_describes_is_named(tmp_path, capsys, forma
     log = tmp_path / "flight.BIN"
     sample().write(log)
     options = ["-o", str(tmp_path / "out"), "--format", format, "--quiet"]
-    assert cli.main(["convert", str(log), *options, "--types", "IMU,NOPE"]) == 0
+    assert cli.main(["convert", str(log), *options, "--types", "IMU,NOPE"]) == 1
     said = "mavwire convert: the log describes no record type 'NOPE'\n"
     assert capsys.readouterr().err == said
     assert cli.main(["convert", str(log), *options, "--types", "IMU"]) == 0
