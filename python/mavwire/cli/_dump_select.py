@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 # What `--meta` shows whether the condition holds or not: how a dataflash log describes itself.
 META = frozenset(("FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "MODE", "EV", "CMD", "MAVC", "VER"))
-# What makes a name in `--types` a pattern.
-WILDCARDS = frozenset("*?[")
 # What `--parms` copies into the output whatever else is asked for.
 PRESERVED = frozenset(("PARAM_VALUE", "PARM", "FMT", "FMTU", "UNIT", "MULT"))
 # The types that `--reduce` thins out: these, and those that begin with one of the prefixes.
@@ -120,8 +118,7 @@ class Selection:
 
 def unknown_types(args: Namespace, log: Any) -> list[str]:
     """What to say of each name in `--types` that is no message type, and no pattern of some."""
-    names = _patterns(args.types) or ()
-    return unknown([one for one in names if one and not WILDCARDS & set(one)], log)
+    return unknown(filter(None, _patterns(args.types) or ()), log, patterns=True)
 
 
 def _patterns(text: str | None) -> list[str] | None:

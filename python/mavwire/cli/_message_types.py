@@ -4,6 +4,8 @@ unnoticed.
 
 from __future__ import annotations
 
+from fnmatch import fnmatchcase
+
 from mavwire.cli._errors import tell
 from mavwire.cli._reading import kind_of
 
@@ -16,10 +18,16 @@ if TYPE_CHECKING:
 
 # What messages are called that are in no definition.
 WITHOUT_DEFINITION = ("BAD_DATA", "UNKNOWN")
+# What makes a name a pattern.
+WILDCARDS = frozenset("*?[")
 
 
-def unknown(names: Iterable[str], log: Any) -> list[str]:
-    """What to say of each name that is no message type of a log, or of the dialect that it is read by."""
+def unknown(
+    names: Iterable[str], log: Any, what: str = "message type", patterns: bool = False
+) -> list[str]:
+    """What to say of each name that is no message type of a log, or of the dialect that it is read by,
+    and of each pattern that matches none if names may be patterns.
+    """
     from mavwire import mavutil
     from mavwire._wording import did_you_mean
 
@@ -31,11 +39,25 @@ def unknown(names: Iterable[str], log: Any) -> list[str]:
     else:
         known = [log.message_type] if kind == "CSV" else list(log.name_to_id)
         place = "this log"
-    return [
-        f"no message type {name!r} in {place}{did_you_mean(name.upper(), known)}"
-        for name in names
-        if name not in known and not name.startswith(WITHOUT_DEFINITION)
-    ]
+    said = []
+    for name in names:
+        if name.startswith(WITHOUT_DEFINITION) or name in known:
+            continue
+        if not (patterns and WILDCARDS & set(name)):
+            said.append(f"no {what} {name!r} in {place}{did_you_mean(name.upper(), known)}")
+        elif not any(fnmatchcase(one, name) for one in (*known, *WITHOUT_DEFINITION)):
+            said.append(f"no {what} matches {name!r} in {place}")
+    return said
+
+
+def tell_unknown_in(condition: str, log: Reading) -> None:
+    """Say on standard error which names in a condition are neither message types nor functions: it never
+    holds.
+    """
+    from mavwire.plots.expressions import messages_read
+
+    for problem in unknown(sorted(messages_read(condition)), log.link, "message type or function"):
+        tell(f"mavwire {log.command}: --condition: {problem}")
 
 
 def wanted(text: str | None, log: Reading) -> list[str] | None:

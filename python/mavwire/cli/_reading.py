@@ -188,6 +188,8 @@ class Reading:
         self.link = link
         self.progress = progress
         self.is_text = self._is_text_log()
+        self._checked: str | None = None
+        """The condition of which the names were looked at."""
 
     def messages(
         self,
@@ -202,6 +204,7 @@ class Reading:
         `alone` is for who asks the log for nothing else: without a condition heartbeats and parameters,
         which tell its `flightmode` and `params`, are not read along.
         """
+        self._check_names(condition)
         if blocking and self._is_telemetry_log():
             yield from self._follow(types, condition)
             return
@@ -299,12 +302,22 @@ class Reading:
         """
         if condition is None:
             return True
+        self._check_names(condition)
         try:
             return bool(self.link.check_condition(condition))
         except Exception as error:
             if isinstance(error, ValueError) and self._has_words():
                 return False
             raise _condition_error(condition, error) from error
+
+    def _check_names(self, condition: str | None) -> None:
+        """Say once which names in a condition are unknown."""
+        if condition is None or condition is self._checked:
+            return
+        from mavwire.cli._message_types import tell_unknown_in
+
+        self._checked = condition
+        tell_unknown_in(condition, self)
 
     def show_progress(self) -> None:
         """Tell how much of the log is read."""

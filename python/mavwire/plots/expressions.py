@@ -122,6 +122,14 @@ def places_read(text: str | None) -> Places:
         return frozenset()
 
 
+def messages_read(text: str) -> frozenset[str]:
+    """The messages that a condition names; none where it is no expression, as evaluating it will say."""
+    try:
+        return parse(text).types
+    except ValueError:
+        return frozenset()
+
+
 def _messages(trees: list[ast.Expression]) -> set[str]:
     """The names that are neither functions nor variables of a comprehension."""
     nodes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)]

@@ -362,12 +362,13 @@ def test_standard_input(command: str, log: str, tmp_path: Path) -> None:
 
 
 def test_types_that_there_are_none_of(log: str, capsys: pytest.CaptureFixture[str]) -> None:
-    types = "ATT*,UNKNOWN_7,BAD_DATA,HEARTBEAT,HEARTBEET,NOPE_NOPE"
+    types = "ATT*,UNKNOWN_7,BAD_DATA,BAD*,HEARTBEAT,HEARTBEET,NOPE_NOPE,ATX*"
     assert cli.main(["dump", "-q", "--types", types, log]) == 0
     assert capsys.readouterr().err == (
         "mavwire dump: no message type 'HEARTBEET' in dialect ardupilotmega; "
         "did you mean 'HEARTBEAT'?\n"
         "mavwire dump: no message type 'NOPE_NOPE' in dialect ardupilotmega\n"
+        "mavwire dump: no message type matches 'ATX*' in dialect ardupilotmega\n"
     )
 
 

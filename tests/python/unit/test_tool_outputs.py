@@ -272,8 +272,29 @@ def test_types_that_there_are_not(
         assert said.endswith("; did you mean 'HEARTBEAT'?\n")
         assert cli.main([verb, log, option, "HEARTBEAT"]) == 0
         assert capsys.readouterr().err == ""
+    assert cli.main(["search", log, "--types", "HEART*"]) == 0
+    assert "no message type 'HEART*' in dialect " in capsys.readouterr().err
     assert cli.main(["search", csv_log, "--types", "CSV,NOPE"]) == 0
     assert capsys.readouterr().err == "mavwire search: no message type 'NOPE' in this log\n"
+
+
+@pytest.mark.parametrize("verb", ["dump", "search", "graph", "extract"])
+def test_names_that_a_condition_cannot_know_are_named(tmp_path, monkeypatch, capsys, verb):
+    monkeypatch.chdir(tmp_path)
+    flight, onboard = str(flight_log(tmp_path / "a.tlog")), dataflash_writer.sample().write(tmp_path / "b.BIN")
+    begin = f"mavwire {verb}: --condition: no message type or function"
+    for log, field, condition, said in (
+        (flight, "HEARTBEAT.type", "HEARTBEET.type>0", "'HEARTBEET' in dialect "),
+        (onboard, "IMU.AccX", "IMV.Raw>0", "'IMV' in this log; did you mean 'IMU'?\n"),
+        (onboard, "IMU.AccX", "nope(IMU.Raw)>0", "'nope' in this log\n"),
+        (flight, "HEARTBEAT.type", "abs(HEARTBEAT.type)>99", None),
+        (onboard, "IMU.AccX", "IMU[0].Raw>999 and MAV", None),
+    ):
+        more = [field, "--output", "x.png"] if verb == "graph" else []
+        cli.main([verb, str(log), *more, "--condition", condition])
+        told = capsys.readouterr().err
+        assert told.count(begin) == (said is not None)
+        assert said is None or f"{begin} {said}" in told
 
 
 @pytest.mark.parametrize("types", ["", ","])
