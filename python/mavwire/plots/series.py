@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .expressions import Places
 
 NO_NUMBER = "no number"
+NO_VALUE = "the value means unknown, as 65535 often does"
 
 
 @dataclass
@@ -124,12 +125,12 @@ def message_types(path: str, dialect: str | os.PathLike[str]) -> set[str] | None
     None where neither tells. Raises as `read_series` does.
     """
     from mavwire.logs.reading import native_dialect
-    from mavwire.logs.sources import open_dataflash
+    from mavwire.logs.sources import describes, open_dataflash
 
     stamped = is_telemetry(path)
     tables = open_dataflash(path, path)
     if tables is not None:
-        return set(tables.names)
+        return set(tables.names) if describes(tables) else None
     module, _ = native_dialect(dialect)
     return {cls.msgname for cls in module.mavlink_map.values()} if stamped else None
 
@@ -197,7 +198,10 @@ def _from_table(one: Expression, table: Table, system: int | None) -> Series | N
 
     rows = slice(None) if system is None else table["sysid"] == system
 
+    lacking = False
+
     def column(name: str) -> Any:
+        nonlocal lacking
         values = table[column_of(name)][rows]
         if values.dtype.kind not in "iuf":
             raise ValueError(f"{one.text}: {name} holds texts, which cannot be plotted")
@@ -205,7 +209,10 @@ def _from_table(one: Expression, table: Table, system: int | None) -> Series | N
             large = max(abs(int(values.max())), abs(int(values.min()))) > EXACT
             if large:
                 raise _InexactError
-        return values.astype(np.float64)
+        marked = "invalid" in table.metadata.get(column_of(name), {})
+        values = values.astype(np.float64)
+        lacking = lacking or (marked and bool(np.isnan(values).any()))
+        return values
 
     try:
         values = np.asarray(one.over(column))
@@ -217,7 +224,7 @@ def _from_table(one: Expression, table: Table, system: int | None) -> Series | N
     times = stamps.astype("int64") * 1e-6
     good = np.isfinite(values) & ~_is_nat(stamps)
     left_out = int(np.count_nonzero(~good))
-    error = NO_NUMBER if left_out else None
+    error = (NO_VALUE if lacking else NO_NUMBER) if left_out else None
     instances = table[table.instance_field][rows] if table.instance_field else values[:0]
     mixed = one.type if len(instances) and bool((instances != instances[0]).any()) else None
     return Series(one, times[good], values[good], left_out, error, mixed)
@@ -349,7 +356,10 @@ class _Collector:
 
     def _number(self, expression: Expression, messages: dict[str, Any]) -> float | None:
         lacks = lacks_value(expression.places, messages, self._dialect)
-        return nan if lacks else _number(expression, messages)
+        if lacks:
+            self._error = self._error or NO_VALUE
+            return nan
+        return _number(expression, messages)
 
     def _is_other_instance(self, kind: str, instance: Any) -> bool:
         return bool(self._instances.setdefault(kind, instance) != instance)
@@ -358,7 +368,7 @@ class _Collector:
         """What was gathered, or why nothing was: by the newest messages."""
         import numpy as np
 
-        if not self._times and self._error in (None, NO_NUMBER):
+        if not self._times and self._error in (None, NO_NUMBER, NO_VALUE):
             why = why_nothing(self.expression.text, messages, self._condition)
             if why is None and self._xaxis is not None:
                 why = why_nothing(self._xaxis.text, messages)

@@ -17,7 +17,7 @@ from mavwire.dialects.v20 import all as mavlink
 from mavwire.fleet.decoding import decode
 from mavwire.logs.conversion import convert
 from mavwire.plots.expressions import parse
-from mavwire.plots.series import read_series
+from mavwire.plots.series import NO_VALUE, read_series
 from mavwire.plots.track import read_track
 
 np = pytest.importorskip("numpy")
@@ -220,6 +220,7 @@ def test_plots_leave_them_out(text: str, values: list[float], path: Path) -> Non
     (series,) = read_series(str(path), [parse(text)]).series
     assert list(series.values) == values
     assert series.left_out == 2 - len(values)
+    assert series.error == (NO_VALUE if series.left_out else None)
 
 
 def test_conditions_and_other_axes_leave_them_out(path: Path) -> None:

@@ -631,7 +631,9 @@ def test_each_expression_is_drawn_from_the_logs_that_have_its_message(tmp_path):
     flight, onboard = tmp_path / "a.tlog", sample().write(tmp_path / "b.BIN")
     attitudes(flight)
     for logs in ([flight, onboard], [onboard, flight]):
-        done = plots.plot(logs, ["IMU.AccX", "ATTITUDE.roll"], tmp_path / "x.html", labels=["x", "r"])
+        done = plots.plot(
+            logs, ["IMU.AccX", "ATTITUDE.roll"], tmp_path / "x.html", labels=["x", "r"]
+        )
         lines = Page((tmp_path / "x.html").read_bytes()).data()["lines"]
         assert {one["label"] for one in lines} == {"b.BIN: x", "a.tlog: r"}
         assert not any("a.tlog: IMU" in note for note in done.notes)
