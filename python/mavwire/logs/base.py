@@ -80,6 +80,10 @@ class Log:
         if self.closed:
             raise ValueError(f"the log is closed: {self.path!r}")
 
+    def __fspath__(self) -> str:
+        """The path: an open log may stand wherever one is asked for."""
+        return self.path
+
     def __bool__(self) -> bool:
         return True
 

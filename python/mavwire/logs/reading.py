@@ -89,6 +89,8 @@ def read(
     Every good record of a damaged log is there. Raises FileNotFoundError and its kin, ValueError
     for a type or field that the dialect, or the dataflash log, does not have.
     """
+    if isinstance(path, list | tuple | set):
+        raise TypeError("read takes one log: use mavwire.scan for several")
     path = os.fsdecode(path)
     check_readable(path)
     module, native = native_dialect(dialect)
@@ -349,7 +351,7 @@ def absolute(path: str) -> str:
 
 def paths_of(paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> list[str]:
     """One path or several."""
-    if isinstance(paths, bytes):
+    if isinstance(paths, bytes | os.PathLike):
         return [os.fsdecode(paths)]
     if hasattr(paths, "read"):  # whose lines are no paths
         raise TypeError(f"a log is named by its path, not given as an open file: {paths!r}")
