@@ -87,6 +87,10 @@ def time_of(text: str | None) -> float | None:
     """
     if text is None:
         return None
+    if text.isdecimal() and len(text) == 4 and text[:2] in ("19", "20"):
+        raise CommandError(
+            f"{text} is a year or a number of seconds: write {text}-01-01 or {text}.0"
+        )
     try:
         return float(text)
     except ValueError:
