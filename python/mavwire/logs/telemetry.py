@@ -323,8 +323,9 @@ def not_telemetry(path: str, head: bytes, damage: str | None = None) -> LogForma
 
 
 def no_record(kind: str, path: str) -> LogFormatError:
-    remedy = "copy it again if it should be one"
-    return LogFormatError(f"no {kind} log, there is no record in it; {remedy}: {path!r}")
+    formats = "`mavwire info --help` names the kinds of logs"
+    remedy = f"{formats}; copy a truncated log again"
+    return LogFormatError(f"no {kind} record found; {remedy}: {path!r}")
 
 
 def begins_described(head: bytes) -> bool:

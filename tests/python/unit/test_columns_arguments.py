@@ -35,7 +35,7 @@ def test_what_is_no_log_is_said(tmp_path):
     text = tmp_path / "notes.txt"
     text.write_text("no telemetry in here, only words\n" * 100)
     for look in (mavwire.read, lambda path: list(mavwire.scan(path))):
-        with pytest.raises(LogFormatError, match=r"no record in it; .*: .*notes\.txt"):
+        with pytest.raises(LogFormatError, match=r"no telemetry record found; .*: .*notes\.txt"):
             look(text)
 
 
@@ -187,6 +187,18 @@ def test_folders_are_named_with_what_to_do(flight, tmp_path, capsys):
         assert caught.value.filename == str(tmp_path)
     assert cli.main(["cut", str(tmp_path), "-o", str(tmp_path / "x.tlog")]) == 1
     assert "is a folder: name the logs in it" in capsys.readouterr().err
+
+
+def test_an_open_log_stands_for_its_path_and_one_log_is_read(flight, tmp_path):
+    from mavwire import plots
+
+    wanted = len(mavwire.read(flight, "ATTITUDE")["ATTITUDE"])
+    log = mavwire.open_log(flight)
+    assert plots.plot(log, "ATTITUDE.roll", tmp_path / "x.html").points
+    assert sum(map(len, mavwire.scan(log, "ATTITUDE"))) == wanted
+    assert len(mavwire.read(log, "ATTITUDE")["ATTITUDE"]) == wanted
+    with pytest.raises(TypeError, match="read takes one log: use mavwire.scan for several"):
+        mavwire.read([flight, flight])
 
 
 @pytest.mark.parametrize("name", ["IMU", "ATTITUDE"])

@@ -383,7 +383,7 @@ def test_what_is_no_log_is_a_row_with_an_error(flight, tmp_path):
     empty = tmp_path / "empty.tlog"
     empty.write_bytes(b"")
     rows = convert([other, archive, empty, flight], tmp_path / "out")
-    assert "no record in it" in str(rows[0].error)
+    assert "no telemetry record found" in str(rows[0].error)
     assert "a ZIP archive, not a telemetry log" in str(rows[1].error)
     assert [(row.error, row.rows) for row in rows[2:]] == [(None, 0), (None, 5_000)]
 

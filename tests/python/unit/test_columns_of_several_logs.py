@@ -206,9 +206,13 @@ def test_a_type_that_no_dataflash_log_has_is_answered_with_theirs(tmp_path, thre
         mavwire.open_log(three[0])["TSTS"]
     with pytest.raises(ValueError, match="no message 'HEARTBEET'; did you mean 'HEARTBEAT'"):
         mavwire.scan_polars([*three, telemetry], "HEARTBEET")
-    said = "mavwire convert: none of the 3 logs describes a record type 'TSTS'; did you mean 'TST'?\n"
+    said = (
+        "mavwire convert: none of the 3 logs describes a record type 'TSTS'; did you mean 'TST'?\n"
+    )
     for again in "first", "converted before":
-        assert cli.main(["convert", *three, "-o", str(tmp_path / "out"), "--types", "TSTS"]) == 1, again
+        assert cli.main(["convert", *three, "-o", str(tmp_path / "out"), "--types", "TSTS"]) == 1, (
+            again
+        )
         assert capsys.readouterr() == ("", said)
     assert cli.main(["convert", *three, "-o", str(tmp_path / "two"), "--types", "TST,TSTS"]) == 1
     shown = capsys.readouterr()

@@ -207,7 +207,7 @@ def test_what_a_link_says_is_not_among_the_messages(capsys: pytest.CaptureFixtur
         ),
         (
             bytes(1000),
-            "no telemetry log, there is no record in it; copy it again if it should be one",
+            "no telemetry record found; `mavwire info --help` names the kinds of logs; copy a truncated log again",
         ),
         (b"", "the log is empty; copy it again if there should be more"),
     ],

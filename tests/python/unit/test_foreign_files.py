@@ -18,8 +18,8 @@ from mavwire.logs import LogFormatError
 
 EMPTY = "the log is empty; copy it again if there should be more"
 NO_RECORD = "no record of the log is whole; copy it again if there should be more"
-NO_TELEMETRY = "no telemetry log, there is no record in it; copy it again if it should be one"
-NO_DATAFLASH = "no dataflash log, there is no record in it; copy it again if it should be one"
+NO_TELEMETRY = "no telemetry record found; `mavwire info --help` names the kinds of logs; copy a truncated log again"
+NO_DATAFLASH = "no dataflash record found; `mavwire info --help` names the kinds of logs; copy a truncated log again"
 NOISE = bytes(number * number * 7 % 251 for number in range(3000))
 COMMANDS = ("dump", "info", "parms", "flightmodes", "summarize")
 

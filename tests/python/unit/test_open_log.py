@@ -180,8 +180,8 @@ def test_files_that_are_no_logs(tmp_path):
         (b"\xa3\x95\x80\x80" + bytes(100), "a dataflash log"),
         (b"FMT, 128, 89, FMT, BBnNZ\n" * 9, "a dataflash text log"),
         (b"PK\x03\x04" + bytes(99), "a ZIP archive"),
-        (b"just some words " * 99, "no record in it"),
-        (bytes(5000), "no record in it"),
+        (b"just some words " * 99, "no telemetry record found"),
+        (bytes(5000), "no telemetry record found"),
     ):
         path = tmp_path / "foreign.tlog"
         path.write_bytes(content)

@@ -85,6 +85,13 @@ def test_standard_output_is_no_place_for_a_log(flight, tmp_path, monkeypatch, ca
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.parametrize("option", ["--start", "--end"])
+def test_a_year_alone_is_no_time(flight, tmp_path, capsys, option):
+    assert main(["cut", str(flight), "-o", str(tmp_path / "x.tlog"), option, "2020"]) == 1
+    assert "write 2020-01-01 or 2020.0" in capsys.readouterr().err
+    assert not (tmp_path / "x.tlog").exists()
+
+
 def test_cut_by_time(flight, tmp_path):
     times = [time for time, _ in rows(flight)]
     start, end = times[1000], times[3000]
@@ -168,11 +175,12 @@ def test_an_exact_merge_takes_no_file_without_a_record(flight, tmp_path, junk, c
     other.write_bytes(junk)
     for logs in ([flight, other], [other, flight], [other]):
         with pytest.raises(
-            mavwire.logs.LogFormatError, match="(not a|no) telemetry log.*other.tlog"
+            mavwire.logs.LogFormatError,
+            match="(not a telemetry log|no telemetry record).*other.tlog",
         ):
             merge(logs, out)
     assert main(["merge", "--exact", str(flight), str(other), "-o", str(out)]) == 1
-    assert "telemetry log" in capsys.readouterr().err
+    assert "other.tlog" in capsys.readouterr().err
     assert not out.exists()
 
 
@@ -410,7 +418,7 @@ def test_what_is_refused(flight, tmp_path):
             anonymize(copy, tmp_path / "out.tlog", shift=wrong)
     noise = tmp_path / "noise.tlog"
     noise.write_bytes(b"nothing of all this is a log " * 50)
-    with pytest.raises(mavwire.LogFormatError, match="no record"):
+    with pytest.raises(mavwire.LogFormatError, match="no telemetry record"):
         repair(noise, tmp_path / "out.tlog")
     assert sorted(os.listdir(tmp_path)) == ["copy.tlog", "link.tlog", "noise.tlog"]
 

@@ -142,7 +142,7 @@ def test_a_name_makes_no_line_of_an_error(
     except SystemExit as ending:
         code = int(ending.code or 0)
     said = capsys.readouterr().err
-    assert code != 0 or "no telemetry log" in said
+    assert code != 0 or "no telemetry record" in said
     assert said.count("\n") == 1
     assert "\x1b" not in said
     assert "\\x1b[2J" in said

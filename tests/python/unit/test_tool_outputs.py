@@ -281,7 +281,10 @@ def test_types_that_there_are_not(
 @pytest.mark.parametrize("verb", ["dump", "search", "graph", "extract"])
 def test_names_that_a_condition_cannot_know_are_named(tmp_path, monkeypatch, capsys, verb):
     monkeypatch.chdir(tmp_path)
-    flight, onboard = str(flight_log(tmp_path / "a.tlog")), dataflash_writer.sample().write(tmp_path / "b.BIN")
+    flight, onboard = (
+        str(flight_log(tmp_path / "a.tlog")),
+        dataflash_writer.sample().write(tmp_path / "b.BIN"),
+    )
     begin = f"mavwire {verb}: --condition: no message type or function"
     for log, field, condition, said in (
         (flight, "HEARTBEAT.type", "HEARTBEET.type>0", "'HEARTBEET' in dialect "),
