@@ -49,7 +49,7 @@ class LogLink(Link):
         """Records have time stamps, whether or not messages are stamped with them."""
 
     def pre_message(self) -> None:
-        """Reads the time stamp of the next record."""
+        """Reads the time stamp of the next record, unless the frame of the last one is still incomplete."""
 
     def scan_timestamp(self, tbuf: bytes) -> float:
         """The time stamp `tbuf`, or the first believable one behind it, to which the log moves.
@@ -75,6 +75,9 @@ class LogLink(Link):
 
     def _close_reader(self) -> None:
         """Closes the file; from then on the log is at its end."""
+
+    def _end_record(self) -> None:
+        """Makes the next time stamp due, whether or not `post_message` hears of the message."""
 
     def _tell(self) -> int:
         """Position in the file."""

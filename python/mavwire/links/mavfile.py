@@ -301,12 +301,12 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         return self.recv_msg()
 
     def _matches(self, msg: ReceivedMessage, types: Any, condition: str | None) -> bool:
-        """Whether `msg` is wanted; the condition sees the messages of its sender."""
+        """Whether `msg` is wanted; the condition sees the messages of its sender, which `post_message` notes."""
         if types is not None and msg.get_type() not in types:
             return False
-        if condition is None:
-            return True
-        sender = self.sysid_state[msg.get_srcSystem()]
+        sender = self.sysid_state.get(msg.get_srcSystem())
+        if sender is None or condition is None:
+            return sender is not None
         holds: bool = evaluate_condition(condition, sender.messages)
         return holds
 

@@ -84,6 +84,10 @@ class mavlogfile(LogLink, mavfile):
     def _post_slowly(self, msg: Any) -> None:
         mavfile.post_message(self, msg)
 
+    def _delivered(self, msg: Any) -> None:
+        self._end_record()
+        super()._delivered(msg)
+
     def _condition_holds(self, condition: str, msg: Any) -> Any:
         return self._matches(msg, None, condition)
 

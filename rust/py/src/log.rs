@@ -230,12 +230,17 @@ impl LogLink {
         Self::seek_to(slf, 0)
     }
 
-    /// Reads the time stamp of the next record.
+    /// Reads the time stamp of the next record, unless the frame of the last one is still incomplete.
     fn pre_message(slf: &Bound<'_, Self>) -> PyResult<()> {
         let mut guard = slf.as_super().get().state();
         let state = &mut *guard;
         if let Some(reader) = state.reader.as_mut() {
             state.percent = reader.percent();
+            // Programs that parse by themselves need not call `post_message`.
+            let is_used = |mav: &Py<MAVLink>| mav.get().parser().unread().is_empty();
+            if reader.in_frame && state.native_mav.as_ref().is_some_and(is_used) {
+                reader.leave_record();
+            }
             reader.begin_record()?;
             state.record_time = Some(reader.time);
         }
@@ -308,6 +313,15 @@ impl LogLink {
     fn post_message(slf: &Bound<'_, Self>, msg: &Bound<'_, Message>) -> PyResult<()> {
         Self::hear_raw(slf, msg.get());
         Self::settle(slf, msg)
+    }
+
+    /// A message came out of the record: the next time stamp is due, whether or not `post_message` hears of this one.
+    fn _end_record(slf: &Bound<'_, Self>) -> PyResult<()> {
+        Self::reader(slf, |reader| {
+            reader.leave_record();
+            Ok(())
+        })
+        .map(drop)
     }
 
     /// The next message, BAD_DATA and UNKNOWN included; None at the end of the log.

@@ -46,8 +46,11 @@ pub(crate) struct LogReader {
     pub(crate) framing: Framing,
     /// The times of a raw stream.
     clock: StreamClock,
-    /// A time stamp is read and its frame is not, because the file ended in between; it may have grown since.
+    /// A time stamp is read and no message came out of its record yet: perhaps the file ended in between, and has grown
+    /// since.
     in_record: bool,
+    /// Bytes behind the time stamp were taken.
+    pub(crate) in_frame: bool,
     /// The message before was BAD_DATA.
     after_damage: bool,
     /// Time of the last message that was not.
@@ -86,6 +89,7 @@ impl LogReader {
             framing,
             clock: StreamClock::default(),
             in_record: false,
+            in_frame: false,
             after_damage: false,
             last_good: None,
             distrusted: None,
@@ -113,6 +117,7 @@ impl LogReader {
         let bytes = self.window.at(self.offset, wanted)?;
         let bytes = &bytes[..wanted.min(bytes.len())];
         self.offset += bytes.len() as u64;
+        self.in_frame |= !bytes.is_empty();
         Ok(bytes)
     }
 
@@ -128,7 +133,13 @@ impl LogReader {
         self.link = stamp.link();
         self.time = if self.after_damage { self.believable(stamp)? } else { seconds(stamp) };
         self.in_record = true;
+        self.in_frame = false;
         Ok(true)
+    }
+
+    /// The next time stamp is due.
+    pub(crate) fn leave_record(&mut self) {
+        self.in_record = false;
     }
 
     /// A message came out of the record, perhaps BAD_DATA.

@@ -129,6 +129,70 @@ def test_a_method_of_the_log_itself(
 
 
 @pytest.mark.parametrize("kind", ["mavlogfile", "mavmmaplog"])
+@pytest.mark.parametrize("wanted", [None, "ATTITUDE"])
+@pytest.mark.parametrize("place", ["class", "object"])
+def test_a_post_message_that_calls_no_other(
+    both: list[Ours], kind: str, wanted: str | None, place: str
+) -> None:
+    """The next record begins behind each message, whoever heard of it. Who never hears of a system matches none of its
+    messages.
+    """
+
+    def scenario(package: Ours) -> Any:
+        base = getattr(package.mavutil, kind)
+        heard: list[Any] = []
+        if place == "class":
+            log = type("Log", (base,), {"post_message": lambda _, msg: heard.append(name_of(msg))})(
+                str(package.log)
+            )
+        else:
+            log = base(str(package.log))
+            log.post_message = lambda msg: heard.append(name_of(msg))
+        heard.clear()  # opening an indexed log posts as well
+        messages = [name_of(log.recv_msg()) for _ in range(3)]
+        matching = name_of(log.recv_match(type=wanted)), name_of(log.recv_match(condition="True"))
+        return messages, matching, heard, log.mav_count
+
+    messages, *_ = agree(both, scenario)
+    assert messages == ["HEARTBEAT", "ATTITUDE", "HEARTBEAT"]
+
+
+@pytest.mark.parametrize("kind", ["mavlogfile", "mavmmaplog"])
+def test_a_program_that_parses_by_itself_and_posts_nothing(both: list[Ours], kind: str) -> None:
+    def next_message(log: Any) -> Any:
+        log.pre_message()
+        while True:
+            data = log.recv(log.mav.bytes_needed())
+            msg = log.mav.parse_char(data)
+            if msg is not None or not data:
+                return msg
+
+    def scenario(package: Ours) -> Any:
+        log = package.open(kind)
+        return [name_of(next_message(log)) for _ in range(13)]
+
+    assert agree(both, scenario) == [*TYPES * 6, None]
+
+
+def test_a_post_message_of_a_live_link_that_calls_no_other(both: list[Ours]) -> None:
+    def scenario(package: Ours) -> Any:
+        port = free_port(socket.SOCK_DGRAM)
+        link = package.mavutil.mavlink_connection(f"udpin:127.0.0.1:{port}")
+        heard: list[Any] = []
+        link.post_message = lambda msg: heard.append(name_of(msg))
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+            vehicle.connect(("127.0.0.1", port))
+            for seq in range(3):
+                vehicle.send(heartbeat(seq))
+        link.select(WAIT)
+        seen = [name_of(link.recv_msg()), name_of(link.recv_match(condition="True"))]
+        link.close()
+        return seen, heard, sorted(link.sysid_state)
+
+    assert agree(both, scenario) == (["HEARTBEAT", None], ["HEARTBEAT"] * 3, [0])
+
+
+@pytest.mark.parametrize("kind", ["mavlogfile", "mavmmaplog"])
 def test_a_parser_that_finds_nothing_raises_or_is_another_object(
     both: list[Ours], kind: str
 ) -> None:
