@@ -132,13 +132,11 @@ def _known_files(folder: str) -> list[str]:
 
 
 def _what_pymavlink_is() -> str:
-    """What a fresh interpreter of this environment imports, run outside this folder and this
-    process.
+    """What a fresh interpreter of this environment imports. It looks into this folder only where
+    PYTHONPATH says so (-P).
     """
-    command = [sys.executable, "-c", _PROBE]
-    result = subprocess.run(
-        command, capture_output=True, text=True, cwd=sys.prefix, check=False, timeout=60
-    )
+    command = [sys.executable, "-P", "-c", _PROBE]
+    result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     if result.returncode != 0:
         reason = result.stderr.strip().rpartition("\n")[2]
         raise CommandError(f"'import pymavlink' fails: {reason}")

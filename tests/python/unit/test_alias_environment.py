@@ -101,12 +101,24 @@ def test_a_program_that_asks_for_mavwire_gets_it(environment: Environment, tree:
     assert environment.run("-m", "mavwire", "run", str(tree / "show.py")).stdout == "2.4.50\n"
 
 
-def test_status_names_the_pymavlink_that_comes_first(environment: Environment, tree: Path) -> None:
+@pytest.mark.parametrize("is_relative", [False, True])
+def test_status_names_the_pymavlink_that_comes_first(
+    environment: Environment, tree: Path, monkeypatch: pytest.MonkeyPatch, is_relative: bool
+) -> None:
     environment.alias("--enable")
-    status = environment.alias("--status", PYTHONPATH=str(tree))
+    monkeypatch.chdir(tree.parent)
+    status = environment.alias("--status", PYTHONPATH="tree" if is_relative else str(tree))
     assert status.returncode == 1
     assert f"gives pymavlink 9.9 from {tree}" in status.stdout
     assert "PYTHONPATH names the folder of this pymavlink" in status.stdout
+
+
+def test_status_does_not_look_into_the_folder(
+    environment: Environment, tree: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    environment.alias("--enable")
+    monkeypatch.chdir(tree)
+    assert environment.run("-P", "-m", "mavwire", "alias", "--status").returncode == 0
 
 
 def test_silent_after_mavwire_was_uninstalled(environment: Environment) -> None:
