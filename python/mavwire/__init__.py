@@ -7,8 +7,21 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from mavwire import aio as aio
     from mavwire import bridge as bridge
+    from mavwire import dialects as dialects
+    from mavwire import expression as expression
     from mavwire import fleet as fleet
+    from mavwire import generator as generator
+    from mavwire import logs as logs
+    from mavwire import mavexpression as mavexpression
+    from mavwire import mavextra as mavextra
+    from mavwire import mavutil as mavutil
+    from mavwire import plots as plots
+    from mavwire import quaternion as quaternion
+    from mavwire import rotmat as rotmat
+    from mavwire import shadow as shadow
     from mavwire import sim as sim
+    from mavwire import tools as tools
+    from mavwire import traffic as traffic
     from mavwire._alias import install_as_pymavlink, uninstall_as_pymavlink
     from mavwire.bridge import Bridge
     from mavwire.logs import LogFormatError, open_log, read, scan, scan_polars
@@ -39,7 +52,10 @@ _LAZY = {
 """Public name -> the module that has it."""
 # mavwire's own, and what pymavlink's mavutil imports: programs find these in the package without an import.
 _MODULES = frozenset(
-    "aio bridge fleet sim dialects generator mavexpression mavextra quaternion rotmat".split()
+    (
+        "aio bridge expression fleet logs mavutil plots shadow sim tools traffic "
+        "dialects generator mavexpression mavextra quaternion rotmat"
+    ).split()
 )
 
 
