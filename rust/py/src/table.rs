@@ -21,9 +21,9 @@ use mavwire_columns::instances::split;
 use pyo3::exceptions::{PyKeyError, PyKeyboardInterrupt, PyTypeError, PyValueError};
 use pyo3::ffi;
 use pyo3::prelude::*;
-use pyo3::types::{PyCapsule, PyDict, PyIterator, PyList, PyTuple};
+use pyo3::types::{PyCapsule, PyDict, PyIterator, PyList, PyString, PyTuple};
 
-use crate::calling::Calling;
+use crate::calling::{Calling, import};
 use crate::column_view::ColumnView;
 use crate::file_error::file_error;
 use crate::lists::list;
@@ -80,8 +80,14 @@ impl RecordBatches {
         Ok(self.whole.get_or_init(|| whole))
     }
 
-    fn index_of(&self, name: &str) -> PyResult<usize> {
-        self.schema.index_of(name).map_err(|_| PyKeyError::new_err(name.to_owned()))
+    fn index_of(&self, py: Python<'_>, name: &str) -> PyResult<usize> {
+        if let Ok(index) = self.schema.index_of(name) {
+            return Ok(index);
+        }
+        let wording = import(py, intern!(py, "mavwire._wording"))?;
+        let hint = wording.invoke_method1(intern!(py, "did_you_mean"), (name, self.names()))?;
+        let name = PyString::new(py, name).repr()?;
+        Err(PyKeyError::new_err(format!("the table has no column {name}{hint}")))
     }
 }
 
@@ -155,7 +161,7 @@ impl RecordBatches {
 
     /// A column in one piece.
     fn column(&self, py: Python<'_>, name: &str) -> PyResult<ColumnView> {
-        let index = self.index_of(name)?;
+        let index = self.index_of(py, name)?;
         let array = self.whole(py)?.column(index);
         ColumnView::new(array).ok_or_else(|| {
             PyTypeError::new_err(format!("no view of {name}: {}", array.data_type()))
@@ -178,15 +184,19 @@ impl RecordBatches {
     }
 
     /// Some of the columns, in the order given.
-    fn select(&self, #[pyo3(from_py_with = list)] names: Vec<String>) -> PyResult<Self> {
+    fn select(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = list)] names: Vec<String>,
+    ) -> PyResult<Self> {
         let kept: Vec<usize> =
-            names.iter().map(|name| self.index_of(name)).collect::<PyResult<_>>()?;
+            names.iter().map(|name| self.index_of(py, name)).collect::<PyResult<_>>()?;
         self.project(&kept)
     }
 
     /// The rows of each value of a column, by the text of the value: `[(text, table), ...]`.
     fn split(&self, py: Python<'_>, name: &str) -> PyResult<Vec<(String, Self)>> {
-        let index = self.index_of(name)?;
+        let index = self.index_of(py, name)?;
         let whole = self.whole(py)?;
         let parts = py.detach(|| split(whole, index)).map_err(|e| columns_error(e.into()))?;
         let part = |(text, rows)| (text, Self::new(Arc::clone(&self.schema), vec![rows]));

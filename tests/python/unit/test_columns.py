@@ -245,8 +245,12 @@ def test_wrong_arguments_are_named(flight, wanted, error, said):
 def test_what_is_no_message_no_column_no_file(flight, tmp_path):
     with pytest.raises(KeyError, match="NOPE"):
         mavwire.open_log(flight)["NOPE"]
-    with pytest.raises(KeyError, match="nope"):
-        mavwire.open_log(flight)["ATTITUDE"]["nope"]
+    table = mavwire.open_log(flight)["ATTITUDE"]
+    with pytest.raises(KeyError, match="no column 'nope'\\W*$"):
+        table["nope"]
+    for missing in ("rol", ["yaw", "rol"]):
+        with pytest.raises(KeyError, match="no column 'rol'; did you mean 'roll'"):
+            table[missing]
     with pytest.raises(FileNotFoundError, match="missing"):
         mavwire.read(tmp_path / "missing.tlog")
     with pytest.raises(IsADirectoryError):
