@@ -119,7 +119,8 @@ class MAVParmDict(dict[str, Any]):
             print(f"Failed to open file '{filename}': {error}")
             return False
         if mav is None:
-            self.update(file.values)
+            for name, value in file.values:  # by a program's own __setitem__
+                self[name] = value
             file.show_loaded()
             return True
         file.show_invalid()

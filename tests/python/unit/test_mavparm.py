@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +55,19 @@ def test_values_are_set_on_the_vehicle(tmp_path: Path, capsys: pytest.CaptureFix
     assert parameters.load(file(tmp_path, "A 1\nB 2\nC 3\n"), mav=link)
     assert link.values == {"A": 1.0}
     assert "Unknown parameter C" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("package", ["mavwire", "pymavlink"])
+def test_loading_sets_items_as_a_program_does(package: str, tmp_path: Path) -> None:
+    class Noting(importlib.import_module(f"{package}.mavparm").MAVParmDict):  # type: ignore[misc]
+        def __setitem__(self, name: str, value: Any) -> None:
+            super().__setitem__(name, -value)
+
+    path = tmp_path / "a.parm"
+    path.write_text("A_ONE 1\nB_TWO 2.5\n")
+    parameters = Noting()
+    assert parameters.load(str(path))
+    assert parameters == {"A_ONE": -1, "B_TWO": -2.5}
 
 
 def test_comments_may_hold_any_bytes(tmp_path: Path) -> None:
