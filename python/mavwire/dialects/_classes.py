@@ -230,7 +230,7 @@ def _message_class_maker(
 ) -> "Callable[[_native.MessageInfo], type]":
     def make(info: _native.MessageInfo) -> type:
         name = f"MAVLink_{info.name.lower()}_message"
-        init = LazyFunction(info.name, _methods.make_init)
+        init = _methods.LazyFunction(info.name, _methods.make_init)
         body: dict[str, Any] = {
             "__doc__": _docs.ClassDoc(native, info, texts),
             "__init__": init,
@@ -253,46 +253,13 @@ def _message_class_maker(
     return make
 
 
-class LazyFunction:
-    """``MAVLink.<name>_encode`` or ``_send``, or a message's ``__init__``, before its first use.
-
-    To compile all of them would take a second. The first access to one compiles the function, which replaces this object.
-    """
-
-    __slots__ = ("_make", "_message", "_owner")
-
-    def __init__(self, message: str, make: "Callable[[Any, Any], FunctionType]") -> None:
-        self._make = make
-        self._message = message
-        self._owner: Any = None
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        # The dialect's own class, wherever else it is put.
-        self._owner = self._owner or owner
-
-    def __get__(self, obj: "Any", cls: "Any" = None) -> "Any":
-        return self._function().__get__(obj, cls)
-
-    def __call__(self, *args: "Any", **kwargs: "Any") -> "Any":
-        """For who takes it out of the class's dictionary, as those do who wrap all methods of a class."""
-        return self._function()(*args, **kwargs)
-
-    def _function(self) -> FunctionType:
-        owner = self._owner
-        function = self._make(owner, owner._dialect.message_class(self._message))
-        name = function.__name__
-        if owner.__dict__.get(name) is self:  # nobody has put another in its place
-            setattr(owner, name, function)
-        return function
-
-
-def _lazy_methods(native: _native.Dialect) -> dict[str, LazyFunction]:
+def _lazy_methods(native: _native.Dialect) -> dict[str, _methods.LazyFunction]:
     """All of them by name."""
     methods = {}
     for message, _ in native.messages():
         lower = message.lower()
-        methods[f"{lower}_encode"] = LazyFunction(message, _methods.make_encode)
-        methods[f"{lower}_send"] = LazyFunction(message, _methods.make_send)
+        methods[f"{lower}_encode"] = _methods.LazyFunction(message, _methods.make_encode)
+        methods[f"{lower}_send"] = _methods.LazyFunction(message, _methods.make_send)
     return methods
 
 

@@ -137,12 +137,10 @@ class DialectModule(ReplaceableModule):
 
     def _use_class(self, message: str, cls: Any, is_original: bool) -> None:
         """Make `<message>_encode` and `_send` use the program's message class."""
-        from mavwire.dialects import _classes
-
         base, lower = _base(vars(self)), message.lower()
         if is_original:
             for suffix, make in (("encode", _methods.make_encode), ("send", _methods.make_send)):
-                method = _classes.LazyFunction(message, make)
+                method = _methods.LazyFunction(message, make)
                 method.__set_name__(base, suffix)
                 setattr(base, f"{lower}_{suffix}", method)
             return
