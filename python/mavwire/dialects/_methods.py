@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import keyword
 
-from mavwire._native import MessageInfo, build, send_values
+from mavwire._hooks import warn_not_called
+from mavwire._native import Message, MessageInfo, build, send_values
 from mavwire.dialects import _docs
 
 TYPE_CHECKING = False
@@ -59,10 +60,18 @@ def _checked(names: Iterable[str]) -> list[str]:
     return result
 
 
+def _file_name(message: str) -> str:
+    """What stands for the file of a message's functions."""
+    return f"<mavwire {message}>"
+
+
 def _compile(
     template: str, owner: type, message_class: Any, scope: dict[str, Any], version_default: bool
 ) -> FunctionType:
     info = message_class._info
+    for name in ("_pack", "sign_packet"):
+        if getattr(message_class, name) is not getattr(Message, name):
+            warn_not_called(f"{message_class.__name__}.{name}", "replace pack, or MAVLink.send")
     parameters = _parameters(info, version_default)
     source = template.format(
         lower=info.name.lower(),
@@ -74,7 +83,7 @@ def _compile(
 
         scope["Sequence"] = Sequence
     scope["__name__"] = owner.__module__
-    code = compile(source, f"<mavwire {info.name}>", "exec", dont_inherit=True)
+    code = compile(source, _file_name(info.name), "exec", dont_inherit=True)
     exec(code, scope)
     function: FunctionType = scope[source[len("def ") : source.index("(")]]
     function.__qualname__ = f"{owner.__qualname__}.{function.__name__}"
@@ -95,7 +104,29 @@ def make_send(
     owner: Any, message_class: Any, send: Callable[..., None] | None = None
 ) -> FunctionType:
     """``MAVLink.<name>_send`` of the class ``owner``, which passes its values to ``send``."""
-    return _make_method(_SEND, owner, message_class, _send=send or send_values)
+    if send is None:
+        send = encode_and_send if _is_replaced(owner, message_class) else send_values
+    return _make_method(_SEND, owner, message_class, _send=send)
+
+
+def encode_and_send(mav: Any, info: MessageInfo, force_mavlink1: bool, *values: Any) -> None:
+    """Send as pymavlink does, by ``<name>_encode`` and a message of the class."""
+    encode = getattr(mav, f"{info.name.lower()}_encode")
+    mav.send(encode(*values), force_mavlink1=force_mavlink1)
+
+
+def _is_replaced(owner: Any, message_class: Any) -> bool:
+    """Whether a program replaced in the classes what ``send_values`` skips."""
+    name = message_class._info.name
+    functions = (vars(owner).get(f"{name.lower()}_encode"), vars(message_class).get("__init__"))
+    return message_class.pack is not Message.pack or not all(_is_ours(f, name) for f in functions)
+
+
+def _is_ours(function: Any, message: str) -> bool:
+    code = getattr(function, "__code__", None)
+    return type(function) is LazyFunction or (
+        code is not None and code.co_filename == _file_name(message)
+    )
 
 
 def _make_method(template: str, owner: Any, message_class: Any, **names: Any) -> FunctionType:

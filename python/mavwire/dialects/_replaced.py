@@ -145,12 +145,11 @@ class DialectModule(ReplaceableModule):
                 setattr(base, f"{lower}_{suffix}", method)
             return
 
-        def send(mav: Any, _info: Any, force_mavlink1: bool, *values: Any) -> None:
-            mav.send(getattr(mav, f"{lower}_encode")(*values), force_mavlink1=force_mavlink1)
-
         message_class = base._dialect.message_class(message)
         setattr(base, f"{lower}_encode", _methods.make_encode(base, message_class, cls))
-        setattr(base, f"{lower}_send", _methods.make_send(base, message_class, send))
+        setattr(
+            base, f"{lower}_send", _methods.make_send(base, message_class, _methods.encode_and_send)
+        )
 
 
 def _message_of(name: str) -> str | None:

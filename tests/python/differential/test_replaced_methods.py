@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import inspect
 import socket
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -339,6 +341,62 @@ def test_a_partial_frame_is_dropped_and_the_replaced_method_stays(own: Ours) -> 
     calls.clear()
     assert log.recv_msg().get_type() == "ATTITUDE"
     assert calls
+
+
+@pytest.mark.parametrize("place", ["pack", "encode", "init", "patched"])
+def test_x_send_calls_what_was_replaced_in_classes_before_its_first_use(
+    subject: str, oracle: str, place: str
+) -> None:
+    program = f"""
+import io, sys
+from unittest import mock
+from {{}}.dialects.v20 import common as m
+calls, cls = [], m.MAVLink_heartbeat_message
+def noting(function):
+    def wrapper(*args, **kwargs):
+        calls.append(function)
+        return function(*args, **kwargs)
+    return wrapper
+def send():
+    out = io.BytesIO()
+    mav = m.MAVLink(out, 1, 1)
+    mav.heartbeat_send(2, 3, 81, 4, 4, 3)
+    mav.system_time_send(1, 2)
+    return out.getvalue().hex()
+if {place!r} == "pack":
+    cls.pack = noting(cls.pack)
+elif {place!r} == "encode":
+    m.MAVLink.heartbeat_encode = noting(m.MAVLink.heartbeat_encode)
+elif {place!r} == "init":
+    cls.__init__ = noting(cls.__init__)
+else:
+    with mock.patch.object(cls, "pack", noting(cls.pack)):
+        with mock.patch.object(m.MAVLink, "heartbeat_encode", noting(m.MAVLink.heartbeat_encode)):
+            send()
+print(send(), len(calls))
+"""
+    ours, theirs = (
+        subprocess.run(
+            [sys.executable, "-c", program.format(name)],
+            capture_output=True, text=True, check=True,
+        ).stdout
+        for name in (subject, oracle)
+    )  # fmt: skip
+    assert ours == theirs
+    assert ours.split()[1] == ("2" if place == "patched" else "1")
+
+
+@pytest.mark.parametrize("name", ["_pack", "sign_packet"])
+def test_what_is_never_called_warns_before_the_first_message(subject: str, name: str) -> None:
+    program = (
+        f"from {subject}.dialects.v20 import common as m\n"
+        f"m.MAVLink_message.{name} = print\n"
+        "m.MAVLink(None).heartbeat_encode(1, 2, 3, 4, 5)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], check=False, capture_output=True, text=True
+    )
+    assert f"RuntimeWarning: MAVLink_heartbeat_message.{name} was replaced" in done.stderr
 
 
 # Class -> its module, and what uses it.
