@@ -12,9 +12,30 @@ use crate::info::Info;
 use crate::message::{Message, flags};
 use crate::values;
 
-/// The definition, if everything can be read from the frame.
-fn pristine(message: &Message) -> Option<&'static Info> {
-    if message.is_pristine() && !message.has(flags::META) { message.info } else { None }
+/// The definition, if everything can be read from the frame and the message's class has none of its own `methods`.
+fn pristine(
+    message: &Bound<'_, Message>,
+    methods: &[&Bound<'_, PyString>],
+) -> PyResult<Option<&'static Info>> {
+    let this = message.get();
+    if !this.is_pristine() || this.has(flags::META) {
+        return Ok(None);
+    }
+    let (class, native) = (message.get_type(), message.py().get_type::<Message>());
+    for &method in methods {
+        if !class.attribute(method)?.is(&native.attribute(method)?) {
+            return Ok(None);
+        }
+    }
+    Ok(this.info)
+}
+
+/// `message.format_attr(field)`, which a class may have of its own.
+fn formatted<'py>(
+    message: &Bound<'py, Message>,
+    field: &Bound<'py, PyString>,
+) -> PyResult<Bound<'py, PyAny>> {
+    message.invoke_method1(intern!(message.py(), "format_attr"), (field,))
 }
 
 pub(crate) fn format_attr<'py>(
@@ -56,7 +77,7 @@ fn type_name<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyAny>> 
 pub(crate) fn to_text(message: &Bound<'_, Message>) -> PyResult<Py<PyString>> {
     let py = message.py();
     let mut out = String::with_capacity(256);
-    if let Some(info) = pristine(message.get()) {
+    if let Some(info) = pristine(message, &[intern!(py, "format_attr")])? {
         format::write_text(&mut out, &info.definition, message.get().decoded_payload());
         return Ok(PyString::new(py, &out).unbind());
     }
@@ -69,7 +90,7 @@ pub(crate) fn to_text(message: &Bound<'_, Message>) -> PyResult<Py<PyString>> {
         }
         out.push_str(&name.to_string_lossy());
         out.push_str(" : ");
-        let value = shown(&name, format_attr(message, &name)?)?;
+        let value = shown(&name, formatted(message, &name)?)?;
         out.push_str(&value.text()?.to_string_lossy());
     }
     out.push('}');
@@ -80,7 +101,7 @@ pub(crate) fn to_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py,
     let py = message.py();
     let dict = PyDict::new(py);
     let type_key = intern!(py, "mavpackettype");
-    if let Some(info) = pristine(message.get()) {
+    if let Some(info) = pristine(message, &[intern!(py, "format_attr")])? {
         let payload = message.get().decoded_payload();
         dict.set_item(type_key, info.name.bind(py))?;
         for (field, names) in info.definition.fields.iter().zip(&info.names) {
@@ -91,14 +112,14 @@ pub(crate) fn to_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py,
     dict.set_item(type_key, type_name(message)?)?;
     for name in fieldnames(message)? {
         let name = name?;
-        dict.set_item(&name, format_attr(message, &name)?)?;
+        dict.set_item(&name, formatted(message, &name)?)?;
     }
     Ok(dict)
 }
 
 pub(crate) fn to_json<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyAny>> {
     let py = message.py();
-    if let Some(info) = pristine(message.get()) {
+    if let Some(info) = pristine(message, &[intern!(py, "to_dict"), intern!(py, "format_attr")])? {
         let mut out = String::with_capacity(256);
         format::write_json(&mut out, &info.definition, message.get().decoded_payload());
         return Ok(PyString::new(py, &out).into_any());

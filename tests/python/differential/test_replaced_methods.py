@@ -386,6 +386,22 @@ print(send(), len(calls))
     assert ours.split()[1] == ("2" if place == "patched" else "1")
 
 
+@pytest.mark.parametrize("base", [False, True])
+@pytest.mark.parametrize("name", ["to_dict", "format_attr"])
+def test_texts_call_what_was_replaced_in_message_classes(
+    both: list[Ours], name: str, base: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def scenario(package: Ours) -> Any:
+        mavlink, calls = package.mavlink, list[str]()
+        cls = mavlink.MAVLink_message if base else mavlink.MAVLink_attitude_message
+        with monkeypatch.context() as patch:
+            replaced_in(cls, name, calls, patch)
+            msg = mavlink.MAVLink(None).parse_buffer(bytearray(frames()[1]))[0]
+            return [(ask(msg), calls.copy()) for ask in (str, type(msg).to_json, type(msg).to_dict)]
+
+    assert agree(both, scenario)[-1][1]
+
+
 @pytest.mark.parametrize("name", ["_pack", "sign_packet"])
 def test_what_is_never_called_warns_before_the_first_message(subject: str, name: str) -> None:
     program = (
