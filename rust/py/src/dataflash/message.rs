@@ -12,10 +12,10 @@ use pyo3::{PyTraverseError, PyVisit};
 use super::clock::Seconds;
 use super::shape::{self, Names};
 use super::{render, value};
-use crate::calling::{Calling, import, truth};
-use crate::frame_bytes::FrameBytes;
-use crate::lists::collected;
-use crate::lock::Lock;
+use crate::message::frame_bytes::FrameBytes;
+use crate::python::calling::{Calling, import, truth};
+use crate::python::lists::collected;
+use crate::sync::lock::Lock;
 
 /// Where a message's values are.
 #[derive(Clone, Copy)]

@@ -18,11 +18,11 @@ use super::message::DFMessage;
 use super::shape::{self, Names};
 use super::source::{BUDGET, Source};
 use super::state::{Kind, Search, State, Taken, closed};
-use crate::calling::{Calling, truth};
-use crate::link::{overrides, set_attr};
-use crate::lists::list;
-use crate::lock::Lock;
-use crate::turn::Turns;
+use crate::link::state::{overrides, set_attr};
+use crate::python::calling::{Calling, truth};
+use crate::python::lists::list;
+use crate::sync::gil_yield::Turns;
+use crate::sync::lock::Lock;
 
 /// Keys of `messages` beyond which no further instances are added.
 const MAX_MESSAGES: usize = 1 << 16;

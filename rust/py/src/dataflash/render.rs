@@ -10,7 +10,7 @@ use pyo3::types::PyFloat;
 use super::message::DFMessage;
 use super::value::text_of;
 
-use crate::calling::Calling;
+use crate::python::calling::Calling;
 
 /// The one NaN that is plainly `nan`; others were made by an autopilot's reckoning and are `qnan`.
 const PLAIN_NAN: u64 = 0x7FF8_0000_0000_0000;

@@ -9,8 +9,8 @@ use pyo3::types::{PyDict, PyString};
 
 use super::message::DFMessage;
 
-use crate::calling::Calling;
-use crate::lists::list;
+use crate::python::calling::Calling;
+use crate::python::lists::list;
 
 /// A layout and its names.
 pub(crate) struct Names {

@@ -5,7 +5,7 @@ use mavwire_core::log::dataflash::{FieldKind, Value, value};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyFloat, PyInt, PyString};
 
-use crate::calling::{Calling, import};
+use crate::python::calling::{Calling, import};
 
 /// Digits that Python's `int` takes of a text. Longer numbers are damage, and read as floats, mostly infinite.
 const MAX_DIGITS: usize = 4300;

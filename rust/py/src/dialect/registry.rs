@@ -1,0 +1,424 @@
+//! A dialect as Python holds it: the registry that scans frames, and one Python class per message, made on first use.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::{Arc, OnceLock};
+
+use mavwire_core::builtin;
+use mavwire_core::frame::{FrameRef, Header};
+use mavwire_core::registry::Registry;
+use mavwire_schema::{
+    Definitions, InvalidRule, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion,
+    dialect_name, parse_definitions, reserved, resolve,
+};
+use pyo3::create_exception;
+use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
+
+use crate::message::create;
+use crate::message::frame_bytes::FrameBytes;
+use crate::message::info::{Info, MessageInfo};
+use crate::message::object::{Message, Origin};
+use crate::python::calling::Calling;
+
+create_exception!(
+    mavwire._native,
+    DefinitionError,
+    PyValueError,
+    "A definition that is wrong or hostile; the text names file, line and reason."
+);
+
+/// The Python class of one message, with its definition at hand.
+pub(crate) struct MessageClass {
+    pub(crate) class: Py<PyType>,
+    pub(crate) info: &'static Info,
+}
+
+/// A resolved dialect, bound to the namespace of its Python module.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct Dialect {
+    pub(crate) registry: Arc<Registry>,
+    classes: Box<[OnceLock<MessageClass>]>,
+    by_name: HashMap<String, u16>,
+    namespace: OnceLock<Py<PyDict>>,
+    make_class: OnceLock<Py<PyAny>>,
+    /// The original `MAVLink_bad_data` and `MAVLink_unknown` of the module.
+    special: OnceLock<Vec<Py<PyAny>>>,
+}
+
+pub(crate) fn schema_error(error: &SchemaError) -> PyErr {
+    DefinitionError::new_err(error.to_string())
+}
+
+/// A definition file by the path that an `<include>` gives: the user's first, else one that comes with mavwire.
+pub(crate) fn lookup(
+    sources: &HashMap<String, String>,
+    path: &str,
+) -> Result<Definitions, SchemaError> {
+    match sources.get(dialect_name(path)) {
+        Some(text) => parse_definitions(path, text, &ParseOptions::default()),
+        None => builtin::definitions(path),
+    }
+}
+
+/// Why a field, or else an enum entry, cannot have this name; None where it can.
+#[pyfunction]
+pub(crate) fn reserved_name(name: &str, is_field: bool) -> Option<String> {
+    let check = if is_field { reserved::check_field } else { reserved::check_entry };
+    check(name).err().map(|reason| reason.to_string())
+}
+
+fn wire_version(text: &str) -> PyResult<WireVersion> {
+    match text {
+        "1.0" => Ok(WireVersion::V1),
+        "2.0" => Ok(WireVersion::V2),
+        _ => Err(PyValueError::new_err(format!(
+            "wire protocol must be \"1.0\" or \"2.0\", not {text:?}"
+        ))),
+    }
+}
+
+impl Dialect {
+    fn from_schema(dialect: mavwire_schema::Dialect) -> Self {
+        let count = dialect.messages.len();
+        let by_name = dialect.messages.iter().zip(0..).map(|(m, i)| (m.name.clone(), i)).collect();
+        Self {
+            registry: Arc::new(Registry::new(dialect)),
+            classes: (0..count).map(|_| OnceLock::new()).collect(),
+            by_name,
+            namespace: OnceLock::new(),
+            make_class: OnceLock::new(),
+            special: OnceLock::new(),
+        }
+    }
+
+    /// Globals of the Python module this dialect belongs to.
+    pub(crate) fn namespace<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
+        let unbound = || PyRuntimeError::new_err("the dialect is not bound to a module");
+        Ok(self.namespace.get().ok_or_else(unbound)?.bind(py))
+    }
+
+    /// A name of the Python module, looked up each time because user code may assign to it.
+    pub(crate) fn global<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let value = self.namespace(py)?.get_item(name)?;
+        value.ok_or_else(|| PyRuntimeError::new_err(format!("the dialect module lost its {name}")))
+    }
+
+    /// A message of the module's class called `name`, made of `message`. A class that the program put there is called with
+    /// `arguments` instead.
+    pub(crate) fn special<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        message: Message,
+        arguments: impl FnOnce(&Message) -> PyResult<Bound<'py, PyTuple>>,
+    ) -> PyResult<Bound<'py, Message>> {
+        let class = self.global(py, name)?;
+        let is_own = self.special.get().is_some_and(|own| own.iter().any(|own| class.is(own)));
+        match class.cast::<PyType>() {
+            Ok(class) if is_own => create::create(class, message),
+            _ => Ok(class.invoke1(arguments(&message)?)?.cast_into::<Message>()?),
+        }
+    }
+
+    /// Frames are made in version 2: the module's `WIRE_PROTOCOL_VERSION`, which user code may change at any time.
+    pub(crate) fn is_v2(&self, py: Python<'_>) -> PyResult<bool> {
+        let version = self.namespace(py)?.get_item(intern!(py, "WIRE_PROTOCOL_VERSION"))?;
+        let Some(version) = version else { return Ok(true) };
+        // The strings that modules start with are interned, so that comparing pointers is enough.
+        if version.is(intern!(py, "2.0")) {
+            return Ok(true);
+        }
+        if version.is(intern!(py, "1.0")) {
+            return Ok(false);
+        }
+        let number = py.get_type::<pyo3::types::PyFloat>().invoke1((version,))?;
+        Ok((number.extract::<f64>()? - 2.0).abs() < f64::EPSILON)
+    }
+
+    /// The class of the message with this index, if it was used before.
+    pub(crate) fn known_class(&self, index: u16) -> Option<&MessageClass> {
+        self.classes[usize::from(index)].get()
+    }
+
+    /// The class of the message with this index, made if it is the first use.
+    #[inline]
+    pub(crate) fn class(&self, py: Python<'_>, index: u16) -> PyResult<&MessageClass> {
+        let cell = &self.classes[usize::from(index)];
+        if let Some(class) = cell.get() {
+            return Ok(class);
+        }
+        self.make_class(py, index)
+    }
+
+    #[cold]
+    fn make_class(&self, py: Python<'_>, index: u16) -> PyResult<&MessageClass> {
+        let cell = &self.classes[usize::from(index)];
+        // Making the class runs Python, which may come back here; whoever is first wins.
+        let info = Info::of(py, self.registry.message(index));
+        let make = self.make_class.get().ok_or_else(|| PyRuntimeError::new_err("not bound"))?;
+        let wrapped = Bound::new(py, MessageInfo { info })?;
+        let class = make.bind(py).invoke1((wrapped,))?.cast_into::<PyType>()?.unbind();
+        Ok(cell.get_or_init(|| MessageClass { class, info }))
+    }
+
+    /// A message object around a received frame of a known id.
+    pub(crate) fn message<'py>(
+        &self,
+        py: Python<'py>,
+        index: u16,
+        frame: FrameBytes,
+    ) -> PyResult<Bound<'py, Message>> {
+        let class = self.class(py, index)?;
+        let message = Message::received(Some(class.info), frame, Origin::Decoded);
+        create::pooled(class.class.bind(py), message)
+    }
+
+    /// A message object for a frame with an id that the dialect does not have.
+    pub(crate) fn unknown<'py>(
+        &self,
+        py: Python<'py>,
+        message: Message,
+    ) -> PyResult<Bound<'py, Message>> {
+        self.special(py, "MAVLink_unknown", message, |message| {
+            let id = Header::parse(&message.frame).map_or(0, |header| header.msgid);
+            (id, PyByteArray::new(py, &message.frame)).into_pyobject(py)
+        })
+    }
+
+    /// A message object around a frame that was received at a time; `index` is `None` for an unknown id.
+    pub(crate) fn stamped<'py>(
+        &self,
+        py: Python<'py>,
+        index: Option<u16>,
+        frame: FrameBytes,
+        seconds: f64,
+        link: u8,
+    ) -> PyResult<Bound<'py, Message>> {
+        let Some(index) = index else {
+            let message = Message::received(None, frame, Origin::Unknown).stamped(seconds, link);
+            return self.unknown(py, message);
+        };
+        let class = self.class(py, index)?;
+        let message = Message::received(Some(class.info), frame, Origin::Decoded);
+        create::pooled(class.class.bind(py), message.stamped(seconds, link))
+    }
+}
+
+#[pymethods]
+impl Dialect {
+    /// A dialect that comes with mavwire, laid out for wire protocol "1.0" or "2.0".
+    #[staticmethod]
+    fn builtin(name: &str, wire_protocol: &str) -> PyResult<Self> {
+        let dialect = builtin::dialect(name, wire_version(wire_protocol)?);
+        Ok(Self::from_schema(dialect.map_err(|error| schema_error(&error))?))
+    }
+
+    /// A dialect from XML texts: `sources` maps file base names to texts, `main` names the one to start from. Includes
+    /// are looked up in `sources` first and among the built-in dialects second.
+    #[staticmethod]
+    fn from_sources(
+        main: &str,
+        sources: HashMap<String, String>,
+        wire_protocol: &str,
+    ) -> PyResult<Self> {
+        let mut lookup = |path: &str| lookup(&sources, path);
+        let dialect = resolve(main, &mut lookup, wire_version(wire_protocol)?);
+        Ok(Self::from_schema(dialect.map_err(|error| schema_error(&error))?))
+    }
+
+    /// Names of the built-in dialects.
+    #[staticmethod]
+    fn names() -> Vec<&'static str> {
+        builtin::names().collect()
+    }
+
+    /// Ties the dialect to its module: `namespace` are the module's globals, `make_class(info)` makes a message class.
+    fn bind(&self, py: Python<'_>, namespace: Py<PyDict>, make_class: Py<PyAny>) -> PyResult<()> {
+        let mut special = Vec::new();
+        for name in ["MAVLink_bad_data", "MAVLink_unknown"] {
+            special.extend(namespace.bind(py).get_item(name)?.map(Bound::unbind));
+        }
+        let fresh = self.namespace.set(namespace).is_ok()
+            & self.make_class.set(make_class).is_ok()
+            & self.special.set(special).is_ok();
+        if fresh { Ok(()) } else { Err(PyRuntimeError::new_err("the dialect is bound already")) }
+    }
+
+    /// Name of the main definition file.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.registry.dialect().name
+    }
+
+    /// "1.0" or "2.0".
+    #[getter]
+    fn wire_protocol<'py>(&self, py: Python<'py>) -> &Bound<'py, PyString> {
+        match self.registry.dialect().wire_version {
+            WireVersion::V1 => intern!(py, "1.0"),
+            WireVersion::V2 => intern!(py, "2.0"),
+        }
+    }
+
+    /// `[(name, id), ...]` in the dialect's order.
+    fn messages(&self) -> Vec<(&str, u32)> {
+        self.registry.dialect().messages.iter().map(|m| (m.name.as_str(), m.id)).collect()
+    }
+
+    /// The message class of an upper-case name, or `KeyError`.
+    fn message_class(&self, py: Python<'_>, name: &str) -> PyResult<Py<PyType>> {
+        let index = self.by_name.get(name).ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
+        Ok(self.class(py, *index)?.class.clone_ref(py))
+    }
+
+    /// Integer constants of the module: message ids and enum entries, `<ENUM>_ENUM_END` included.
+    fn add_constants(&self, namespace: &Bound<'_, PyDict>) -> PyResult<()> {
+        let py = namespace.py();
+        let dialect = self.registry.dialect();
+        for message in &dialect.messages {
+            namespace.set_item(format!("MAVLINK_MSG_ID_{}", message.name), message.id)?;
+        }
+        for definition in &dialect.enums {
+            for entry in &definition.entries {
+                namespace.set_item(&entry.name, number(py, entry.value)?)?;
+            }
+            namespace.set_item(end_name(definition), number(py, end_value(definition))?)?;
+        }
+        Ok(())
+    }
+
+    /// `[(enum name, bitmask, description, [(value, name, description, has_location, params), ...]), ...]`, where
+    /// `params` is `[(index, label, description, reserved, default), ...]`; the end marker is the last entry.
+    fn enums<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let rows = PyList::empty(py);
+        for definition in &self.registry.dialect().enums {
+            let entries = PyList::empty(py);
+            for entry in &definition.entries {
+                let params: Vec<_> = entry
+                    .params
+                    .iter()
+                    .map(|p| (p.index, &p.label, &p.description, p.reserved, &p.default))
+                    .collect();
+                entries.append((
+                    entry.value,
+                    &entry.name,
+                    &entry.description,
+                    entry.has_location,
+                    params,
+                ))?;
+            }
+            let no_params: Vec<u8> = Vec::new();
+            entries.append((end_value(definition), end_name(definition), "", false, no_params))?;
+            rows.append((&definition.name, definition.bitmask, &definition.description, entries))?;
+        }
+        Ok(rows)
+    }
+
+    /// What tables of some messages are made of, or of all, as bytes that differ where any of it does.
+    #[pyo3(signature = (types=None))]
+    fn layout_bytes<'py>(
+        &self,
+        py: Python<'py>,
+        types: Option<HashSet<u32>>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let mut bytes = Vec::new();
+        for message in &self.registry.dialect().messages {
+            if types.as_ref().is_none_or(|some| some.contains(&message.id)) {
+                put_message(&mut bytes, message);
+            }
+        }
+        PyBytes::new_with(py, bytes.len(), |room| {
+            room.copy_from_slice(&bytes);
+            Ok(())
+        })
+    }
+
+    /// The fields of a frame that have invalid values: for each element, whether it is invalid.
+    fn invalid_fields(&self, frame: &[u8]) -> HashMap<&str, Vec<bool>> {
+        let known = FrameRef::parse(frame).ok().and_then(|frame| {
+            let entry = self.registry.lookup(frame.header().msgid)?;
+            Some((self.registry.message(entry.index), frame.payload()))
+        });
+        let Some((message, payload)) = known else { return HashMap::new() };
+        let mut whole = payload.to_vec();
+        whole.resize(payload.len().max(message.max_len.into()), 0);
+        let enums = &self.registry.dialect().enums;
+        let marked = message.fields.iter().filter_map(|field| {
+            let (invalid, bytes) = (InvalidRule::of(field, enums)?, &whole[field.offset.into()..]);
+            let marks: Vec<_> =
+                (0..field.elements()).map(|n| invalid.is_invalid(bytes, n)).collect();
+            marks.contains(&true).then_some((field.name.as_str(), marks))
+        });
+        marked.collect()
+    }
+
+    /// Descriptions that the definitions themselves carry: `(message text, {field: text})`; empty for built-in ones.
+    fn descriptions(&self, name: &str) -> PyResult<(String, HashMap<String, String>)> {
+        let index = self.by_name.get(name).ok_or_else(|| PyKeyError::new_err(name.to_owned()))?;
+        let message = self.registry.message(*index);
+        let fields = message.fields.iter().map(|f| (f.name.clone(), f.description.clone()));
+        Ok((message.description.clone(), fields.collect()))
+    }
+
+    fn __repr__(&self) -> String {
+        let dialect = self.registry.dialect();
+        format!("<Dialect {} {:?}>", dialect.name, dialect.wire_version)
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        for class in self.classes.iter().filter_map(OnceLock::get) {
+            visit.call(&class.class)?;
+        }
+        if let Some(namespace) = self.namespace.get() {
+            visit.call(namespace)?;
+        }
+        if let Some(make_class) = self.make_class.get() {
+            visit.call(make_class)?;
+        }
+        for class in self.special.get().into_iter().flatten() {
+            visit.call(class)?;
+        }
+        Ok(())
+    }
+}
+
+fn put_message(bytes: &mut Vec<u8>, message: &SchemaMessage) {
+    bytes.extend_from_slice(&message.id.to_be_bytes());
+    put_text(bytes, Some(&message.name));
+    // 255 is no field: a message has 64 at most.
+    let instance = message.instance_field.unwrap_or(u8::MAX);
+    bytes.extend_from_slice(&[message.crc_extra, instance, message.fields.len() as u8]);
+    for field in &message.fields {
+        bytes.extend_from_slice(&[field.field_type as u8, field.array_length]);
+        put_text(bytes, Some(&field.name));
+        let told =
+            [&field.units, &field.enum_name, &field.display, &field.multiplier, &field.invalid];
+        for text in told {
+            put_text(bytes, text.as_deref());
+        }
+    }
+}
+
+/// The length first: what follows each other stays apart.
+fn put_text(bytes: &mut Vec<u8>, text: Option<&str>) {
+    let len = text.map_or(u64::MAX, |text| text.len() as u64);
+    bytes.extend_from_slice(&len.to_be_bytes());
+    bytes.extend_from_slice(text.unwrap_or_default().as_bytes());
+}
+
+fn end_name(definition: &mavwire_schema::Enum) -> String {
+    format!("{}_ENUM_END", definition.name)
+}
+
+/// An enum value; nearly all are small, which is the quick conversion.
+fn number(py: Python<'_>, value: i128) -> PyResult<Bound<'_, PyAny>> {
+    Ok(match i64::try_from(value) {
+        Ok(small) => small.into_pyobject(py)?.into_any(),
+        Err(_) => value.into_pyobject(py)?.into_any(),
+    })
+}
+
+fn end_value(definition: &mavwire_schema::Enum) -> i128 {
+    definition.entries.iter().map(|entry| entry.value).max().map_or(1, |last| last + 1)
+}

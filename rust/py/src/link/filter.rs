@@ -1,0 +1,43 @@
+//! Which messages `recv_match` returns.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyList, PySet, PyString};
+
+use crate::link::tracking;
+use crate::message::object::Message;
+use crate::python::calling::Calling;
+
+pub(crate) enum Filter<'py> {
+    All,
+    One(Bound<'py, PyString>),
+    In(Bound<'py, PyAny>),
+}
+
+impl<'py> Filter<'py> {
+    /// The filter for the argument `type`: a name, or a list or set of names. Anything else is one (odd) name, which no
+    /// message has, or with `any_collection` a collection too.
+    pub(crate) fn new(types: Option<&Bound<'py, PyAny>>, any_collection: bool) -> PyResult<Self> {
+        let Some(types) = types else { return Ok(Self::All) };
+        if let Ok(name) = types.cast::<PyString>() {
+            return Ok(Self::One(name.clone()));
+        }
+        let is_collection =
+            any_collection || types.is_instance_of::<PyList>() || types.is_instance_of::<PySet>();
+        if is_collection {
+            return Ok(Self::In(types.clone()));
+        }
+        Ok(Self::In(PyList::new(types.py(), [types])?.into_any()))
+    }
+
+    pub(crate) fn wants(&self, message: &Bound<'_, Message>) -> PyResult<bool> {
+        let kind = match self {
+            Self::All => return Ok(true),
+            _ => tracking::message_type(message)?,
+        };
+        match self {
+            Self::All => Ok(true),
+            Self::One(name) => Ok(kind.is(name) || kind.equals(name)?),
+            Self::In(names) => names.includes(kind.as_any()),
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! The quick way of a live link from what was received to a message, with everything it changes.
+
+use std::sync::atomic::Ordering::Relaxed;
+
+use mavwire_link::address::Address;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::link::live_link::LiveLink;
+use crate::link::live_source::Arrived;
+use crate::link::replaced;
+use crate::link::system::SystemState;
+use crate::link::tracking;
+use crate::message::create;
+use crate::message::frame_bytes::FrameBytes;
+use crate::message::object::{Message, Origin, flags, payload_of};
+use crate::protocol::mavlink::MAVLink;
+use crate::protocol::parse::{self, Session, Step};
+use crate::python::calling::Calling;
+use crate::sync::shared;
+
+/// Reads per call without a message coming out of them: a peer that sends garbage faster than it is read must not keep a
+/// caller from looking at its timeout.
+const READS_PER_CALL: usize = 64;
+
+/// What came of looking for a message.
+pub(crate) enum Received<'py> {
+    Message(Bound<'py, Message>),
+    Nothing,
+    /// Python has to have a look.
+    Trouble,
+}
+
+impl<'py> Received<'py> {
+    /// The message or that there is none; `None` if Python has to have a look.
+    #[allow(clippy::option_option)] // two questions, two answers
+    pub(crate) fn message(self) -> Option<Option<Bound<'py, Message>>> {
+        match self {
+            Self::Message(message) => Some(Some(message)),
+            Self::Nothing => Some(None),
+            Self::Trouble => None,
+        }
+    }
+}
+
+/// A plain message of a known type from a known system, ready to be made.
+struct Fresh<'py> {
+    index: u16,
+    bytes: FrameBytes,
+    time: f64,
+    /// The newest messages of its sender.
+    messages: Bound<'py, PyDict>,
+    /// The sender, if Python has something to do about it: update the state, or call hooks.
+    changes: Option<Bound<'py, SystemState>>,
+    /// The sender, if its components have to be told apart.
+    apart: Option<Bound<'py, SystemState>>,
+    compid: u8,
+    /// It is to be recorded.
+    is_recorded: bool,
+    /// Its peer, if that is to be announced.
+    news: Option<Address>,
+}
+
+enum Scanned<'py> {
+    Nothing,
+    Fresh(Fresh<'py>),
+    /// With the peer it came from.
+    Other(Step, Option<Address>),
+}
+
+/// The next message; reads what is there if nothing waits.
+pub(crate) fn next_message<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Received<'py>> {
+    let Some(mav) = native_mav(slf) else { return Ok(Received::Trouble) };
+    for _ in 0..READS_PER_CALL {
+        // The time may come from Python code, which must not run while a lock is held.
+        match scan(slf, &mav, replaced::now(slf.py())?) {
+            Scanned::Fresh(fresh) => return deliver(slf, &mav, fresh).map(Received::Message),
+            Scanned::Other(step, from) => {
+                if let Some(message) = deliver_other(slf, &mav, step, from)? {
+                    return Ok(Received::Message(message));
+                }
+            }
+            Scanned::Nothing => match fill(slf, &mav)? {
+                Arrived::Data(_) => {}
+                Arrived::Nothing => return Ok(Received::Nothing),
+                Arrived::Trouble | Arrived::Failed(_) => return Ok(Received::Trouble),
+            },
+        }
+    }
+    Ok(Received::Nothing)
+}
+
+fn native_mav<'py>(slf: &Bound<'py, LiveLink>) -> Option<Bound<'py, MAVLink>> {
+    slf.as_super().get().state().native_mav.as_ref().map(|mav| mav.bind(slf.py()).clone())
+}
+
+fn fill(slf: &Bound<'_, LiveLink>, mav: &Bound<'_, MAVLink>) -> PyResult<Arrived> {
+    parse::obey_ignore_checksum(mav)?;
+    // Last, so that no Python code runs before the read: another thread could close the descriptor, and a third open one
+    // of the same number.
+    let Some((port, fd)) = LiveLink::descriptor(slf) else { return Ok(Arrived::Trouble) };
+    let arrived = slf.get().source().fill(fd, &mut mav.get().parser());
+    if let Arrived::Data(bytes) = arrived {
+        shared::add(&mav.get().counters.bytes_received, bytes as u64);
+    }
+    if let Arrived::Failed(number) = arrived {
+        slf.get().failure.set(port, number);
+    }
+    Ok(arrived)
+}
+
+/// Looks at what was received, with one lock of the link, its source and the parser.
+fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>, now: f64) -> Scanned<'py> {
+    let py = slf.py();
+    let native = mav.get();
+    let mut guard = slf.as_super().get().state();
+    let state = &mut *guard;
+    let mut source = slf.get().source();
+    let (step, checked) = {
+        let mut parser = native.parser();
+        let robust = native.robust_parsing.load(Relaxed);
+        let (step, used) = source.next(&mut parser, native.dialect.get(), robust);
+        shared::add(&native.counters.bytes_received, used as u64);
+        (step, parser.checks_signatures())
+    };
+    let Step::Frame { bytes, header, entry: Some(entry) } = step else {
+        return match step {
+            Step::Nothing => Scanned::Nothing,
+            step => Scanned::Other(step, source.sender()),
+        };
+    };
+    let class = native.dialect.get().known_class(entry.index);
+    let is_plain = (header.sysid, header.compid) != tracking::RADIO
+        && !checked
+        && !header.is_signed()
+        && !native.shows_messages();
+    let has_hooks = state.has_hooks(py);
+    let (true, Some(class), Some(sender)) = (is_plain, class, state.senders.find(header.sysid))
+    else {
+        return Scanned::Other(Step::Frame { bytes, header, entry: Some(entry) }, source.sender());
+    };
+    let payload = payload_of(&bytes);
+    let updates = class.info.changes_state && !sender.is_settled(&header, payload);
+    let changes = (updates || has_hooks).then(|| sender.state(py));
+    let messages = sender.messages(py);
+    let (apart, compid) = (sender.apart(py, header.compid), header.compid);
+    shared::add(&native.counters.packets_received, 1);
+    if let Some(uptime) = class.info.uptime(payload) {
+        state.uptime = uptime;
+    }
+    state.count(header.sysid, header.compid, header.seq);
+    let time = state.message_time().unwrap_or(now);
+    state.timestamp = Some(time);
+    let is_recorded = state.records_messages();
+    let from = source.sender();
+    let news = source.news(from, true, now);
+    let index = entry.index;
+    Scanned::Fresh(Fresh {
+        index,
+        bytes,
+        time,
+        messages,
+        changes,
+        apart,
+        compid,
+        is_recorded,
+        news,
+    })
+}
+
+fn deliver<'py>(
+    slf: &Bound<'py, LiveLink>,
+    mav: &Bound<'py, MAVLink>,
+    fresh: Fresh<'py>,
+) -> PyResult<Bound<'py, Message>> {
+    if let Some(from) = fresh.news {
+        let class = mav.get().dialect.get().known_class(fresh.index);
+        let payload = payload_of(&fresh.bytes);
+        let is_targeted = class.is_some_and(|class| class.info.is_targeted(payload));
+        LiveLink::announce(slf, from, true, is_targeted)?;
+    }
+    let class = mav.get().dialect.get().class(slf.py(), fresh.index)?;
+    let message =
+        Message::received(Some(class.info), fresh.bytes, Origin::Decoded).seen_at(fresh.time);
+    let message = create::pooled(class.class.bind(slf.py()), message)?;
+    if fresh.is_recorded {
+        slf.invoke_method1(intern!(slf.py(), "_record"), (&message,))?;
+    }
+    let name = class.info.name.bind(slf.py());
+    let link = slf.as_super();
+    if let Some(system) = fresh.apart {
+        system.get().components.keep(link, &fresh.messages, fresh.compid, name, &message)?;
+    }
+    tracking::post_plain(link, &fresh.messages, class.info, &message)?;
+    if let Some(system) = fresh.changes {
+        tracking::call_python(link, &message, name, &system)?;
+    }
+    Ok(message)
+}
+
+/// Delivers whatever is not a plain message of a known system.
+fn deliver_other<'py>(
+    slf: &Bound<'py, LiveLink>,
+    mav: &Bound<'py, MAVLink>,
+    step: Step,
+    from: Option<Address>,
+) -> PyResult<Option<Bound<'py, Message>>> {
+    let Some(message) = Session::new(mav).take_step(step)? else { return Ok(None) };
+    // With a key, what a callback let pass does not say who is there.
+    let is_good = !matches!(message.get().origin, Origin::Bad | Origin::Unknown)
+        && (message.get().has(flags::SIGNED) || !mav.get().parser().checks_signatures());
+    let news = slf.get().source().news(from, is_good, replaced::now(slf.py())?);
+    if let Some(from) = news {
+        let Message { info, frame, .. } = message.get();
+        let is_targeted = is_good && info.is_some_and(|info| info.is_targeted(payload_of(frame)));
+        LiveLink::announce(slf, from, is_good, is_targeted)?;
+    }
+    if slf.as_super().get().state().records_messages() {
+        slf.invoke_method1(intern!(slf.py(), "_record"), (&message,))?;
+    }
+    tracking::post(slf.as_super(), &message)?;
+    Ok(Some(message))
+}

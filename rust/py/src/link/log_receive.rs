@@ -1,0 +1,197 @@
+//! The next message of a log, with everything it changes.
+//!
+//! Nearly every record is a good frame of a known message from a known system: `next_plain` makes that message in one go,
+//! with the link's lock taken once. Everything else goes the parser's way.
+
+use std::sync::atomic::Ordering::Relaxed;
+
+use mavwire_core::frame::Header;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::link::log_link::LogLink;
+use crate::link::tracking;
+use crate::message::create;
+use crate::message::object::{Message, Origin, flags};
+use crate::protocol::mavlink::MAVLink;
+use crate::protocol::parse;
+use crate::protocol::parse::{Session, Step};
+use crate::python::calling::Calling;
+use crate::sync::shared;
+
+impl LogLink {
+    /// The next message; `None` at the end of the log.
+    pub(crate) fn next_message<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<Option<Bound<'py, Message>>> {
+        Self::next_keeping(slf, true)
+    }
+
+    /// The same; without `params` for who does not ask the link for parameters.
+    pub(crate) fn next_keeping<'py>(
+        slf: &Bound<'py, Self>,
+        params: bool,
+    ) -> PyResult<Option<Bound<'py, Message>>> {
+        if let Some(message) = Self::next_plain(slf, params)? {
+            return Ok(Some(message));
+        }
+        let is_first = {
+            let mut state = slf.as_super().get().state();
+            state.percent = state.reader.as_ref().map_or(state.percent, |reader| reader.percent());
+            state.first_byte
+        };
+        if is_first {
+            Self::detect_version(slf)?;
+        }
+        let mav = Self::mav(slf)?;
+        parse::obey_ignore_checksum(&mav)?;
+        let step = Self::next_step(slf, &mav)?;
+        let Some(message) = Session::new(&mav).take_step(step)? else { return Ok(None) };
+        Self::settle(slf, &message)?;
+        Ok(Some(message))
+    }
+
+    /// The next message if it is of the usual kind; otherwise nothing is read.
+    fn next_plain<'py>(
+        slf: &Bound<'py, Self>,
+        params: bool,
+    ) -> PyResult<Option<Bound<'py, Message>>> {
+        let py = slf.py();
+        let link = slf.as_super();
+        let mut guard = link.get().state();
+        let state = &mut *guard;
+        let has_hooks = state.has_hooks(py);
+        let (Some(reader), Some(mav)) = (state.reader.as_mut(), state.native_mav.as_ref()) else {
+            return Ok(None);
+        };
+        let native = mav.get();
+        let dialect = native.dialect.get();
+        let mut parser = native.parser();
+        // While wrong checksums are ignored the module is asked for each record whether that holds still; else only for
+        // those that are not good.
+        let ignores = parser.scanner.ignore_checksum;
+        if state.first_byte || ignores || parser.checks_signatures() || native.shows_messages() {
+            return Ok(None);
+        }
+        let percent = reader.percent();
+        let Some(record) = reader.peek(&parser, &dialect.registry)? else { return Ok(None) };
+        let Some(header) = Header::parse(record.stream) else { return Ok(None) };
+        let (Some(class), Some(sender)) =
+            (dialect.known_class(record.index), state.senders.find(header.sysid))
+        else {
+            return Ok(None);
+        };
+        if (header.sysid, header.compid) == tracking::RADIO {
+            return Ok(None);
+        }
+
+        let info = class.info;
+        let payload = header.len()..header.len() + usize::from(header.payload_len);
+        let Some(payload) = record.stream.get(payload) else { return Ok(None) };
+        state.uptime = info.uptime(payload).unwrap_or(state.uptime);
+        let time = if state.notimestamps { state.uptime } else { record.time };
+        let messages = sender.messages(py);
+        let updates = info.changes_state
+            && (params || !info.is_parameter)
+            && !sender.is_settled(&header, payload);
+        let system = (updates || has_hooks).then(|| sender.state(py));
+        let apart = sender.apart(py, header.compid);
+
+        let class = class.class.bind(py);
+        let posted = |message: Message| message.posted(time, record.link);
+        let made = create::reused_frame(class, info, record.stream, record.len, posted);
+        // Making a new object may run Python code, so that has to wait.
+        let class = if made.is_none() {
+            Some((class.clone(), posted(create::around(info, &record.stream[..record.len]))))
+        } else {
+            None
+        };
+
+        if header.is_signed()
+            && let Some(signing) = &parser.signing
+        {
+            signing.get().note_signed(1);
+        }
+        parser.passed(record.stream[0]);
+        drop(parser);
+        shared::add(&native.counters.bytes_received, record.len as u64);
+        shared::add(&native.counters.packets_received, 1);
+        let (len, record_time, link_number) = (record.len, record.time, record.link);
+        state.last_fresh = Some((header.sysid, record.index));
+        reader.accept(len, record_time, link_number);
+        state.record_time = Some(record_time);
+        state.percent = percent;
+        state.timestamp = Some(time);
+        state.count(header.sysid, header.compid, header.seq);
+        drop(guard);
+
+        let message = match (made, class) {
+            (Some(message), _) => message,
+            (None, Some((class, message))) => create::pooled(&class, message)?,
+            (None, None) => return Ok(None),
+        };
+        if let Some(system) = apart {
+            let name = info.name.bind(py);
+            system.get().components.keep(link, &messages, header.compid, name, &message)?;
+        }
+        tracking::post_plain(link, &messages, info, &message)?;
+        if let Some(system) = system {
+            tracking::call_python(link, &message, info.name.bind(py), &system)?;
+        }
+        Ok(Some(message))
+    }
+
+    /// Reads on by the parser.
+    fn next_step(slf: &Bound<'_, Self>, mav: &Bound<'_, MAVLink>) -> PyResult<Step> {
+        let native = mav.get();
+        let mut guard = slf.as_super().get().state();
+        let state = &mut *guard;
+        let Some(reader) = state.reader.as_mut() else { return Ok(Step::Nothing) };
+        let robust = native.robust_parsing.load(Relaxed);
+        let (step, fed) = reader.next(&mut native.parser(), native.dialect.get(), robust)?;
+        shared::add(&native.counters.bytes_received, fed as u64);
+        state.record_time = Some(reader.time);
+        Ok(step)
+    }
+
+    /// Takes a message into the state, stamped with its record's time and link number.
+    pub(crate) fn settle(slf: &Bound<'_, Self>, message: &Bound<'_, Message>) -> PyResult<()> {
+        let that = message.get();
+        let link_number = Self::reader(slf, |reader| {
+            // A frame that signing rejected is BAD_DATA too.
+            reader.end_record(matches!(that.origin, Origin::Bad));
+            Ok(reader.link)
+        })?;
+        if slf.get().is_read_slowly() {
+            slf.invoke_method1(intern!(slf.py(), "_post_slowly"), (message,))?;
+        } else {
+            tracking::post(slf.as_super(), message)?;
+        }
+        that.link.store(link_number.unwrap_or(0), Relaxed);
+        that.set(flags::LINK);
+        slf.as_super().get().state().last_fresh = None;
+        slf.get().last.set(Some(message.clone().unbind()));
+        Ok(())
+    }
+
+    /// Shows the first byte of the log's first frame to `auto_mavlink_version`.
+    fn detect_version(slf: &Bound<'_, Self>) -> PyResult<()> {
+        let first = Self::reader(slf, |reader| {
+            if !reader.begin_record()? {
+                return Ok(None);
+            }
+            Ok(reader.window.at(reader.offset, 1)?.first().copied())
+        })?;
+        if let Some(Some(first)) = first {
+            Self::show_first_byte(slf, first)?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn show_first_byte(slf: &Bound<'_, Self>, first: u8) -> PyResult<()> {
+        let py = slf.py();
+        let byte = PyBytes::new(py, &[first]);
+        slf.invoke_method1(intern!(py, "auto_mavlink_version"), (byte,))?;
+        Ok(())
+    }
+}

@@ -1,0 +1,64 @@
+//! The parameters that `PARAM_VALUE` messages tell, by the component that has them.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::link::state::Link;
+use crate::link::tracking::source_of;
+use crate::message::object::Message;
+use crate::message::values::field_value;
+use crate::python::calling::Calling;
+
+/// The message that tells a parameter.
+pub(crate) const PARAM_VALUE: &str = "PARAM_VALUE";
+
+/// Parameters kept per component, since whoever sends chooses their names.
+const MAX_PARAMS: usize = 16384;
+/// Parameters kept of all that a link hears; those of its target are kept beyond it.
+const MAX_LINK_PARAMS: usize = 262_144;
+
+/// Takes a `PARAM_VALUE` into `link.param_state`.
+pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
+    let py = link.py();
+    let source = source_of(message)?;
+    let component = (source.sysid, source.compid).into_pyobject(py)?;
+    let states = link.attribute(intern!(py, "param_state"))?.cast_into::<PyDict>()?;
+    let state = match states.get_item(&component)? {
+        Some(state) => state,
+        None => {
+            let state = link.invoke_method0(intern!(py, "_new_param_state"))?;
+            states.set_item(&component, &state)?;
+            state
+        }
+    };
+    let params = state.attribute(intern!(py, "params"))?.cast_into::<PyDict>()?;
+    let name = field(message, "param_id")?.text()?;
+    if params.contains(&name)? || has_room(link, &params)? {
+        params.set_item(name, field(message, "param_value")?)?;
+    } else {
+        link.get().budget.refuse();
+    }
+    Ok(())
+}
+
+/// A field, as its attribute shows it.
+fn field<'py>(message: &Bound<'py, Message>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let this = message.get();
+    if let Some(info) = this.info.filter(|_| this.is_pristine())
+        && let (Some((_, field)), Some(payload)) = (info.field(name), this.quick_payload())
+    {
+        return Ok(field_value(message.py(), field, payload)?.into_bound(message.py()));
+    }
+    message.attribute(name)
+}
+
+/// Whether another parameter is kept in `params`, which then counts.
+fn has_room(link: &Bound<'_, Link>, params: &Bound<'_, PyDict>) -> PyResult<bool> {
+    if params.len() >= MAX_PARAMS {
+        return Ok(false);
+    }
+    if link.get().budget.take_param(MAX_LINK_PARAMS) {
+        return Ok(true);
+    }
+    Ok(link.attribute(intern!(link.py(), "params"))?.is(params))
+}

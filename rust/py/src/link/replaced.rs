@@ -1,0 +1,109 @@
+//! Replacements of `mavutil.time` and `mavutil.add_message` by a program.
+//!
+//! Links are fast because they call neither. A replacement is stored here and sets a flag, which links check.
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+use mavwire_link::clock::unix_seconds;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+use crate::link::instances;
+use crate::link::name_budget::Room;
+use crate::message::object::Message;
+use crate::python::calling::{Calling, import};
+use crate::sync::slot::Slot;
+
+/// A function or module that programs may replace.
+struct Replaceable {
+    is_replaced: AtomicBool,
+    by: Slot,
+}
+
+impl Replaceable {
+    const fn new() -> Self {
+        Self { is_replaced: AtomicBool::new(false), by: Slot::new() }
+    }
+
+    fn set(&self, value: Option<Py<PyAny>>) {
+        self.is_replaced.store(value.is_some(), Relaxed);
+        self.by.set(value);
+    }
+
+    #[inline]
+    fn get<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        if self.is_replaced.load(Relaxed) { self.by.get(py) } else { None }
+    }
+}
+
+/// `mavutil.time`
+static TIME: Replaceable = Replaceable::new();
+/// `mavutil.add_message`
+static ADD_MESSAGE: Replaceable = Replaceable::new();
+
+/// The namespace of the module `time`, and `time.time` as it was when mavwire was loaded.
+static TIME_MODULE: OnceLock<(Py<PyDict>, Py<PyAny>)> = OnceLock::new();
+
+/// Makes links use a replacement of `mavutil.time` or `mavutil.add_message`; None restores the original.
+#[pyfunction]
+pub(crate) fn replace_function(name: &str, value: Option<Py<PyAny>>) -> PyResult<()> {
+    match name {
+        "time" => TIME.set(value),
+        "add_message" => ADD_MESSAGE.set(value),
+        _ => {
+            return Err(PyValueError::new_err(format!(
+                "{name} cannot be replaced: use 'time' or 'add_message'"
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn time_module(py: Python<'_>) -> PyResult<&(Py<PyDict>, Py<PyAny>)> {
+    if let Some(found) = TIME_MODULE.get() {
+        return Ok(found);
+    }
+    let name = intern!(py, "time");
+    let module = import(py, name)?;
+    let function = module.attribute(name)?;
+    let names = module.attribute(intern!(py, "__dict__"))?.cast_into::<PyDict>()?;
+    Ok(TIME_MODULE.get_or_init(|| (names.unbind(), function.unbind())))
+}
+
+/// Remembers the system's clock before a program can replace it.
+pub(crate) fn prepare(py: Python<'_>) -> PyResult<()> {
+    time_module(py).map(drop)
+}
+
+/// Seconds since 1970 by the program's clock: the program may have replaced `mavutil.time` or `time.time`.
+#[inline]
+pub(crate) fn now(py: Python<'_>) -> PyResult<f64> {
+    let (names, original) = time_module(py)?;
+    let name = intern!(py, "time");
+    let function = match TIME.get(py) {
+        Some(replaced) => replaced.attribute(name)?,
+        None => names.bind(py).get_item(name)?.unwrap_or_else(|| original.bind(py).clone()),
+    };
+    if function.is(original) { Ok(unix_seconds()) } else { function.invoke1(())?.extract() }
+}
+
+/// Calls `mavutil.add_message(messages, kind, message)`, or stores the message natively within the limits of `room`.
+#[inline]
+pub(crate) fn add_message(
+    messages: &Bound<'_, PyDict>,
+    kind: &Bound<'_, PyString>,
+    message: &Bound<'_, Message>,
+    room: &Room<'_, '_>,
+    has_instances: bool,
+) -> PyResult<()> {
+    if let Some(replaced) = ADD_MESSAGE.get(messages.py()) {
+        return replaced.invoke1((messages, kind, message)).map(drop);
+    }
+    if has_instances {
+        instances::add_message(messages, kind, message, room)
+    } else {
+        instances::add_plain(messages, kind, message, room)
+    }
+}

@@ -1,0 +1,252 @@
+//! `StreamWriter`: whole frames to a stream that may take only part of one.
+//!
+//! A frame that was begun is always finished, because half a frame makes the peer drop what follows. What the peer does not
+//! take is queued up to a bound; beyond it, whole frames are dropped and counted.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::link::live_link::LiveLink;
+use crate::port::close_port::hang_up;
+use crate::port::ports;
+use crate::port::stream_queue::StreamQueue;
+use crate::python::calling::Calling;
+use crate::python::lists;
+use crate::sync::exclusive::Turn;
+use crate::sync::lock::Lock;
+use crate::sync::shared;
+use crate::sync::slot::Slot;
+
+/// Bytes that wait at most, unless a writer is made with another bound.
+const MAX_UNSENT: usize = 1 << 20;
+/// What one call of the system is offered.
+const SEND_SIZE: usize = 1 << 16;
+
+/// Outgoing bytes of a non-blocking stream socket, from any number of threads.
+///
+/// One thread sends at a time and takes along what others put into the queue meanwhile. Nobody waits for it, so that a
+/// signal handler that writes in the middle of a write is no deadlock. No handler runs between the return of a native
+/// `port.send` and the moment when what it sent leaves the queue.
+///
+/// Where methods have a `link`, that is told whether something is left in the queue, by the thread that sends.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct StreamWriter {
+    max_unsent: usize,
+    queue: Lock<StreamQueue>,
+    sending: Turn,
+    dropped_frames: AtomicU64,
+    bytes_sent: AtomicU64,
+    /// The port that was let go of last, which may still be open.
+    ended: Slot,
+}
+
+type Link<'a, 'py> = Option<&'a Bound<'py, LiveLink>>;
+
+impl StreamWriter {
+    /// Forgets, in a forked process, what a thread was sending that did not come along: that one finishes it where it
+    /// runs. What merely waits may be finished by this process, if the connection is its.
+    #[inline]
+    fn follow_fork(&self, py: Python<'_>) {
+        if self.sending.free_after_fork() {
+            self.queue.lock(py).forget();
+        }
+    }
+
+    fn drop_frames(&self, count: usize) {
+        shared::add(&self.dropped_frames, count as u64);
+    }
+
+    /// False if there is no room for the frame.
+    fn add(&self, py: Python<'_>, frame: &[u8]) -> bool {
+        let mut queue = self.queue.lock(py);
+        let fits = queue.unsent().len() + frame.len() <= self.max_unsent;
+        if fits {
+            queue.add(frame);
+        }
+        fits
+    }
+
+    fn is_waiting(&self, py: Python<'_>) -> bool {
+        !self.queue.lock(py).unsent().is_empty()
+    }
+
+    fn tell(&self, py: Python<'_>, link: Link<'_, '_>) {
+        if let Some(link) = link {
+            let waits = self.is_waiting(py);
+            link.get().source().has_unsent = waits;
+        }
+    }
+
+    fn has_ended(&self, port: &Bound<'_, PyAny>) -> bool {
+        self.ended.get(port.py()).is_some_and(|ended| ended.is(port))
+    }
+
+    /// Sends from the head of the queue; whether the peer may take more.
+    fn send_some(&self, port: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let py = port.py();
+        let (epoch, data) = {
+            let queue = self.queue.lock(py);
+            let unsent = queue.unsent();
+            if unsent.is_empty() {
+                return Ok(true);
+            }
+            // A copy, because others append to the queue meanwhile.
+            (queue.epoch(), PyBytes::new(py, &unsent[..unsent.len().min(SEND_SIZE)]))
+        };
+        let Some(sent) = ports::send(port, data.as_any())? else { return Ok(false) };
+        let sent = sent.extract::<usize>()?;
+        self.queue.lock(py).take_off(epoch, sent);
+        shared::add(&self.bytes_sent, sent as u64);
+        Ok(true)
+    }
+
+    fn send(&self, port: &Bound<'_, PyAny>, link: Link<'_, '_>) -> PyResult<()> {
+        let py = port.py();
+        // What waits may be another connection's by now.
+        while !self.has_ended(port)
+            && let Some(turn) = self.sending.take()
+        {
+            let goes_on = self.send_some(port);
+            self.tell(py, link);
+            drop(turn);
+            // Looked at after the turn: what came in between is nobody else's.
+            if !(goes_on? && self.is_waiting(py)) {
+                break;
+            }
+            let signals = py.check_signals();
+            if signals.is_err() {
+                self.tell(py, link);
+            }
+            signals?;
+        }
+        Ok(())
+    }
+
+    fn write_bytes(
+        &self,
+        port: &Bound<'_, PyAny>,
+        frame: &[u8],
+        link: Link<'_, '_>,
+    ) -> PyResult<()> {
+        let py = port.py();
+        self.follow_fork(py);
+        if self.has_ended(port) {
+            self.drop_frames(1);
+            return Ok(());
+        }
+        if !self.add(py, frame) {
+            let sent = self.send(port, link);
+            if sent.is_err() || !self.add(py, frame) {
+                self.drop_frames(1);
+                return sent;
+            }
+        }
+        self.send(port, link)
+    }
+}
+
+#[pymethods]
+impl StreamWriter {
+    #[new]
+    #[pyo3(signature = (max_unsent = MAX_UNSENT))]
+    fn new(max_unsent: usize) -> Self {
+        Self {
+            max_unsent,
+            queue: Lock::new(StreamQueue::default()),
+            sending: Turn::free(),
+            dropped_frames: AtomicU64::new(0),
+            bytes_sent: AtomicU64::new(0),
+            ended: Slot::new(),
+        }
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.ended.traverse(visit)
+    }
+
+    fn __clear__(&self) {
+        self.ended.set(None);
+    }
+
+    /// What waits in the queue (a copy).
+    #[getter]
+    fn unsent<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        self.follow_fork(py);
+        PyBytes::new(py, self.queue.lock(py).unsent())
+    }
+
+    /// Frames that were not sent.
+    #[getter]
+    fn dropped_frames(&self) -> u64 {
+        self.dropped_frames.load(Relaxed)
+    }
+    #[setter]
+    fn set_dropped_frames(&self, value: u64) {
+        self.dropped_frames.store(value, Relaxed);
+    }
+
+    /// Bytes that a port has taken.
+    #[getter]
+    fn bytes_sent(&self) -> u64 {
+        self.bytes_sent.load(Relaxed)
+    }
+
+    /// Sends `frame` after what is queued; `PortError` when the connection is gone, and then `clear` counts the frame.
+    #[pyo3(signature = (port, frame, link = None))]
+    fn write<'py>(
+        &self,
+        port: &Bound<'py, PyAny>,
+        frame: &Bound<'py, PyAny>,
+        link: Link<'_, 'py>,
+    ) -> PyResult<()> {
+        match frame.cast::<PyBytes>() {
+            Ok(frame) => self.write_bytes(port, frame.as_bytes(), link),
+            Err(_) => self.write_bytes(port, &lists::bytes(frame)?, link),
+        }
+    }
+
+    /// Sends as much of the queue as the peer takes now.
+    #[pyo3(signature = (port, link = None))]
+    fn flush<'py>(&self, port: &Bound<'py, PyAny>, link: Link<'_, 'py>) -> PyResult<()> {
+        self.follow_fork(port.py());
+        self.send(port, link)
+    }
+
+    /// Drops and counts what is queued: the connection it was meant for is gone.
+    #[pyo3(signature = (link = None))]
+    fn clear(&self, py: Python<'_>, link: Link<'_, '_>) {
+        self.follow_fork(py);
+        let count = self.queue.lock(py).forget();
+        self.drop_frames(count);
+        if let Some(_turn) = self.sending.take() {
+            self.tell(py, link); // or the thread that sends does
+        }
+    }
+
+    /// Closes the connection `port` of `link`, which waits on `fd` without one: its `port` is `None`, what is queued is
+    /// dropped and counted, and what was received of a frame is forgotten. False if that was done before.
+    #[pyo3(signature = (port, link, fd))]
+    fn end<'py>(
+        &self,
+        port: &Bound<'py, PyAny>,
+        link: &Bound<'py, LiveLink>,
+        fd: Option<i32>,
+    ) -> PyResult<bool> {
+        let py = port.py();
+        if port.is_none() || !link.attribute(intern!(py, "port"))?.is(port) {
+            return Ok(false);
+        }
+        // No other thread and no signal handler comes in between, as it would where the last reference to a port is dropped.
+        let _before = self.ended.get(py);
+        self.ended.set(Some(port.clone().unbind()));
+        self.clear(py, Some(link));
+        link.as_super().get().drop_partial();
+        link.set_attribute(intern!(py, "fd"), fd)?;
+        link.set_attribute(intern!(py, "port"), py.None())?;
+        hang_up(port)?;
+        Ok(true)
+    }
+}

@@ -1,0 +1,226 @@
+//! The state of one system that a link hears, and finding it quickly.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use mavwire_core::frame::Header;
+use pyo3::exceptions::PyTypeError;
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString, PyTuple};
+
+use crate::link::components::Components;
+use crate::message::dict;
+use crate::message::frame_bytes::FrameBytes;
+use crate::python::calling::Calling;
+use crate::sync::slot::Slot;
+
+/// Message id of `GPS_RAW_INT`, from which mavutil takes the home position until it has one with a fix.
+const GPS_RAW_INT: u32 = 24;
+
+/// Message id of `PARAM_VALUE`.
+const PARAM_VALUE: u32 = 22;
+
+/// Kinds of state-changing messages remembered per system.
+const MAX_SETTLED: usize = 64;
+
+/// Moves on whenever a link's `sysid_state` or an attribute of a system's state changes.
+static EPOCH: AtomicU64 = AtomicU64::new(0);
+
+/// Makes every link look its systems' states up again: somebody replaced one.
+#[pyfunction]
+pub(crate) fn forget_states() {
+    EPOCH.fetch_add(1, Relaxed);
+}
+
+/// Base of `mavutil.mavfile_state`: holds the table of newest messages.
+#[pyclass(frozen, subclass, module = "mavwire._native")]
+pub(crate) struct SystemState {
+    messages: Slot<PyDict>,
+    pub(crate) components: Components,
+}
+
+impl SystemState {
+    pub(crate) fn messages<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let missing = || PyTypeError::new_err("the system's state has no messages");
+        self.messages.get(py).ok_or_else(missing)
+    }
+}
+
+#[pymethods]
+impl SystemState {
+    #[new]
+    #[pyo3(signature = (*_args, **_kwargs))]
+    fn new(_args: &Bound<'_, PyTuple>, _kwargs: Option<&Bound<'_, PyDict>>) -> Self {
+        Self { messages: Slot::new(), components: Components::new() }
+    }
+
+    fn __setattr__(
+        slf: &Bound<'_, Self>,
+        name: &Bound<'_, PyString>,
+        value: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let before = dict::generic_dict(slf.as_any())?.get_item(name)?;
+        // What cannot be compared, like an array, may have changed.
+        let changed = before.is_none_or(|before| !before.equals(value).unwrap_or(false));
+        slf.set_generic_attribute(name, Some(value))?;
+        if changed {
+            forget_states();
+        }
+        Ok(())
+    }
+
+    fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
+        slf.set_generic_attribute(name, None)?;
+        forget_states();
+        Ok(())
+    }
+
+    /// Message type -> newest message.
+    #[getter(messages)]
+    fn get_messages<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyDict>> {
+        self.messages.get(py)
+    }
+    #[setter(messages)]
+    fn set_messages(&self, value: Bound<'_, PyDict>) {
+        self.messages.set(Some(value.unbind()));
+        forget_states();
+    }
+
+    /// Component id -> message type -> newest message of that component alone.
+    #[getter]
+    fn components<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.components.tables(&self.messages(py)?)
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.components.traverse(visit)?;
+        self.messages.traverse(visit)
+    }
+
+    fn __clear__(&self) {
+        self.components.clear();
+        self.messages.set(None);
+    }
+}
+
+/// The state of a system with its table of newest messages.
+pub(crate) struct Sender<'py> {
+    pub(crate) state: Bound<'py, SystemState>,
+    pub(crate) messages: Bound<'py, PyDict>,
+}
+
+/// What tells whether a message changes a system's state: its id, its component and its payload.
+type Change = (u32, u8, FrameBytes);
+
+/// A system that was heard.
+pub(crate) struct Known {
+    sysid: u8,
+    state: Py<SystemState>,
+    messages: Py<PyDict>,
+    /// The newest messages of their kinds whose changes are in the state already.
+    settled: Vec<Change>,
+    /// The home position is known for good, so that GPS_RAW_INT changes nothing.
+    home_is_fixed: bool,
+}
+
+impl Known {
+    pub(crate) fn state<'py>(&self, py: Python<'py>) -> Bound<'py, SystemState> {
+        self.state.bind(py).clone()
+    }
+
+    pub(crate) fn messages<'py>(&self, py: Python<'py>) -> Bound<'py, PyDict> {
+        self.messages.bind(py).clone()
+    }
+
+    /// The system, if its components are told apart and `compid` is one whose messages have to be.
+    #[inline]
+    pub(crate) fn apart<'py>(
+        &self,
+        py: Python<'py>,
+        compid: u8,
+    ) -> Option<Bound<'py, SystemState>> {
+        (!self.state.get().components.is_sole(compid)).then(|| self.state(py))
+    }
+
+    /// True if the last message of this kind changed the state in the same way, and nobody changed it since. Remembers
+    /// this one.
+    pub(crate) fn is_settled(&mut self, header: &Header, payload: &[u8]) -> bool {
+        match header.msgid {
+            GPS_RAW_INT => return self.home_is_fixed,
+            // The parameters are the user's to change, and nobody tells.
+            PARAM_VALUE => return false,
+            _ => {}
+        }
+        let same_kind =
+            |change: &&mut Change| change.0 == header.msgid && change.1 == header.compid;
+        match self.settled.iter_mut().find(same_kind) {
+            Some(change) if *change.2 == *payload => true,
+            Some(change) => {
+                change.2 = payload.into();
+                false
+            }
+            None => {
+                if self.settled.len() < MAX_SETTLED {
+                    self.settled.push((header.msgid, header.compid, payload.into()));
+                }
+                false
+            }
+        }
+    }
+}
+
+/// Senders by system id, so that not every message costs dictionary look-ups.
+#[derive(Default)]
+pub(crate) struct Senders {
+    known: Vec<Known>,
+    epoch: u64,
+}
+
+impl Senders {
+    pub(crate) fn get<'py>(&mut self, py: Python<'py>, sysid: u8) -> Option<Sender<'py>> {
+        let known = self.find(sysid)?;
+        Some(Sender { state: known.state(py), messages: known.messages(py) })
+    }
+
+    #[inline]
+    pub(crate) fn find(&mut self, sysid: u8) -> Option<&mut Known> {
+        if self.epoch != EPOCH.load(Relaxed) {
+            return None;
+        }
+        self.known.iter_mut().find(|known| known.sysid == sysid)
+    }
+
+    /// Keeps a sender. Returns what it forgets, to be dropped without a lock held.
+    #[must_use]
+    pub(crate) fn remember(&mut self, sysid: u8, sender: &Sender<'_>) -> impl Sized + use<> {
+        let mut forgotten = Vec::new();
+        let now = EPOCH.load(Relaxed);
+        if self.epoch != now {
+            self.epoch = now;
+            forgotten = std::mem::take(&mut self.known);
+        }
+        self.known.push(Known {
+            sysid,
+            state: sender.state.clone().unbind(),
+            messages: sender.messages.clone().unbind(),
+            settled: Vec::new(),
+            home_is_fixed: false,
+        });
+        forgotten
+    }
+
+    /// Notes that a system's home position does not change any more.
+    pub(crate) fn fix_home(&mut self, sysid: u8) {
+        if let Some(known) = self.known.iter_mut().find(|known| known.sysid == sysid) {
+            known.home_is_fixed = true;
+        }
+    }
+
+    pub(crate) fn traverse(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        for known in &self.known {
+            visit.call(&known.state)?;
+            visit.call(&known.messages)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,181 @@
+//! What every received message changes: newest messages, loss counts, times.
+//!
+//! Rare updates (flight modes, home) are left to Python's `_update`, which is called for the few message
+//! types that need it.
+
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+use crate::link::name_budget::{OWN_NAMES, Room};
+use crate::link::params;
+use crate::link::replaced;
+use crate::link::state::Link;
+use crate::link::system::{Sender, SystemState};
+use crate::message::dict;
+use crate::message::info::Info;
+use crate::message::object::{Message, flags};
+use crate::python::calling::Calling;
+
+/// A SiK radio injects RADIO_STATUS under this source; it belongs to the link, not to a system.
+pub(crate) const RADIO: (u8, u8) = (b'3', b'D');
+
+/// `link.post_message(message)`
+pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
+    let py = link.py();
+    let this = message.get();
+    if this.has(flags::POSTED) || (this.has(flags::DICT) && is_posted(message)?) {
+        return Ok(());
+    }
+    this.set(flags::POSTED);
+    let kind = message_type(message)?;
+    let source = source_of(message)?;
+    let uptime = uptime_of(message)?;
+    let clock = replaced::now(py)?;
+    let is_radio = (source.sysid, source.compid) == RADIO;
+    let seconds = {
+        let mut state = link.get().state();
+        state.uptime = uptime.unwrap_or(state.uptime);
+        let seconds = state.message_time().unwrap_or(clock);
+        state.timestamp = Some(seconds);
+        if source.counts && !is_radio {
+            state.count(source.sysid, source.compid, source.seq);
+        }
+        seconds
+    };
+    if this.has(flags::TIMESTAMP_IN_DICT) {
+        message.set_attribute(intern!(py, "_timestamp"), seconds)?;
+    } else {
+        this.set_timestamp(seconds);
+    }
+    let sender = sender(link, source.sysid)?;
+    if source.counts && !sender.state.get().components.is_sole(source.compid) {
+        let components = &sender.state.get().components;
+        components.keep(link, &sender.messages, source.compid, &kind, message)?;
+    }
+    replaced::add_message(&sender.messages, &kind, message, &Room::of(link, OWN_NAMES), true)?;
+    if is_radio {
+        link.invoke_method1(intern!(py, "_post_radio"), (&kind, message))?;
+    }
+    call_python(link, message, &kind, &sender.state)
+}
+
+/// Keeps a message that was just made, and that nobody has seen, as the newest of its type.
+pub(crate) fn post_plain(
+    link: &Bound<'_, Link>,
+    messages: &Bound<'_, PyDict>,
+    info: &Info,
+    message: &Bound<'_, Message>,
+) -> PyResult<()> {
+    let kind = info.name.bind(messages.py());
+    let room = Room::of(link, OWN_NAMES);
+    let has_instances = info.definition.instance_field.is_some();
+    replaced::add_message(messages, kind, message, &room, has_instances)
+}
+
+/// What only a few types of messages change, then the message hooks.
+pub(crate) fn call_python(
+    link: &Bound<'_, Link>,
+    message: &Bound<'_, Message>,
+    kind: &Bound<'_, PyString>,
+    state: &Bound<'_, SystemState>,
+) -> PyResult<()> {
+    let py = link.py();
+    match message.get().info {
+        Some(info) if info.definition.name == params::PARAM_VALUE => params::keep(link, message)?,
+        Some(info) if info.changes_state => {
+            link.invoke_method1(intern!(py, "_update"), (kind, message, state))?;
+        }
+        _ => {}
+    }
+    if let Some(hooks) = link.get().hooks(py) {
+        for hook in hooks.items()? {
+            hook?.invoke1((link, message))?;
+        }
+    }
+    if message.get().has(flags::SIGNED) {
+        link.invoke_method1(intern!(py, "_adopt_link_id"), (message,))?;
+    }
+    Ok(())
+}
+
+fn is_posted(message: &Bound<'_, Message>) -> PyResult<bool> {
+    let posted = dict::instance_dict(message)?.get_item(intern!(message.py(), "_posted"))?;
+    posted.map_or(Ok(false), |posted| posted.truth())
+}
+
+pub(crate) struct Source {
+    pub(crate) sysid: u8,
+    pub(crate) compid: u8,
+    seq: u8,
+    /// Takes part in loss counting: BAD_DATA and UNKNOWN do not.
+    counts: bool,
+}
+
+pub(crate) fn source_of(message: &Bound<'_, Message>) -> PyResult<Source> {
+    let this = message.get();
+    if !this.has(flags::META)
+        && let Some(header) = this.header()
+    {
+        let counts = this.info.is_some();
+        return Ok(Source { sysid: header.sysid, compid: header.compid, seq: header.seq, counts });
+    }
+    let number = |method: &str| message.invoke_method0(method)?.extract::<i64>();
+    Ok(Source {
+        sysid: number("get_srcSystem")? as u8,
+        compid: number("get_srcComponent")? as u8,
+        seq: number("get_seq")? as u8,
+        counts: number("get_msgId")? >= 0,
+    })
+}
+
+/// The type name, without a copy where nobody changed it.
+pub(crate) fn message_type<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyString>> {
+    match &message.get().info {
+        Some(info) if !message.get().has(flags::META) => Ok(info.name.bind(message.py()).clone()),
+        _ => {
+            let kind = message.invoke_method0(intern!(message.py(), "get_type"))?;
+            Ok(kind.cast_into::<PyString>()?)
+        }
+    }
+}
+
+/// Seconds since boot, if the message says.
+fn uptime_of(message: &Bound<'_, Message>) -> PyResult<Option<f64>> {
+    let this = message.get();
+    let Some(info) = &this.info else { return Ok(None) };
+    if this.is_pristine() {
+        return Ok(info.uptime(this.decoded_payload()));
+    }
+    for (field, scale) in [(info.time_boot_ms, 1.0e-3), (info.usec, 1.0e-6)] {
+        if let Some(index) = field {
+            let value: f64 =
+                message.attribute(info.names[index].name.bind(message.py()))?.extract()?;
+            return Ok(Some(value * scale));
+        }
+    }
+    Ok(None)
+}
+
+/// The state of a system, made on its first message.
+pub(crate) fn sender<'py>(link: &Bound<'py, Link>, sysid: u8) -> PyResult<Sender<'py>> {
+    let py = link.py();
+    if let Some(known) = link.get().state().senders.get(py, sysid) {
+        return Ok(known);
+    }
+    let states = link.get().state().sysid_state.as_ref().map(|states| states.bind(py).clone());
+    let states = states.ok_or_else(|| PyTypeError::new_err("the link is not initialised"))?;
+    let state = match states.get_item(sysid)? {
+        Some(state) => state,
+        None => {
+            let state = link.invoke_method0(intern!(py, "_new_state"))?;
+            states.as_any().set_item(sysid, &state)?;
+            state
+        }
+    };
+    let state = state.cast_into::<SystemState>()?;
+    let sender = Sender { messages: state.get().messages(py)?, state };
+    let forgotten = link.get().state().senders.remember(sysid, &sender);
+    drop(forgotten);
+    Ok(sender)
+}

@@ -1,0 +1,380 @@
+//! Making and unmaking message objects fast.
+//!
+//! PyO3 makes an instance of a Python subclass through `tp_new`, which costs as much as everything else about a message
+//! together. [`create`] allocates as `object.__new__` does and writes the Rust value where PyO3 keeps it. Whether that
+//! is where it is expected gets checked once on an instance that PyO3 made; if not, all instances are made by PyO3.
+//!
+//! A message that came off the wire refers to no Python object but its class, so the garbage collector need not know
+//! it: it is untracked here and tracked again by [`track`] when something is first written to it. That keeps lists of
+//! millions of messages out of every collection.
+//!
+//! A program that reads a stream drops messages as fast as it gets them. So the classes that [`message_class`] makes
+//! have a `tp_dealloc` of their own, which keeps a limited number of dead objects for [`pooled`]: those that never had
+//! a dictionary or a weak reference. It saves two thirds of what CPython and PyO3 do for an object's birth and death.
+
+use std::cell::RefCell;
+use std::ffi::{CStr, c_void};
+use std::mem::offset_of;
+use std::ptr::null_mut;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed};
+
+use pyo3::exceptions::PyTypeError;
+use pyo3::ffi;
+use pyo3::prelude::*;
+use pyo3::types::{PyTuple, PyType};
+
+use crate::message::frame_bytes::FrameBytes;
+use crate::message::info::Info;
+use crate::message::object::{Message, Origin, flags};
+use crate::python::calling::{Calling, class_name};
+
+/// An instance as PyO3 lays it out.
+#[repr(C)]
+struct Instance {
+    head: ffi::PyObject,
+    message: Message,
+    dict: *mut ffi::PyObject,
+    weak_references: *mut ffi::PyObject,
+}
+
+thread_local! {
+    /// What the next `Message.__new__` on this thread shall hold.
+    static PREPARED: RefCell<Option<Message>> = const { RefCell::new(None) };
+}
+
+/// What `Message.__new__` was called for, if it was called by [`create`].
+pub(crate) fn take_prepared() -> Option<Message> {
+    PREPARED.take()
+}
+
+/// Whether instances are laid out like [`Instance`]; if not, PyO3 has to make them.
+static AS_EXPECTED: OnceLock<bool> = OnceLock::new();
+
+/// An instance of `class` (a Python subclass of `Message`) around `message`, without going through its `__init__`.
+pub(crate) fn create<'py>(
+    class: &Bound<'py, PyType>,
+    message: Message,
+) -> PyResult<Bound<'py, Message>> {
+    match AS_EXPECTED.get() {
+        Some(true) => allocate(class, message),
+        Some(false) => create_by_pyo3(class, message),
+        None => create_and_measure(class, message),
+    }
+}
+
+/// The same for a class that [`message_class`] made, with an object from the pool if there is one.
+#[inline]
+pub(crate) fn pooled<'py>(
+    class: &Bound<'py, PyType>,
+    mut message: Message,
+) -> PyResult<Bound<'py, Message>> {
+    *message.flags.get_mut() |= flags::POOLED;
+    match pool::take() {
+        Some(instance) => Ok(revive(class, instance, message)),
+        None => create(class, message),
+    }
+}
+
+/// A message around the first `len` bytes of `stream`, a frame of the definition `info`.
+#[inline]
+pub(crate) fn pooled_frame<'py>(
+    class: &Bound<'py, PyType>,
+    info: &'static Info,
+    stream: &[u8],
+    len: usize,
+) -> PyResult<Bound<'py, Message>> {
+    match reused_frame(class, info, stream, len, |message| message) {
+        Some(message) => Ok(message),
+        None => pooled(class, around(info, &stream[..len])),
+    }
+}
+
+/// The same, finished by `finish`, if an object is waiting and the frame fits into it. Nothing of Python's is called, so
+/// that locks may be held.
+#[inline]
+pub(crate) fn reused_frame<'py>(
+    class: &Bound<'py, PyType>,
+    info: &'static Info,
+    stream: &[u8],
+    len: usize,
+    finish: impl FnOnce(Message) -> Message,
+) -> Option<Bound<'py, Message>> {
+    // All in one go: a frame that is put together elsewhere and then moved has to be waited for.
+    let frame = FrameBytes::inline(stream, len)?;
+    let instance = pool::take()?;
+    let mut message = finish(Message::received(Some(info), frame, Origin::Decoded));
+    *message.flags.get_mut() |= flags::POOLED;
+    Some(revive(class, instance, message))
+}
+
+/// A message around a frame.
+pub(crate) fn around(info: &'static Info, frame: &[u8]) -> Message {
+    Message::received(Some(info), FrameBytes::from(frame), Origin::Decoded)
+}
+
+/// Makes `object` a copy of `message` that has `written` to it, if only the caller and one table refer to it.
+#[cfg(not(Py_GIL_DISABLED))]
+pub(crate) fn renew(
+    object: &Bound<'_, Message>,
+    message: &Bound<'_, Message>,
+    written: u32,
+) -> bool {
+    const CALLER_AND_TABLE: ffi::Py_ssize_t = 2;
+    let instance = object.as_ptr().cast::<Instance>();
+    // SAFETY: both objects are alive, of the same class and laid out like `Instance`. Two references to `object` and no
+    // weak ones mean that no code but this sees it, so that nothing borrowed from its value is in use; the interpreter's
+    // lock is held. Dropping the old value frees a `bytes` or a `str` at most.
+    unsafe {
+        if AS_EXPECTED.get() != Some(&true)
+            || object.as_ptr() == message.as_ptr()
+            || ffi::Py_TYPE(object.as_ptr()) != ffi::Py_TYPE(message.as_ptr())
+            || ffi::Py_REFCNT(object.as_ptr()) != CALLER_AND_TABLE
+            || !(*instance).weak_references.is_null()
+        {
+            return false;
+        }
+        let mut copy = message.get().duplicate(message.py());
+        *copy.flags.get_mut() |= written;
+        (*instance).message = copy;
+    }
+    true
+}
+
+/// Free-threaded builds cannot tell who else refers to an object.
+#[cfg(Py_GIL_DISABLED)]
+pub(crate) fn renew(_: &Bound<'_, Message>, _: &Bound<'_, Message>, _: u32) -> bool {
+    false
+}
+
+/// Makes an object of the pool a message.
+#[inline(always)]
+#[allow(clippy::inline_always)] // as above
+fn revive<'py>(
+    class: &Bound<'py, PyType>,
+    instance: *mut Instance,
+    message: Message,
+) -> Bound<'py, Message> {
+    // SAFETY: an object from the pool is memory for an instance of such a class, of which nobody else knows and whose
+    // dictionary and weak references are null; `PyObject_Init` gives it its class and one reference.
+    unsafe {
+        (&raw mut (*instance).message).write(message);
+        let object = ffi::PyObject_Init(instance.cast(), class.as_type_ptr());
+        Bound::from_owned_ptr(class.py(), object).cast_into_unchecked()
+    }
+}
+
+fn allocate<'py>(class: &Bound<'py, PyType>, message: Message) -> PyResult<Bound<'py, Message>> {
+    // SAFETY: `class` derives from `Message`, so that the allocation gives a zeroed object of at least `Message`'s basic
+    // size, laid out like `Instance` (see `create_and_measure`). The value is written before anybody can see the object.
+    unsafe {
+        let object = ffi::PyType_GenericAlloc(class.as_type_ptr(), 0);
+        let object = Bound::from_owned_ptr_or_err(class.py(), object)?;
+        (&raw mut (*object.as_ptr().cast::<Instance>()).message).write(message);
+        untrack(&object);
+        Ok(object.cast_into_unchecked())
+    }
+}
+
+/// Makes the first instance and looks how it is laid out.
+fn create_and_measure<'py>(
+    class: &Bound<'py, PyType>,
+    message: Message,
+) -> PyResult<Bound<'py, Message>> {
+    let object = create_by_pyo3(class, message)?;
+    let base = class.py().get_type::<Message>();
+    let number = |name: &str| base.attribute(name)?.extract::<usize>();
+    // There must be nothing else that would have to be initialised.
+    let as_expected = std::ptr::from_ref(object.get()) as usize - object.as_ptr() as usize
+        == offset_of!(Instance, message)
+        && number("__basicsize__")? == size_of::<Instance>()
+        && number("__dictoffset__")? == offset_of!(Instance, dict)
+        && number("__weakrefoffset__")? == offset_of!(Instance, weak_references);
+    let _ = AS_EXPECTED.set(as_expected);
+    Ok(object)
+}
+
+fn create_by_pyo3<'py>(
+    class: &Bound<'py, PyType>,
+    message: Message,
+) -> PyResult<Bound<'py, Message>> {
+    PREPARED.set(Some(message));
+    let empty = PyTuple::empty(class.py());
+    // SAFETY: `class` is a type object whose `tp_new` slot is set (it inherits `Message`'s), and `empty` is a tuple;
+    // `tp_new` returns a new reference or sets an exception.
+    let object = unsafe {
+        let new: ffi::newfunc =
+            std::mem::transmute(ffi::PyType_GetSlot(class.as_type_ptr(), ffi::Py_tp_new));
+        let object = new(class.as_type_ptr(), empty.as_ptr(), null_mut());
+        Bound::from_owned_ptr_or_err(class.py(), object)
+    };
+    let object = object.inspect_err(|_| drop(take_prepared()))?;
+    Ok(object.cast_into::<Message>()?)
+}
+
+/// Takes a fresh message out of the garbage collector's sight.
+fn untrack(object: &Bound<'_, PyAny>) {
+    // SAFETY: the object is alive and of a type with garbage collection.
+    #[cfg(not(Py_GIL_DISABLED))]
+    unsafe {
+        ffi::PyObject_GC_UnTrack(object.as_ptr().cast());
+    }
+    #[cfg(Py_GIL_DISABLED)]
+    let _ = object;
+}
+
+/// Shows a message to the garbage collector, because it may refer to anything from now on.
+pub(crate) fn track(message: &Bound<'_, Message>) {
+    // SAFETY: as above; tracking is asked for once only.
+    #[cfg(not(Py_GIL_DISABLED))]
+    unsafe {
+        if ffi::PyObject_GC_IsTracked(message.as_ptr()) == 0 {
+            ffi::PyObject_GC_Track(message.as_ptr().cast());
+        }
+    }
+    #[cfg(Py_GIL_DISABLED)]
+    let _ = message;
+}
+
+/// `Message`'s own `tp_dealloc`, as PyO3 made it.
+static DEALLOC: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
+
+/// Refuses a class whose instances are not laid out as messages are, which everything here takes for granted.
+pub(crate) fn require_message_class(class: &Bound<'_, PyType>) -> PyResult<()> {
+    if class.is_subclass_of::<Message>()? {
+        return Ok(());
+    }
+    Err(PyTypeError::new_err(format!("{} is no message class", class_name(class)?)))
+}
+
+/// A message class: one that differs from its base in nothing but how its instances are freed.
+///
+/// # Errors
+/// `TypeError` where the base is no message class.
+pub(crate) fn message_class<'py>(
+    name: &CStr,
+    base: &Bound<'py, PyType>,
+) -> PyResult<Bound<'py, PyType>> {
+    require_message_class(base)?;
+    let message = base.py().get_type::<Message>();
+    // SAFETY: a type with that slot.
+    let own = unsafe { ffi::PyType_GetSlot(message.as_type_ptr(), ffi::Py_tp_dealloc) };
+    DEALLOC.store(own, Relaxed);
+    derived_type(name, base, &[(ffi::Py_tp_dealloc, dealloc as *mut c_void)])
+}
+
+/// A type that may be derived from, with slots that differ from its base's. The name has a module in front.
+pub(crate) fn derived_type<'py>(
+    name: &CStr,
+    base: &Bound<'py, PyType>,
+    slots: &[(std::ffi::c_int, *mut c_void)],
+) -> PyResult<Bound<'py, PyType>> {
+    let bases = PyTuple::new(base.py(), [base])?;
+    let slot = |(slot, pfunc)| ffi::PyType_Slot { slot, pfunc };
+    let mut slots: Vec<_> = slots.iter().copied().chain([(0, null_mut())]).map(slot).collect();
+    let mut spec = ffi::PyType_Spec {
+        name: name.as_ptr(),
+        basicsize: 0, // that of the base
+        itemsize: 0,
+        flags: (ffi::Py_TPFLAGS_DEFAULT | ffi::Py_TPFLAGS_BASETYPE) as std::ffi::c_uint,
+        slots: slots.as_mut_ptr(),
+    };
+    // SAFETY: the specification is complete and copied by the call, which returns a new reference or sets an exception.
+    unsafe {
+        let class = ffi::PyType_FromSpecWithBases(&raw mut spec, bases.as_ptr());
+        Ok(Bound::from_owned_ptr_or_err(base.py(), class)?.cast_into_unchecked())
+    }
+}
+
+/// `tp_dealloc` of message classes. It calls nothing that can panic.
+unsafe extern "C" fn dealloc(object: *mut ffi::PyObject) {
+    // SAFETY: called by CPython, attached, with an object of a class that `message_class` made (or a subclass, whose own
+    // `tp_dealloc` shows it to the garbage collector first) to which no references are left. Nobody uses it after it was
+    // given back here; the class is let go last.
+    unsafe {
+        let class = ffi::Py_TYPE(object);
+        let instance = object.cast::<Instance>();
+        if pool::may_keep(instance) {
+            (&raw mut (*instance).message).drop_in_place();
+            if !pool::keep(instance) {
+                ffi::PyObject_GC_Del(object.cast());
+            }
+            ffi::Py_DECREF(class.cast());
+        } else {
+            let dealloc: ffi::destructor = std::mem::transmute(DEALLOC.load(Relaxed));
+            dealloc(object);
+        }
+    }
+}
+
+/// Dead objects waiting to be messages again. The interpreter's lock guards them.
+///
+/// A stack of pointers and not a list linked through the objects: those are cold when their turn comes, and a link
+/// would have to be waited for.
+#[cfg(not(Py_GIL_DISABLED))]
+mod pool {
+    use super::{
+        AS_EXPECTED, AtomicPtr, AtomicUsize, Instance, Message, Relaxed, ffi, flags, null_mut,
+    };
+
+    /// Objects that are kept, at most: half a megabyte.
+    const CAPACITY: usize = 4096;
+
+    static WAITING: [AtomicPtr<Instance>; CAPACITY] =
+        [const { AtomicPtr::new(null_mut()) }; CAPACITY];
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+    /// Takes an object out.
+    #[inline]
+    pub(super) fn take() -> Option<*mut Instance> {
+        let last = COUNT.load(Relaxed).checked_sub(1)?;
+        let instance = WAITING.get(last)?.load(Relaxed);
+        COUNT.store(last, Relaxed);
+        Some(instance)
+    }
+
+    /// Whether nothing but the value itself has to be cleaned up.
+    ///
+    /// # Safety
+    /// `instance` must be an object of a class derived from `Message`.
+    #[inline]
+    pub(super) unsafe fn may_keep(instance: *mut Instance) -> bool {
+        // SAFETY: objects are laid out like this, as was found when the first one was made.
+        AS_EXPECTED.get() == Some(&true)
+            && unsafe {
+                let message: &Message = &(*instance).message;
+                message.has(flags::POOLED)
+                    && (*instance).dict.is_null()
+                    && (*instance).weak_references.is_null()
+                    && ffi::PyObject_GC_IsTracked(instance.cast()) == 0
+            }
+    }
+
+    /// Puts an object in that nobody uses any more, its value dropped; false if there is no room.
+    #[inline]
+    pub(super) fn keep(instance: *mut Instance) -> bool {
+        let count = COUNT.load(Relaxed);
+        let Some(place) = WAITING.get(count) else { return false };
+        place.store(instance, Relaxed);
+        COUNT.store(count + 1, Relaxed);
+        true
+    }
+}
+
+/// Free-threaded builds have no lock that could guard a pool.
+#[cfg(Py_GIL_DISABLED)]
+mod pool {
+    use super::Instance;
+
+    pub(super) fn take() -> Option<*mut Instance> {
+        None
+    }
+
+    pub(super) unsafe fn may_keep(_: *mut Instance) -> bool {
+        false
+    }
+
+    pub(super) fn keep(_: *mut Instance) -> bool {
+        false
+    }
+}

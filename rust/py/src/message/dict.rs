@@ -1,0 +1,202 @@
+//! The instance dictionary of a message: what Python wrote to it, `vars()`, copying and pickling.
+
+use std::sync::atomic::Ordering;
+
+use pyo3::ffi;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+
+use crate::message::create::{self, create};
+use crate::message::frame_bytes::FrameBytes;
+use crate::message::meta::{self, Meta};
+use crate::message::object::{Message, Origin, flags};
+use crate::python::calling::{Calling, import};
+
+/// The instance's own dictionary, as it stands.
+pub(crate) fn instance_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
+    generic_dict(message.as_any())
+}
+
+/// The dictionary of any object that has one, whatever its class says about `__dict__`.
+pub(crate) fn generic_dict<'py>(message: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+    // SAFETY: the argument is a live object; the call returns a new reference to its dictionary or sets an exception.
+    let dict = unsafe {
+        let dict = ffi::PyObject_GenericGetDict(message.as_ptr(), std::ptr::null_mut());
+        Bound::from_owned_ptr_or_err(message.py(), dict)?
+    };
+    Ok(dict.cast_into::<PyDict>()?)
+}
+
+/// What writing to an attribute of this name may change.
+pub(crate) fn flags_for(name: &str) -> u32 {
+    match name {
+        "_timestamp" => 0,
+        "_posted" | "_link" | "_instances" => flags::DICT,
+        _ if name.starts_with('_') && !name.ends_with("_raw") => flags::DICT | flags::META,
+        _ => flags::DICT | flags::FIELDS,
+    }
+}
+
+/// `vars(message)`: the dictionary with every attribute in it.
+#[pyfunction]
+pub(crate) fn message_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
+    let this = message.get();
+    if !this.has(flags::MATERIALISED) {
+        let packed = this.packed(message.py());
+        // Python code, and so other threads, may run here. They see the old dictionary until the new one is complete.
+        let complete = complete_dict(message)?;
+        if !this.has(flags::MATERIALISED) {
+            complete.update(instance_dict(message)?.as_mapping())?;
+            replace_dict(message, &complete)?;
+            if !this.is_packed_as(message.py(), packed.as_ref()) {
+                meta::refresh(message)?;
+            }
+        }
+    }
+    instance_dict(message)
+}
+
+/// Every attribute, in the order of `vars(message)`.
+fn complete_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
+    let py = message.py();
+    let this = message.get();
+    let written = instance_dict(message)?.copy()?;
+    let complete = PyDict::new(py);
+    for meta in Meta::ALL {
+        let value = match written.get_item(meta.name())? {
+            Some(value) => Some(value.unbind()),
+            None => meta.read(message)?,
+        };
+        if let Some(value) = value {
+            complete.set_item(meta.name(), value)?;
+        }
+    }
+    if let Some(info) = &this.info {
+        for names in &info.names {
+            for name in names.raw.iter().chain([&names.name]) {
+                let name = name.bind(py);
+                if let Some(value) = written.get_item(name)? {
+                    complete.set_item(name, value)?;
+                } else if this.origin == Origin::Decoded {
+                    complete.set_item(name, message.attribute(name)?)?;
+                }
+            }
+        }
+    }
+    for name in odd_fields(this.origin) {
+        if !written.contains(name)? {
+            complete.set_item(name, message.attribute(name)?)?;
+        }
+    }
+    if let Some(seconds) = this.timestamp() {
+        complete.set_item(intern!(py, "_timestamp"), seconds)?;
+    }
+    Ok(complete)
+}
+
+/// Replaces the dictionary of a message by a complete one.
+fn replace_dict(message: &Bound<'_, Message>, complete: &Bound<'_, PyDict>) -> PyResult<()> {
+    // SAFETY: two live objects; the call takes a reference of its own or sets an exception.
+    let status = unsafe {
+        let context = std::ptr::null_mut();
+        ffi::PyObject_GenericSetDict(message.as_ptr(), complete.as_ptr(), context)
+    };
+    if status != 0 {
+        return Err(PyErr::fetch(message.py()));
+    }
+    Message::written(
+        message,
+        flags::DICT | flags::META | flags::FIELDS | flags::MATERIALISED | flags::TIMESTAMP_IN_DICT,
+    );
+    Ok(())
+}
+
+/// Fields of messages that no definition describes.
+fn odd_fields(origin: Origin) -> &'static [&'static str] {
+    match origin {
+        Origin::Bad => &["data", "reason"],
+        Origin::Unknown => &["data"],
+        Origin::Built | Origin::Decoded => &[],
+    }
+}
+
+/// A new message of the same class with the same frame; `each` copies what Python wrote to it.
+pub(crate) fn copy<'py>(
+    message: &Bound<'py, Message>,
+    each: impl Fn(&Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, Message>> {
+    let this = message.get();
+    // One snapshot: `each` runs Python code, and other threads may write to the message meanwhile.
+    let bits = this.flags.load(Ordering::Relaxed);
+    let duplicate = this.duplicate(message.py());
+    let has_dict = bits & flags::DICT != 0;
+    let attributes = has_dict.then(|| instance_dict(message)?.copy()).transpose()?;
+    let copied = create(&message.get_type(), duplicate)?;
+    if let Some(attributes) = attributes {
+        let target = instance_dict(&copied)?;
+        for (key, value) in attributes {
+            target.set_item(key, each(&value)?)?;
+        }
+        Message::written(&copied, bits);
+    }
+    Ok(copied)
+}
+
+/// `(restore, (class, frame, ...), attributes)` for pickle.
+pub(crate) fn reduce<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyTuple>> {
+    let py = message.py();
+    let this = message.get();
+    let restore = import(py, intern!(py, "mavwire._native"))?.attribute(intern!(py, "restore"))?;
+    let decoded = this.origin == Origin::Decoded && !this.has(flags::PACKED);
+    let frame = decoded.then(|| PyBytes::new(py, &this.frame));
+    let timestamp = this.timestamp().filter(|_| decoded);
+    let link = this.link.load(Ordering::Relaxed);
+    let attributes = if decoded && !this.has(flags::DICT) {
+        None
+    } else if decoded {
+        Some(instance_dict(message)?)
+    } else {
+        Some(message_dict(message)?)
+    };
+    // A copy: other threads may write to the message while pickle reads it.
+    let state = attributes.map(|attributes| attributes.copy()).transpose()?;
+    let flags = this.flags.load(Ordering::Relaxed) & (flags::WIRE | flags::WRITTEN);
+    (restore, (message.get_type(), frame, flags, timestamp, link), state).into_pyobject(py)
+}
+
+/// Rebuilds a pickled message; the attributes follow through `__setstate__`.
+///
+/// `TypeError` for a class that is none of a message, `ValueError` for bytes that are no frame.
+#[pyfunction]
+pub(crate) fn restore<'py>(
+    class: &Bound<'py, pyo3::types::PyType>,
+    frame: Option<&[u8]>,
+    flags: u32,
+    timestamp: Option<f64>,
+    link: u8,
+) -> PyResult<Bound<'py, Message>> {
+    let py = class.py();
+    create::require_message_class(class)?;
+    let info = class.attribute(intern!(py, "_info"))?;
+    let info = info.cast::<crate::message::info::MessageInfo>().ok().map(|info| info.get().info);
+    let origin = match frame {
+        Some(frame) if info.is_some() && mavwire_core::frame::FrameRef::parse(frame).is_ok() => {
+            Origin::Decoded
+        }
+        Some(_) => {
+            return Err(pyo3::exceptions::PyValueError::new_err(
+                "pickled message has no valid frame",
+            ));
+        }
+        None => Origin::Built,
+    };
+    let message = Message::received(info, FrameBytes::from(frame.unwrap_or_default()), origin);
+    message.set(flags & flags::WIRE);
+    message.link.store(link, Ordering::Relaxed);
+    if let Some(seconds) = timestamp {
+        message.set_timestamp(seconds);
+    }
+    let restored = create(class, message)?;
+    Message::written(&restored, flags & flags::WRITTEN);
+    Ok(restored)
+}

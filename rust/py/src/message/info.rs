@@ -1,0 +1,323 @@
+//! What a message class knows about itself: its definition and the interned Python names that go with it.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use mavwire_core::codec::read;
+use mavwire_schema::{Field, FieldType, Message as Definition};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyString, PyTuple};
+
+use crate::link::params::PARAM_VALUE;
+
+/// Messages that tell flight modes, parameters and the home position.
+const CHANGES_STATE: [&str; 4] = ["HEARTBEAT", "HIGH_LATENCY2", "PARAM_VALUE", "GPS_RAW_INT"];
+
+/// Instances whose keys in the table of newest messages are kept.
+const INSTANCE_KEYS: usize = 8;
+
+/// Python names of one field, interned once per message class.
+pub(crate) struct FieldNames {
+    /// The attribute.
+    pub(crate) name: Py<PyString>,
+    /// `_<field>_raw`, the bytes behind a text field.
+    pub(crate) raw: Option<Py<PyString>>,
+}
+
+impl FieldNames {
+    /// The one under which the instance dictionary holds what is sent.
+    #[inline]
+    pub(crate) fn stored(&self) -> &Py<PyString> {
+        self.raw.as_ref().unwrap_or(&self.name)
+    }
+}
+
+/// Where a field stands in the payload: what is asked for most, close together.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) field_type: FieldType,
+    pub(crate) offset: u8,
+    /// Elements of an array or text; 0 for a scalar.
+    pub(crate) array_length: u8,
+}
+
+impl Place {
+    /// Bytes on the wire.
+    pub(crate) fn wire_len(self) -> usize {
+        self.field_type.size() * usize::from(self.array_length.max(1))
+    }
+}
+
+/// A message definition with what Python needs to know of it.
+pub(crate) struct Info {
+    pub(crate) definition: Definition,
+    pub(crate) name: Py<PyString>,
+    /// In XML order, like `definition.fields`.
+    pub(crate) names: Vec<FieldNames>,
+    /// In XML order as well.
+    pub(crate) places: Vec<Place>,
+    /// A lone `char` cannot be packed from an empty text, which `struct` must then say.
+    pub(crate) has_char_scalar: bool,
+    /// The definition has a field with this name; says where `uptime` comes from.
+    pub(crate) usec: Option<usize>,
+    pub(crate) time_boot_ms: Option<usize>,
+    /// Changes more of a link's state than its table of newest messages.
+    pub(crate) changes_state: bool,
+    /// Tells a parameter.
+    pub(crate) is_parameter: bool,
+    /// `NAME[0]`, `NAME[1]` and so on, made when they are first needed.
+    pub(crate) instance_keys: [OnceLock<Py<PyString>>; INSTANCE_KEYS],
+}
+
+/// Every definition that a message class was made for, by message id.
+///
+/// They stay for the life of the process, as interned strings do, so that each message can point to its own without
+/// counting references. Equal definitions of several dialects, or of one that is loaded again and again, are one.
+static INTERNED: Mutex<BTreeMap<u32, Vec<&'static Info>>> = Mutex::new(BTreeMap::new());
+
+impl Info {
+    /// What there is to know of a definition.
+    pub(crate) fn of(py: Python<'_>, definition: &Definition) -> &'static Self {
+        let find = |known: &BTreeMap<u32, Vec<&'static Self>>| {
+            let same_id = known.get(&definition.id).into_iter().flatten();
+            same_id.copied().find(|info| info.definition == *definition)
+        };
+        if let Some(info) = find(&INTERNED.lock().unwrap_or_else(PoisonError::into_inner)) {
+            return info;
+        }
+        let made = Self::new(py, definition.clone());
+        let mut known = INTERNED.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(info) = find(&known) {
+            return info;
+        }
+        let made: &'static Self = Box::leak(Box::new(made));
+        known.entry(definition.id).or_default().push(made);
+        made
+    }
+
+    fn new(py: Python<'_>, definition: Definition) -> Self {
+        let names = definition
+            .fields
+            .iter()
+            .map(|field| FieldNames {
+                name: PyString::intern(py, &field.name).unbind(),
+                raw: field
+                    .is_char()
+                    .then(|| PyString::intern(py, &format!("_{}_raw", field.name)).unbind()),
+            })
+            .collect();
+        let place = |field: &Field| Place {
+            field_type: field.field_type,
+            offset: field.offset,
+            array_length: field.array_length,
+        };
+        let position = |name: &str| definition.fields.iter().position(|f| f.name == name);
+        Self {
+            name: PyString::intern(py, &definition.name).unbind(),
+            names,
+            places: definition.fields.iter().map(place).collect(),
+            has_char_scalar: definition.fields.iter().any(|f| f.is_char() && f.array_length == 0),
+            usec: position("usec"),
+            time_boot_ms: position("time_boot_ms"),
+            changes_state: CHANGES_STATE.contains(&definition.name.as_str()),
+            is_parameter: definition.name == PARAM_VALUE,
+            instance_keys: [const { OnceLock::new() }; INSTANCE_KEYS],
+            definition,
+        }
+    }
+
+    /// Seconds since boot that a payload tells: `time_boot_ms`, else `usec`.
+    pub(crate) fn uptime(&self, payload: &[u8]) -> Option<f64> {
+        let number = |index: usize| {
+            let field = &self.definition.fields[index];
+            let offset = usize::from(field.offset);
+            match field.field_type {
+                FieldType::U64 => Some(u64::from_le_bytes(read(payload, offset)) as f64),
+                FieldType::U32 => Some(f64::from(u32::from_le_bytes(read(payload, offset)))),
+                _ => None,
+            }
+        };
+        let boot = self.time_boot_ms.and_then(number).map(|ms| ms * 1.0e-3);
+        boot.or_else(|| self.usec.and_then(number).map(|us| us * 1.0e-6))
+    }
+
+    /// The message has a target system, and it is not 0.
+    pub(crate) fn is_targeted(&self, payload: &[u8]) -> bool {
+        let offset = self.definition.target_system_offset;
+        offset.and_then(|at| payload.get(usize::from(at))).is_some_and(|&system| system != 0)
+    }
+
+    /// Field by attribute name.
+    pub(crate) fn field(&self, name: &str) -> Option<(usize, &Field)> {
+        self.definition.fields.iter().enumerate().find(|(_, f)| f.name == name)
+    }
+}
+
+/// The schema of one message, as Python sees it: `cls._info`.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct MessageInfo {
+    pub(crate) info: &'static Info,
+}
+
+impl MessageInfo {
+    fn by_field<'py>(
+        &self,
+        py: Python<'py>,
+        value: impl Fn(&Field) -> Option<&str>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (field, names) in self.info.definition.fields.iter().zip(&self.info.names) {
+            if let Some(text) = value(field) {
+                dict.set_item(names.name.bind(py), text)?;
+            }
+        }
+        Ok(dict)
+    }
+
+    fn in_wire_order(&self) -> impl Iterator<Item = &Field> {
+        self.info.definition.wire_fields().map(|(_, field)| field)
+    }
+}
+
+#[pymethods]
+impl MessageInfo {
+    /// Upper-case message name.
+    #[getter]
+    fn name(&self, py: Python<'_>) -> Py<PyString> {
+        self.info.name.clone_ref(py)
+    }
+
+    /// Message id.
+    #[getter]
+    fn id(&self) -> u32 {
+        self.info.definition.id
+    }
+
+    /// Checksum seed of the definition.
+    #[getter]
+    fn crc_extra(&self) -> u8 {
+        self.info.definition.crc_extra
+    }
+
+    /// Payload bytes of the base fields.
+    #[getter]
+    fn min_len(&self) -> u8 {
+        self.info.definition.min_len
+    }
+
+    /// Payload bytes with the extension fields.
+    #[getter]
+    fn max_len(&self) -> u8 {
+        self.info.definition.max_len
+    }
+
+    /// Field names in XML order.
+    #[getter]
+    fn fieldnames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        PyList::new(py, self.info.names.iter().map(|n| n.name.bind(py)))
+    }
+
+    /// Field names in wire order.
+    #[getter]
+    fn ordered_fieldnames(&self) -> Vec<&str> {
+        self.in_wire_order().map(|f| f.name.as_str()).collect()
+    }
+
+    /// Base type of each field, XML order.
+    #[getter]
+    fn fieldtypes(&self) -> Vec<&'static str> {
+        self.info.definition.fields.iter().map(|f| f.field_type.name()).collect()
+    }
+
+    /// Field name to `display`.
+    #[getter]
+    fn fielddisplays_by_name<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.by_field(py, |f| f.display.as_deref())
+    }
+
+    /// Field name to enum name.
+    #[getter]
+    fn fieldenums_by_name<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.by_field(py, |f| f.enum_name.as_deref())
+    }
+
+    /// Field name to unit, without brackets.
+    #[getter]
+    fn fieldunits_by_name<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.by_field(py, |f| f.units.as_deref())
+    }
+
+    /// One `struct` letter per field in wire order, after `<`.
+    #[getter]
+    fn native_format(&self) -> String {
+        let letters = self.in_wire_order().map(|f| f.field_type.struct_code());
+        std::iter::once('<').chain(letters).collect()
+    }
+
+    /// `orders[i]` is the wire position of the i-th field in XML order.
+    #[getter]
+    fn orders(&self) -> Vec<u32> {
+        self.info.definition.fields.iter().map(|f| u32::from(f.wire_index)).collect()
+    }
+
+    /// Elements per field in wire order: 1 for scalars and text.
+    #[getter]
+    fn lengths(&self) -> Vec<usize> {
+        self.in_wire_order().map(|f| if f.is_char() { 1 } else { f.elements() }).collect()
+    }
+
+    /// Array lengths in wire order: 0 for scalars.
+    #[getter]
+    fn array_lengths(&self) -> Vec<u32> {
+        self.in_wire_order().map(|f| u32::from(f.array_length)).collect()
+    }
+
+    /// Format of Python's `struct` module, wire order.
+    #[getter]
+    fn unpacker_format(&self) -> String {
+        self.info.definition.struct_format()
+    }
+
+    /// Name of the field that tells instances apart, and its payload offset.
+    #[getter]
+    fn instance(&self) -> (Option<&str>, i32) {
+        let definition = &self.info.definition;
+        match definition.instance_field.map(|i| &definition.fields[usize::from(i)]) {
+            Some(field) => (Some(&field.name), i32::from(field.offset)),
+            None => (None, -1),
+        }
+    }
+
+    /// Constructor parameters, XML order: `(name, type, array_length, is_extension, mavlink_version)`.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let rows = self.info.definition.fields.iter().map(|f| {
+            (
+                f.name.as_str(),
+                f.field_type.name(),
+                u32::from(f.array_length),
+                f.is_extension,
+                f.mavlink_version.map(u32::from),
+            )
+                .into_pyobject(py)
+        });
+        PyList::new(py, rows.collect::<PyResult<Vec<Bound<'py, PyTuple>>>>()?)
+    }
+
+    /// Names of the fields that hold text.
+    #[getter]
+    fn char_fields(&self) -> Vec<&str> {
+        let fields = self.info.definition.fields.iter();
+        fields.filter(|f| f.field_type == FieldType::Char).map(|f| f.name.as_str()).collect()
+    }
+
+    fn __repr__(&self) -> String {
+        let definition = &self.info.definition;
+        format!(
+            "<MessageInfo {} id={} fields={}>",
+            definition.name,
+            definition.id,
+            definition.fields.len()
+        )
+    }
+}

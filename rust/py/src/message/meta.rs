@@ -1,0 +1,214 @@
+//! The underscore attributes of a message, made when they are first asked for.
+//!
+//! Objects with an identity (`_msgbuf`, `_header`, `_payload`) are kept in the instance dictionary once made, so that
+//! a caller who changes them sees the change again.
+
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyBytes, PyDict};
+
+use mavwire_core::frame::{CHECKSUM_LEN, FrameRef, Header, SIGNATURE_LEN};
+use std::sync::atomic::Ordering;
+
+use crate::message::dict::instance_dict;
+use crate::message::object::{Message, Origin, flags, payload_of};
+use crate::python::calling::Calling;
+
+/// One underscore attribute.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Meta {
+    Header,
+    Payload,
+    Msgbuf,
+    Crc,
+    Fieldnames,
+    Type,
+    Signed,
+    LinkId,
+    Instances,
+    InstanceField,
+    InstanceOffset,
+    Posted,
+    Link,
+}
+
+impl Meta {
+    /// In the order of `vars(message)`; the last two are only there once they are set, and `_instance_offset` only in
+    /// messages of a definition.
+    pub(crate) const ALL: [Self; 13] = [
+        Self::Header,
+        Self::Payload,
+        Self::Msgbuf,
+        Self::Crc,
+        Self::Fieldnames,
+        Self::Type,
+        Self::Signed,
+        Self::LinkId,
+        Self::Instances,
+        Self::InstanceField,
+        Self::InstanceOffset,
+        Self::Posted,
+        Self::Link,
+    ];
+
+    /// The attributes that depend on the frame.
+    pub(crate) const OF_FRAME: [Self; 4] = [Self::Header, Self::Payload, Self::Msgbuf, Self::Crc];
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Header => "_header",
+            Self::Payload => "_payload",
+            Self::Msgbuf => "_msgbuf",
+            Self::Crc => "_crc",
+            Self::Fieldnames => "_fieldnames",
+            Self::Type => "_type",
+            Self::Signed => "_signed",
+            Self::LinkId => "_link_id",
+            Self::Instances => "_instances",
+            Self::InstanceField => "_instance_field",
+            Self::InstanceOffset => "_instance_offset",
+            Self::Posted => "_posted",
+            Self::Link => "_link",
+        }
+    }
+
+    pub(crate) fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|meta| meta.name() == name)
+    }
+
+    /// The value, or `None` if the attribute is not set. The object is stored, so that the next call gives the same one.
+    pub(crate) fn read(self, message: &Bound<'_, Message>) -> PyResult<Option<Py<PyAny>>> {
+        let py = message.py();
+        let this = message.get();
+        let packed = this.packed(py);
+        let value = self.value(message)?;
+        if !matches!(self, Self::Header | Self::Payload | Self::Msgbuf) {
+            return Ok(value);
+        }
+        // The header is made by Python code. Another thread may have stored its own meanwhile, or packed another frame.
+        let attributes = instance_dict(message)?;
+        if let Some(kept) = attributes.get_item(self.name())? {
+            return Ok(Some(kept.unbind()));
+        }
+        if this.is_packed_as(py, packed.as_ref()) {
+            attributes.set_item(self.name(), &value)?;
+            Message::written(message, flags::DICT | flags::META);
+        }
+        Ok(value)
+    }
+
+    fn value(self, message: &Bound<'_, Message>) -> PyResult<Option<Py<PyAny>>> {
+        let py = message.py();
+        let this = message.get();
+        let class = message.get_type();
+        Ok(Some(match self {
+            Self::Header => header_object(message)?,
+            Self::Payload => payload_object(py, this)?,
+            Self::Msgbuf => msgbuf_object(py, this),
+            Self::Crc => crc(py, this).into_py_any(py)?,
+            Self::Fieldnames => class.attribute(intern!(py, "fieldnames"))?.unbind(),
+            Self::Type => match (this.info, this.origin) {
+                (Some(info), _) => info.name.clone_ref(py).into_any(),
+                (None, Origin::Bad) => "BAD_DATA".into_py_any(py)?,
+                (None, Origin::Unknown) => unknown_name(this).into_py_any(py)?,
+                (None, _) => class.attribute(intern!(py, "msgname"))?.unbind(),
+            },
+            Self::Signed => this.has(flags::SIGNED).into_py_any(py)?,
+            Self::LinkId => link_id(this).into_py_any(py)?,
+            Self::Instances => py.None(),
+            Self::InstanceField => class.attribute(intern!(py, "instance_field"))?.unbind(),
+            Self::InstanceOffset if this.info.is_none() => return Ok(None),
+            Self::InstanceOffset => class.attribute(intern!(py, "instance_offset"))?.unbind(),
+            Self::Posted if this.has(flags::POSTED) => true.into_py_any(py)?,
+            Self::Link if this.has(flags::LINK) => {
+                this.link.load(Ordering::Relaxed).into_py_any(py)?
+            }
+            Self::Posted | Self::Link => return Ok(None),
+        }))
+    }
+}
+
+/// Updates a complete dictionary to the frame packed last. Values are replaced and never removed: other threads may read
+/// them meanwhile.
+pub(crate) fn refresh(message: &Bound<'_, Message>) -> PyResult<()> {
+    let py = message.py();
+    let packed = message.get().packed(py);
+    for meta in Meta::OF_FRAME {
+        let value = meta.value(message)?;
+        if !message.get().is_packed_as(py, packed.as_ref()) {
+            return Ok(()); // the thread that packed another frame updates it
+        }
+        instance_dict(message)?.set_item(meta.name(), value)?;
+    }
+    Ok(())
+}
+
+fn header_object(message: &Bound<'_, Message>) -> PyResult<Py<PyAny>> {
+    let py = message.py();
+    let this = message.get();
+    let class = message.attribute(intern!(py, "_header_class"))?;
+    let Some(header) = this.header() else {
+        let msgid = match (this.info, this.origin) {
+            (Some(info), _) => i64::from(info.definition.id),
+            (None, Origin::Unknown) => -2,
+            (None, Origin::Bad) => -1,
+            (None, _) => 0,
+        };
+        return Ok(class.invoke1((msgid,))?.unbind());
+    };
+    let kwargs = PyDict::new(py);
+    kwargs.set_item(intern!(py, "incompat_flags"), header.incompat_flags)?;
+    kwargs.set_item(intern!(py, "compat_flags"), header.compat_flags)?;
+    kwargs.set_item(intern!(py, "mlen"), header.payload_len)?;
+    kwargs.set_item(intern!(py, "seq"), header.seq)?;
+    kwargs.set_item(intern!(py, "srcSystem"), header.sysid)?;
+    kwargs.set_item(intern!(py, "srcComponent"), header.compid)?;
+    Ok(class.invoke((header.msgid,), Some(&kwargs))?.unbind())
+}
+
+/// After `pack` the payload as sent. After decoding a slice from byte 6 whatever the header's length: that is what
+/// pymavlink's users got used to.
+fn payload_object(py: Python<'_>, message: &Message) -> PyResult<Py<PyAny>> {
+    if message.has(flags::PACKED) {
+        return match message.packed(py) {
+            Some(frame) => PyBytes::new(py, payload_of(frame.as_bytes())).into_py_any(py),
+            None => Ok(py.None()),
+        };
+    }
+    if message.origin != Origin::Decoded {
+        return Ok(py.None());
+    }
+    let frame = &message.frame;
+    let signed = message.header().is_some_and(|header| header.is_signed());
+    let tail = CHECKSUM_LEN + if signed { SIGNATURE_LEN } else { 0 };
+    PyByteArray::new(py, frame.get(6..frame.len() - tail).unwrap_or_default()).into_py_any(py)
+}
+
+fn msgbuf_object(py: Python<'_>, message: &Message) -> Py<PyAny> {
+    let frame = match message.packed(py) {
+        Some(frame) => PyByteArray::new(py, frame.as_bytes()),
+        None => PyByteArray::new(py, &message.frame),
+    };
+    frame.into_any().unbind()
+}
+
+fn crc(py: Python<'_>, message: &Message) -> Option<u16> {
+    let read = |frame: &[u8]| FrameRef::parse(frame).ok().map(|frame| frame.checksum());
+    match message.packed(py) {
+        Some(frame) => read(frame.as_bytes()),
+        None if message.origin == Origin::Decoded => read(&message.frame),
+        None => None,
+    }
+}
+
+/// What a message of a definition that the dialect lacks is called.
+fn unknown_name(message: &Message) -> String {
+    format!("UNKNOWN_{}", Header::parse(&message.frame).map_or(0, |header| header.msgid))
+}
+
+fn link_id(message: &Message) -> Option<u8> {
+    if !message.has(flags::SIGNED) {
+        return None;
+    }
+    FrameRef::parse(&message.frame).ok()?.signature().map(|signature| signature.link_id)
+}

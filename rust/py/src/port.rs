@@ -1,0 +1,8 @@
+//! Ports of the operating system as links use them.
+
+pub(crate) mod accept;
+pub(crate) mod close_port;
+pub(crate) mod ports;
+pub(crate) mod recording;
+pub(crate) mod stream_queue;
+pub(crate) mod tls_port;

@@ -1,0 +1,183 @@
+//! Ports as links use them: what they answer, and whether an error is theirs or a signal handler's, is known to whoever
+//! called them, since no handler runs in between.
+
+use std::io;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use mavwire_link::bytes::{read_some, write_some};
+use mavwire_link::readiness;
+use mavwire_link::sigpipe::HeldBack;
+use pyo3::create_exception;
+use pyo3::exceptions::{
+    PyBlockingIOError, PyBrokenPipeError, PyException, PyInterruptedError, PyOSError,
+    PyOverflowError, PyValueError,
+};
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyString, PyTuple};
+
+use crate::port::tls_port::TlsPort;
+use crate::python::calling::{Calling, Known, import};
+
+/// The same number on all systems.
+const EPIPE: i32 = 32;
+
+static STRERROR: Known = Known::new("os", "strerror");
+static SOCKET: Known = Known::new("socket", "socket");
+/// `socket.MSG_NOSIGNAL`, where the system has it.
+static NO_SIGNAL: OnceLock<Option<Py<PyAny>>> = OnceLock::new();
+
+create_exception!(
+    mavwire._native,
+    PortError,
+    PyException,
+    "`PortError(error)`: what a port raised itself, and no signal handler did meanwhile."
+);
+
+/// `port.name(*args)`; `None` where it would have to wait. Its own errors come as `PortError`.
+#[pyfunction]
+#[pyo3(signature = (port, name, *args))]
+pub(crate) fn ask_port<'py>(
+    port: &Bound<'py, PyAny>,
+    name: &Bound<'py, PyString>,
+    args: Bound<'py, PyTuple>,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let answer = match port.cast::<TlsPort>() {
+        Ok(tls) => tls.get().act(name, args)?,
+        Err(_) => own_errors(port.py(), port.invoke_method1(name, args))?,
+    };
+    judged(port.py(), answer)
+}
+
+/// `port.send(data)` as `ask_port` does it, without arguments in a tuple, and without the signal that ends programs which
+/// write to who has hung up.
+pub(crate) fn send<'py>(
+    port: &Bound<'py, PyAny>,
+    data: &Bound<'py, PyAny>,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let (py, name) = (port.py(), intern!(port.py(), "send"));
+    if port.get_type().is(SOCKET.get(py)?)
+        && let Some(no_signal) = no_signal(py)?
+    {
+        let answer = port.invoke_method1(name, (data, no_signal));
+        return judged(py, own_errors(py, answer)?);
+    }
+    let _held_back = HeldBack::default();
+    let answer = match port.cast::<TlsPort>() {
+        Ok(tls) => tls.get().act(name, (data,))?,
+        Err(_) => own_errors(py, port.invoke_method_with(name, data))?,
+    };
+    judged(py, answer)
+}
+
+fn no_signal(py: Python<'_>) -> PyResult<Option<&Py<PyAny>>> {
+    if let Some(known) = NO_SIGNAL.get() {
+        return Ok(known.as_ref());
+    }
+    let found = import(py, intern!(py, "socket"))?.attribute_opt(intern!(py, "MSG_NOSIGNAL"))?;
+    Ok(NO_SIGNAL.get_or_init(|| found.map(Bound::unbind)).as_ref())
+}
+
+/// What came of asking a port: `Err` is not the port's own.
+pub(crate) type Answer<'py> = PyResult<PyResult<Bound<'py, PyAny>>>;
+
+pub(crate) fn own_errors<'py>(py: Python<'py>, answer: PyResult<Bound<'py, PyAny>>) -> Answer<'py> {
+    match answer {
+        Err(error)
+            if !error.is_instance_of::<PyOSError>(py)
+                && !error.is_instance_of::<PyValueError>(py)
+                && !error.is_instance_of::<PyOverflowError>(py) =>
+        {
+            Err(error)
+        }
+        answer => Ok(answer),
+    }
+}
+
+fn judged<'py>(
+    py: Python<'py>,
+    answer: PyResult<Bound<'py, PyAny>>,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    match answer {
+        Ok(answer) => Ok(Some(answer)),
+        Err(error)
+            if error.is_instance_of::<PyBlockingIOError>(py)
+                || error.is_instance_of::<PyInterruptedError>(py) =>
+        {
+            Ok(None)
+        }
+        Err(error) => Err(PortError::new_err((error,))),
+    }
+}
+
+/// A file, pipe or serial port of this system to use as a socket: it takes what there is room for.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct DescriptorPort {
+    file: Py<PyAny>,
+    /// It has its descriptor as an attribute, as pyserial's ports do: signal handlers run in their `fileno`, which is
+    /// written in Python.
+    has_fd: bool,
+}
+
+#[pymethods]
+impl DescriptorPort {
+    #[new]
+    fn new(file: Bound<'_, PyAny>) -> PyResult<Self> {
+        let has_fd = file.attribute_opt(intern!(file.py(), "fd"))?.is_some();
+        Ok(Self { file: file.unbind(), has_fd })
+    }
+
+    /// How many of the bytes it took.
+    fn send(&self, data: &Bound<'_, PyBytes>) -> PyResult<usize> {
+        let py = data.py();
+        // Python's own functions run signal handlers where a signal interrupts them.
+        write_some(self.descriptor(py)?, data.as_bytes()).map_err(|error| failed(py, &error))
+    }
+
+    /// Up to `n` bytes.
+    fn recv<'py>(&self, py: Python<'py>, n: usize) -> PyResult<Bound<'py, PyBytes>> {
+        let fd = self.descriptor(py)?;
+        // Serial ports give nothing both where there is nothing and where they are gone.
+        if let Ok(false) = readiness::ready(fd, false, Duration::ZERO) {
+            return Err(PyBlockingIOError::new_err("nothing to read"));
+        }
+        let data = read_some(fd, n).map_err(|error| failed(py, &error))?;
+        if data.is_empty() { Err(broken()) } else { Ok(PyBytes::new(py, &data)) }
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        visit.call(&self.file)
+    }
+}
+
+impl DescriptorPort {
+    fn descriptor(&self, py: Python<'_>) -> PyResult<i32> {
+        let file = self.file.bind(py);
+        let fd = if self.has_fd {
+            file.attribute(intern!(py, "fd"))?.extract()?
+        } else {
+            match file.invoke_method0(intern!(py, "fileno")) {
+                Err(error) if error.is_instance_of::<PyValueError>(py) => None,
+                fd => Some(fd?.extract::<i32>()?),
+            }
+        };
+        fd.ok_or_else(broken)
+    }
+}
+
+/// The error of the system with a `number`.
+pub(crate) fn os_error(py: Python<'_>, number: i32) -> PyErr {
+    match STRERROR.get(py).and_then(|strerror| strerror.invoke1((number,))) {
+        Ok(text) => PyOSError::new_err((number, text.unbind())),
+        Err(error) => error,
+    }
+}
+
+fn failed(py: Python<'_>, error: &io::Error) -> PyErr {
+    error.raw_os_error().map_or_else(broken, |number| os_error(py, number))
+}
+
+fn broken() -> PyErr {
+    PyBrokenPipeError::new_err((EPIPE, "Broken pipe"))
+}

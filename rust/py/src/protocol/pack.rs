@@ -1,0 +1,272 @@
+//! Message objects to frames.
+
+use mavwire_core::frame::{self, FrameBuffer, Header, IFLAG_SIGNED};
+use mavwire_schema::WireVersion;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use pyo3::{Borrowed, ffi};
+
+use crate::dialect::registry::Dialect;
+use crate::message::dict::instance_dict;
+use crate::message::encode::{self, Payload};
+use crate::message::info::Info;
+use crate::message::object::{Message, flags};
+use crate::protocol::mavlink::MAVLink;
+use crate::protocol::signing::Signing;
+use crate::python::calling::{Calling, import};
+use crate::python::lists;
+use crate::python::raw_function;
+use crate::python::raw_function::Arguments;
+
+/// Who sends: what `pack` reads from the `mav` it is given, which may be any object with these attributes.
+pub(crate) struct Sender<'py> {
+    pub(crate) seq: u8,
+    pub(crate) sysid: u8,
+    pub(crate) compid: u8,
+    /// Set if frames shall be signed.
+    pub(crate) signing: Option<Bound<'py, Signing>>,
+}
+
+impl<'py> Sender<'py> {
+    fn of(mav: &Bound<'py, PyAny>) -> PyResult<Self> {
+        if let Ok(native) = mav.cast::<MAVLink>() {
+            return native.get().sender(mav.py());
+        }
+        let py = mav.py();
+        let signing = mav.attribute(intern!(py, "signing"))?;
+        let sign = signing.attribute(intern!(py, "sign_outgoing"))?.truth()?;
+        Ok(Self {
+            seq: byte(&mav.attribute(intern!(py, "seq"))?)?,
+            sysid: byte(&mav.attribute(intern!(py, "srcSystem"))?)?,
+            compid: byte(&mav.attribute(intern!(py, "srcComponent"))?)?,
+            signing: if sign { Some(signing.cast_into::<Signing>()?) } else { None },
+        })
+    }
+
+    /// Makes the frame of a payload at full length.
+    pub(crate) fn frame(
+        &self,
+        frame: &mut FrameBuffer,
+        msgid: u32,
+        payload: &[u8],
+        crc_extra: u8,
+        version: WireVersion,
+    ) -> PyResult<()> {
+        if version == WireVersion::V1 && msgid > 255 {
+            return Err(struct_error(msgid.into()));
+        }
+        let signing = self.signing.as_ref().filter(|_| version == WireVersion::V2);
+        let header = Header {
+            incompat_flags: if signing.is_some() { IFLAG_SIGNED } else { 0 },
+            ..Header::new(version, self.seq, self.sysid, self.compid, msgid)
+        };
+        frame
+            .encode(header, payload, crc_extra)
+            .map_err(|error| pyo3::exceptions::PyValueError::new_err(error.to_string()))?;
+        if let Some(signing) = signing {
+            signing.get().sign_frame(frame)?;
+        }
+        Ok(())
+    }
+}
+
+/// An attribute that goes into one header byte.
+fn byte(value: &Bound<'_, PyAny>) -> PyResult<u8> {
+    match value.extract::<u8>() {
+        Ok(byte) => Ok(byte),
+        Err(_) => {
+            let py = value.py();
+            let module = import(py, intern!(py, "struct"))?;
+            let packed = module.invoke_method1(intern!(py, "pack"), ("<B", value))?;
+            Ok(packed.cast::<PyBytes>()?.as_bytes()[0])
+        }
+    }
+}
+
+/// A number that must fit a byte: the number, or what `struct` says to it.
+pub(crate) fn header_byte(py: Python<'_>, value: i64) -> PyResult<u8> {
+    u8::try_from(value).or_else(|_| byte(value.into_pyobject(py)?.as_any()))
+}
+
+fn struct_error(value: i64) -> PyErr {
+    Python::attach(|py| match header_byte(py, value) {
+        Ok(_) => pyo3::exceptions::PyValueError::new_err(value),
+        Err(error) => error,
+    })
+}
+
+fn dialect_of<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, Dialect>> {
+    let py = message.py();
+    Ok(message.attribute(intern!(py, "_dialect"))?.cast_into::<Dialect>()?)
+}
+
+/// `message.pack(mav, force_mavlink1)`
+pub(crate) fn pack_message<'py>(
+    message: &Bound<'py, Message>,
+    mav: &Bound<'py, PyAny>,
+    force_mavlink1: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    let Some(info) = message.get().info else { unreachable!("checked by the caller") };
+    let payload = payload(message, info)?;
+    let version = version(message, force_mavlink1)?;
+    let definition = &info.definition;
+    let payload = match version {
+        // Extension fields are never sent in version 1.
+        WireVersion::V1 => &payload.as_slice()[..usize::from(definition.min_len)],
+        WireVersion::V2 => payload.as_slice(),
+    };
+    finish(message, mav, payload, definition.crc_extra, version)
+}
+
+/// `message._pack(mav, crc_extra, payload, force_mavlink1)`
+pub(crate) fn pack_payload<'py>(
+    message: &Bound<'py, Message>,
+    mav: &Bound<'py, PyAny>,
+    crc_extra: u8,
+    payload: &[u8],
+    force_mavlink1: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    let version = version(message, force_mavlink1)?;
+    finish(message, mav, payload, crc_extra, version)
+}
+
+fn version(message: &Bound<'_, Message>, force_mavlink1: bool) -> PyResult<WireVersion> {
+    let v2 = !force_mavlink1 && dialect_of(message)?.get().is_v2(message.py())?;
+    Ok(if v2 { WireVersion::V2 } else { WireVersion::V1 })
+}
+
+fn finish<'py>(
+    message: &Bound<'py, Message>,
+    mav: &Bound<'py, PyAny>,
+    payload: &[u8],
+    crc_extra: u8,
+    version: WireVersion,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = message.py();
+    let msgid = match &message.get().info {
+        Some(info) if !message.get().has(flags::META) => info.definition.id,
+        _ => {
+            message.attribute(intern!(py, "_header"))?.attribute(intern!(py, "msgId"))?.extract()?
+        }
+    };
+    let mut frame = FrameBuffer::default();
+    Sender::of(mav)?.frame(&mut frame, msgid, payload, crc_extra, version)?;
+    let packed = PyBytes::new(py, &frame);
+    Message::set_packed(message, &packed)?;
+    Ok(packed.into_any())
+}
+
+/// The payload at full length: straight from the frame where nobody changed a field.
+fn payload(message: &Bound<'_, Message>, info: &Info) -> PyResult<Payload> {
+    let this = message.get();
+    if this.is_pristine() && !info.has_char_scalar {
+        return Ok(Payload::extended(&info.definition, this.decoded_payload()));
+    }
+    let py = message.py();
+    let written = instance_dict(message)?;
+    let mut payload = Payload::zeroed(&info.definition);
+    if put_in_order(info, &written, &mut payload).is_some() {
+        return Ok(payload);
+    }
+    let attribute = |i: usize| {
+        let name = info.names[i].stored().bind(py);
+        match written.get_item(name) {
+            Ok(Some(value)) => Ok(value),
+            _ => message.attribute(name),
+        }
+    };
+    let mut payload = Payload::zeroed(&info.definition);
+    let mut places = info.places.iter().enumerate();
+    match places.try_for_each(|(i, &place)| payload.put(place, attribute(i).ok()?.as_borrowed())) {
+        Some(()) => Ok(payload),
+        None => encode::encode_by_struct(message, info, attribute),
+    }
+}
+
+/// Encodes the fields as they stand in the instance dictionary, if they are all there in the order in which [`build`]
+/// puts them: walking over it is much quicker than looking up each. `None` if not, or if `struct` has to judge a value.
+fn put_in_order(info: &Info, written: &Bound<'_, PyDict>, payload: &mut Payload) -> Option<()> {
+    let mut position = 0;
+    let mut next = || {
+        let (mut key, mut value) = (std::ptr::null_mut(), std::ptr::null_mut());
+        // SAFETY: the dictionary is alive; key and value are borrowed from it and used before anything can change it,
+        // because encoding a value runs no Python code.
+        unsafe {
+            (ffi::PyDict_Next(written.as_ptr(), &raw mut position, &raw mut key, &raw mut value)
+                != 0)
+                .then(|| (key, Borrowed::from_ptr(written.py(), value)))
+        }
+    };
+    for (names, &place) in info.names.iter().zip(&info.places) {
+        let (key, value) = next()?;
+        if key != names.stored().as_ptr() {
+            return None;
+        }
+        payload.put(place, value)?;
+        if names.raw.is_some() {
+            next()?;
+        }
+    }
+    Some(())
+}
+
+/// `message.sign_packet(mav)`: appends a signature to the packed frame.
+pub(crate) fn sign_packet(message: &Bound<'_, Message>, mav: &Bound<'_, PyAny>) -> PyResult<()> {
+    let py = message.py();
+    let signing = mav.attribute(intern!(py, "signing"))?.cast_into::<Signing>()?;
+    let buffer = message.attribute(intern!(py, "_msgbuf"))?;
+    let mut frame = lists::bytes(&buffer)?;
+    signing.get().sign(&mut frame)?;
+    let appended = PyBytes::new(py, &frame[frame.len() - frame::SIGNATURE_LEN..]);
+    buffer.invoke_method1(intern!(py, "extend"), (appended,))?;
+    Ok(())
+}
+
+/// `build(message, *values)`: stores what a message is made from, in XML order, as its constructor got it.
+pub(crate) unsafe extern "C" fn build(
+    _module: *mut ffi::PyObject,
+    arguments: *mut *mut ffi::PyObject,
+    count: ffi::Py_ssize_t,
+) -> *mut ffi::PyObject {
+    // SAFETY: the arguments are this function's own.
+    unsafe {
+        raw_function::call(arguments, count, |_, arguments| {
+            let message = arguments.get(0).ok_or_else(no_arguments)?;
+            store(&*message.cast::<Message>()?, &arguments.from(1))
+        })
+    }
+}
+
+fn store(message: &Bound<'_, Message>, values: &Arguments<'_, '_>) -> PyResult<()> {
+    let py = message.py();
+    let Some(info) = message.get().info else { return Ok(()) };
+    let written = instance_dict(message)?;
+    for (names, value) in info.names.iter().zip(values.iter()) {
+        if let Some(raw) = &names.raw {
+            written.set_item(raw.bind(py), value)?;
+            written.set_item(names.name.bind(py), text_of(&value)?)?;
+        } else {
+            written.set_item(names.name.bind(py), value)?;
+        }
+    }
+    Message::written(message, flags::DICT | flags::FIELDS);
+    Ok(())
+}
+
+/// What a raw function says that was called without arguments.
+pub(crate) fn no_arguments() -> PyErr {
+    pyo3::exceptions::PyTypeError::new_err("arguments are missing")
+}
+
+/// The text of a `char[n]` argument: up to the first NUL, ASCII, other bytes replaced.
+fn text_of<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = value.py();
+    if let Ok(bytes) = value.cast_exact::<PyBytes>() {
+        return Ok(crate::message::values::text(py, bytes.as_bytes()).into_any());
+    }
+    let head =
+        value.invoke_method1(intern!(py, "split"), (PyBytes::new(py, b"\0"), 1))?.get_item(0)?;
+    let kwargs = PyDict::new(py);
+    kwargs.set_item(intern!(py, "errors"), intern!(py, "replace"))?;
+    head.invoke_method(intern!(py, "decode"), (intern!(py, "ascii"),), Some(&kwargs))
+}

@@ -1,0 +1,417 @@
+//! Receiving: bytes to message objects, with pymavlink's counters, exceptions and BAD_DATA messages.
+
+use std::sync::atomic::Ordering::Relaxed;
+
+use mavwire_core::frame::{self, FrameError, FrameRef, Header, IFLAG_SIGNED};
+use mavwire_core::registry::Entry;
+use mavwire_core::x25;
+use pyo3::exceptions::{PyAttributeError, PyIndexError, PyMemoryError, PyRuntimeError};
+use pyo3::ffi;
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
+
+use crate::message::create::pooled_frame;
+use crate::message::frame_bytes::FrameBytes;
+use crate::message::object::{Message, Origin, flags};
+use crate::message::special_fields::BAD_PREFIX;
+use crate::protocol::mavlink::{MAVLink, bytes_like, overridden};
+use crate::protocol::signing::{Acceptance, Signing};
+use crate::python::calling::{Calling, class_name};
+use crate::sync::shared;
+
+pub(crate) use crate::protocol::parser::{Parser, Run, Step};
+
+/// Takes the input; true if a message may be complete now.
+fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let converted;
+    let bytes = if let Ok(bytes) = data.cast_exact::<PyBytes>() {
+        bytes.as_bytes()
+    } else {
+        converted = bytes_like(data)?;
+        converted.cast::<PyBytes>()?.as_bytes()
+    };
+    let this = mav.get();
+    let mut parser = this.parser();
+    // A program may hand over more than there is memory for twice.
+    let is_enough =
+        parser.try_push(bytes).map_err(|error| PyMemoryError::new_err(error.to_string()))?;
+    shared::add(&this.counters.bytes_received, bytes.len() as u64);
+    Ok(is_enough)
+}
+
+/// Takes over what the module says about checksums, which user code may change at any time.
+pub(crate) fn obey_ignore_checksum(mav: &Bound<'_, MAVLink>) -> PyResult<()> {
+    let py = mav.py();
+    let namespace = mav.get().dialect.get().namespace(py)?;
+    let ignore = match namespace.get_item(intern!(py, "MAVLINK_IGNORE_CRC"))? {
+        Some(ignore) => ignore.truth()?,
+        None => {
+            return Err(PyRuntimeError::new_err("the dialect module lost its MAVLINK_IGNORE_CRC"));
+        }
+    };
+    mav.get().parser().scanner.ignore_checksum = ignore;
+    Ok(())
+}
+
+/// One call of `parse_char` or `parse_buffer`: what is read once for all messages of the call.
+pub(crate) struct Session<'a, 'py> {
+    mav: &'a Bound<'py, MAVLink>,
+    signing: Option<Bound<'py, Signing>>,
+    robust: bool,
+}
+
+/// `mav.parse_char(c)`
+pub(crate) fn parse_char<'py>(
+    mav: &Bound<'py, MAVLink>,
+    c: &Bound<'py, PyAny>,
+) -> PyResult<Option<Bound<'py, Message>>> {
+    if !feed(mav, c)? {
+        return Ok(None);
+    }
+    obey_ignore_checksum(mav)?;
+    let message = Session::new(mav).next_message();
+    mav.get().parser().tidy();
+    message
+}
+
+/// `mav.parse_buffer(s)`
+pub(crate) fn parse_buffer<'py>(
+    mav: &Bound<'py, MAVLink>,
+    s: &Bound<'py, PyAny>,
+) -> PyResult<Option<Bound<'py, PyList>>> {
+    let py = mav.py();
+    if mav.get().is_overridden(overridden::RECEIVE) {
+        let messages = PyList::empty(py);
+        let empty = PyBytes::new(py, b"");
+        let mut message = mav.invoke_method1(intern!(py, "parse_char"), (s,))?;
+        while !message.is_none() {
+            messages.append(&message)?;
+            message = mav.invoke_method1(intern!(py, "parse_char"), (&empty,))?;
+        }
+        return Ok((!messages.is_empty()).then_some(messages));
+    }
+    if !feed(mav, s)? {
+        return Ok(None);
+    }
+    obey_ignore_checksum(mav)?;
+    let mut run = mav.get().parser().new_run();
+    let messages = Session::new(mav).collect(&mut run);
+    let mut parser = mav.get().parser();
+    parser.recycle(run);
+    parser.tidy();
+    messages
+}
+
+/// A list of `len` objects.
+fn list_of<'py>(
+    py: Python<'py>,
+    len: usize,
+    mut next: impl FnMut() -> PyResult<Bound<'py, Message>>,
+) -> PyResult<Bound<'py, PyList>> {
+    // SAFETY: a new list has empty places, each of which gets a reference of its own. A list that stays incomplete because
+    // of an error is dropped.
+    unsafe {
+        let list = ffi::PyList_New(len as ffi::Py_ssize_t);
+        let list = Bound::from_owned_ptr_or_err(py, list)?.cast_into_unchecked::<PyList>();
+        for i in 0..len {
+            ffi::PyList_SetItem(list.as_ptr(), i as ffi::Py_ssize_t, next()?.into_ptr());
+        }
+        Ok(list)
+    }
+}
+
+impl<'a, 'py> Session<'a, 'py> {
+    pub(crate) fn new(mav: &'a Bound<'py, MAVLink>) -> Self {
+        let this = mav.get();
+        Self { mav, signing: this.signing(mav.py()), robust: this.robust_parsing.load(Relaxed) }
+    }
+
+    /// All messages in what was fed; `None` if there are none.
+    fn collect(&self, run: &mut Run) -> PyResult<Option<Bound<'py, PyList>>> {
+        let this = self.mav.get();
+        let mut messages = None;
+        loop {
+            let step = if self.may_batch() {
+                let step = this.parser().take_run(this.dialect.get(), self.robust, run);
+                let mut delivered = 0;
+                let outcome = self.deliver(run, &mut messages, &mut delivered);
+                let refused = usize::from(outcome.is_err());
+                let received = delivered.saturating_sub(refused) as u64;
+                shared::add(&this.counters.packets_received, received);
+                if let Err(error) = outcome {
+                    this.parser().put_back(run, delivered, step);
+                    return Err(error);
+                }
+                step
+            } else {
+                Some(this.parser().step(this.dialect.get(), self.robust))
+            };
+            let Some(step) = step else { continue };
+            let Some(message) = self.take_step(step)? else { return Ok(messages) };
+            messages.get_or_insert_with(|| PyList::empty(self.mav.py())).append(message)?;
+        }
+    }
+
+    /// Makes the messages of a run and counts them, one that is refused with an exception included.
+    fn deliver(
+        &self,
+        run: &Run,
+        messages: &mut Option<Bound<'py, PyList>>,
+        delivered: &mut usize,
+    ) -> PyResult<()> {
+        if run.len() == 0 {
+            return Ok(());
+        }
+        let py = self.mav.py();
+        let signing = self.signing.as_ref().map(Bound::get);
+        let verifier = signing.filter(|signing| signing.has_key());
+        if let (Some(signing), None) = (signing, verifier) {
+            signing.note_signed(run.signed);
+        }
+        let overridden = self.mav.get().is_overridden(overridden::RECEIVE);
+        let dialect = self.mav.get().dialect.get();
+        let mut frames = run.iter();
+        let mut next = || {
+            let (index, len, stream) = frames.next().ok_or_else(|| PyRuntimeError::new_err(()))?;
+            *delivered += 1;
+            if overridden {
+                return decode_by_method(self.mav, &stream[..len], self.robust);
+            }
+            let acceptance = match verifier {
+                Some(verifier) => verifier.accept(self.mav, &stream[..len], true)?,
+                None => Acceptance::Unchecked,
+            };
+            if acceptance == Acceptance::Rejected {
+                return self.rejected(&stream[..len]);
+            }
+            let class = dialect.class(py, index)?;
+            let message = pooled_frame(class.class.bind(py), class.info, stream, len)?;
+            if acceptance == Acceptance::Verified {
+                message.get().set(flags::SIGNED);
+            }
+            Ok(message)
+        };
+        match messages {
+            Some(messages) => (0..run.len()).try_for_each(|_| messages.append(next()?)),
+            None => {
+                *messages = Some(list_of(self.mav.py(), run.len(), next)?);
+                Ok(())
+            }
+        }
+    }
+
+    /// Frames may be scanned ahead of making their objects: nobody is called in between, and nothing can be refused in
+    /// a way that leaves the frames behind it in the buffer.
+    fn may_batch(&self) -> bool {
+        let refuses =
+            |signing: &Signing| signing.has_key() && !self.robust || signing.asks(self.mav.py());
+        !self.signing.as_ref().is_some_and(|signing| refuses(signing.get()))
+            && !self.mav.get().callback.is_set()
+    }
+
+    /// The next message of what was fed.
+    fn next_message(&self) -> PyResult<Option<Bound<'py, Message>>> {
+        let this = self.mav.get();
+        let step = this.parser().step(this.dialect.get(), self.robust);
+        self.take_step(step)
+    }
+
+    /// What the parser found as a message, with counter and callback.
+    pub(crate) fn take_step(&self, step: Step) -> PyResult<Option<Bound<'py, Message>>> {
+        let this = self.mav.get();
+        let message = match step {
+            Step::Frame { bytes, entry, .. } => self.received(bytes, entry)?,
+            Step::Nothing | Step::BadPrefix(None) => return Ok(None),
+            Step::BadPrefix(Some(byte)) => {
+                this.counters.receive_errors.fetch_add(1, Relaxed);
+                return Err(mav_error(self.mav, FrameError::BadPrefix(byte)));
+            }
+            Step::Bad { error: Some(error), .. } if !self.robust => {
+                return Err(mav_error(self.mav, error));
+            }
+            Step::Bad { bytes, error } => bad_data(self.mav, bytes, error)?,
+        };
+        shared::add(&this.counters.packets_received, 1);
+        this.callback.call(message.as_any())?;
+        Ok(Some(message))
+    }
+
+    /// A frame with a good checksum (or an unknown id) to a message object, if signing lets it pass.
+    pub(crate) fn received(
+        &self,
+        bytes: FrameBytes,
+        entry: Option<Entry>,
+    ) -> PyResult<Bound<'py, Message>> {
+        if self.mav.get().is_overridden(overridden::RECEIVE) {
+            return decode_by_method(self.mav, &bytes, self.robust);
+        }
+        let acceptance = match &self.signing {
+            Some(signing) => signing.get().accept(self.mav, &bytes, entry.is_some())?,
+            None => Acceptance::Unchecked,
+        };
+        match acceptance {
+            Acceptance::Rejected => self.rejected(&bytes),
+            _ => message_object(self.mav, bytes, entry, acceptance),
+        }
+    }
+
+    /// What becomes of a frame that signing does not let pass.
+    fn rejected(&self, bytes: &[u8]) -> PyResult<Bound<'py, Message>> {
+        let error = FrameError::InvalidSignature;
+        if self.robust {
+            bad_data(self.mav, FrameBytes::from(bytes), Some(error))
+        } else {
+            Err(mav_error(self.mav, error))
+        }
+    }
+}
+
+fn message_object<'py>(
+    mav: &Bound<'py, MAVLink>,
+    bytes: FrameBytes,
+    entry: Option<Entry>,
+    acceptance: Acceptance,
+) -> PyResult<Bound<'py, Message>> {
+    let py = mav.py();
+    let dialect = mav.get().dialect.get();
+    let message = match entry {
+        Some(entry) => dialect.message(py, entry.index, bytes)?,
+        None => unknown(mav, bytes)?,
+    };
+    if acceptance == Acceptance::Verified {
+        message.get().set(flags::SIGNED);
+    }
+    Ok(message)
+}
+
+/// A subclass has its own `decode`, which gets the frame and whose `MAVError` becomes BAD_DATA.
+fn decode_by_method<'py>(
+    mav: &Bound<'py, MAVLink>,
+    bytes: &[u8],
+    robust: bool,
+) -> PyResult<Bound<'py, Message>> {
+    let py = mav.py();
+    let frame = PyByteArray::new(py, bytes);
+    match mav.invoke_method1(intern!(py, "decode"), (frame,)) {
+        Ok(message) => Ok(message.cast_into::<Message>()?),
+        Err(error)
+            if robust
+                && error.is_instance(py, &mav.get().dialect.get().global(py, "MAVError")?) =>
+        {
+            mav.get().counters.receive_errors.fetch_add(1, Relaxed);
+            let reason = error.value(py).attribute(intern!(py, "message"))?;
+            let class = mav.get().dialect.get().global(py, "MAVLink_bad_data")?;
+            Ok(class.invoke1((PyByteArray::new(py, bytes), reason))?.cast_into::<Message>()?)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn bad_data<'py>(
+    mav: &Bound<'py, MAVLink>,
+    bytes: FrameBytes,
+    error: Option<FrameError>,
+) -> PyResult<Bound<'py, Message>> {
+    let this = mav.get();
+    this.counters.receive_errors.fetch_add(1, Relaxed);
+    let py = mav.py();
+    let reason = error.map(|error| PyString::new(py, &error.to_string()));
+    let message = Message::bad(bytes, reason.as_ref());
+    this.dialect.get().special(py, "MAVLink_bad_data", message, |message| {
+        let reason = reason.unwrap_or_else(|| PyString::new(py, BAD_PREFIX));
+        (PyByteArray::new(py, &message.frame), reason).into_pyobject(py)
+    })
+}
+
+fn unknown<'py>(mav: &Bound<'py, MAVLink>, bytes: FrameBytes) -> PyResult<Bound<'py, Message>> {
+    let message = Message::received(None, bytes, Origin::Unknown);
+    mav.get().dialect.get().unknown(mav.py(), message)
+}
+
+fn mav_error(mav: &Bound<'_, MAVLink>, error: FrameError) -> PyErr {
+    let class = mav.get().dialect.get().global(mav.py(), "MAVError");
+    match class.and_then(|class| class.invoke1((error.to_string(),))) {
+        Ok(error) => PyErr::from_value(error),
+        Err(error) => error,
+    }
+}
+
+/// `mav.decode(msgbuf)`
+pub(crate) fn decode<'py>(
+    mav: &Bound<'py, MAVLink>,
+    msgbuf: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, Message>> {
+    let py = mav.py();
+    let Ok(buffer) = msgbuf.cast::<PyByteArray>() else {
+        return Err(PyAttributeError::new_err(format!(
+            "'{}' object has no attribute 'append'",
+            class_name(&msgbuf.get_type())?
+        )));
+    };
+    let bytes = buffer.to_vec();
+    let (_, entry) = check_frame(mav, &bytes)?;
+    let acceptance = match mav.get().signing(py) {
+        Some(signing) => signing.get().accept(mav, &bytes, entry.is_some())?,
+        None => Acceptance::Unchecked,
+    };
+    let message = match acceptance {
+        Acceptance::Rejected => return Err(mav_error(mav, FrameError::InvalidSignature)),
+        _ => message_object(mav, FrameBytes::from(bytes.as_slice()), entry, acceptance)?,
+    };
+    // The message shows the very object it was decoded from.
+    let message_buffer = intern!(py, "_msgbuf");
+    crate::message::dict::instance_dict(&message)?.set_item(message_buffer, msgbuf)?;
+    Message::written(&message, flags::DICT | flags::META);
+    Ok(message)
+}
+
+fn check_frame(mav: &Bound<'_, MAVLink>, bytes: &[u8]) -> PyResult<(Header, Option<Entry>)> {
+    fn fail<T>(mav: &Bound<'_, MAVLink>, error: FrameError) -> PyResult<T> {
+        Err(mav_error(mav, error))
+    }
+    let Some(&first) = bytes.first() else {
+        return Err(PyIndexError::new_err("bytearray index out of range"));
+    };
+    let header_len =
+        if first == frame::STX_V1 { frame::HEADER_LEN_V1 } else { frame::HEADER_LEN_V2 };
+    if bytes.len() < header_len {
+        return fail(mav, FrameError::ShortHeader { needed: header_len as u8 });
+    }
+    let Some(header) = Header::parse(bytes) else {
+        return fail(mav, FrameError::InvalidStx(first));
+    };
+    let signature_len =
+        if header.incompat_flags & IFLAG_SIGNED != 0 { frame::SIGNATURE_LEN } else { 0 };
+    let got = bytes.len() as i64 - (header_len + frame::CHECKSUM_LEN + signature_len) as i64;
+    if got != i64::from(header.payload_len) {
+        return fail(
+            mav,
+            FrameError::LengthMismatch {
+                got,
+                expected: header.payload_len,
+                msgid: header.msgid,
+                header_len: header_len as u8,
+            },
+        );
+    }
+    let dialect = mav.get().dialect.get();
+    let Some(entry) = dialect.registry.lookup(header.msgid) else { return Ok((header, None)) };
+    let frame = FrameRef::parse(bytes).or_else(|error| fail(mav, error))?;
+    let body = &bytes[1..header_len + usize::from(header.payload_len)];
+    let calculated = x25::accumulate(x25::checksum(body), &[entry.crc_extra]);
+    let received = frame.checksum();
+    if calculated != received && !dialect.global(mav.py(), "MAVLINK_IGNORE_CRC")?.truth()? {
+        return fail(mav, FrameError::BadChecksum { msgid: header.msgid, received, calculated });
+    }
+    Ok((header, Some(entry)))
+}
+
+/// `mav.check_signature(msgbuf, srcSystem, srcComponent)`; the source is the one in the frame, which is what is signed.
+pub(crate) fn check_signature(
+    mav: &Bound<'_, MAVLink>,
+    msgbuf: &Bound<'_, PyAny>,
+) -> PyResult<bool> {
+    let bytes = bytes_like(msgbuf)?;
+    let Some(signing) = mav.get().signing(mav.py()) else { return Ok(false) };
+    signing.get().check(mav, bytes.cast::<PyBytes>()?.as_bytes())
+}

@@ -1,0 +1,515 @@
+//! Signing state as Python sees it, and the decision whether a received frame may pass.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering::Relaxed};
+
+use mavwire_core::frame::{FrameBuffer, FrameRef, Header};
+use mavwire_core::pyfloat::write_repr;
+use mavwire_core::signing::{
+    SecretKey, Sightings, SigningError, SigningState, Stream, StreamId, StreamTable, Verdict,
+    timestamp_from_unix_micros,
+};
+use pyo3::exceptions::{PyAssertionError, PyOverflowError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyBytes, PyDict};
+
+use crate::protocol::mavlink::{MAVLink, overridden};
+use crate::python::calling::{Calling, import, truth};
+use crate::sync::lock::{Guard, Lock};
+use crate::sync::shared;
+use crate::sync::slot::Slot;
+
+/// Signing timestamps per year, for the log line that pymavlink writes.
+const UNITS_PER_YEAR: f64 = 100.0 * 1000.0 * 60.0 * 60.0 * 24.0 * 365.0;
+
+/// What is to become of a received frame.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Acceptance {
+    /// No key is set, or the application lets it pass.
+    Unchecked,
+    /// The signature is good.
+    Verified,
+    Rejected,
+}
+
+/// What the links with a key know of those who sign with it.
+#[derive(Default)]
+struct Streams {
+    received: StreamTable,
+    seen: Sightings,
+}
+
+/// Signing state of one link.
+#[pyclass(frozen, subclass, module = "mavwire._native")]
+pub(crate) struct Signing {
+    /// Key and timestamp. Its own stream table is not used.
+    state: Lock<SigningState>,
+    /// One for all links with the same key, so that what was heard on one link cannot be replayed on another.
+    streams: Lock<Arc<Lock<Streams>>>,
+    /// Outgoing timestamps follow the clock.
+    follows_clock: AtomicBool,
+    /// Timestamps below this one may be used; reaching it calls `keep`.
+    mark: AtomicU64,
+    /// `keep(timestamp) -> mark` stores the timestamp for the time after a restart.
+    keep: Slot,
+    has_key: AtomicBool,
+    link_id: AtomicU8,
+    sign_outgoing: AtomicBool,
+    allow_unsigned: Slot,
+    seen: AtomicU64,
+    good: AtomicU64,
+    bad: AtomicU64,
+    passed: AtomicU64,
+    rejected: AtomicU64,
+}
+
+fn signing_error(error: SigningError) -> PyErr {
+    match error {
+        SigningError::KeyLength(_) => PyValueError::new_err(error.to_string()),
+        SigningError::NoKey => PyAssertionError::new_err(()),
+        SigningError::TimestampExhausted => PyOverflowError::new_err(error.to_string()),
+    }
+}
+
+fn secret_key(key: &Bound<'_, PyAny>) -> PyResult<SecretKey> {
+    let bytes = crate::protocol::mavlink::bytes_like(key)?;
+    SecretKey::new(bytes.cast::<PyBytes>()?.as_bytes()).map_err(signing_error)
+}
+
+fn timestamp_of(value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    match value.extract::<u64>() {
+        Ok(timestamp) => Ok(timestamp),
+        Err(_) => value.invoke_method0(intern!(value.py(), "__int__"))?.extract(),
+    }
+}
+
+impl Signing {
+    fn state(&self) -> Guard<'_, SigningState> {
+        // SAFETY: signing states are Python objects, whose methods run attached.
+        self.state.lock(unsafe { Python::assume_attached() })
+    }
+
+    /// Does something with what the links with this key share.
+    fn with_streams<T>(&self, act: impl FnOnce(&mut Streams) -> T) -> T {
+        // SAFETY: as above.
+        let py = unsafe { Python::assume_attached() };
+        let shared = self.streams.lock(py);
+        let mut streams = shared.lock(py);
+        act(&mut streams)
+    }
+
+    fn judge(&self, frame: &FrameRef<'_>) -> Verdict {
+        let now = self.clock();
+        self.with_streams(|streams| self.state().check_in(&mut streams.received, frame, now))
+    }
+
+    /// Whether a frame is genuine, and neither received nor looked at before. Who receives it later finds all as it was.
+    pub(crate) fn look(&self, frame: &FrameRef<'_>) -> bool {
+        let now = self.clock();
+        let verdict = self.with_streams(|streams| {
+            self.state().look(&mut streams.seen, &streams.received, frame, now)
+        });
+        verdict.is_verified()
+    }
+
+    /// The clock, if timestamps follow it.
+    fn clock(&self) -> Option<u64> {
+        self.follows_clock.load(Relaxed).then(|| {
+            timestamp_from_unix_micros((mavwire_link::clock::unix_seconds() * 1.0e6) as u64)
+        })
+    }
+
+    fn use_streams(&self, py: Python<'_>, streams: Arc<Lock<Streams>>) {
+        let old = std::mem::replace(&mut *self.streams.lock(py), streams);
+        drop(old);
+    }
+
+    fn use_key(&self, py: Python<'_>, key: Option<SecretKey>) {
+        self.has_key.store(key.is_some(), Relaxed);
+        self.state().set_key(key);
+        // What was shared was with links of the key before.
+        let streams = self.with_streams(|streams| Streams {
+            received: streams.received.clone(),
+            seen: streams.seen.begun_anew(),
+        });
+        self.use_streams(py, Arc::new(Lock::new(streams)));
+    }
+
+    /// Has the timestamp stored before it is used, if it reached the mark.
+    fn store_timestamp(&self) -> PyResult<()> {
+        let timestamp = self.state().timestamp;
+        if timestamp < self.mark.load(Relaxed) {
+            return Ok(());
+        }
+        // SAFETY: as above.
+        let py = unsafe { Python::assume_attached() };
+        if let Some(keep) = self.keep.get(py) {
+            let mark = keep.invoke1((timestamp,))?.extract()?;
+            // Another store may have come in its place meanwhile.
+            if self.keep.get(py).is_some_and(|now| now.is(&keep)) {
+                self.mark.store(mark, Relaxed);
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn has_key(&self) -> bool {
+        self.has_key.load(Relaxed)
+    }
+
+    pub(crate) fn signs_outgoing(&self) -> bool {
+        self.sign_outgoing.load(Relaxed)
+    }
+
+    /// Signs a frame that was made for it.
+    pub(crate) fn sign_frame(&self, frame: &mut FrameBuffer) -> PyResult<()> {
+        let (link_id, now) = (self.link_id.load(Relaxed), self.clock());
+        self.state().sign_frame(frame, link_id, now).map_err(signing_error)?;
+        self.store_timestamp()
+    }
+
+    /// Appends a signature to a frame.
+    pub(crate) fn sign(&self, frame: &mut Vec<u8>) -> PyResult<()> {
+        let (link_id, now) = (self.link_id.load(Relaxed), self.clock());
+        self.state().sign(frame, 0, link_id, now).map_err(signing_error)?;
+        self.store_timestamp()
+    }
+
+    /// Counts frames that carry a signature which nobody checks.
+    pub(crate) fn note_signed(&self, frames: u64) {
+        shared::add(&self.seen, frames);
+    }
+
+    /// Decides about a frame whose checksum is right or, with an unknown id, cannot be checked.
+    pub(crate) fn accept(
+        &self,
+        mav: &Bound<'_, MAVLink>,
+        bytes: &[u8],
+        known: bool,
+    ) -> PyResult<Acceptance> {
+        let has_key = self.has_key.load(Relaxed);
+        let Ok(frame) = FrameRef::parse(bytes) else {
+            return Ok(if has_key { Acceptance::Rejected } else { Acceptance::Unchecked });
+        };
+        let header = frame.header();
+        if header.is_signed() && (known || has_key) {
+            shared::add(&self.seen, 1);
+        }
+        if !has_key {
+            return Ok(Acceptance::Unchecked);
+        }
+        if header.is_signed() && mav.get().is_overridden(overridden::SIGNATURE) {
+            return self.accept_by_method(mav, bytes, header);
+        }
+        let verdict = self.judge(&frame);
+        log_verdict(mav, verdict)?;
+        match verdict {
+            Verdict::NoKey => Ok(Acceptance::Unchecked),
+            Verdict::Good { .. } => {
+                shared::add(&self.good, 1);
+                self.store_timestamp()?;
+                Ok(Acceptance::Verified)
+            }
+            Verdict::Unsigned => self.ask(mav, header.msgid),
+            _ => {
+                shared::add(&self.bad, 1);
+                self.ask(mav, header.msgid)
+            }
+        }
+    }
+
+    /// Checks a signature with the program's own `check_signature`.
+    fn accept_by_method(
+        &self,
+        mav: &Bound<'_, MAVLink>,
+        bytes: &[u8],
+        header: &Header,
+    ) -> PyResult<Acceptance> {
+        let py = mav.py();
+        let arguments = (PyByteArray::new(py, bytes), header.sysid, header.compid);
+        if mav.invoke_method1(intern!(py, "check_signature"), arguments)?.truth()? {
+            shared::add(&self.good, 1);
+            self.store_timestamp()?;
+            return Ok(Acceptance::Verified);
+        }
+        shared::add(&self.bad, 1);
+        self.ask(mav, header.msgid)
+    }
+
+    /// Asks the application about a frame that is not signed, or not well.
+    fn ask(&self, mav: &Bound<'_, MAVLink>, msgid: u32) -> PyResult<Acceptance> {
+        let Some(callback) = self.allow_unsigned.get(mav.py()) else {
+            return Ok(Acceptance::Rejected);
+        };
+        if callback.invoke1((mav, msgid))?.truth()? {
+            shared::add(&self.passed, 1);
+            return Ok(Acceptance::Unchecked);
+        }
+        shared::add(&self.rejected, 1);
+        Ok(Acceptance::Rejected)
+    }
+
+    /// The application may be asked about a frame: its answer can be an exception.
+    pub(crate) fn asks(&self, py: Python<'_>) -> bool {
+        self.has_key() && self.allow_unsigned.get(py).is_some()
+    }
+
+    /// `mav.check_signature(...)`
+    pub(crate) fn check(&self, mav: &Bound<'_, MAVLink>, bytes: &[u8]) -> PyResult<bool> {
+        if !self.has_key.load(Relaxed) {
+            return Err(PyAssertionError::new_err(()));
+        }
+        let Ok(frame) = FrameRef::parse(bytes) else { return Ok(false) };
+        let verdict = self.judge(&frame);
+        log_verdict(mav, verdict)?;
+        Ok(verdict.is_verified())
+    }
+}
+
+/// Writes to the dialect module's logger what pymavlink writes there.
+fn log_verdict(mav: &Bound<'_, MAVLink>, verdict: Verdict) -> PyResult<()> {
+    let lines: &[&str] = match verdict {
+        Verdict::NoKey | Verdict::Unsigned | Verdict::Good { stream: Stream::Known } => {
+            return Ok(());
+        }
+        Verdict::Good { stream: Stream::New } => &["new stream"],
+        Verdict::OldTimestamp { .. } => &["old timestamp"],
+        Verdict::NewStreamTooOld { timestamp, local } => {
+            let mut line = String::from("bad new stream");
+            for units in [timestamp, local] {
+                line.push(' ');
+                write_repr(&mut line, units as f64 / UNITS_PER_YEAR);
+            }
+            return log(mav, &line);
+        }
+        Verdict::TooFarAhead { .. } => &["timestamp too far ahead"],
+        Verdict::Mismatch { stream: Stream::New } => &["new stream", "sig mismatch"],
+        Verdict::Mismatch { stream: Stream::Known } => &["sig mismatch"],
+    };
+    lines.iter().try_for_each(|line| log(mav, line))
+}
+
+fn log(mav: &Bound<'_, MAVLink>, line: &str) -> PyResult<()> {
+    let py = mav.py();
+    let name = mav.get().dialect.get().global(py, "__name__")?;
+    let logging = import(py, intern!(py, "logging"))?;
+    let logger = logging.invoke_method1(intern!(py, "getLogger"), (name,))?;
+    logger.invoke_method1(intern!(py, "info"), (line,))?;
+    Ok(())
+}
+
+#[pymethods]
+impl Signing {
+    #[new]
+    fn new() -> Self {
+        Self {
+            state: Lock::new(SigningState::new()),
+            streams: Lock::new(Arc::new(Lock::new(Streams::default()))),
+            mark: AtomicU64::new(u64::MAX),
+            keep: Slot::new(),
+            follows_clock: AtomicBool::new(false),
+            has_key: AtomicBool::new(false),
+            link_id: AtomicU8::new(0),
+            sign_outgoing: AtomicBool::new(false),
+            allow_unsigned: Slot::new(),
+            seen: AtomicU64::new(0),
+            good: AtomicU64::new(0),
+            bad: AtomicU64::new(0),
+            passed: AtomicU64::new(0),
+            rejected: AtomicU64::new(0),
+        }
+    }
+
+    /// The secret key: 32 bytes, or None. Any other length is a `ValueError`.
+    #[getter]
+    fn secret_key<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyBytes>> {
+        let key = self.state().key().map(|key| *key.expose());
+        key.map(|key| PyBytes::new(py, &key))
+    }
+    #[setter]
+    fn set_secret_key(&self, py: Python<'_>, key: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        self.use_key(py, key.map(secret_key).transpose()?);
+        Ok(())
+    }
+
+    /// Timestamp of the next signed frame, in 10 us since 2015-01-01.
+    #[getter]
+    fn timestamp(&self) -> u64 {
+        self.state().timestamp
+    }
+    #[setter]
+    fn set_timestamp(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let timestamp = timestamp_of(value)?;
+        self.state().timestamp = timestamp;
+        Ok(())
+    }
+
+    /// Key, policy and timestamps at once, so that no other thread sees some of them without the rest. Timestamps follow
+    /// the clock or count up, and `keep(timestamp) -> mark` is called before those from the mark on are used.
+    /// Received timestamps may be `max_ahead` units ahead of the clock, or any number where it is None.
+    #[allow(clippy::too_many_arguments)] // each is a part of what must change at once
+    fn _set_up(
+        &self,
+        py: Python<'_>,
+        key: Option<&Bound<'_, PyAny>>,
+        #[pyo3(from_py_with = truth)] sign_outgoing: bool,
+        allow_unsigned_callback: Option<Py<PyAny>>,
+        link_id: u8,
+        #[pyo3(from_py_with = timestamp_of)] timestamp: u64,
+        follows_clock: bool,
+        keep: Option<Py<PyAny>>,
+        max_ahead: Option<u64>,
+    ) -> PyResult<()> {
+        let key = key.map(secret_key).transpose()?;
+        // Dropped at the end: that may run Python code.
+        let _old = (self.allow_unsigned.get(py), self.keep.get(py));
+        self.use_key(py, key);
+        self.sign_outgoing.store(sign_outgoing, Relaxed);
+        self.link_id.store(link_id, Relaxed);
+        self.follows_clock.store(follows_clock, Relaxed);
+        let mut state = self.state();
+        (state.timestamp, state.max_ahead) = (timestamp, max_ahead);
+        drop(state);
+        self.mark.store(if keep.is_some() { 0 } else { u64::MAX }, Relaxed);
+        self.allow_unsigned.set(allow_unsigned_callback);
+        self.keep.set(keep);
+        self.store_timestamp()
+    }
+
+    /// Shares the stream table of `other` if that has the same key; whether it has.
+    fn _share(slf: &Bound<'_, Self>, other: &Bound<'_, Self>) -> bool {
+        if slf.is(other) {
+            return false;
+        }
+        let (this, that) = (slf.get(), other.get());
+        // One lock at a time: another thread may compare the other way round.
+        let others = that.state().key().and_then(|key| SecretKey::new(key.expose()).ok());
+        let state = this.state();
+        let same = state.key().zip(others.as_ref()).is_some_and(|(own, key)| own.equals(key));
+        drop(state);
+        if same {
+            let streams = Arc::clone(&that.streams.lock(slf.py()));
+            this.use_streams(slf.py(), streams);
+        }
+        same
+    }
+
+    /// Link id that outgoing signatures carry, 0 to 255.
+    #[getter]
+    fn link_id(&self) -> u8 {
+        self.link_id.load(Relaxed)
+    }
+    #[setter]
+    fn set_link_id(&self, value: u8) {
+        self.link_id.store(value, Relaxed);
+    }
+
+    /// Sign what is sent.
+    #[getter]
+    fn sign_outgoing(&self) -> bool {
+        self.signs_outgoing()
+    }
+    #[setter]
+    fn set_sign_outgoing(&self, #[pyo3(from_py_with = truth)] value: bool) {
+        self.sign_outgoing.store(value, Relaxed);
+    }
+
+    /// `callback(mav, msgId) -> bool` decides about frames that are not signed, or not well.
+    #[getter]
+    fn allow_unsigned_callback<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.allow_unsigned.get(py)
+    }
+    #[setter]
+    fn set_allow_unsigned_callback(&self, value: Option<Py<PyAny>>) {
+        self.allow_unsigned.set(value);
+    }
+
+    /// Last timestamp of each verified stream: `{(link_id, sysid, compid): timestamp}`, a copy.
+    #[getter]
+    fn stream_timestamps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let rows: Vec<_> = self.with_streams(|streams| streams.received.iter().collect());
+        let dict = PyDict::new(py);
+        for (id, timestamp) in rows {
+            dict.set_item((id.link_id, id.sysid, id.compid), timestamp)?;
+        }
+        Ok(dict)
+    }
+    #[setter]
+    fn set_stream_timestamps(&self, value: &Bound<'_, PyDict>) -> PyResult<()> {
+        let mut rows = Vec::new();
+        for (key, timestamp) in value {
+            let (link_id, sysid, compid) = key.extract()?;
+            rows.push((StreamId { link_id, sysid, compid }, timestamp.extract()?));
+        }
+        self.with_streams(|streams| {
+            let room = streams.received.capacity();
+            if rows.len() > room {
+                let message = format!("stream_timestamps holds {room} streams, not {}", rows.len());
+                return Err(PyValueError::new_err(message));
+            }
+            streams.received.clear();
+            streams.seen = Sightings::default();
+            for (id, timestamp) in rows {
+                streams.received.set(id, timestamp);
+            }
+            Ok(())
+        })
+    }
+
+    /// Signed frames received.
+    #[getter]
+    fn sig_count(&self) -> u64 {
+        self.seen.load(Relaxed)
+    }
+    #[setter]
+    fn set_sig_count(&self, value: u64) {
+        self.seen.store(value, Relaxed);
+    }
+    /// Good signatures.
+    #[getter]
+    fn goodsig_count(&self) -> u64 {
+        self.good.load(Relaxed)
+    }
+    #[setter]
+    fn set_goodsig_count(&self, value: u64) {
+        self.good.store(value, Relaxed);
+    }
+    /// Bad signatures.
+    #[getter]
+    fn badsig_count(&self) -> u64 {
+        self.bad.load(Relaxed)
+    }
+    #[setter]
+    fn set_badsig_count(&self, value: u64) {
+        self.bad.store(value, Relaxed);
+    }
+    /// Frames that the callback let pass.
+    #[getter]
+    fn unsigned_count(&self) -> u64 {
+        self.passed.load(Relaxed)
+    }
+    #[setter]
+    fn set_unsigned_count(&self, value: u64) {
+        self.passed.store(value, Relaxed);
+    }
+    /// Frames that the callback rejected.
+    #[getter]
+    fn reject_count(&self) -> u64 {
+        self.rejected.load(Relaxed)
+    }
+    #[setter]
+    fn set_reject_count(&self, value: u64) {
+        self.rejected.store(value, Relaxed);
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.keep.traverse(visit)?;
+        self.allow_unsigned.traverse(visit)
+    }
+
+    fn __clear__(&self) {
+        self.keep.set(None);
+        self.allow_unsigned.set(None);
+    }
+}

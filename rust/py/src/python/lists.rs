@@ -1,0 +1,83 @@
+//! Lists that come from a program.
+//!
+//! `Vec` as PyO3 makes it takes memory at once for as many items as an object says it has, and the process ends if there
+//! is not so much: `range(10**12)` and objects that lie are enough. These take items one after the other, up to a number
+//! that no list here comes near.
+
+use pyo3::conversion::FromPyObjectOwned;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyBytes, PyString};
+
+use crate::python::calling::Calling;
+
+/// Items that a list may have.
+const MAX_ITEMS: usize = 1 << 20;
+
+fn too_long() -> PyErr {
+    PyValueError::new_err(format!("a list of more than {MAX_ITEMS} items"))
+}
+
+/// The items of any iterable but a string, for `#[pyo3(from_py_with = list)]`.
+///
+/// # Errors
+/// `TypeError` for what cannot be iterated over and for strings, `ValueError` for more than 1,048,576 items, and what
+/// iterating raises or an item says that does not fit.
+pub(crate) fn list<'py, T: FromPyObjectOwned<'py>>(object: &Bound<'py, PyAny>) -> PyResult<Vec<T>> {
+    if object.is_instance_of::<PyString>() {
+        return Err(PyTypeError::new_err("a list is needed, not a string"));
+    }
+    // Who says so is believed, before a million items are taken; who says less is not.
+    if object.len().is_ok_and(|len| len > MAX_ITEMS) {
+        return Err(too_long());
+    }
+    collected(object.items()?.map(|item| item?.extract().map_err(Into::into)))
+}
+
+/// What an iterator over objects of a program yields, if that is not too much.
+///
+/// # Errors
+/// `ValueError` for more than 1,048,576 items, and the first of its own.
+pub(crate) fn collected<T>(from: impl Iterator<Item = PyResult<T>>) -> PyResult<Vec<T>> {
+    let mut items = Vec::new();
+    for item in from {
+        if items.len() == MAX_ITEMS {
+            return Err(too_long());
+        }
+        items.push(item?);
+    }
+    Ok(items)
+}
+
+/// The same where `None` stands for no list.
+///
+/// # Errors
+/// As [`list`].
+pub(crate) fn optional_list<'py, T: FromPyObjectOwned<'py>>(
+    object: &Bound<'py, PyAny>,
+) -> PyResult<Option<Vec<T>>> {
+    if object.is_none() { Ok(None) } else { list(object).map(Some) }
+}
+
+/// Bytes: of any length if they are `bytes` or a `bytearray`, else the numbers of a [`list`].
+///
+/// # Errors
+/// As [`list`].
+pub(crate) fn bytes(object: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
+    if let Ok(bytes) = object.cast::<PyBytes>() {
+        return Ok(bytes.as_bytes().to_vec());
+    }
+    match object.cast::<PyByteArray>() {
+        Ok(array) => Ok(array.to_vec()),
+        Err(_) => list(object),
+    }
+}
+
+/// The same where `None` stands for no bytes.
+///
+/// # Errors
+/// As [`list`].
+#[cfg(unix)] // only options of the bridge use it
+pub(crate) fn optional_bytes(object: &Bound<'_, PyAny>) -> PyResult<Option<Vec<u8>>> {
+    if object.is_none() { Ok(None) } else { bytes(object).map(Some) }
+}

@@ -1,0 +1,34 @@
+//! Python objects that user code reads and replaces while other threads use them.
+
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+
+use crate::sync::lock::Lock;
+
+/// A place for a Python object of a known type, or for any.
+pub(crate) struct Slot<T = PyAny>(Lock<Option<Py<T>>>);
+
+impl<T> Slot<T> {
+    pub(crate) const fn new() -> Self {
+        Self(Lock::new(None))
+    }
+
+    #[inline]
+    pub(crate) fn get<'py>(&self, py: Python<'py>) -> Option<Bound<'py, T>> {
+        self.0.lock(py).as_ref().map(|value| value.bind(py).clone())
+    }
+
+    pub(crate) fn set(&self, value: Option<Py<T>>) {
+        // The old value is dropped after the lock is released: its destructor may run Python code.
+        let old = Python::attach(|py| std::mem::replace(&mut *self.0.lock(py), value));
+        drop(old);
+    }
+
+    pub(crate) fn traverse(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        // SAFETY: the garbage collector runs attached.
+        match unsafe { self.0.try_lock() } {
+            Some(value) => visit.call(value.as_ref()),
+            None => Ok(()),
+        }
+    }
+}

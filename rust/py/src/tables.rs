@@ -1,0 +1,15 @@
+//! Logs as tables, files and other logs.
+
+pub(crate) mod align;
+pub(crate) mod column_view;
+pub(crate) mod columns;
+pub(crate) mod convert;
+pub(crate) mod convert_output;
+pub(crate) mod dataflash;
+pub(crate) mod dates;
+pub(crate) mod decompress;
+pub(crate) mod open_log;
+pub(crate) mod rewrite;
+pub(crate) mod source;
+pub(crate) mod table;
+pub(crate) mod track;

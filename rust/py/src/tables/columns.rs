@@ -1,0 +1,325 @@
+//! `LogColumns`: a log as tables, batch by batch; and `log_summary`, what is in it.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use mavwire_columns::Error;
+use mavwire_columns::input::Steps;
+use mavwire_columns::layout::{Invalid, Layout, Options};
+use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
+use mavwire_columns::scan::Framing;
+use mavwire_columns::select::Wanted;
+use mavwire_columns::summary::{Count, Sender, Summary};
+use mavwire_link::files;
+use mavwire_link::memory::Freed;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::dialect::registry::Dialect;
+use crate::python::calling::Calling;
+use crate::python::lists::optional_list;
+use crate::tables::source::Source;
+use crate::tables::table::{RecordBatches, columns_error};
+
+/// What to read: the attributes of the object that `LogColumns` is given.
+#[derive(FromPyObject)]
+#[allow(clippy::struct_excessive_bools)] // the fields are attributes of a Python object
+pub(crate) struct Query {
+    /// Message ids; `None` for all.
+    #[pyo3(from_py_with = optional_list)]
+    types: Option<Vec<u32>>,
+    /// Ids that the dialect lacks; `None` for all of them.
+    #[pyo3(from_py_with = optional_list)]
+    unknown: Option<Vec<u32>>,
+    /// The same for dataflash logs: names of record types.
+    #[pyo3(from_py_with = optional_list)]
+    pub(crate) names: Option<Vec<String>>,
+    #[pyo3(from_py_with = optional_list)]
+    systems: Option<Vec<u8>>,
+    pub(crate) start: Option<f64>,
+    pub(crate) end: Option<f64>,
+    /// Names of columns; `None` for all.
+    #[pyo3(from_py_with = optional_list)]
+    columns: Option<Vec<String>>,
+    si: bool,
+    enum_names: bool,
+    #[pyo3(from_py_with = invalid_of)]
+    invalid: Invalid,
+    /// Cells of CSV files are no formulas.
+    pub(crate) csv_safe: bool,
+    /// Records that have no time are wanted whatever `start` and `end` are; else it is an error to ask for some time.
+    untimed: bool,
+    /// Rows of a batch at most; 0 for those of each block of the log, `None` for one batch of each type.
+    batch_rows: Option<usize>,
+    /// Bytes that all batches under way may have.
+    batch_bytes: Option<usize>,
+}
+
+fn invalid_of(word: &Bound<'_, PyAny>) -> PyResult<Invalid> {
+    match word.extract()? {
+        "null" => Ok(Invalid::Null),
+        "keep" => Ok(Invalid::Keep),
+        other => Err(PyValueError::new_err(format!("invalid is 'null' or 'keep', not '{other}'"))),
+    }
+}
+
+impl Query {
+    pub(crate) fn wanted(&self, dialect: &Dialect) -> Wanted {
+        let messages = &dialect.registry.dialect().messages;
+        let types = self
+            .types
+            .as_ref()
+            .map(|ids| messages.iter().map(|message| ids.contains(&message.id)).collect());
+        let systems = self.systems.as_ref().map(|ids| {
+            let mut systems = Box::new([false; 256]);
+            for &id in ids {
+                systems[usize::from(id)] = true;
+            }
+            systems
+        });
+        let (start, end) = self.span();
+        Wanted { types, unknown: self.unknown.clone(), systems, start, end }
+    }
+
+    /// Seconds since 1970: the first that is wanted, and the first that is not any more.
+    pub(crate) fn span(&self) -> (f64, f64) {
+        (self.start.unwrap_or(f64::NEG_INFINITY), self.end.unwrap_or(f64::INFINITY))
+    }
+
+    pub(crate) fn options(&self) -> Options {
+        Options {
+            si: self.si,
+            enum_names: self.enum_names,
+            invalid: self.invalid,
+            text_parts: false,
+            columns: self.columns.clone(),
+        }
+    }
+
+    pub(crate) fn limits(&self) -> Limits {
+        Limits {
+            rows: self.batch_rows.unwrap_or(usize::MAX),
+            bytes: self.batch_bytes.unwrap_or(usize::MAX),
+            ..Limits::NONE
+        }
+    }
+
+    /// A reader of a telemetry log, for use without the interpreter.
+    pub(crate) fn open(&self, log: &Source, dialect: &Dialect) -> Result<Box<dyn Decode>, Error> {
+        let (source, size) = (log.open()?, log.size());
+        let registry = Arc::clone(&dialect.registry);
+        let (wanted, options) = (self.wanted(dialect), self.options());
+        let (steps, framing, limits) = (Steps::default(), log.framing(), self.limits());
+        let reader = Reader::new(steps, source, framing, registry, wanted, options, limits)?;
+        self.checked(Box::new(reader.with_size(size)))
+    }
+
+    /// The reader, unless it cannot tell which records are of the time that is wanted.
+    pub(crate) fn checked(&self, reader: Box<dyn Decode>) -> Result<Box<dyn Decode>, Error> {
+        let any_time = self.start.is_none() && self.end.is_none();
+        if any_time || self.untimed || reader.has_times() {
+            Ok(reader)
+        } else {
+            Err(Error::Untimed)
+        }
+    }
+}
+
+/// One run over a log, giving tables.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct LogColumns {
+    reader: Mutex<Box<dyn Decode>>,
+    handed_out: Mutex<HandedOut>,
+}
+
+/// The batches that were handed out.
+#[derive(Default)]
+struct HandedOut {
+    /// Bytes of the last ones, if they are of a part of a block.
+    last: usize,
+    freed: Freed,
+}
+
+impl LogColumns {
+    pub(crate) fn new(reader: Box<dyn Decode>) -> Self {
+        Self { reader: Mutex::new(reader), handed_out: Mutex::default() }
+    }
+
+    fn advance(&self) -> Result<Option<Vec<Batch>>, Error> {
+        let mut handed_out = self.handed_out.lock().unwrap_or_else(PoisonError::into_inner);
+        // Who asks for more is mostly done with what came before. Giving that back takes time, which ordinary logs, whose
+        // blocks are taken in whole, can do without.
+        let last = std::mem::take(&mut handed_out.last);
+        handed_out.freed.add(last);
+        let batches = self.with(|reader| reader.advance_a_while())?;
+        if self.with(|reader| reader.is_within_block()) {
+            handed_out.last = batches.as_deref().map_or(0, bytes_of);
+        }
+        Ok(batches)
+    }
+
+    fn with<T>(&self, read: impl FnOnce(&mut dyn Decode) -> T) -> T {
+        read(&mut **self.reader.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Memory that batches take.
+pub(crate) fn bytes_of(batches: &[Batch]) -> usize {
+    batches.iter().map(|batch| batch.rows.get_array_memory_size()).sum()
+}
+
+pub(crate) fn table(batch: Batch) -> (String, RecordBatches) {
+    (batch.message.to_string(), RecordBatches::new(batch.rows.schema(), vec![batch.rows]))
+}
+
+#[pymethods]
+impl LogColumns {
+    #[new]
+    fn open(py: Python<'_>, log: Source, dialect: &Dialect, query: Query) -> PyResult<Self> {
+        py.detach(|| query.open(&log, dialect)).map(Self::new).map_err(columns_error)
+    }
+
+    fn __iter__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
+        slf
+    }
+
+    /// The tables that are ready after some more blocks of the log, `[(message, table), ...]`, perhaps none.
+    fn __next__(&self, py: Python<'_>) -> PyResult<Option<Vec<(String, RecordBatches)>>> {
+        py.check_signals()?;
+        let batches = py.detach(|| self.advance()).map_err(columns_error)?;
+        Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
+    }
+
+    /// Bytes of the log, decompressed, that are dealt with.
+    #[getter]
+    fn position(&self, py: Python<'_>) -> u64 {
+        py.detach(|| self.with(|reader| reader.position()))
+    }
+
+    /// How many of them belong to no record.
+    #[getter]
+    fn bad_bytes(&self, py: Python<'_>) -> u64 {
+        py.detach(|| self.with(|reader| reader.bad_bytes()))
+    }
+
+    /// What is wrong with the compressed file; `None` for nothing.
+    #[getter]
+    fn damage(&self, py: Python<'_>) -> Option<String> {
+        py.detach(|| self.with(|reader| reader.damage().map(str::to_owned)))
+    }
+}
+
+/// A table without rows of a message, with the columns that `query` asks for.
+#[pyfunction]
+pub(crate) fn empty_table(dialect: &Dialect, msgid: u32, query: Query) -> PyResult<RecordBatches> {
+    let registry = &dialect.registry;
+    let unknown = || PyValueError::new_err(format!("no message has the id {msgid}"));
+    let index = registry.lookup(msgid).ok_or_else(unknown)?.index;
+    if let Some(columns) = &query.columns {
+        Layout::check(registry, index, columns).map_err(columns_error)?;
+    }
+    let layout = Layout::new(registry, index, Framing::Stamped, &query.options());
+    Ok(RecordBatches::new(layout.schema, Vec::new()))
+}
+
+pub(crate) fn count_row(count: &Count) -> (u64, u64, u64, u64) {
+    (count.messages, count.first, count.last, count.elapsed)
+}
+
+/// What is in a log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
+#[pyfunction]
+pub(crate) fn log_summary<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    dialect: &Dialect,
+    gap: u64,
+    pulse: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let registry = Arc::clone(&dialect.registry);
+    let tell = Teller(pulse);
+    let sum = py.detach(|| -> Result<Summary, Stopped> {
+        let source = files::open(&path).map_err(Error::from)?;
+        Summary::read(source, registry, gap, |bytes| tell.tell(bytes))
+    });
+    let sum = sum.map_err(Stopped::into_err)?;
+    let messages = &dialect.registry.dialect().messages;
+    let types = PyDict::new(py);
+    for (message, count) in messages.iter().zip(&sum.types).filter(|(_, c)| c.messages > 0) {
+        types.set_item(&message.name, count_row(count))?;
+    }
+    for (msgid, count) in &sum.unknown {
+        types.set_item(format!("UNKNOWN_{msgid}"), count_row(count))?;
+    }
+    summary_dict(py, &sum, types)
+}
+
+/// Tells Python how far a run is, and heeds the user's wish to stop.
+pub(crate) struct Teller(pub(crate) Option<Py<PyAny>>);
+
+impl Teller {
+    pub(crate) fn tell(&self, bytes: u64) -> Result<(), Stopped> {
+        let told = Python::attach(|py| {
+            py.check_signals()?;
+            self.0.as_ref().map_or(Ok(()), |pulse| pulse.bind(py).invoke1((bytes,)).map(drop))
+        });
+        told.map_err(Stopped::Raised)
+    }
+}
+
+/// A summary as Python takes it.
+pub(crate) fn summary_dict<'py>(
+    py: Python<'py>,
+    sum: &Summary,
+    types: Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let senders = PyDict::new(py);
+    for (ids, sender) in &sum.senders {
+        let Sender { lost, repeated, clocks, .. } = sender;
+        let (reboots, shared) = (clocks.reboots(), clocks.is_shared());
+        senders.set_item(ids, (count_row(&sender.count), lost, repeated, reboots, shared))?;
+    }
+    let bad = PyList::new(py, sum.bad.iter().map(|range| (range.start, range.end - range.start)))?;
+    let dict = PyDict::new(py);
+    dict.set_item("bytes", sum.bytes)?;
+    dict.set_item("stamped", sum.stamped)?;
+    dict.set_item("count", count_row(&sum.count))?;
+    dict.set_item("types", types)?;
+    dict.set_item("unlisted", sum.unlisted)?;
+    dict.set_item("senders", senders)?;
+    dict.set_item("gaps", &sum.gaps)?;
+    dict.set_item("gap_count", sum.gap_count)?;
+    dict.set_item("times_back", sum.times_back)?;
+    dict.set_item("set_back", sum.steady.set_back as f64 * 1e-6)?;
+    dict.set_item("times_forward", sum.steady.times_forward)?;
+    dict.set_item("set_forward", sum.steady.set_forward as f64 * 1e-6)?;
+    dict.set_item("distrusted", sum.distrusted)?;
+    dict.set_item("bad", bad)?;
+    dict.set_item("bad_count", sum.bad_count)?;
+    dict.set_item("bad_bytes", sum.bad_bytes)?;
+    dict.set_item("version1", sum.version1)?;
+    dict.set_item("signed", sum.signed)?;
+    dict.set_item("damage", &sum.damage)?;
+    Ok(dict)
+}
+
+/// Why a summary was not made.
+pub(crate) enum Stopped {
+    Failed(Error),
+    Raised(PyErr),
+}
+
+impl From<Error> for Stopped {
+    fn from(error: Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+impl Stopped {
+    pub(crate) fn into_err(self) -> PyErr {
+        match self {
+            Self::Failed(error) => columns_error(error),
+            Self::Raised(error) => error,
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! `Converter`: the tables of a log into files without the interpreter; and `write_table` and `csv_safe`.
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+use mavwire_columns::Error;
+use mavwire_columns::arrow::array::RecordBatch;
+use mavwire_columns::convert::{self, Compression, Format, Sink, moments};
+use mavwire_columns::mcap;
+use mavwire_columns::pool;
+use mavwire_columns::reader::{Batch, Decode};
+use mavwire_link::files::Draft;
+use mavwire_link::memory::Freed;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::dialect::registry::Dialect;
+use crate::tables::columns::{Query, bytes_of};
+use crate::tables::convert_output::Output;
+use crate::tables::source::Source;
+use crate::tables::table::{RecordBatches, columns_error};
+
+fn format_of(name: &str, csv_safe: bool) -> PyResult<Format> {
+    Ok(match name {
+        "parquet" => Format::Parquet,
+        "csv" if csv_safe => Format::SafeCsv,
+        "csv" => Format::Csv,
+        "jsonl" => Format::JsonLines,
+        "arrow" => Format::Arrow,
+        _ => return Err(PyValueError::new_err(format!("no such format: {name:?}"))),
+    })
+}
+
+fn compression_of(name: &str) -> PyResult<Compression> {
+    Ok(match name {
+        "none" => Compression::None,
+        "zstd" => Compression::Zstd,
+        "snappy" => Compression::Snappy,
+        "gzip" => Compression::Gzip,
+        "lz4" => Compression::Lz4,
+        _ => return Err(PyValueError::new_err(format!("no such compression: {name:?}"))),
+    })
+}
+
+fn check(takes: bool, format: &str, compression: &str) -> PyResult<()> {
+    if takes {
+        return Ok(());
+    }
+    Err(PyValueError::new_err(format!("{format} cannot be compressed with {compression}")))
+}
+
+/// What a log becomes.
+fn output(
+    folder: PathBuf,
+    file: String,
+    format: &str,
+    compression: &str,
+    query: &Query,
+) -> PyResult<Output> {
+    let how = compression_of(compression)?;
+    if format == "mcap" {
+        check(mcap::takes(how), format, compression)?;
+        return Ok(Output::mcap(folder.join(file), how));
+    }
+    let kind = format_of(format, query.csv_safe)?;
+    check(kind.takes(how), format, compression)?;
+    Ok(Output::tables(folder, file, kind, how, query.names.is_some()))
+}
+
+/// A log, and the files that become of it.
+struct Work {
+    reader: Box<dyn Decode>,
+    output: Output,
+    /// What was read and is not written.
+    batches: Vec<Batch>,
+    freed: Freed,
+}
+
+impl Work {
+    /// Writes what was read, while more of the log is; false at its end.
+    fn step(&mut self) -> Result<bool, Error> {
+        let Self { reader, output, batches, .. } = self;
+        // Even in a raw stream all rows of a batch may have times.
+        if matches!(output, Output::Mcap { .. }) && !batches.is_empty() && !reader.has_times() {
+            return Err(Error::NoTimes);
+        }
+        let (written, read) = pool::both(|| output.write(batches), || reader.advance_a_while());
+        written?;
+        let written = std::mem::take(&mut self.batches);
+        let bytes = bytes_of(&written);
+        drop(written);
+        self.freed.add(bytes);
+        let more = read?;
+        let is_end = more.is_none();
+        self.batches = more.unwrap_or_default();
+        Ok(!is_end)
+    }
+}
+
+/// Writes the tables of a log to `folder/MESSAGE/file`, or all of them to `folder/file` where the format is `mcap`.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct Converter {
+    work: Mutex<Option<Work>>,
+}
+
+impl Converter {
+    pub(crate) fn new(
+        reader: Box<dyn Decode>,
+        folder: PathBuf,
+        file: String,
+        format: &str,
+        compression: &str,
+        query: &Query,
+    ) -> PyResult<Self> {
+        let output = output(folder, file, format, compression, query)?;
+        Ok(Self {
+            work: Mutex::new(Some(Work {
+                reader,
+                output,
+                batches: Vec::new(),
+                freed: Freed::default(),
+            })),
+        })
+    }
+
+    fn with<T>(&self, take: impl FnOnce(&mut Option<Work>) -> T) -> T {
+        take(&mut self.work.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[pymethods]
+impl Converter {
+    #[new]
+    #[pyo3(signature = (log, dialect, query, folder, file, format, compression))]
+    #[allow(clippy::too_many_arguments)] // one call, made in one place
+    fn open(
+        py: Python<'_>,
+        log: Source,
+        dialect: &Dialect,
+        query: Query,
+        folder: PathBuf,
+        file: String,
+        format: &str,
+        compression: &str,
+    ) -> PyResult<Self> {
+        let reader = py.detach(|| query.open(&log, dialect)).map_err(columns_error)?;
+        Self::new(reader, folder, file, format, compression, &query)
+    }
+
+    /// Converts some more blocks of the log; false at its end.
+    fn step(&self, py: Python<'_>) -> PyResult<bool> {
+        py.check_signals()?;
+        let step = |work: &mut Option<Work>| work.as_mut().map_or(Ok(false), Work::step);
+        py.detach(|| self.with(step)).map_err(columns_error)
+    }
+
+    /// Gives the files their names: `[(path, rows), ...]`. Without it nothing is left of them.
+    fn commit(&self, py: Python<'_>) -> PyResult<Vec<(PathBuf, u64)>> {
+        let commit = |work: &mut Option<Work>| {
+            let Some(mut work) = work.take() else { return Ok(Vec::new()) };
+            work.output.write(&work.batches)?;
+            work.output.commit()
+        };
+        py.detach(|| self.with(commit)).map_err(columns_error)
+    }
+
+    /// Removes what was written.
+    fn abandon(&self, py: Python<'_>) {
+        py.detach(|| self.with(|work| drop(work.take())));
+    }
+
+    /// Bytes of the log dealt with, bytes that belong to no record, and what is wrong with the compressed file.
+    fn progress(&self, py: Python<'_>) -> (u64, u64, Option<String>) {
+        py.detach(|| {
+            self.with(|work| {
+                work.as_ref().map_or((0, 0, None), |Work { reader, .. }| {
+                    let damage = reader.damage().map(str::to_owned);
+                    (reader.position(), reader.bad_bytes(), damage)
+                })
+            })
+        })
+    }
+}
+
+/// Writes a table to a file, which appears when it is complete; Ctrl-C is heard until then.
+#[pyfunction]
+pub(crate) fn write_table(
+    py: Python<'_>,
+    table: &RecordBatches,
+    path: PathBuf,
+    format: &str,
+    compression: &str,
+    csv_safe: bool,
+) -> PyResult<()> {
+    let kind = format_of(format, csv_safe)?;
+    let how = compression_of(compression)?;
+    check(kind.takes(how), format, compression)?;
+    let begin =
+        || -> Result<_, Error> { Sink::new(Draft::create(&path)?, table.schema(), kind, how) };
+    let rows = table.batches().iter().map(RecordBatch::num_rows).sum();
+    let mut sink = py.detach(begin).map_err(columns_error)?.with_rows(rows);
+    for rows in table.batches().iter().flat_map(moments) {
+        py.detach(|| sink.write(&rows)).map_err(columns_error)?;
+        py.check_signals()?;
+    }
+    let end = || -> Result<(), Error> { Ok(sink.finish()?.commit()?) };
+    py.detach(end).map_err(columns_error)
+}
+
+/// A text as a cell of CSV of which no spreadsheet makes a formula.
+#[pyfunction]
+pub(crate) fn csv_safe(text: &str) -> Cow<'_, str> {
+    convert::csv_safe(text)
+}

@@ -1,0 +1,164 @@
+//! `DataflashTables`: what a dataflash log says about itself, and its records as tables.
+
+use std::io;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use mavwire_columns::Error;
+use mavwire_columns::dataflash::{self, Form, Plan, Survey, Wanted, Whole, table_layout};
+use mavwire_columns::input::Steps;
+use mavwire_columns::layout::Options;
+use mavwire_columns::reader::Decode;
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::tables::columns::{LogColumns, Query, Stopped, Teller, count_row, summary_dict, table};
+use crate::tables::convert::Converter;
+use crate::tables::source::Source;
+use crate::tables::table::{RecordBatches, columns_error};
+
+/// A dataflash log, binary or text, that was gone through once for what it says about itself.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct DataflashTables {
+    log: Source,
+    survey: Arc<Survey>,
+}
+
+/// Tables and the names of their types.
+type Tables = Vec<(String, RecordBatches)>;
+
+fn is_dataflash(log: &Source) -> io::Result<bool> {
+    Ok(log.framing().is_none() && dataflash::recognise(log.open()?)?)
+}
+
+fn wanted(query: &Query) -> Wanted {
+    let (start, end) = query.span();
+    Wanted { names: query.names.clone(), start, end }
+}
+
+impl DataflashTables {
+    fn reader(&self, query: &Query) -> Result<Box<dyn Decode>, Error> {
+        let wanted = wanted(query);
+        let (open, options) = (|| self.log.open(), query.options());
+        let survey = Arc::clone(&self.survey);
+        let reader = dataflash::Reader::new(survey, &open, wanted, &options, query.limits())?;
+        query.checked(Box::new(reader))
+    }
+}
+
+#[pymethods]
+impl DataflashTables {
+    /// What a log says about itself; None if it is no dataflash log.
+    #[staticmethod]
+    fn open(py: Python<'_>, log: Source) -> PyResult<Option<Self>> {
+        let tell = Teller(None);
+        let survey = py.detach(|| {
+            if !is_dataflash(&log).map_err(Error::from)? {
+                return Ok(None);
+            }
+            Survey::read(Steps::default(), &|| log.open(), || tell.tell(0))
+        });
+        let survey = survey.map_err(Stopped::into_err)?;
+        Ok(survey.map(|survey| Self { log, survey: Arc::new(survey) }))
+    }
+
+    /// The same with the tables that `query` asks for; None in their place if they take another run, by `columns`.
+    #[staticmethod]
+    fn read(py: Python<'_>, log: Source, query: Query) -> PyResult<Option<(Self, Option<Tables>)>> {
+        let tell = Teller(None);
+        let (wanted, options, limits) = (wanted(&query), query.options(), query.limits());
+        let whole = py.detach(|| {
+            if !is_dataflash(&log).map_err(Error::from)? {
+                return Ok(None);
+            }
+            let plan = Plan { wanted, options, limits, size: log.size() };
+            dataflash::read_whole(Steps::default(), &|| log.open(), &plan, || tell.tell(0))
+        });
+        let whole = whole.map_err(Stopped::into_err)?;
+        Ok(whole.map(|Whole { survey, rows }| {
+            let tables = rows.map(|(batches, _)| batches.into_iter().map(table).collect());
+            (Self { log, survey: Arc::new(survey) }, tables)
+        }))
+    }
+
+    /// Whether a file begins as a dataflash log does.
+    #[staticmethod]
+    fn recognises(py: Python<'_>, log: Source) -> PyResult<bool> {
+        Ok(py.detach(|| is_dataflash(&log))?)
+    }
+
+    /// Whether it is a binary log; else it is text.
+    #[getter]
+    fn is_binary(&self) -> bool {
+        matches!(self.survey.form, Form::Binary(_))
+    }
+
+    /// The record types that the log describes.
+    #[getter]
+    fn names(&self) -> Vec<&str> {
+        self.survey.tables.iter().map(|name| &**name).collect()
+    }
+
+    /// The columns of each record type that the log describes, `{name: [column, ...]}`.
+    fn types<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let columns = |table| -> Vec<String> {
+            let layout = table_layout(&self.survey, table, &Options::default()).layout;
+            layout.columns.iter().map(|column| column.name.clone()).collect()
+        };
+        let types = PyDict::new(py);
+        for (table, name) in self.survey.tables.iter().enumerate() {
+            // Of thousands of types each is made without the interpreter: other threads go on meanwhile.
+            types.set_item(&**name, py.detach(|| columns(table)))?;
+            py.check_signals()?;
+        }
+        Ok(types)
+    }
+
+    /// A table without rows of a record type, with the columns that `query` asks for. `KeyError` for no such type.
+    fn empty(&self, name: &str, query: Query) -> PyResult<RecordBatches> {
+        let missing = || PyKeyError::new_err(name.to_owned());
+        let table = self.survey.table(name).ok_or_else(missing)?;
+        let layout = table_layout(&self.survey, table, &query.options()).layout;
+        Ok(RecordBatches::new(Arc::clone(&layout.schema), Vec::new()))
+    }
+
+    /// One run over the log, giving tables.
+    fn columns(&self, py: Python<'_>, query: Query) -> PyResult<LogColumns> {
+        py.detach(|| self.reader(&query)).map(LogColumns::new).map_err(columns_error)
+    }
+
+    /// One run over the log, writing `folder/TYPE/file`.
+    fn convert(
+        &self,
+        py: Python<'_>,
+        query: Query,
+        folder: PathBuf,
+        file: String,
+        format: &str,
+        compression: &str,
+    ) -> PyResult<Converter> {
+        let reader = py.detach(|| self.reader(&query)).map_err(columns_error)?;
+        Converter::new(reader, folder, file, format, compression, &query)
+    }
+
+    /// What is in the log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
+    fn summary<'py>(
+        &self,
+        py: Python<'py>,
+        gap: u64,
+        pulse: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let tell = Teller(pulse);
+        let open = || self.log.open();
+        let sum =
+            py.detach(|| dataflash::summary(&self.survey, &open, gap, |bytes| tell.tell(bytes)));
+        let sum = sum.map_err(Stopped::into_err)?;
+        let types = PyDict::new(py);
+        let counted = self.survey.tables.iter().zip(&sum.types);
+        for (name, count) in counted.filter(|(_, count)| count.messages > 0) {
+            types.set_item(&**name, count_row(count))?;
+        }
+        summary_dict(py, &sum, types)
+    }
+}

@@ -1,0 +1,76 @@
+//! `decompress`: a compressed file as a plain one, for readers that go to and fro in a log; `log_head`: the start of one; and
+//! what files are called until they are complete.
+
+use std::borrow::Cow;
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::PathBuf;
+
+use mavwire_columns::Error;
+use mavwire_columns::dataflash::begins_as_text;
+use mavwire_columns::input::{self, Blocks, decompressed};
+use mavwire_columns::scan::Framing;
+use mavwire_columns::text_encoding;
+use mavwire_link::files::{self, Draft};
+use pyo3::prelude::*;
+
+use crate::tables::columns::{Stopped, Teller};
+use crate::tables::source::Source;
+
+/// Writes what a file holds that is compressed with gzip or zstd to `out`, which appears when it is complete. Returns what
+/// is wrong with the compressed file, of which everything before that was written; None for nothing.
+#[pyfunction]
+pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> PyResult<Option<String>> {
+    let tell = Teller(None);
+    let done = py.detach(|| -> Result<Option<String>, Stopped> {
+        let mut blocks =
+            Blocks::new(files::open(&path).map_err(Error::from)?).map_err(Error::from)?;
+        let mut draft = Draft::create(&out).map_err(Error::from)?;
+        let mut write = |block: &[u8], _: bool| (block.len(), draft.write_all(block));
+        while let Some(written) = blocks.next(&mut write).map_err(Error::from)? {
+            written.map_err(Error::from)?;
+            tell.tell(0)?;
+        }
+        draft.commit().map_err(Error::from)?;
+        Ok(blocks.damage().map(str::to_owned))
+    });
+    done.map_err(Stopped::into_err)
+}
+
+/// The first `size` bytes of a log; of a compressed log that is cut off, those that are whole.
+#[pyfunction]
+pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow<'static, [u8]>> {
+    let head = py.detach(|| {
+        let blocks = Blocks::of_size(decompressed(log.open()?)?, size);
+        blocks.with_head(<[u8]>::to_vec)
+    });
+    Ok(Cow::Owned(head?.1))
+}
+
+/// Whether a telemetry log has time stamps or is a raw stream; None where it is in doubt that it is one.
+#[pyfunction]
+pub(crate) fn telemetry_kind(py: Python<'_>, path: PathBuf) -> PyResult<Option<&'static str>> {
+    let framing = py.detach(|| input::telemetry_framing(files::open(&path)?))?;
+    Ok(framing.map(|framing| match framing {
+        Framing::Stamped => "tlog",
+        Framing::Raw => "raw",
+    }))
+}
+
+/// Whether a dataflash text log begins like this, in UTF-8 or UTF-16.
+#[pyfunction]
+pub(crate) fn begins_as_text_log(head: &[u8]) -> bool {
+    begins_as_text(&text_encoding::head_to_utf8(head))
+}
+
+/// The start of a text log as UTF-8 with line feeds; other bytes as they are.
+#[pyfunction]
+pub(crate) fn head_to_utf8(head: &[u8]) -> Cow<'static, [u8]> {
+    Cow::Owned(text_encoding::head_to_utf8(head))
+}
+
+/// What the name of a file begins with until it is complete: its own name, or one made of it where that is long.
+#[pyfunction]
+pub(crate) fn draft_stem(name: OsString) -> OsString {
+    files::draft_stem(&name).into_owned()
+}
