@@ -1,6 +1,7 @@
 //! The state of one connection: parsing, packing, sending and signing.
 
 pub(crate) mod mavlink;
+mod message_methods;
 pub(crate) mod pack;
 pub(crate) mod parse;
 pub(crate) mod parser;

@@ -1,7 +1,9 @@
 //! What every part needs of the interpreter: calls, interned names, numbers, lists and errors.
 
 pub(crate) mod calling;
+pub(crate) mod collector;
 pub(crate) mod file_error;
+pub(crate) mod instance_dict;
 #[macro_use]
 pub(crate) mod intern;
 pub(crate) mod lists;

@@ -12,7 +12,7 @@ use pyo3::types::{PyDict, PyString};
 use crate::link::name_budget::Room;
 use crate::message::create::{self, create};
 use crate::message::dict;
-use crate::message::object::{Message, Origin, flags};
+use crate::message::object::{Message, Origin, flags, instance_dict};
 use crate::message::values;
 use crate::python::calling::Calling;
 
@@ -105,7 +105,7 @@ fn renew_newest<'py>(
 /// Nothing else was written to `previous`.
 fn holds_instances_alone(previous: &Bound<'_, PyAny>) -> PyResult<bool> {
     let Ok(message) = previous.cast::<Message>() else { return Ok(false) };
-    Ok(dict::instance_dict(message)?.len() == 1)
+    Ok(instance_dict(message)?.len() == 1)
 }
 
 /// `previous._instances`
@@ -113,7 +113,7 @@ fn instances_of<'py>(previous: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py,
     let name = intern!(previous.py(), "_instances");
     let instances = match previous.cast::<Message>() {
         Ok(message) if !message.get().has(flags::DICT) => None,
-        Ok(message) => dict::instance_dict(message)?.get_item(name)?,
+        Ok(message) => instance_dict(message)?.get_item(name)?,
         Err(_) => Some(previous.attribute(name)?),
     };
     match instances {

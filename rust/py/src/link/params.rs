@@ -9,9 +9,6 @@ use crate::message::object::Message;
 use crate::message::values::field_value;
 use crate::python::calling::Calling;
 
-/// The message that tells a parameter.
-pub(crate) const PARAM_VALUE: &str = "PARAM_VALUE";
-
 /// Parameters kept per component, since whoever sends chooses their names.
 const MAX_PARAMS: usize = 16384;
 /// Parameters kept of all that a link hears; those of its target are kept beyond it.

@@ -350,7 +350,7 @@ impl Link {
 /// The instance's own dictionary, for classes that show a `__dict__` of their own making.
 #[pyfunction]
 pub(crate) fn instance_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
-    crate::message::dict::generic_dict(object)
+    crate::python::instance_dict::generic_dict(object)
 }
 
 /// True if `class` has its own version of a method that the fast path skips. `_quick_methods` of the class lists each method

@@ -9,9 +9,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
 use crate::link::components::Components;
-use crate::message::dict;
 use crate::message::frame_bytes::FrameBytes;
 use crate::python::calling::Calling;
+use crate::python::instance_dict::generic_dict;
 use crate::sync::slot::Slot;
 
 /// Message id of `GPS_RAW_INT`, from which mavutil takes the home position until it has one with a fix.
@@ -59,7 +59,7 @@ impl SystemState {
         name: &Bound<'_, PyString>,
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let before = dict::generic_dict(slf.as_any())?.get_item(name)?;
+        let before = generic_dict(slf.as_any())?.get_item(name)?;
         // What cannot be compared, like an array, may have changed.
         let changed = before.is_none_or(|before| !before.equals(value).unwrap_or(false));
         slf.set_generic_attribute(name, Some(value))?;

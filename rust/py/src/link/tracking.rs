@@ -12,9 +12,8 @@ use crate::link::params;
 use crate::link::replaced;
 use crate::link::state::Link;
 use crate::link::system::{Sender, SystemState};
-use crate::message::dict;
-use crate::message::info::Info;
-use crate::message::object::{Message, flags};
+use crate::message::info::{Info, PARAM_VALUE};
+use crate::message::object::{Message, flags, instance_dict};
 use crate::python::calling::Calling;
 
 /// A SiK radio injects RADIO_STATUS under this source; it belongs to the link, not to a system.
@@ -82,7 +81,7 @@ pub(crate) fn call_python(
 ) -> PyResult<()> {
     let py = link.py();
     match message.get().info {
-        Some(info) if info.definition.name == params::PARAM_VALUE => params::keep(link, message)?,
+        Some(info) if info.definition.name == PARAM_VALUE => params::keep(link, message)?,
         Some(info) if info.changes_state => {
             link.invoke_method1(intern!(py, "_update"), (kind, message, state))?;
         }
@@ -100,7 +99,7 @@ pub(crate) fn call_python(
 }
 
 fn is_posted(message: &Bound<'_, Message>) -> PyResult<bool> {
-    let posted = dict::instance_dict(message)?.get_item(intern!(message.py(), "_posted"))?;
+    let posted = instance_dict(message)?.get_item(intern!(message.py(), "_posted"))?;
     posted.map_or(Ok(false), |posted| posted.truth())
 }
 

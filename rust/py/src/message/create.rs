@@ -28,6 +28,7 @@ use crate::message::frame_bytes::FrameBytes;
 use crate::message::info::Info;
 use crate::message::object::{Message, Origin, flags};
 use crate::python::calling::{Calling, class_name};
+use crate::python::collector::untrack;
 
 /// An instance as PyO3 lays it out.
 #[repr(C)]
@@ -210,30 +211,6 @@ fn create_by_pyo3<'py>(
     };
     let object = object.inspect_err(|_| drop(take_prepared()))?;
     Ok(object.cast_into::<Message>()?)
-}
-
-/// Takes a fresh message out of the garbage collector's sight.
-fn untrack(object: &Bound<'_, PyAny>) {
-    // SAFETY: the object is alive and of a type with garbage collection.
-    #[cfg(not(Py_GIL_DISABLED))]
-    unsafe {
-        ffi::PyObject_GC_UnTrack(object.as_ptr().cast());
-    }
-    #[cfg(Py_GIL_DISABLED)]
-    let _ = object;
-}
-
-/// Shows a message to the garbage collector, because it may refer to anything from now on.
-pub(crate) fn track(message: &Bound<'_, Message>) {
-    // SAFETY: as above; tracking is asked for once only.
-    #[cfg(not(Py_GIL_DISABLED))]
-    unsafe {
-        if ffi::PyObject_GC_IsTracked(message.as_ptr()) == 0 {
-            ffi::PyObject_GC_Track(message.as_ptr().cast());
-        }
-    }
-    #[cfg(Py_GIL_DISABLED)]
-    let _ = message;
 }
 
 /// `Message`'s own `tp_dealloc`, as PyO3 made it.

@@ -9,33 +9,8 @@ use pyo3::types::{PyBytes, PyDict, PyTuple};
 use crate::message::create::{self, create};
 use crate::message::frame_bytes::FrameBytes;
 use crate::message::meta::{self, Meta};
-use crate::message::object::{Message, Origin, flags};
+use crate::message::object::{Message, Origin, flags, instance_dict};
 use crate::python::calling::{Calling, import};
-
-/// The instance's own dictionary, as it stands.
-pub(crate) fn instance_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
-    generic_dict(message.as_any())
-}
-
-/// The dictionary of any object that has one, whatever its class says about `__dict__`.
-pub(crate) fn generic_dict<'py>(message: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
-    // SAFETY: the argument is a live object; the call returns a new reference to its dictionary or sets an exception.
-    let dict = unsafe {
-        let dict = ffi::PyObject_GenericGetDict(message.as_ptr(), std::ptr::null_mut());
-        Bound::from_owned_ptr_or_err(message.py(), dict)?
-    };
-    Ok(dict.cast_into::<PyDict>()?)
-}
-
-/// What writing to an attribute of this name may change.
-pub(crate) fn flags_for(name: &str) -> u32 {
-    match name {
-        "_timestamp" => 0,
-        "_posted" | "_link" | "_instances" => flags::DICT,
-        _ if name.starts_with('_') && !name.ends_with("_raw") => flags::DICT | flags::META,
-        _ => flags::DICT | flags::FIELDS,
-    }
-}
 
 /// `vars(message)`: the dictionary with every attribute in it.
 #[pyfunction]

@@ -8,7 +8,8 @@ use mavwire_schema::{Field, FieldType, Message as Definition};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 
-use crate::link::params::PARAM_VALUE;
+/// The message that tells a parameter.
+pub(crate) const PARAM_VALUE: &str = "PARAM_VALUE";
 
 /// Messages that tell flight modes, parameters and the home position.
 const CHANGES_STATE: [&str; 4] = ["HEARTBEAT", "HIGH_LATENCY2", "PARAM_VALUE", "GPS_RAW_INT"];

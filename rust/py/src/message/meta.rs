@@ -10,8 +10,7 @@ use pyo3::types::{PyByteArray, PyBytes, PyDict};
 use mavwire_core::frame::{CHECKSUM_LEN, FrameRef, Header, SIGNATURE_LEN};
 use std::sync::atomic::Ordering;
 
-use crate::message::dict::instance_dict;
-use crate::message::object::{Message, Origin, flags, payload_of};
+use crate::message::object::{Message, Origin, flags, instance_dict, payload_of};
 use crate::python::calling::Calling;
 
 /// One underscore attribute.
@@ -139,6 +138,29 @@ pub(crate) fn refresh(message: &Bound<'_, Message>) -> PyResult<()> {
             return Ok(()); // the thread that packed another frame updates it
         }
         instance_dict(message)?.set_item(meta.name(), value)?;
+    }
+    Ok(())
+}
+
+/// Remembers the frame that `pack` made, and forgets what was derived from an earlier one.
+pub(crate) fn set_packed(slf: &Bound<'_, Message>, frame: &Bound<'_, PyBytes>) -> PyResult<()> {
+    let this = slf.get();
+    if let Some(reason) = this.reason(slf.py()) {
+        instance_dict(slf)?.set_item(intern!(slf.py(), "reason"), reason)?;
+        Message::written(slf, flags::DICT | flags::FIELDS);
+    }
+    this.extra.set(frame.as_any());
+    this.set(flags::PACKED);
+    if this.has(flags::MATERIALISED) {
+        return refresh(slf);
+    }
+    if this.has(flags::META) {
+        let attributes = instance_dict(slf)?;
+        for meta in Meta::OF_FRAME {
+            if attributes.contains(meta.name())? {
+                attributes.del_item(meta.name())?;
+            }
+        }
     }
     Ok(())
 }

@@ -7,19 +7,14 @@
 use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering};
 
 use mavwire_core::frame::{HEADER_LEN_V1, HEADER_LEN_V2, Header, STX_V2};
-use pyo3::exceptions::{PyAttributeError, PyIndexError, PyNotImplementedError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyString};
 
-use crate::message::create;
-use crate::message::dict;
 use crate::message::extra::Extra;
 use crate::message::frame_bytes::FrameBytes;
-use crate::message::info::{Info, MessageInfo};
-use crate::message::meta::{self, Meta};
-use crate::message::text;
-use crate::protocol::pack;
-use crate::python::calling::{Calling, class_name, import, truth};
+use crate::message::info::Info;
+use crate::python::collector;
+use crate::python::instance_dict::generic_dict;
 use crate::sync::shared;
 
 /// How a message came to be.
@@ -75,7 +70,7 @@ pub(crate) struct Message {
     pub(crate) frame: FrameBytes,
     timestamp: AtomicU64,
     /// The frame that `pack` made last, or why this is BAD_DATA.
-    extra: Extra,
+    pub(in crate::message) extra: Extra,
     pub(crate) flags: AtomicU32,
     pub(crate) origin: Origin,
     /// `_link`: which link of a multi-link log.
@@ -130,7 +125,7 @@ impl Message {
     pub(crate) fn written(slf: &Bound<'_, Self>, bits: u32) {
         let before = shared::set_bits(&slf.get().flags, bits);
         if before & flags::DICT == 0 && bits & flags::DICT != 0 {
-            create::track(slf);
+            collector::track(slf);
         }
     }
 
@@ -164,29 +159,6 @@ impl Message {
             return None;
         }
         self.extra.get(py)?.cast_into().ok()
-    }
-
-    /// Remembers the frame that `pack` made, and forgets what was derived from an earlier one.
-    pub(crate) fn set_packed(slf: &Bound<'_, Self>, frame: &Bound<'_, PyBytes>) -> PyResult<()> {
-        let this = slf.get();
-        if let Some(reason) = this.reason(slf.py()) {
-            dict::instance_dict(slf)?.set_item(intern!(slf.py(), "reason"), reason)?;
-            Self::written(slf, flags::DICT | flags::FIELDS);
-        }
-        this.extra.set(frame.as_any());
-        this.set(flags::PACKED);
-        if this.has(flags::MATERIALISED) {
-            return meta::refresh(slf);
-        }
-        if this.has(flags::META) {
-            let attributes = dict::instance_dict(slf)?;
-            for meta in Meta::OF_FRAME {
-                if attributes.contains(meta.name())? {
-                    attributes.del_item(meta.name())?;
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Whether `frame` is still the frame that `pack` made last, if it made one.
@@ -247,20 +219,6 @@ impl Message {
     pub(crate) fn is_pristine(&self) -> bool {
         self.origin == Origin::Decoded && !self.has(flags::FIELDS)
     }
-
-    /// `_header.<name>` where somebody may have replaced it, else straight from the frame.
-    fn header_item<'py>(
-        slf: &Bound<'py, Self>,
-        name: &str,
-        read: impl FnOnce(Header) -> i64,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let py = slf.py();
-        if slf.get().has(flags::META) {
-            return slf.attribute(intern!(py, "_header"))?.attribute(name);
-        }
-        let value = slf.get().header().map_or(0, read);
-        Ok(value.into_pyobject(py)?.into_any())
-    }
 }
 
 /// Payload bytes of a complete frame.
@@ -270,243 +228,17 @@ pub(crate) fn payload_of(frame: &[u8]) -> &[u8] {
     &frame[header_len..header_len + usize::from(frame[1])]
 }
 
-#[pymethods]
-impl Message {
-    #[new]
-    #[classmethod]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(
-        cls: &Bound<'_, PyType>,
-        _args: &Bound<'_, PyTuple>,
-        _kwargs: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<Self> {
-        if let Some(prepared) = create::take_prepared() {
-            return Ok(prepared);
-        }
-        let info = cls.attribute(intern!(cls.py(), "_info"))?;
-        Ok(Self::built(info.cast::<MessageInfo>().ok().map(|info| info.get().info)))
-    }
+/// The instance's own dictionary, as it stands.
+pub(crate) fn instance_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDict>> {
+    generic_dict(message.as_any())
+}
 
-    fn __setattr__(
-        slf: &Bound<'_, Self>,
-        name: &Bound<'_, PyString>,
-        value: &Bound<'_, PyAny>,
-    ) -> PyResult<()> {
-        Self::written(slf, dict::flags_for(name.to_str()?));
-        slf.set_generic_attribute(name, Some(value))
-    }
-
-    fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        // Once everything stands in the dictionary, what is missing there is gone.
-        let attributes = dict::message_dict(slf)?;
-        if attributes.contains(name)? {
-            return attributes.del_item(name);
-        }
-        slf.set_generic_attribute(name, None)
-    }
-
-    /// Takes the attributes of a pickled message.
-    fn __setstate__(slf: &Bound<'_, Self>, state: &Bound<'_, PyDict>) -> PyResult<()> {
-        dict::instance_dict(slf)?.update(state.as_mapping())?;
-        Self::written(slf, flags::DICT | flags::FIELDS | flags::META);
-        Ok(())
-    }
-
-    /// Seconds since 1970 (or of the log's own clock), set by whoever received the message.
-    #[getter(_timestamp)]
-    fn get_timestamp(slf: &Bound<'_, Self>) -> PyResult<Py<PyAny>> {
-        let py = slf.py();
-        let this = slf.get();
-        if this.has(flags::TIMESTAMP_IN_DICT) {
-            if let Some(value) = dict::instance_dict(slf)?.get_item(intern!(py, "_timestamp"))? {
-                return Ok(value.unbind());
-            }
-        } else if let Some(seconds) = this.timestamp() {
-            return Ok(seconds.into_pyobject(py)?.into_any().unbind());
-        }
-        Err(PyAttributeError::new_err(format!(
-            "'{}' object has no attribute '_timestamp'",
-            class_name(&slf.get_type())?
-        )))
-    }
-
-    #[setter(_timestamp)]
-    fn put_timestamp(slf: &Bound<'_, Self>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let this = slf.get();
-        if let (false, Ok(seconds)) =
-            (this.has(flags::TIMESTAMP_IN_DICT), value.cast_exact::<pyo3::types::PyFloat>())
-        {
-            this.set_timestamp(seconds.extract()?);
-            return Ok(());
-        }
-        dict::instance_dict(slf)?.set_item(intern!(slf.py(), "_timestamp"), value)?;
-        Self::written(slf, flags::TIMESTAMP_IN_DICT | flags::DICT);
-        Ok(())
-    }
-
-    /// The whole frame, signature included; empty before packing or decoding.
-    fn get_msgbuf<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_msgbuf"))
-    }
-
-    /// The header object.
-    fn get_header<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_header"))
-    }
-
-    /// After packing the payload as sent; after decoding the frame from byte 6 up to the checksum.
-    fn get_payload<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_payload"))
-    }
-
-    /// Checksum of the frame, or None.
-    fn get_crc<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_crc"))
-    }
-
-    /// Field names in XML order.
-    fn get_fieldnames<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        if slf.get().has(flags::META) {
-            return slf.attribute(intern!(slf.py(), "_fieldnames"));
-        }
-        slf.get_type().attribute(intern!(slf.py(), "fieldnames"))
-    }
-
-    /// Message name, "BAD_DATA" or "UNKNOWN_<id>".
-    fn get_type<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let py = slf.py();
-        match &slf.get().info {
-            Some(info) if !slf.get().has(flags::META) => Ok(info.name.bind(py).clone().into_any()),
-            _ => slf.attribute(intern!(py, "_type")),
-        }
-    }
-
-    /// Message id; -1 for BAD_DATA, -2 for UNKNOWN.
-    #[pyo3(name = "get_msgId")]
-    fn get_msg_id<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let py = slf.py();
-        match &slf.get().info {
-            Some(info) if !slf.get().has(flags::META) => {
-                Ok(info.definition.id.into_pyobject(py)?.into_any())
-            }
-            _ => slf.attribute(intern!(py, "_header"))?.attribute(intern!(py, "msgId")),
-        }
-    }
-
-    /// Id of the sending system.
-    #[pyo3(name = "get_srcSystem")]
-    fn get_src_system<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Self::header_item(slf, "srcSystem", |header| i64::from(header.sysid))
-    }
-
-    /// Id of the sending component.
-    #[pyo3(name = "get_srcComponent")]
-    fn get_src_component<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Self::header_item(slf, "srcComponent", |header| i64::from(header.compid))
-    }
-
-    /// Sequence number of the frame.
-    fn get_seq<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Self::header_item(slf, "seq", |header| i64::from(header.seq))
-    }
-
-    /// True only if a signature was checked with a key and was good.
-    fn get_signed<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_signed"))
-    }
-
-    /// Link id of a verified signature, else None.
-    fn get_link_id<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_link_id"))
-    }
-
-    /// A field as text and JSON show it: bytes become text, everything else stays.
-    fn format_attr<'py>(
-        slf: &Bound<'py, Self>,
-        field: &Bound<'py, PyString>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        text::format_attr(slf, field)
-    }
-
-    fn __str__(slf: &Bound<'_, Self>) -> PyResult<Py<PyString>> {
-        text::to_text(slf)
-    }
-
-    /// `{"mavpackettype": type, field: value, ...}` in XML order.
-    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
-        text::to_dict(slf)
-    }
-
-    /// `json.dumps(to_dict())`.
-    fn to_json<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        text::to_json(slf)
-    }
-
-    fn __eq__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
-        text::equal(slf, other)
-    }
-
-    fn __ne__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
-        Ok(!text::equal(slf, other)?)
-    }
-
-    /// The message of one instance (battery, named value, ...), where mavutil keeps several.
-    fn __getitem__<'py>(
-        slf: &Bound<'py, Self>,
-        key: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let instances = slf.attribute(intern!(slf.py(), "_instances"))?;
-        if instances.is_none() || !instances.includes(key.as_any())? {
-            return Err(PyIndexError::new_err(()));
-        }
-        instances.get_item(key)
-    }
-
-    /// The frame as bytes, with source and sequence number taken from `mav`, which is not advanced.
-    #[pyo3(signature = (mav, force_mavlink1 = false))]
-    fn pack<'py>(
-        slf: &Bound<'py, Self>,
-        mav: &Bound<'py, PyAny>,
-        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        if slf.get().info.is_none() {
-            return Err(PyNotImplementedError::new_err(
-                "MAVLink_message cannot be serialized directly",
-            ));
-        }
-        pack::pack_message(slf, mav, force_mavlink1)
-    }
-
-    /// Frames a ready payload: `_pack(mav, crc_extra, payload, force_mavlink1=False) -> bytes`.
-    #[pyo3(name = "_pack", signature = (mav, crc_extra, payload, force_mavlink1 = false))]
-    fn pack_payload<'py>(
-        slf: &Bound<'py, Self>,
-        mav: &Bound<'py, PyAny>,
-        crc_extra: u8,
-        payload: &[u8],
-        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        pack::pack_payload(slf, mav, crc_extra, payload, force_mavlink1)
-    }
-
-    /// Appends a signature to the packed frame and advances the signing timestamp.
-    fn sign_packet(slf: &Bound<'_, Self>, mav: &Bound<'_, PyAny>) -> PyResult<()> {
-        pack::sign_packet(slf, mav)
-    }
-
-    fn __copy__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Self>> {
-        dict::copy(slf, |value| Ok(value.clone()))
-    }
-
-    fn __deepcopy__<'py>(
-        slf: &Bound<'py, Self>,
-        memo: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, Self>> {
-        let deepcopy = import(slf.py(), intern!(slf.py(), "copy"))?.attribute("deepcopy")?;
-        dict::copy(slf, |value| deepcopy.invoke1((value, memo)))
-    }
-
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        dict::reduce(slf)
+/// What writing to an attribute of this name may change.
+pub(crate) fn flags_for(name: &str) -> u32 {
+    match name {
+        "_timestamp" => 0,
+        "_posted" | "_link" | "_instances" => flags::DICT,
+        _ if name.starts_with('_') && !name.ends_with("_raw") => flags::DICT | flags::META,
+        _ => flags::DICT | flags::FIELDS,
     }
 }

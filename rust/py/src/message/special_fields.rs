@@ -5,8 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 
 use crate::message::descriptors::no_attribute;
-use crate::message::dict::instance_dict;
-use crate::message::object::{Message, Origin, flags};
+use crate::message::object::{Message, Origin, flags, instance_dict};
 
 /// Reason of bytes that start no frame.
 pub(crate) const BAD_PREFIX: &str = "Bad prefix";

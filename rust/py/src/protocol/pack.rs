@@ -7,10 +7,10 @@ use pyo3::types::{PyBytes, PyDict};
 use pyo3::{Borrowed, ffi};
 
 use crate::dialect::registry::Dialect;
-use crate::message::dict::instance_dict;
 use crate::message::encode::{self, Payload};
 use crate::message::info::Info;
-use crate::message::object::{Message, flags};
+use crate::message::meta;
+use crate::message::object::{Message, flags, instance_dict};
 use crate::protocol::mavlink::MAVLink;
 use crate::protocol::signing::Signing;
 use crate::python::calling::{Calling, import};
@@ -152,7 +152,7 @@ fn finish<'py>(
     let mut frame = FrameBuffer::default();
     Sender::of(mav)?.frame(&mut frame, msgid, payload, crc_extra, version)?;
     let packed = PyBytes::new(py, &frame);
-    Message::set_packed(message, &packed)?;
+    meta::set_packed(message, &packed)?;
     Ok(packed.into_any())
 }
 

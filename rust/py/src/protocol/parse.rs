@@ -12,7 +12,7 @@ use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
 
 use crate::message::create::pooled_frame;
 use crate::message::frame_bytes::FrameBytes;
-use crate::message::object::{Message, Origin, flags};
+use crate::message::object::{Message, Origin, flags, instance_dict};
 use crate::message::special_fields::BAD_PREFIX;
 use crate::protocol::mavlink::{MAVLink, bytes_like, overridden};
 use crate::protocol::signing::{Acceptance, Signing};
@@ -360,7 +360,7 @@ pub(crate) fn decode<'py>(
     };
     // The message shows the very object it was decoded from.
     let message_buffer = intern!(py, "_msgbuf");
-    crate::message::dict::instance_dict(&message)?.set_item(message_buffer, msgbuf)?;
+    instance_dict(&message)?.set_item(message_buffer, msgbuf)?;
     Message::written(&message, flags::DICT | flags::META);
     Ok(message)
 }

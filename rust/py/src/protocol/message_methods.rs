@@ -1,0 +1,270 @@
+//! The Python methods of `Message`.
+
+use pyo3::exceptions::{PyAttributeError, PyIndexError, PyNotImplementedError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString, PyTuple, PyType};
+
+use mavwire_core::frame::Header;
+
+use crate::message::create;
+use crate::message::dict;
+use crate::message::info::MessageInfo;
+use crate::message::object::{Message, flags, flags_for, instance_dict};
+use crate::message::text;
+use crate::protocol::pack;
+use crate::python::calling::{Calling, class_name, import, truth};
+
+#[pymethods]
+impl Message {
+    #[new]
+    #[classmethod]
+    #[pyo3(signature = (*_args, **_kwargs))]
+    fn new(
+        cls: &Bound<'_, PyType>,
+        _args: &Bound<'_, PyTuple>,
+        _kwargs: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        if let Some(prepared) = create::take_prepared() {
+            return Ok(prepared);
+        }
+        let info = cls.attribute(intern!(cls.py(), "_info"))?;
+        Ok(Self::built(info.cast::<MessageInfo>().ok().map(|info| info.get().info)))
+    }
+
+    fn __setattr__(
+        slf: &Bound<'_, Self>,
+        name: &Bound<'_, PyString>,
+        value: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        Self::written(slf, flags_for(name.to_str()?));
+        slf.set_generic_attribute(name, Some(value))
+    }
+
+    fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
+        // Once everything stands in the dictionary, what is missing there is gone.
+        let attributes = dict::message_dict(slf)?;
+        if attributes.contains(name)? {
+            return attributes.del_item(name);
+        }
+        slf.set_generic_attribute(name, None)
+    }
+
+    /// Takes the attributes of a pickled message.
+    fn __setstate__(slf: &Bound<'_, Self>, state: &Bound<'_, PyDict>) -> PyResult<()> {
+        instance_dict(slf)?.update(state.as_mapping())?;
+        Self::written(slf, flags::DICT | flags::FIELDS | flags::META);
+        Ok(())
+    }
+
+    /// Seconds since 1970 (or of the log's own clock), set by whoever received the message.
+    #[getter(_timestamp)]
+    fn get_timestamp(slf: &Bound<'_, Self>) -> PyResult<Py<PyAny>> {
+        let py = slf.py();
+        let this = slf.get();
+        if this.has(flags::TIMESTAMP_IN_DICT) {
+            if let Some(value) = instance_dict(slf)?.get_item(intern!(py, "_timestamp"))? {
+                return Ok(value.unbind());
+            }
+        } else if let Some(seconds) = this.timestamp() {
+            return Ok(seconds.into_pyobject(py)?.into_any().unbind());
+        }
+        Err(PyAttributeError::new_err(format!(
+            "'{}' object has no attribute '_timestamp'",
+            class_name(&slf.get_type())?
+        )))
+    }
+
+    #[setter(_timestamp)]
+    fn put_timestamp(slf: &Bound<'_, Self>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let this = slf.get();
+        if let (false, Ok(seconds)) =
+            (this.has(flags::TIMESTAMP_IN_DICT), value.cast_exact::<pyo3::types::PyFloat>())
+        {
+            this.set_timestamp(seconds.extract()?);
+            return Ok(());
+        }
+        instance_dict(slf)?.set_item(intern!(slf.py(), "_timestamp"), value)?;
+        Self::written(slf, flags::TIMESTAMP_IN_DICT | flags::DICT);
+        Ok(())
+    }
+
+    /// The whole frame, signature included; empty before packing or decoding.
+    fn get_msgbuf<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.attribute(intern!(slf.py(), "_msgbuf"))
+    }
+
+    /// The header object.
+    fn get_header<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.attribute(intern!(slf.py(), "_header"))
+    }
+
+    /// After packing the payload as sent; after decoding the frame from byte 6 up to the checksum.
+    fn get_payload<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.attribute(intern!(slf.py(), "_payload"))
+    }
+
+    /// Checksum of the frame, or None.
+    fn get_crc<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.attribute(intern!(slf.py(), "_crc"))
+    }
+
+    /// Field names in XML order.
+    fn get_fieldnames<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        if slf.get().has(flags::META) {
+            return slf.attribute(intern!(slf.py(), "_fieldnames"));
+        }
+        slf.get_type().attribute(intern!(slf.py(), "fieldnames"))
+    }
+
+    /// Message name, "BAD_DATA" or "UNKNOWN_<id>".
+    fn get_type<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        match &slf.get().info {
+            Some(info) if !slf.get().has(flags::META) => Ok(info.name.bind(py).clone().into_any()),
+            _ => slf.attribute(intern!(py, "_type")),
+        }
+    }
+
+    /// Message id; -1 for BAD_DATA, -2 for UNKNOWN.
+    #[pyo3(name = "get_msgId")]
+    fn get_msg_id<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        match &slf.get().info {
+            Some(info) if !slf.get().has(flags::META) => {
+                Ok(info.definition.id.into_pyobject(py)?.into_any())
+            }
+            _ => slf.attribute(intern!(py, "_header"))?.attribute(intern!(py, "msgId")),
+        }
+    }
+
+    /// Id of the sending system.
+    #[pyo3(name = "get_srcSystem")]
+    fn get_src_system<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        header_item(slf, "srcSystem", |header| i64::from(header.sysid))
+    }
+
+    /// Id of the sending component.
+    #[pyo3(name = "get_srcComponent")]
+    fn get_src_component<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        header_item(slf, "srcComponent", |header| i64::from(header.compid))
+    }
+
+    /// Sequence number of the frame.
+    fn get_seq<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        header_item(slf, "seq", |header| i64::from(header.seq))
+    }
+
+    /// True only if a signature was checked with a key and was good.
+    fn get_signed<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.attribute(intern!(slf.py(), "_signed"))
+    }
+
+    /// Link id of a verified signature, else None.
+    fn get_link_id<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.attribute(intern!(slf.py(), "_link_id"))
+    }
+
+    /// A field as text and JSON show it: bytes become text, everything else stays.
+    fn format_attr<'py>(
+        slf: &Bound<'py, Self>,
+        field: &Bound<'py, PyString>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        text::format_attr(slf, field)
+    }
+
+    fn __str__(slf: &Bound<'_, Self>) -> PyResult<Py<PyString>> {
+        text::to_text(slf)
+    }
+
+    /// `{"mavpackettype": type, field: value, ...}` in XML order.
+    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        text::to_dict(slf)
+    }
+
+    /// `json.dumps(to_dict())`.
+    fn to_json<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        text::to_json(slf)
+    }
+
+    fn __eq__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
+        text::equal(slf, other)
+    }
+
+    fn __ne__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
+        Ok(!text::equal(slf, other)?)
+    }
+
+    /// The message of one instance (battery, named value, ...), where mavutil keeps several.
+    fn __getitem__<'py>(
+        slf: &Bound<'py, Self>,
+        key: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let instances = slf.attribute(intern!(slf.py(), "_instances"))?;
+        if instances.is_none() || !instances.includes(key.as_any())? {
+            return Err(PyIndexError::new_err(()));
+        }
+        instances.get_item(key)
+    }
+
+    /// The frame as bytes, with source and sequence number taken from `mav`, which is not advanced.
+    #[pyo3(signature = (mav, force_mavlink1 = false))]
+    fn pack<'py>(
+        slf: &Bound<'py, Self>,
+        mav: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if slf.get().info.is_none() {
+            return Err(PyNotImplementedError::new_err(
+                "MAVLink_message cannot be serialized directly",
+            ));
+        }
+        pack::pack_message(slf, mav, force_mavlink1)
+    }
+
+    /// Frames a ready payload: `_pack(mav, crc_extra, payload, force_mavlink1=False) -> bytes`.
+    #[pyo3(name = "_pack", signature = (mav, crc_extra, payload, force_mavlink1 = false))]
+    fn pack_payload<'py>(
+        slf: &Bound<'py, Self>,
+        mav: &Bound<'py, PyAny>,
+        crc_extra: u8,
+        payload: &[u8],
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        pack::pack_payload(slf, mav, crc_extra, payload, force_mavlink1)
+    }
+
+    /// Appends a signature to the packed frame and advances the signing timestamp.
+    fn sign_packet(slf: &Bound<'_, Self>, mav: &Bound<'_, PyAny>) -> PyResult<()> {
+        pack::sign_packet(slf, mav)
+    }
+
+    fn __copy__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Self>> {
+        dict::copy(slf, |value| Ok(value.clone()))
+    }
+
+    fn __deepcopy__<'py>(
+        slf: &Bound<'py, Self>,
+        memo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, Self>> {
+        let deepcopy = import(slf.py(), intern!(slf.py(), "copy"))?.attribute("deepcopy")?;
+        dict::copy(slf, |value| deepcopy.invoke1((value, memo)))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        dict::reduce(slf)
+    }
+}
+
+/// `_header.<name>` where somebody may have replaced it, else straight from the frame.
+fn header_item<'py>(
+    slf: &Bound<'py, Message>,
+    name: &str,
+    read: impl FnOnce(Header) -> i64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = slf.py();
+    if slf.get().has(flags::META) {
+        return slf.attribute(intern!(py, "_header"))?.attribute(name);
+    }
+    let value = slf.get().header().map_or(0, read);
+    Ok(value.into_pyobject(py)?.into_any())
+}
