@@ -1,6 +1,6 @@
 //! Message objects to frames.
 
-use mavwire_core::frame::{self, FrameBuffer, Header, IFLAG_SIGNED};
+use mavwire_core::frame::{self, FrameBuffer};
 use mavwire_schema::WireVersion;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -12,86 +12,26 @@ use crate::message::info::Info;
 use crate::message::meta;
 use crate::message::object::{Message, flags, instance_dict};
 use crate::protocol::mavlink::MAVLink;
+use crate::protocol::sender::{Sender, byte};
 use crate::protocol::signing::Signing;
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 use crate::python::lists;
 use crate::python::raw_function;
 use crate::python::raw_function::Arguments;
 
-/// Who sends: what `pack` reads from the `mav` it is given, which may be any object with these attributes.
-pub(crate) struct Sender<'py> {
-    pub(crate) seq: u8,
-    pub(crate) sysid: u8,
-    pub(crate) compid: u8,
-    /// Set if frames shall be signed.
-    pub(crate) signing: Option<Bound<'py, Signing>>,
-}
-
-impl<'py> Sender<'py> {
-    fn of(mav: &Bound<'py, PyAny>) -> PyResult<Self> {
-        if let Ok(native) = mav.cast::<MAVLink>() {
-            return native.get().sender(mav.py());
-        }
-        let py = mav.py();
-        let signing = mav.attribute(intern!(py, "signing"))?;
-        let sign = signing.attribute(intern!(py, "sign_outgoing"))?.truth()?;
-        Ok(Self {
-            seq: byte(&mav.attribute(intern!(py, "seq"))?)?,
-            sysid: byte(&mav.attribute(intern!(py, "srcSystem"))?)?,
-            compid: byte(&mav.attribute(intern!(py, "srcComponent"))?)?,
-            signing: if sign { Some(signing.cast_into::<Signing>()?) } else { None },
-        })
+/// What `pack` reads from the `mav` it is given, which may be any object with these attributes.
+fn sender_of<'py>(mav: &Bound<'py, PyAny>) -> PyResult<Sender<'py>> {
+    if let Ok(native) = mav.cast::<MAVLink>() {
+        return native.get().sender(mav.py());
     }
-
-    /// Makes the frame of a payload at full length.
-    pub(crate) fn frame(
-        &self,
-        frame: &mut FrameBuffer,
-        msgid: u32,
-        payload: &[u8],
-        crc_extra: u8,
-        version: WireVersion,
-    ) -> PyResult<()> {
-        if version == WireVersion::V1 && msgid > 255 {
-            return Err(struct_error(msgid.into()));
-        }
-        let signing = self.signing.as_ref().filter(|_| version == WireVersion::V2);
-        let header = Header {
-            incompat_flags: if signing.is_some() { IFLAG_SIGNED } else { 0 },
-            ..Header::new(version, self.seq, self.sysid, self.compid, msgid)
-        };
-        frame
-            .encode(header, payload, crc_extra)
-            .map_err(|error| pyo3::exceptions::PyValueError::new_err(error.to_string()))?;
-        if let Some(signing) = signing {
-            signing.get().sign_frame(frame)?;
-        }
-        Ok(())
-    }
-}
-
-/// An attribute that goes into one header byte.
-fn byte(value: &Bound<'_, PyAny>) -> PyResult<u8> {
-    match value.extract::<u8>() {
-        Ok(byte) => Ok(byte),
-        Err(_) => {
-            let py = value.py();
-            let module = import(py, intern!(py, "struct"))?;
-            let packed = module.invoke_method1(intern!(py, "pack"), ("<B", value))?;
-            Ok(packed.cast::<PyBytes>()?.as_bytes()[0])
-        }
-    }
-}
-
-/// A number that must fit a byte: the number, or what `struct` says to it.
-pub(crate) fn header_byte(py: Python<'_>, value: i64) -> PyResult<u8> {
-    u8::try_from(value).or_else(|_| byte(value.into_pyobject(py)?.as_any()))
-}
-
-fn struct_error(value: i64) -> PyErr {
-    Python::attach(|py| match header_byte(py, value) {
-        Ok(_) => pyo3::exceptions::PyValueError::new_err(value),
-        Err(error) => error,
+    let py = mav.py();
+    let signing = mav.attribute(intern!(py, "signing"))?;
+    let sign = signing.attribute(intern!(py, "sign_outgoing"))?.truth()?;
+    Ok(Sender {
+        seq: byte(&mav.attribute(intern!(py, "seq"))?)?,
+        sysid: byte(&mav.attribute(intern!(py, "srcSystem"))?)?,
+        compid: byte(&mav.attribute(intern!(py, "srcComponent"))?)?,
+        signing: if sign { Some(signing.cast_into::<Signing>()?) } else { None },
     })
 }
 
@@ -150,7 +90,7 @@ fn finish<'py>(
         }
     };
     let mut frame = FrameBuffer::default();
-    Sender::of(mav)?.frame(&mut frame, msgid, payload, crc_extra, version)?;
+    sender_of(mav)?.frame(&mut frame, msgid, payload, crc_extra, version)?;
     let packed = PyBytes::new(py, &frame);
     meta::set_packed(message, &packed)?;
     Ok(packed.into_any())

@@ -14,9 +14,11 @@ use crate::message::create::pooled_frame;
 use crate::message::frame_bytes::FrameBytes;
 use crate::message::object::{Message, Origin, flags, instance_dict};
 use crate::message::special_fields::BAD_PREFIX;
-use crate::protocol::mavlink::{MAVLink, bytes_like, overridden};
-use crate::protocol::signing::{Acceptance, Signing};
+use crate::protocol::acceptance::Acceptance;
+use crate::protocol::mavlink::{MAVLink, overridden};
+use crate::protocol::signing::Signing;
 use crate::python::calling::{Calling, class_name};
+use crate::python::lists::bytes_like;
 use crate::sync::shared;
 
 pub(crate) use crate::protocol::parser::{Parser, Run, Step};

@@ -3,35 +3,21 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering::Relaxed};
 
-use mavwire_core::frame::{FrameBuffer, FrameRef, Header};
-use mavwire_core::pyfloat::write_repr;
+use mavwire_core::frame::{FrameBuffer, FrameRef};
 use mavwire_core::signing::{
-    SecretKey, Sightings, SigningError, SigningState, Stream, StreamId, StreamTable, Verdict,
+    SecretKey, Sightings, SigningError, SigningState, StreamId, StreamTable, Verdict,
     timestamp_from_unix_micros,
 };
 use pyo3::exceptions::{PyAssertionError, PyOverflowError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict};
 
-use crate::protocol::mavlink::{MAVLink, overridden};
-use crate::python::calling::{Calling, import, truth};
+use crate::python::calling::{Calling, truth};
+use crate::python::lists::bytes_like;
 use crate::sync::lock::{Guard, Lock};
 use crate::sync::shared;
 use crate::sync::slot::Slot;
-
-/// Signing timestamps per year, for the log line that pymavlink writes.
-const UNITS_PER_YEAR: f64 = 100.0 * 1000.0 * 60.0 * 60.0 * 24.0 * 365.0;
-
-/// What is to become of a received frame.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Acceptance {
-    /// No key is set, or the application lets it pass.
-    Unchecked,
-    /// The signature is good.
-    Verified,
-    Rejected,
-}
 
 /// What the links with a key know of those who sign with it.
 #[derive(Default)]
@@ -53,15 +39,15 @@ pub(crate) struct Signing {
     mark: AtomicU64,
     /// `keep(timestamp) -> mark` stores the timestamp for the time after a restart.
     keep: Slot,
-    has_key: AtomicBool,
+    pub(super) has_key: AtomicBool,
     link_id: AtomicU8,
     sign_outgoing: AtomicBool,
-    allow_unsigned: Slot,
-    seen: AtomicU64,
-    good: AtomicU64,
-    bad: AtomicU64,
-    passed: AtomicU64,
-    rejected: AtomicU64,
+    pub(super) allow_unsigned: Slot,
+    pub(super) seen: AtomicU64,
+    pub(super) good: AtomicU64,
+    pub(super) bad: AtomicU64,
+    pub(super) passed: AtomicU64,
+    pub(super) rejected: AtomicU64,
 }
 
 fn signing_error(error: SigningError) -> PyErr {
@@ -73,7 +59,7 @@ fn signing_error(error: SigningError) -> PyErr {
 }
 
 fn secret_key(key: &Bound<'_, PyAny>) -> PyResult<SecretKey> {
-    let bytes = crate::protocol::mavlink::bytes_like(key)?;
+    let bytes = bytes_like(key)?;
     SecretKey::new(bytes.cast::<PyBytes>()?.as_bytes()).map_err(signing_error)
 }
 
@@ -99,7 +85,7 @@ impl Signing {
         act(&mut streams)
     }
 
-    fn judge(&self, frame: &FrameRef<'_>) -> Verdict {
+    pub(super) fn judge(&self, frame: &FrameRef<'_>) -> Verdict {
         let now = self.clock();
         self.with_streams(|streams| self.state().check_in(&mut streams.received, frame, now))
     }
@@ -137,7 +123,7 @@ impl Signing {
     }
 
     /// Has the timestamp stored before it is used, if it reached the mark.
-    fn store_timestamp(&self) -> PyResult<()> {
+    pub(super) fn store_timestamp(&self) -> PyResult<()> {
         let timestamp = self.state().timestamp;
         if timestamp < self.mark.load(Relaxed) {
             return Ok(());
@@ -181,122 +167,10 @@ impl Signing {
         shared::add(&self.seen, frames);
     }
 
-    /// Decides about a frame whose checksum is right or, with an unknown id, cannot be checked.
-    pub(crate) fn accept(
-        &self,
-        mav: &Bound<'_, MAVLink>,
-        bytes: &[u8],
-        known: bool,
-    ) -> PyResult<Acceptance> {
-        let has_key = self.has_key.load(Relaxed);
-        let Ok(frame) = FrameRef::parse(bytes) else {
-            return Ok(if has_key { Acceptance::Rejected } else { Acceptance::Unchecked });
-        };
-        let header = frame.header();
-        if header.is_signed() && (known || has_key) {
-            shared::add(&self.seen, 1);
-        }
-        if !has_key {
-            return Ok(Acceptance::Unchecked);
-        }
-        if header.is_signed() && mav.get().is_overridden(overridden::SIGNATURE) {
-            return self.accept_by_method(mav, bytes, header);
-        }
-        let verdict = self.judge(&frame);
-        log_verdict(mav, verdict)?;
-        match verdict {
-            Verdict::NoKey => Ok(Acceptance::Unchecked),
-            Verdict::Good { .. } => {
-                shared::add(&self.good, 1);
-                self.store_timestamp()?;
-                Ok(Acceptance::Verified)
-            }
-            Verdict::Unsigned => self.ask(mav, header.msgid),
-            _ => {
-                shared::add(&self.bad, 1);
-                self.ask(mav, header.msgid)
-            }
-        }
-    }
-
-    /// Checks a signature with the program's own `check_signature`.
-    fn accept_by_method(
-        &self,
-        mav: &Bound<'_, MAVLink>,
-        bytes: &[u8],
-        header: &Header,
-    ) -> PyResult<Acceptance> {
-        let py = mav.py();
-        let arguments = (PyByteArray::new(py, bytes), header.sysid, header.compid);
-        if mav.invoke_method1(intern!(py, "check_signature"), arguments)?.truth()? {
-            shared::add(&self.good, 1);
-            self.store_timestamp()?;
-            return Ok(Acceptance::Verified);
-        }
-        shared::add(&self.bad, 1);
-        self.ask(mav, header.msgid)
-    }
-
-    /// Asks the application about a frame that is not signed, or not well.
-    fn ask(&self, mav: &Bound<'_, MAVLink>, msgid: u32) -> PyResult<Acceptance> {
-        let Some(callback) = self.allow_unsigned.get(mav.py()) else {
-            return Ok(Acceptance::Rejected);
-        };
-        if callback.invoke1((mav, msgid))?.truth()? {
-            shared::add(&self.passed, 1);
-            return Ok(Acceptance::Unchecked);
-        }
-        shared::add(&self.rejected, 1);
-        Ok(Acceptance::Rejected)
-    }
-
     /// The application may be asked about a frame: its answer can be an exception.
     pub(crate) fn asks(&self, py: Python<'_>) -> bool {
         self.has_key() && self.allow_unsigned.get(py).is_some()
     }
-
-    /// `mav.check_signature(...)`
-    pub(crate) fn check(&self, mav: &Bound<'_, MAVLink>, bytes: &[u8]) -> PyResult<bool> {
-        if !self.has_key.load(Relaxed) {
-            return Err(PyAssertionError::new_err(()));
-        }
-        let Ok(frame) = FrameRef::parse(bytes) else { return Ok(false) };
-        let verdict = self.judge(&frame);
-        log_verdict(mav, verdict)?;
-        Ok(verdict.is_verified())
-    }
-}
-
-/// Writes to the dialect module's logger what pymavlink writes there.
-fn log_verdict(mav: &Bound<'_, MAVLink>, verdict: Verdict) -> PyResult<()> {
-    let lines: &[&str] = match verdict {
-        Verdict::NoKey | Verdict::Unsigned | Verdict::Good { stream: Stream::Known } => {
-            return Ok(());
-        }
-        Verdict::Good { stream: Stream::New } => &["new stream"],
-        Verdict::OldTimestamp { .. } => &["old timestamp"],
-        Verdict::NewStreamTooOld { timestamp, local } => {
-            let mut line = String::from("bad new stream");
-            for units in [timestamp, local] {
-                line.push(' ');
-                write_repr(&mut line, units as f64 / UNITS_PER_YEAR);
-            }
-            return log(mav, &line);
-        }
-        Verdict::TooFarAhead { .. } => &["timestamp too far ahead"],
-        Verdict::Mismatch { stream: Stream::New } => &["new stream", "sig mismatch"],
-        Verdict::Mismatch { stream: Stream::Known } => &["sig mismatch"],
-    };
-    lines.iter().try_for_each(|line| log(mav, line))
-}
-
-fn log(mav: &Bound<'_, MAVLink>, line: &str) -> PyResult<()> {
-    let py = mav.py();
-    let name = mav.get().dialect.get().global(py, "__name__")?;
-    let logging = import(py, intern!(py, "logging"))?;
-    let logger = logging.invoke_method1(intern!(py, "getLogger"), (name,))?;
-    logger.invoke_method1(intern!(py, "info"), (line,))?;
-    Ok(())
 }
 
 #[pymethods]

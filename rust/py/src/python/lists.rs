@@ -81,3 +81,13 @@ pub(crate) fn bytes(object: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
 pub(crate) fn optional_bytes(object: &Bound<'_, PyAny>) -> PyResult<Option<Vec<u8>>> {
     if object.is_none() { Ok(None) } else { bytes(object).map(Some) }
 }
+
+/// Bytes of anything that `bytearray.extend` takes.
+pub(crate) fn bytes_like<'py>(data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    if data.is_exact_instance_of::<PyBytes>() {
+        return Ok(data.clone());
+    }
+    let buffer = PyByteArray::new(data.py(), b"");
+    buffer.invoke_method1(intern!(data.py(), "extend"), (data,))?;
+    Ok(PyBytes::new(data.py(), &buffer.to_vec()).into_any())
+}

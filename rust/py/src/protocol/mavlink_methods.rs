@@ -1,0 +1,425 @@
+//! The Python methods of `MAVLink`.
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, Ordering::Relaxed};
+
+use mavwire_core::scan::Resync;
+use pyo3::exceptions::{PyRuntimeWarning, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyDict, PyList, PyString, PyTuple, PyType};
+
+use crate::dialect::registry::Dialect;
+use crate::message::object::Message;
+use crate::protocol::mavlink::{Callback, Counters, MAVLink, overridden};
+use crate::protocol::parse;
+use crate::protocol::parser::Parser;
+use crate::protocol::peer_check;
+use crate::protocol::send;
+use crate::protocol::sending::Sending;
+use crate::protocol::signing::Signing;
+use crate::python::calling::{Calling, truth};
+use crate::python::lists::bytes;
+use crate::sync::lock::Lock;
+use crate::sync::slot::Slot;
+
+fn warn_not_called(py: Python<'_>) -> PyResult<()> {
+    let text = c"MAVLink.buf_len was replaced, and mavwire does not call it: the parser counts its bytes itself. \
+        Replace parse_char to see what is received";
+    PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), text, 1)
+}
+
+macro_rules! counter {
+    ($self:ident, $name:ident, $value:ident) => {
+        $self.counters.$name.store($value, Relaxed)
+    };
+}
+
+#[pymethods]
+impl MAVLink {
+    #[new]
+    #[classmethod]
+    #[pyo3(signature = (*_args, **_kwargs))]
+    fn new(
+        cls: &Bound<'_, PyType>,
+        _args: &Bound<'_, PyTuple>,
+        _kwargs: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let py = cls.py();
+        let dialect = cls.attribute(intern!(py, "_dialect"))?.cast_into::<Dialect>()?.unbind();
+        let native = py.get_type::<Self>();
+        let mut replaced = 0;
+        for name in overridden::METHODS {
+            if !cls.attribute(name)?.is(&native.attribute(name)?) {
+                replaced |= overridden::by_name(name);
+            }
+        }
+        let buf_len = intern!(py, "buf_len");
+        if !cls.attribute(buf_len)?.is(&native.attribute(buf_len)?) {
+            warn_not_called(py)?;
+        }
+        if !cls.attribute(intern!(py, "_mavlink_base"))?.is(cls) {
+            replaced |= overridden::ENCODE;
+        }
+        Ok(Self {
+            dialect,
+            own_sending: Sending::new(),
+            predecessor: OnceLock::new(),
+            src_system: AtomicI64::new(0),
+            src_component: AtomicI64::new(0),
+            robust_parsing: AtomicBool::new(false),
+            counters: Counters::default(),
+            parser: Lock::new(Parser::new()),
+            file: Slot::new(),
+            callback: Callback::new(),
+            send_callback: Callback::new(),
+            overridden: AtomicU8::new(replaced),
+        })
+    }
+
+    fn __setattr__(
+        slf: &Bound<'_, Self>,
+        name: &Bound<'_, PyString>,
+        value: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let name_text = name.to_str()?;
+        slf.get().overridden.fetch_or(overridden::by_name(name_text), Relaxed);
+        if name_text == overridden::NOT_CALLED {
+            warn_not_called(slf.py())?;
+        }
+        slf.set_generic_attribute(name, Some(value))
+    }
+
+    fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
+        slf.set_generic_attribute(name, None)
+    }
+
+    /// Sequence number of the next frame, 0 to 255.
+    #[getter]
+    fn seq(&self) -> i64 {
+        self.sending().seq.load(Relaxed)
+    }
+    #[setter(seq)]
+    fn set_seq(&self, value: i64) {
+        self.sending().seq.store(value, Relaxed);
+    }
+
+    /// System id that frames are sent with.
+    #[getter(srcSystem)]
+    fn src_system(&self) -> i64 {
+        self.src_system.load(Relaxed)
+    }
+    #[setter(srcSystem)]
+    fn set_src_system(&self, value: i64) {
+        self.src_system.store(value, Relaxed);
+    }
+
+    /// Component id that frames are sent with.
+    #[getter(srcComponent)]
+    fn src_component(&self) -> i64 {
+        self.src_component.load(Relaxed)
+    }
+    #[setter(srcComponent)]
+    fn set_src_component(&self, value: i64) {
+        self.src_component.store(value, Relaxed);
+    }
+
+    /// Bad input gives BAD_DATA messages instead of exceptions.
+    #[getter]
+    fn robust_parsing(&self) -> bool {
+        self.robust_parsing.load(Relaxed)
+    }
+    #[setter]
+    fn set_robust_parsing(&self, #[pyo3(from_py_with = truth)] value: bool) {
+        self.robust_parsing.store(value, Relaxed);
+    }
+
+    /// What to do after a damaged frame: "skip" drops its whole claimed length, "rescan" looks for frames inside it.
+    #[getter]
+    fn resync(&self) -> &'static str {
+        match self.parser().resync() {
+            Resync::Skip => "skip",
+            Resync::Rescan => "rescan",
+        }
+    }
+    #[setter(resync)]
+    fn set_resync(&self, value: &str) -> PyResult<()> {
+        let resync = match value {
+            "skip" => Resync::Skip,
+            "rescan" => Resync::Rescan,
+            _ => {
+                return Err(PyValueError::new_err(format!(
+                    "resync must be \"skip\" or \"rescan\", not {value:?}"
+                )));
+            }
+        };
+        self.parser().set_resync(resync);
+        Ok(())
+    }
+
+    /// What frames are written to: any object with `write(bytes)`.
+    #[getter]
+    fn file<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.file.get(py)
+    }
+    #[setter(file)]
+    fn set_file(&self, value: Option<Py<PyAny>>) {
+        self.file.set(value);
+    }
+
+    /// Signing state.
+    #[getter(signing)]
+    fn get_signing<'py>(&self, py: Python<'py>) -> Option<Bound<'py, Signing>> {
+        self.parser().signing.as_ref().map(|signing| signing.bind(py).clone())
+    }
+    #[setter(signing)]
+    fn set_signing(&self, value: Py<Signing>) {
+        let old = self.parser().signing.replace(value);
+        drop(old);
+    }
+
+    #[getter]
+    fn callback<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.callback.function.get(py)
+    }
+    #[setter(callback)]
+    fn put_callback(&self, value: Option<Py<PyAny>>) {
+        self.callback.set_function(value);
+    }
+    #[getter]
+    fn callback_args<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.callback.args.get(py)
+    }
+    #[setter]
+    fn set_callback_args(&self, value: Option<Py<PyAny>>) {
+        self.callback.args.set(value);
+    }
+    #[getter]
+    fn callback_kwargs<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.callback.kwargs.get(py)
+    }
+    #[setter]
+    fn set_callback_kwargs(&self, value: Option<Py<PyAny>>) {
+        self.callback.kwargs.set(value);
+    }
+    #[getter]
+    fn send_callback<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.send_callback.function.get(py)
+    }
+    #[setter(send_callback)]
+    fn put_send_callback(&self, value: Option<Py<PyAny>>) {
+        self.send_callback.set_function(value);
+    }
+    #[getter]
+    fn send_callback_args<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.send_callback.args.get(py)
+    }
+    #[setter]
+    fn set_send_callback_args(&self, value: Option<Py<PyAny>>) {
+        self.send_callback.args.set(value);
+    }
+    #[getter]
+    fn send_callback_kwargs<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.send_callback.kwargs.get(py)
+    }
+    #[setter]
+    fn set_send_callback_kwargs(&self, value: Option<Py<PyAny>>) {
+        self.send_callback.kwargs.set(value);
+    }
+
+    /// Frames sent.
+    #[getter]
+    fn total_packets_sent(&self) -> u64 {
+        self.sending().packets.load(Relaxed)
+    }
+    #[setter]
+    fn set_total_packets_sent(&self, value: u64) {
+        self.sending().packets.store(value, Relaxed);
+    }
+    /// Bytes sent.
+    #[getter]
+    fn total_bytes_sent(&self) -> u64 {
+        self.sending().bytes.load(Relaxed)
+    }
+    #[setter]
+    fn set_total_bytes_sent(&self, value: u64) {
+        self.sending().bytes.store(value, Relaxed);
+    }
+    /// Messages received, BAD_DATA and UNKNOWN included.
+    #[getter]
+    fn total_packets_received(&self) -> u64 {
+        self.counters.packets_received.load(Relaxed)
+    }
+    #[setter]
+    fn set_total_packets_received(&self, value: u64) {
+        counter!(self, packets_received, value);
+    }
+    /// Bytes given to `parse_char` and `parse_buffer`.
+    #[getter]
+    fn total_bytes_received(&self) -> u64 {
+        self.counters.bytes_received.load(Relaxed)
+    }
+    #[setter]
+    fn set_total_bytes_received(&self, value: u64) {
+        counter!(self, bytes_received, value);
+    }
+    /// Runs of junk and rejected frames.
+    #[getter]
+    fn total_receive_errors(&self) -> u64 {
+        self.counters.receive_errors.load(Relaxed)
+    }
+    #[setter]
+    fn set_total_receive_errors(&self, value: u64) {
+        counter!(self, receive_errors, value);
+    }
+
+    /// Bytes received and not parsed yet (a copy).
+    #[getter]
+    fn buf<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
+        PyByteArray::new(py, self.parser().unread())
+    }
+    #[setter]
+    fn set_buf(&self, #[pyo3(from_py_with = bytes)] value: Vec<u8>) {
+        self.parser().replace(&value);
+    }
+    /// Always 0: `buf` starts with the first unread byte.
+    #[getter]
+    fn buf_index(&self) -> usize {
+        0
+    }
+    #[setter]
+    fn set_buf_index(&self, value: usize) {
+        self.parser().skip(value);
+    }
+    /// Bytes of the frame being received, as far as known.
+    #[getter]
+    fn expected_length(&self) -> usize {
+        self.parser().expected_length
+    }
+    #[setter]
+    fn set_expected_length(&self, value: usize) {
+        self.parser().expected_length = value;
+    }
+    /// The last byte read started no frame (only without `robust_parsing`).
+    #[getter]
+    fn have_prefix_error(&self) -> bool {
+        self.parser().have_prefix_error
+    }
+    #[setter]
+    fn set_have_prefix_error(&self, #[pyo3(from_py_with = truth)] value: bool) {
+        self.parser().have_prefix_error = value;
+    }
+
+    /// `callback(message, *args, **kwargs)` is called for every message received.
+    #[pyo3(signature = (callback, *args, **kwargs))]
+    fn set_callback(
+        &self,
+        callback: Py<PyAny>,
+        args: &Bound<'_, PyTuple>,
+        kwargs: Option<&Bound<'_, PyDict>>,
+    ) {
+        self.callback.set(callback, args, kwargs);
+    }
+
+    /// `callback(message, *args, **kwargs)` is called for every message sent.
+    #[pyo3(signature = (callback, *args, **kwargs))]
+    fn set_send_callback(
+        &self,
+        callback: Py<PyAny>,
+        args: &Bound<'_, PyTuple>,
+        kwargs: Option<&Bound<'_, PyDict>>,
+    ) {
+        self.send_callback.set(callback, args, kwargs);
+    }
+
+    /// Packs the message and writes it to `file`. Nothing advances if packing or writing fails.
+    #[pyo3(signature = (mavmsg, force_mavlink1 = false))]
+    fn send(
+        slf: &Bound<'_, Self>,
+        mavmsg: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = truth)] force_mavlink1: bool,
+    ) -> PyResult<()> {
+        send::send(slf, mavmsg, force_mavlink1)
+    }
+
+    /// From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one takes:
+    /// threads may be sending with it.
+    fn _share_sending(&self, other: &Bound<'_, Self>) {
+        let first = other.get().predecessor.get().unwrap_or(other.as_unbound());
+        let _ = self.predecessor.set(first.clone_ref(other.py()));
+    }
+
+    /// Whether bytes that are not received here hold a message that may say who sent them: see `trust`.
+    fn _holds_trusted(slf: &Bound<'_, Self>, data: &[u8]) -> PyResult<bool> {
+        peer_check::holds_trusted(slf, data)
+    }
+
+    /// Bytes received and not parsed yet.
+    fn buf_len(&self) -> usize {
+        self.parser().unread().len()
+    }
+
+    /// Bytes still missing of the frame being received; at least 1.
+    fn bytes_needed(&self) -> usize {
+        self.parser().bytes_needed()
+    }
+
+    /// Takes bytes and returns one message, or None. What is left over waits for the next call.
+    fn parse_char<'py>(
+        slf: &Bound<'py, Self>,
+        c: &Bound<'py, PyAny>,
+    ) -> PyResult<Option<Bound<'py, Message>>> {
+        parse::parse_char(slf, c)
+    }
+
+    /// Takes bytes and returns all messages in them as a list, or None if there are none.
+    fn parse_buffer<'py>(
+        slf: &Bound<'py, Self>,
+        s: &Bound<'py, PyAny>,
+    ) -> PyResult<Option<Bound<'py, PyList>>> {
+        parse::parse_buffer(slf, s)
+    }
+
+    /// Decodes one complete frame, which must be a bytearray; `MAVError` says what is wrong with it.
+    fn decode<'py>(
+        slf: &Bound<'py, Self>,
+        msgbuf: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, Message>> {
+        parse::decode(slf, msgbuf)
+    }
+
+    /// True if the frame's signature is good and fresh; only then the stream's state moves.
+    #[pyo3(name = "check_signature")]
+    fn check_signature(
+        slf: &Bound<'_, Self>,
+        msgbuf: &Bound<'_, PyAny>,
+        #[allow(non_snake_case)] srcSystem: u8,
+        #[allow(non_snake_case)] srcComponent: u8,
+    ) -> PyResult<bool> {
+        let _ = (srcSystem, srcComponent);
+        parse::check_signature(slf, msgbuf)
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        visit.call(&self.dialect)?;
+        visit.call(self.predecessor.get())?;
+        self.file.traverse(visit)?;
+        // SAFETY: the garbage collector runs in an attached thread.
+        if let Some(parser) = unsafe { self.parser.try_lock() } {
+            visit.call(parser.signing.as_ref())?;
+        }
+        self.callback.traverse(visit)?;
+        self.send_callback.traverse(visit)
+    }
+
+    fn __clear__(&self) {
+        self.file.set(None);
+        let signing = self.parser().signing.take();
+        drop(signing);
+        for callback in [&self.callback, &self.send_callback] {
+            callback.set_function(None);
+            callback.args.set(None);
+            callback.kwargs.set(None);
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The source of outgoing frames: ids, sequence number and signing.
+
+use mavwire_core::frame::{FrameBuffer, Header, IFLAG_SIGNED};
+use mavwire_schema::WireVersion;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::protocol::signing::Signing;
+use crate::python::calling::{Calling, import};
+
+/// The source of outgoing frames, and how they are signed.
+pub(crate) struct Sender<'py> {
+    pub(crate) seq: u8,
+    pub(crate) sysid: u8,
+    pub(crate) compid: u8,
+    /// Set if frames shall be signed.
+    pub(crate) signing: Option<Bound<'py, Signing>>,
+}
+
+impl<'py> Sender<'py> {
+    /// Makes the frame of a payload at full length.
+    pub(crate) fn frame(
+        &self,
+        frame: &mut FrameBuffer,
+        msgid: u32,
+        payload: &[u8],
+        crc_extra: u8,
+        version: WireVersion,
+    ) -> PyResult<()> {
+        if version == WireVersion::V1 && msgid > 255 {
+            return Err(struct_error(msgid.into()));
+        }
+        let signing = self.signing.as_ref().filter(|_| version == WireVersion::V2);
+        let header = Header {
+            incompat_flags: if signing.is_some() { IFLAG_SIGNED } else { 0 },
+            ..Header::new(version, self.seq, self.sysid, self.compid, msgid)
+        };
+        frame
+            .encode(header, payload, crc_extra)
+            .map_err(|error| pyo3::exceptions::PyValueError::new_err(error.to_string()))?;
+        if let Some(signing) = signing {
+            signing.get().sign_frame(frame)?;
+        }
+        Ok(())
+    }
+}
+
+/// An attribute that goes into one header byte.
+pub(crate) fn byte(value: &Bound<'_, PyAny>) -> PyResult<u8> {
+    match value.extract::<u8>() {
+        Ok(byte) => Ok(byte),
+        Err(_) => {
+            let py = value.py();
+            let module = import(py, intern!(py, "struct"))?;
+            let packed = module.invoke_method1(intern!(py, "pack"), ("<B", value))?;
+            Ok(packed.cast::<PyBytes>()?.as_bytes()[0])
+        }
+    }
+}
+
+/// A number that must fit a byte: the number, or what `struct` says to it.
+pub(crate) fn header_byte(py: Python<'_>, value: i64) -> PyResult<u8> {
+    u8::try_from(value).or_else(|_| byte(value.into_pyobject(py)?.as_any()))
+}
+
+/// The error of `struct` about a number that does not fit a byte.
+fn struct_error(value: i64) -> PyErr {
+    Python::attach(|py| match header_byte(py, value) {
+        Ok(_) => pyo3::exceptions::PyValueError::new_err(value),
+        Err(error) => error,
+    })
+}
