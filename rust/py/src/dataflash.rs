@@ -5,6 +5,7 @@ pub(crate) mod message;
 pub(crate) mod reader;
 mod render;
 pub(crate) mod shape;
+mod shape_methods;
 mod source;
 mod state;
 mod value;

@@ -56,11 +56,13 @@ mod _native {
     #[pymodule_export]
     use crate::link::log_link::LogLink;
     #[pymodule_export]
+    use crate::link::methods::instance_dict;
+    #[pymodule_export]
     use crate::link::peers::peer_to_replace;
     #[pymodule_export]
     use crate::link::replaced::replace_function;
     #[pymodule_export]
-    use crate::link::state::{Link, instance_dict};
+    use crate::link::state::Link;
     #[pymodule_export]
     use crate::link::stream_writer::StreamWriter;
     #[pymodule_export]
@@ -80,9 +82,7 @@ mod _native {
     #[pymodule_export]
     use crate::port::accept::accept;
     #[pymodule_export]
-    use crate::port::close_port::hang_up;
-    #[pymodule_export]
-    use crate::port::ports::{DescriptorPort, PortError, ask_port};
+    use crate::port::ports::{DescriptorPort, PortError, ask_port, hang_up};
     #[pymodule_export]
     use crate::port::recording::recordable;
     #[pymodule_export]

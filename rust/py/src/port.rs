@@ -1,6 +1,7 @@
 //! Ports of the operating system as links use them.
 
 pub(crate) mod accept;
+pub(crate) mod answer;
 pub(crate) mod close_port;
 pub(crate) mod ports;
 pub(crate) mod recording;

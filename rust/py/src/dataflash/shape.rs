@@ -2,15 +2,11 @@
 
 use std::sync::Arc;
 
-use mavwire_core::log::dataflash::{Layout, LayoutError};
-use pyo3::exceptions::{PyException, PyValueError};
+use mavwire_core::log::dataflash::Layout;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
-
-use super::message::DFMessage;
+use pyo3::types::{PyDict, PyString, PyType};
 
 use crate::python::calling::Calling;
-use crate::python::lists::list;
 
 /// A layout and its names.
 pub(crate) struct Names {
@@ -25,8 +21,9 @@ pub(crate) struct Names {
 }
 
 impl Names {
-    pub(crate) fn new(py: Python<'_>, layout: Arc<Layout>) -> PyResult<Self> {
-        let class = py.get_type::<DFMessage>();
+    /// `class` is that of the messages, whose attributes hide fields.
+    pub(crate) fn new(class: &Bound<'_, PyType>, layout: Arc<Layout>) -> PyResult<Self> {
+        let py = class.py();
         let index = PyDict::new(py);
         let mut fields = Vec::new();
         for (number, field) in layout.fields.iter().enumerate() {
@@ -62,28 +59,6 @@ impl Names {
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct DataflashShape {
     pub(crate) names: Arc<Names>,
-}
-
-#[pymethods]
-impl DataflashShape {
-    /// A record type by the parts of its FMT record.
-    ///
-    /// `Exception` for an unknown format character, `ValueError` for fields that do not fit into a record.
-    #[new]
-    fn new(
-        py: Python<'_>,
-        type_id: u8,
-        name: String,
-        format: String,
-        #[pyo3(from_py_with = list)] columns: Vec<String>,
-    ) -> PyResult<Self> {
-        let layout =
-            Layout::new(type_id, 0, name, format, columns).map_err(|error| match error {
-                LayoutError::UnknownKind { .. } => PyException::new_err(error.to_string()),
-                _ => PyValueError::new_err(error.to_string()),
-            })?;
-        Ok(Self { names: Arc::new(Names::new(py, Arc::new(layout))?) })
-    }
 }
 
 /// The shape of a `DFFormat`, which its attribute `_shape` holds.

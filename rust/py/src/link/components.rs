@@ -10,8 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::link::instances::add_message;
-use crate::link::name_budget::{OWN_COMPONENTS, OWN_NAMES, Room};
-use crate::link::state::Link;
+use crate::link::name_budget::{OWN_COMPONENTS, OWN_NAMES, Room, SharedTables};
 use crate::message::object::Message;
 use crate::python::calling::Calling;
 use crate::sync::slot::Slot;
@@ -44,7 +43,7 @@ impl Components {
     #[cold]
     pub(crate) fn keep(
         &self,
-        link: &Bound<'_, Link>,
+        link: &dyn SharedTables,
         messages: &Bound<'_, PyDict>,
         compid: u8,
         kind: &Bound<'_, PyString>,

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PySet, PyString};
 
-use crate::link::tracking;
+use crate::link::message_source::message_type;
 use crate::message::object::Message;
 use crate::python::calling::Calling;
 
@@ -32,7 +32,7 @@ impl<'py> Filter<'py> {
     pub(crate) fn wants(&self, message: &Bound<'_, Message>) -> PyResult<bool> {
         let kind = match self {
             Self::All => return Ok(true),
-            _ => tracking::message_type(message)?,
+            _ => message_type(message)?,
         };
         match self {
             Self::All => Ok(true),

@@ -36,7 +36,7 @@ pub(crate) fn add_message(
     messages: &Bound<'_, PyDict>,
     kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
-    room: &Room<'_, '_>,
+    room: &Room<'_>,
 ) -> PyResult<()> {
     let Some(instance) = instance_of(message)? else {
         return add_plain(messages, kind, message, room);
@@ -63,7 +63,7 @@ pub(crate) fn add_plain(
     messages: &Bound<'_, PyDict>,
     kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
-    room: &Room<'_, '_>,
+    room: &Room<'_>,
 ) -> PyResult<()> {
     let names = messages.len();
     if room.owns(names) || messages.contains(kind)? || room.takes(names)? {
@@ -77,7 +77,7 @@ fn renew_newest<'py>(
     messages: &Bound<'py, PyDict>,
     kind: &Bound<'py, PyString>,
     message: &Bound<'py, Message>,
-    room: &Room<'_, '_>,
+    room: &Room<'_>,
 ) -> PyResult<Option<Bound<'py, PyDict>>> {
     let name = intern!(messages.py(), "_instances");
     let mut kept = None;

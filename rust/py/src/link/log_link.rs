@@ -3,33 +3,26 @@
 //! `recv_msg` and `recv_match` read, decode and keep state without calling Python, as long as nobody replaced one of the
 //! methods they stand for or the parser's, and nothing is being recorded; otherwise they hand over to mavfile's own.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-use mavwire_core::log::tlog::{Framing, Stamp};
-use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
-use pyo3::gc::{PyTraverseError, PyVisit};
+use mavwire_core::log::tlog::Framing;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
+use pyo3::types::PyTuple;
 
-use crate::link::filter::Filter;
-use crate::link::log_index_build;
-use crate::link::log_visits::LogVisits;
 use crate::link::log_wanted::{self, Wanted};
-use crate::link::state::{Link, overrides, set_attr};
-use crate::link::tracking;
+use crate::link::state::Link;
 use crate::log::index::LogIndex;
-use crate::log::reader::{LogReader, seconds};
+use crate::log::reader::LogReader;
 use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
-use crate::python::calling::{Calling, truth};
+use crate::python::calling::Calling;
 use crate::python::file_error::of_reading;
-use crate::sync::gil_yield::Turns;
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
 
 /// Methods whose replacement turns the quick paths off.
-const QUICK_METHODS: [&str; 9] = [
+pub(super) const QUICK_METHODS: [&str; 9] = [
     "recv",
     "pre_message",
     "post_message",
@@ -47,10 +40,10 @@ pub(crate) const TURN_INTERVAL: u64 = 16 * 1024;
 /// A telemetry log as a link.
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
 pub(crate) struct LogLink {
-    index: Lock<Option<LogIndex>>,
-    wanted: Lock<Option<Wanted>>,
+    pub(super) index: Lock<Option<LogIndex>>,
+    pub(super) wanted: Lock<Option<Wanted>>,
     /// Nobody replaced what the quick paths stand for.
-    quick: AtomicBool,
+    pub(super) quick: AtomicBool,
     /// The last message, unless `LinkState::last_fresh` tells which it was.
     pub(crate) last: Slot<Message>,
 }
@@ -86,7 +79,7 @@ impl LogLink {
         mav.ok_or_else(|| PyRuntimeError::new_err("the link has no MAVLink object"))
     }
 
-    fn is_indexed(slf: &Bound<'_, Self>) -> bool {
+    pub(super) fn is_indexed(slf: &Bound<'_, Self>) -> bool {
         slf.get().index.lock(slf.py()).is_some()
     }
 
@@ -126,7 +119,7 @@ impl LogLink {
     }
 
     /// Takes the time from a message of a raw stream that the reader has not seen as one.
-    fn hear_raw(slf: &Bound<'_, Self>, message: &Message) {
+    pub(super) fn hear_raw(slf: &Bound<'_, Self>, message: &Message) {
         let mut state = slf.as_super().get().state();
         let state = &mut *state;
         if let (Some(reader), Some(mav), Some(info)) =
@@ -140,307 +133,17 @@ impl LogLink {
     }
 
     /// Records have time stamps.
-    fn is_stamped(slf: &Bound<'_, Self>) -> bool {
+    pub(super) fn is_stamped(slf: &Bound<'_, Self>) -> bool {
         let state = slf.as_super().get().state();
         state.reader.as_ref().is_none_or(|reader| reader.framing == Framing::Stamped)
     }
 
-    fn call_slowly<'py>(
+    pub(super) fn call_slowly<'py>(
         slf: &Bound<'py, Self>,
         method: &str,
         arguments: impl IntoPyObject<'py, Target = PyTuple>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let result = slf.invoke_method1(method, arguments)?;
         Ok((!result.is_none()).then_some(result))
-    }
-}
-
-#[pymethods]
-impl LogLink {
-    #[classattr]
-    const _QUICK_METHODS: [&'static str; 9] = QUICK_METHODS;
-
-    #[new]
-    #[classmethod]
-    #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(
-        cls: &Bound<'_, PyType>,
-        _args: &Bound<'_, PyTuple>,
-        _kwargs: Option<&Bound<'_, PyDict>>,
-    ) -> PyResult<PyClassInitializer<Self>> {
-        let log = Self {
-            index: Lock::new(None),
-            wanted: Lock::new(None),
-            quick: AtomicBool::new(!overrides(cls)?),
-            last: Slot::new(),
-        };
-        Ok(PyClassInitializer::from(Link::empty()).add_subclass(log))
-    }
-
-    fn __setattr__(
-        slf: &Bound<'_, Self>,
-        name: &Bound<'_, PyString>,
-        value: &Bound<'_, PyAny>,
-    ) -> PyResult<()> {
-        set_attr(slf.as_any(), name, value, &QUICK_METHODS, &slf.get().quick)
-    }
-
-    fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        slf.set_generic_attribute(name, None)
-    }
-
-    /// How much of the log is read, 0 to 100.
-    #[getter(percent)]
-    fn get_percent(slf: &Bound<'_, Self>) -> f64 {
-        slf.as_super().get().state().percent
-    }
-    #[setter(percent)]
-    fn set_percent(slf: &Bound<'_, Self>, value: f64) {
-        slf.as_super().get().state().percent = value;
-    }
-
-    /// Opens the file for reading; `stamped` says that its records have time stamps, `now` is the clock.
-    fn _open_reader(slf: &Bound<'_, Self>, path: PathBuf, stamped: bool, now: f64) -> PyResult<()> {
-        let framing = if stamped { Framing::Stamped } else { Framing::Raw };
-        let reader = LogReader::open(&path, framing, now)?;
-        let mut state = slf.as_super().get().state();
-        state.record_time = Some(reader.time);
-        state.reader = Some(Box::new(reader));
-        Ok(())
-    }
-
-    /// Closes the file; from then on the log is at its end.
-    fn _close_reader(slf: &Bound<'_, Self>) {
-        slf.as_super().get().state().reader = None;
-    }
-
-    /// Position in the file.
-    fn _tell(slf: &Bound<'_, Self>) -> PyResult<u64> {
-        Ok(Self::reader(slf, |reader| Ok(reader.offset))?.unwrap_or(0))
-    }
-
-    /// Continues at the record that begins at `offset`, whatever was read before.
-    fn _seek(slf: &Bound<'_, Self>, offset: u64) -> PyResult<()> {
-        Self::seek_to(slf, offset)
-    }
-
-    /// Reads from the start again, of any types.
-    fn _restart(slf: &Bound<'_, Self>) -> PyResult<()> {
-        *slf.get().wanted.lock(slf.py()) = None;
-        Self::seek_to(slf, 0)
-    }
-
-    /// Reads the time stamp of the next record, unless the frame of the last one is still incomplete.
-    fn pre_message(slf: &Bound<'_, Self>) -> PyResult<()> {
-        let mut guard = slf.as_super().get().state();
-        let state = &mut *guard;
-        if let Some(reader) = state.reader.as_mut() {
-            state.percent = reader.percent();
-            // Programs that parse by themselves need not call `post_message`.
-            let is_used = |mav: &Py<MAVLink>| mav.get().parser().unread().is_empty();
-            if reader.in_frame && state.native_mav.as_ref().is_some_and(is_used) {
-                reader.leave_record();
-            }
-            reader.begin_record()?;
-            state.record_time = Some(reader.time);
-        }
-        Ok(())
-    }
-
-    /// The time stamp `tbuf`, or the first one behind it that is within three days of the last good message. Moves the
-    /// position over what it skips.
-    fn scan_timestamp(slf: &Bound<'_, Self>, tbuf: &[u8]) -> PyResult<f64> {
-        let (Some(stamp), 8) = (Stamp::parse(tbuf), tbuf.len()) else {
-            return Err(PyValueError::new_err(format!(
-                "a time stamp has 8 bytes, not {}",
-                tbuf.len()
-            )));
-        };
-        let time = Self::reader(slf, |reader| reader.believable(stamp))?;
-        Ok(time.unwrap_or_else(|| seconds(stamp)))
-    }
-
-    /// The last message that was read, None before the first. Of a type with instances this is an equal copy.
-    #[getter]
-    fn _last_message<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let py = slf.py();
-        let fresh = slf.as_super().get().state().last_fresh;
-        let Some((sysid, index)) = fresh else {
-            return Ok(slf.get().last.get(py).map(Bound::into_any));
-        };
-        let mav = Self::mav(slf)?;
-        let name = &mav.get().dialect.get().registry.message(index).name;
-        tracking::sender(slf.as_super(), sysid)?.messages.get_item(name)
-    }
-
-    /// Time of the last message that was not BAD_DATA, None before the first.
-    #[getter]
-    fn _last_timestamp(slf: &Bound<'_, Self>) -> Option<f64> {
-        slf.as_super().get().state().reader.as_ref().and_then(|reader| reader.last_good)
-    }
-
-    /// Records have time stamps, whether or not messages are stamped with them.
-    #[getter]
-    fn _stamped(slf: &Bound<'_, Self>) -> bool {
-        Self::is_stamped(slf)
-    }
-
-    /// Number of the link that the current record came from.
-    #[getter]
-    fn _link(slf: &Bound<'_, Self>) -> u8 {
-        slf.as_super().get().state().reader.as_ref().map_or(0, |reader| reader.link)
-    }
-
-    /// Up to `n` bytes of the log; empty at its end.
-    #[pyo3(signature = (n = None))]
-    fn recv<'py>(slf: &Bound<'py, Self>, n: Option<usize>) -> PyResult<Bound<'py, PyBytes>> {
-        let py = slf.py();
-        let bytes = Self::reader(slf, |reader| {
-            if !reader.begin_record()? {
-                return Ok(None);
-            }
-            let bytes = reader.take(n.unwrap_or(usize::from(u16::MAX)))?;
-            // Unlike `new`, which panics where there is no memory.
-            Ok(Some(PyBytes::new_with(py, bytes.len(), |into| {
-                into.copy_from_slice(bytes);
-                Ok(())
-            })))
-        })?;
-        bytes.flatten().unwrap_or_else(|| Ok(PyBytes::new(py, b"")))
-    }
-
-    /// Takes a message into the state, stamped with its record's time and link number.
-    fn post_message(slf: &Bound<'_, Self>, msg: &Bound<'_, Message>) -> PyResult<()> {
-        Self::hear_raw(slf, msg.get());
-        Self::settle(slf, msg)
-    }
-
-    /// A message came out of the record: the next time stamp is due, whether or not `post_message` hears of this one.
-    fn _end_record(slf: &Bound<'_, Self>) -> PyResult<()> {
-        Self::reader(slf, |reader| {
-            reader.leave_record();
-            Ok(())
-        })
-        .map(drop)
-    }
-
-    /// The next message, BAD_DATA and UNKNOWN included; None at the end of the log.
-    fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        if Self::is_quick(slf) {
-            return Ok(Self::next_message(slf)?.map(Bound::into_any));
-        }
-        Self::call_slowly(slf, "_recv_msg_slowly", ())
-    }
-
-    /// The next message of a `type` (name, list or set) for which `condition` holds; None at the end of the log.
-    ///
-    /// An indexed log is read only where messages of the wanted types, heartbeats and parameters stand.
-    #[pyo3(signature = (condition = None, r#type = None, blocking = false, timeout = None))]
-    fn recv_match<'py>(
-        slf: &Bound<'py, Self>,
-        condition: Option<&Bound<'py, PyAny>>,
-        r#type: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = truth)] blocking: bool,
-        timeout: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        if !Self::is_quick(slf) {
-            let arguments = (condition, r#type, blocking, timeout);
-            return Self::call_slowly(slf, "_recv_match_slowly", arguments);
-        }
-        let py = slf.py();
-        let is_indexed = Self::is_indexed(slf);
-        let filter = Filter::new(r#type, is_indexed)?;
-        let skip = r#type.filter(|_| is_indexed);
-        let (mut seen, mut turns): (u64, _) = (0, Turns::new());
-        loop {
-            if let Some(types) = skip {
-                Self::advance(slf, types)?;
-            }
-            let Some(message) = Self::next_message(slf)? else { break };
-            if filter.wants(&message)?
-                && condition.map_or(Ok(true), |condition| {
-                    let holds = intern!(py, "_condition_holds");
-                    slf.invoke_method1(holds, (condition, &message))?.truth()
-                })?
-            {
-                return Ok(Some(message.into_any()));
-            }
-            seen += 1;
-            if seen.is_multiple_of(TURN_INTERVAL) {
-                turns.give_way(py)?;
-            }
-        }
-        if blocking {
-            let arguments = (condition, r#type, blocking, timeout);
-            return Self::call_slowly(slf, "_recv_match_slowly", arguments);
-        }
-        Ok(None)
-    }
-
-    /// The messages of the types called `names` from the start of the log on, those alone; None unless the log is indexed
-    /// and read by the quick paths.
-    fn _visits(
-        slf: &Bound<'_, Self>,
-        names: Vec<Bound<'_, PyString>>,
-    ) -> PyResult<Option<LogVisits>> {
-        let index = slf.get().index.lock(slf.py());
-        let Some(index) = index.as_ref().filter(|_| Self::is_quick(slf)) else { return Ok(None) };
-        let wanted = Wanted::alone(&names, index)?;
-        let names = names.into_iter().map(Bound::unbind).collect();
-        Ok(Some(LogVisits::new(slf.clone().unbind(), names, wanted)))
-    }
-
-    /// Seeks to the next record of the types in `type`, heartbeats or parameters.
-    ///
-    /// The types of the first call stay in force until `rewind`. Behind the last such record reading goes on record by
-    /// record.
-    fn skip_to_type(slf: &Bound<'_, Self>, r#type: &Bound<'_, PyAny>) -> PyResult<()> {
-        Self::advance(slf, r#type)
-    }
-
-    /// Indexes the log; `progress_callback` gets each new whole percent. The first record of each type is read for real.
-    #[pyo3(signature = (progress_callback = None))]
-    fn _build_index(
-        slf: &Bound<'_, Self>,
-        progress_callback: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<()> {
-        let index = log_index_build::build(slf, progress_callback)?;
-        *slf.get().index.lock(slf.py()) = Some(index);
-        Ok(())
-    }
-
-    /// `[(message id, name, count), ...]` in the order in which the types first appear.
-    fn _index_counts(&self, py: Python<'_>) -> Vec<(u32, String, usize)> {
-        self.index.lock(py).as_ref().map(LogIndex::counts).unwrap_or_default()
-    }
-
-    /// Message ids that a filtered read visits; None before the first one.
-    fn _wanted_ids(&self, py: Python<'_>) -> Option<Vec<u32>> {
-        self.wanted.lock(py).as_ref().map(|wanted| wanted.ids.clone())
-    }
-
-    /// Where the record begins that a filtered read visited last, 0 before the first one.
-    fn _visited_offset(&self, py: Python<'_>) -> u64 {
-        self.wanted.lock(py).as_ref().and_then(Wanted::visited_offset).unwrap_or(0)
-    }
-
-    /// Records in the index.
-    fn _index_total(&self, py: Python<'_>) -> usize {
-        self.index.lock(py).as_ref().map_or(0, LogIndex::count)
-    }
-
-    /// `[(message id, offsets of its records), ...]` in the order in which the types first appear.
-    fn _index_offsets(&self, py: Python<'_>) -> PyResult<Vec<(u32, Vec<u64>)>> {
-        let offsets = self.index.lock(py).as_ref().map(LogIndex::by_type).transpose();
-        let offsets = offsets.map_err(|error| PyMemoryError::new_err(error.to_string()))?;
-        Ok(offsets.unwrap_or_default())
-    }
-
-    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        self.last.traverse(visit)
-    }
-
-    fn __clear__(&self) {
-        self.last.set(None);
     }
 }

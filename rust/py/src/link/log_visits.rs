@@ -7,7 +7,7 @@ use pyo3::types::PyString;
 
 use crate::link::log_link::{LogLink, TURN_INTERVAL};
 use crate::link::log_wanted::Wanted;
-use crate::link::tracking;
+use crate::link::message_source::message_type;
 use crate::message::object::Message;
 use crate::python::calling::Calling;
 use crate::sync::gil_yield::Turns;
@@ -27,7 +27,7 @@ impl LogVisits {
     }
 
     fn wants(&self, message: &Bound<'_, Message>) -> PyResult<bool> {
-        let kind = tracking::message_type(message)?;
+        let kind = message_type(message)?;
         // Names of types are interned, by Python too.
         if self.names.iter().any(|name| name.is(&kind)) {
             return Ok(true);

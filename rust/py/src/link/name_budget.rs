@@ -8,9 +8,6 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 
 use pyo3::prelude::*;
 
-use crate::link::state::Link;
-use crate::link::system::SystemState;
-
 /// Names in one table.
 const MAX_NAMES: usize = 32_768;
 /// Names that the table of a system or of a component has room for in any case.
@@ -49,23 +46,31 @@ impl Budget {
     }
 }
 
+/// The tables of a link, which share a budget.
+pub(crate) trait SharedTables {
+    fn budget(&self) -> &Budget;
+
+    /// Names in the tables beyond those that each has room for by itself.
+    fn shared_names(&self) -> PyResult<usize>;
+}
+
 /// The room of one table.
-pub(crate) struct Room<'a, 'py> {
-    /// Whose table it is; `None` for a dictionary of the program's.
-    link: Option<&'a Bound<'py, Link>>,
+pub(crate) struct Room<'a> {
+    /// The tables beside this one; `None` for a dictionary of the program's.
+    tables: Option<&'a dyn SharedTables>,
     /// Names that it takes without a look at what the others have.
     own: usize,
 }
 
-impl<'a, 'py> Room<'a, 'py> {
-    /// Of a table of `link`, with room of its own for some names.
-    pub(crate) fn of(link: &'a Bound<'py, Link>, own: usize) -> Self {
-        Self { link: Some(link), own }
+impl<'a> Room<'a> {
+    /// Of one of a link's `tables`, with room of its own for some names.
+    pub(crate) fn of(tables: &'a dyn SharedTables, own: usize) -> Self {
+        Self { tables: Some(tables), own }
     }
 
     /// Of a table that is no link's.
     pub(crate) fn alone() -> Self {
-        Self { link: None, own: MAX_NAMES }
+        Self { tables: None, own: MAX_NAMES }
     }
 
     /// A table of `names` takes one more whatever the others have.
@@ -82,28 +87,15 @@ impl<'a, 'py> Room<'a, 'py> {
 
     #[cold]
     fn takes_shared(&self, names: usize) -> PyResult<bool> {
-        let Some(link) = self.link else { return Ok(false) };
-        let budget = &link.get().budget;
+        let Some(tables) = self.tables else { return Ok(false) };
+        let budget = tables.budget();
         if names < MAX_NAMES && budget.used.load(Relaxed) < SHARED_NAMES {
             budget.used.fetch_add(1, Relaxed);
             return Ok(true);
         }
         if budget.refuse().is_multiple_of(RECOUNT) {
-            budget.used.store(used(link)?, Relaxed);
+            budget.used.store(tables.shared_names()?, Relaxed);
         }
         Ok(false)
     }
-}
-
-/// Names in a link's tables beyond those that each has room for by itself.
-fn used(link: &Bound<'_, Link>) -> PyResult<usize> {
-    let py = link.py();
-    let states = link.get().state().sysid_state.as_ref().map(|states| states.bind(py).clone());
-    let mut total = 0;
-    for (_, state) in states.iter().flatten() {
-        let state = state.cast::<SystemState>()?.get();
-        total += state.messages(py)?.len().saturating_sub(OWN_NAMES);
-        total += state.components.shared_names(py)?;
-    }
-    Ok(total)
 }

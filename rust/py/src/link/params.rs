@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::link::message_source::source_of;
 use crate::link::state::Link;
-use crate::link::tracking::source_of;
 use crate::message::object::Message;
 use crate::message::values::field_value;
 use crate::python::calling::Calling;

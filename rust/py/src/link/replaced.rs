@@ -95,7 +95,7 @@ pub(crate) fn add_message(
     messages: &Bound<'_, PyDict>,
     kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
-    room: &Room<'_, '_>,
+    room: &Room<'_>,
     has_instances: bool,
 ) -> PyResult<()> {
     if let Some(replaced) = ADD_MESSAGE.get(messages.py()) {

@@ -10,8 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::link::live_link::LiveLink;
-use crate::port::close_port::hang_up;
-use crate::port::ports;
+use crate::port::ports::{self, hang_up};
 use crate::port::stream_queue::StreamQueue;
 use crate::python::calling::Calling;
 use crate::python::lists;

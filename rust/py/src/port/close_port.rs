@@ -8,8 +8,7 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
-use crate::port::ports::own_errors;
-use crate::port::tls_port::TlsPort;
+use crate::port::answer::own_errors;
 use crate::python::calling::{Calling, Known};
 
 static CLOSE: Known = Known::new("os", "close");
@@ -19,13 +18,9 @@ static SOCKET: Known = Known::new("_socket", "socket");
 const SERIAL_DESCRIPTORS: [&str; 5] =
     ["fd", "pipe_abort_read_r", "pipe_abort_read_w", "pipe_abort_write_r", "pipe_abort_write_w"];
 
-/// Closes a port. Where that is an error the system has let go of the descriptor all the same.
-#[pyfunction]
-pub(crate) fn hang_up(port: &Bound<'_, PyAny>) -> PyResult<()> {
+/// Closes a port that is no `TlsPort`.
+pub(crate) fn close(port: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = port.py();
-    if let Ok(tls) = port.cast::<TlsPort>() {
-        return tls.get().hang_up(py);
-    }
     let module = port.get_type().attribute(intern!(py, "__module__"))?;
     match module.cast::<PyString>().map(|name| name.to_string_lossy()).as_deref() {
         Ok("socket" | "ssl") => close_socket(port),

@@ -10,13 +10,14 @@ use mavwire_link::readiness;
 use mavwire_link::sigpipe::HeldBack;
 use pyo3::create_exception;
 use pyo3::exceptions::{
-    PyBlockingIOError, PyBrokenPipeError, PyException, PyInterruptedError, PyOSError,
-    PyOverflowError, PyValueError,
+    PyBlockingIOError, PyBrokenPipeError, PyException, PyInterruptedError, PyOSError, PyValueError,
 };
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString, PyTuple};
 
+use crate::port::answer::own_errors;
+use crate::port::close_port::close;
 use crate::port::tls_port::TlsPort;
 use crate::python::calling::{Calling, Known, import};
 
@@ -50,6 +51,15 @@ pub(crate) fn ask_port<'py>(
     judged(port.py(), answer)
 }
 
+/// Closes a port. Where that is an error the system has let go of the descriptor all the same.
+#[pyfunction]
+pub(crate) fn hang_up(port: &Bound<'_, PyAny>) -> PyResult<()> {
+    match port.cast::<TlsPort>() {
+        Ok(tls) => tls.get().hang_up(port.py()),
+        Err(_) => close(port),
+    }
+}
+
 /// `port.send(data)` as `ask_port` does it, without arguments in a tuple, and without the signal that ends programs which
 /// write to who has hung up.
 pub(crate) fn send<'py>(
@@ -77,22 +87,6 @@ fn no_signal(py: Python<'_>) -> PyResult<Option<&Py<PyAny>>> {
     }
     let found = import(py, intern!(py, "socket"))?.attribute_opt(intern!(py, "MSG_NOSIGNAL"))?;
     Ok(NO_SIGNAL.get_or_init(|| found.map(Bound::unbind)).as_ref())
-}
-
-/// What came of asking a port: `Err` is not the port's own.
-pub(crate) type Answer<'py> = PyResult<PyResult<Bound<'py, PyAny>>>;
-
-pub(crate) fn own_errors<'py>(py: Python<'py>, answer: PyResult<Bound<'py, PyAny>>) -> Answer<'py> {
-    match answer {
-        Err(error)
-            if !error.is_instance_of::<PyOSError>(py)
-                && !error.is_instance_of::<PyValueError>(py)
-                && !error.is_instance_of::<PyOverflowError>(py) =>
-        {
-            Err(error)
-        }
-        answer => Ok(answer),
-    }
 }
 
 fn judged<'py>(

@@ -8,8 +8,8 @@ use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
 
-use crate::port::close_port::hang_up;
-use crate::port::ports::Answer;
+use crate::port::answer::Answer;
+use crate::port::close_port::close;
 use crate::python::calling::{Calling, import};
 use crate::sync::thread_lock::ThreadLock;
 
@@ -48,7 +48,7 @@ impl TlsPort {
 
     fn close_unless_used(&self, py: Python<'_>) -> PyResult<()> {
         let Some(_guard) = self.lock.try_lock(py) else { return Ok(()) };
-        hang_up(self.port.bind(py))
+        close(self.port.bind(py))
     }
 
     fn act_alone<'py>(

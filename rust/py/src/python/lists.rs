@@ -7,7 +7,7 @@
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyBytes, PyString};
+use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
 
 use crate::python::calling::Calling;
 
@@ -90,4 +90,16 @@ pub(crate) fn bytes_like<'py>(data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, P
     let buffer = PyByteArray::new(data.py(), b"");
     buffer.invoke_method1(intern!(data.py(), "extend"), (data,))?;
     Ok(PyBytes::new(data.py(), &buffer.to_vec()).into_any())
+}
+
+/// A Python list of the values.
+pub(crate) fn list_of<'py, T: IntoPyObject<'py>>(
+    py: Python<'py>,
+    values: impl Iterator<Item = T>,
+) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for value in values {
+        list.append(value)?;
+    }
+    Ok(list)
 }

@@ -13,7 +13,7 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
-use crate::tables::table::list_of;
+use crate::python::lists::list_of;
 
 /// Numbers in memory: `shape` is (rows,) or (rows, elements).
 #[pyclass(frozen, module = "mavwire._native")]

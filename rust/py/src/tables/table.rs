@@ -21,7 +21,7 @@ use mavwire_columns::instances::split;
 use pyo3::exceptions::{PyKeyError, PyKeyboardInterrupt, PyTypeError, PyValueError};
 use pyo3::ffi;
 use pyo3::prelude::*;
-use pyo3::types::{PyCapsule, PyDict, PyIterator, PyList, PyString, PyTuple};
+use pyo3::types::{PyCapsule, PyDict, PyIterator, PyString, PyTuple};
 
 use crate::python::calling::{Calling, import};
 use crate::python::file_error::file_error;
@@ -406,16 +406,4 @@ fn ipc_bytes(schema: &SchemaRef, batches: &[RecordBatch]) -> Result<Vec<u8>, Arr
     let mut stream = StreamWriter::try_new(Vec::new(), schema)?;
     batches.iter().try_for_each(|batch| stream.write(batch))?;
     stream.into_inner()
-}
-
-/// The columns as Python lists, for those that no buffer can show.
-pub(crate) fn list_of<'py, T: IntoPyObject<'py>>(
-    py: Python<'py>,
-    values: impl Iterator<Item = T>,
-) -> PyResult<Bound<'py, PyList>> {
-    let list = PyList::empty(py);
-    for value in values {
-        list.append(value)?;
-    }
-    Ok(list)
 }

@@ -1,0 +1,223 @@
+//! The Python methods of `Link`.
+
+use mavwire_core::sequence::SequenceTracker;
+use pyo3::gc::{PyTraverseError, PyVisit};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyFloat, PyInt, PyTuple};
+
+use crate::link::state::{Link, LinkState};
+use crate::link::system::forget_states;
+use crate::link::tracking;
+use crate::message::object::Message;
+use crate::protocol::mavlink::MAVLink;
+use crate::python::calling::{Calling, truth};
+use crate::python::instance_dict::generic_dict;
+
+#[pymethods]
+impl Link {
+    #[new]
+    #[pyo3(signature = (*_args, **_kwargs))]
+    fn new(_args: &Bound<'_, PyTuple>, _kwargs: Option<&Bound<'_, PyDict>>) -> Self {
+        Self::empty()
+    }
+
+    /// The `MAVLink` object of the current dialect.
+    #[getter(mav)]
+    fn get_mav(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.state().mav.as_ref().map(|mav| mav.clone_ref(py))
+    }
+    #[setter(mav)]
+    fn set_mav(&self, value: &Bound<'_, PyAny>) {
+        let native = value.cast::<MAVLink>().ok().map(|mav| mav.clone().unbind());
+        self.replace(native, |state| &mut state.native_mav);
+        self.replace(Some(value.clone().unbind()), |state| &mut state.mav);
+    }
+
+    /// System id -> `mavfile_state`.
+    #[getter(sysid_state)]
+    fn get_sysid_state(&self, py: Python<'_>) -> Option<Py<PyDict>> {
+        self.state().sysid_state.as_ref().map(|states| states.clone_ref(py))
+    }
+    #[setter(sysid_state)]
+    fn set_sysid_state(&self, value: Bound<'_, PyDict>) {
+        self.replace(Some(value.unbind()), |state| &mut state.sysid_state);
+        forget_states();
+    }
+
+    /// Functions called as `hook(link, message)` for every message.
+    #[getter(message_hooks)]
+    fn get_message_hooks<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.hooks(py)
+    }
+    #[setter(message_hooks)]
+    fn set_message_hooks(&self, value: Py<PyAny>) {
+        self.replace(Some(value), |state| &mut state.message_hooks);
+    }
+
+    /// Messages received, radio status, BAD_DATA and UNKNOWN not counted.
+    #[getter(mav_count)]
+    fn get_mav_count(&self) -> u64 {
+        self.state().mav_count
+    }
+    #[setter(mav_count)]
+    fn set_mav_count(&self, value: u64) {
+        self.state().mav_count = value;
+    }
+
+    /// Messages lost, by the gaps in sequence numbers.
+    #[getter(mav_loss)]
+    fn get_mav_loss(&self) -> u64 {
+        self.state().mav_loss
+    }
+    #[setter(mav_loss)]
+    fn set_mav_loss(&self, value: u64) {
+        self.state().mav_loss = value;
+    }
+
+    /// Message types, instances, components and parameters that were not kept because there were too many already.
+    #[getter]
+    fn names_refused(&self) -> u64 {
+        self.budget.refused()
+    }
+
+    /// `{(sysid, compid): last sequence number}`, a copy.
+    #[getter(last_seq)]
+    fn get_last_seq<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let last: Vec<_> = self.state().sequences.last().collect();
+        let dict = PyDict::new(py);
+        for (source, seq) in last {
+            dict.set_item(source, seq)?;
+        }
+        Ok(dict)
+    }
+    #[setter(last_seq)]
+    fn set_last_seq(&self, value: &Bound<'_, PyDict>) -> PyResult<()> {
+        let mut sequences = SequenceTracker::new();
+        for (source, seq) in value {
+            let (sysid, compid) = source.extract()?;
+            sequences.observe(sysid, compid, seq.extract()?);
+        }
+        self.state().sequences = sequences;
+        Ok(())
+    }
+
+    /// Time of the last message in seconds since 1970; 0 before the first.
+    #[getter(timestamp)]
+    fn get_timestamp<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        match self.state().timestamp {
+            Some(seconds) => PyFloat::new(py, seconds).into_any(),
+            None => PyInt::new(py, 0).into_any(),
+        }
+    }
+    #[setter(timestamp)]
+    fn put_timestamp(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let seconds: f64 = value.extract()?;
+        let is_unset = seconds == 0.0 && value.is_instance_of::<PyInt>();
+        self.state().timestamp = (!is_unset).then_some(seconds);
+        Ok(())
+    }
+
+    /// Seconds since the vehicle booted, as its messages say.
+    #[getter(uptime)]
+    fn get_uptime(&self) -> f64 {
+        self.state().uptime
+    }
+    #[setter(uptime)]
+    fn put_uptime(&self, value: f64) {
+        self.state().uptime = value;
+    }
+
+    /// Time of the record being read from a log; None on live links.
+    #[getter(_timestamp)]
+    fn get_record_time(&self) -> Option<f64> {
+        self.state().record_time
+    }
+    #[setter(_timestamp)]
+    fn put_record_time(&self, value: Option<f64>) {
+        self.state().record_time = value;
+    }
+
+    /// Messages are stamped with `uptime` instead of the time of their record.
+    #[getter(notimestamps)]
+    fn get_notimestamps(&self) -> bool {
+        self.state().notimestamps
+    }
+    #[setter(notimestamps)]
+    fn set_notimestamps(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let value = value.truth()?;
+        self.state().notimestamps = value;
+        Ok(())
+    }
+
+    /// The protocol version of the link is still to be found out from its first byte.
+    #[getter(first_byte)]
+    fn get_first_byte(&self) -> bool {
+        self.state().first_byte
+    }
+    #[setter(first_byte)]
+    fn set_first_byte(&self, #[pyo3(from_py_with = truth)] value: bool) {
+        self.state().first_byte = value;
+    }
+
+    /// File that received messages are recorded to, or None.
+    #[getter(logfile)]
+    fn get_logfile(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.state().logfile.as_ref().map(|file| file.clone_ref(py))
+    }
+    #[setter(logfile)]
+    fn set_logfile(&self, value: Option<Py<PyAny>>) {
+        self.replace(value, |state| &mut state.logfile);
+    }
+
+    /// File that received bytes are recorded to, or None.
+    #[getter(logfile_raw)]
+    fn get_logfile_raw(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.state().logfile_raw.as_ref().map(|file| file.clone_ref(py))
+    }
+    #[setter(logfile_raw)]
+    fn set_logfile_raw(&self, value: Option<Py<PyAny>>) {
+        self.replace(value, |state| &mut state.logfile_raw);
+    }
+
+    /// Forgets a frame whose rest will not come: the peer is gone.
+    #[pyo3(name = "_drop_partial")]
+    pub(crate) fn drop_partial(&self) {
+        if let Some(mav) = &self.state().native_mav {
+            let mav = mav.get();
+            mav.drop_unread(&mut mav.parser());
+        }
+    }
+
+    /// The home position of a system is known for good.
+    fn _fix_home(&self, sysid: u8) {
+        self.state().senders.fix_home(sysid);
+    }
+
+    /// Takes a received message into the link's state, once, then calls the message hooks.
+    fn post_message(slf: &Bound<'_, Self>, msg: &Bound<'_, Message>) -> PyResult<()> {
+        tracking::post(slf, msg)
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        // SAFETY: the garbage collector runs in an attached thread.
+        let Some(state) = (unsafe { self.state.try_lock() }) else { return Ok(()) };
+        visit.call(state.mav.as_ref())?;
+        visit.call(state.native_mav.as_ref())?;
+        visit.call(state.sysid_state.as_ref())?;
+        visit.call(state.message_hooks.as_ref())?;
+        visit.call(state.logfile.as_ref())?;
+        visit.call(state.logfile_raw.as_ref())?;
+        state.senders.traverse(visit)
+    }
+
+    fn __clear__(&self) {
+        let old = std::mem::replace(&mut *self.state(), LinkState::new());
+        drop(old);
+    }
+}
+
+/// The instance's own dictionary, for classes that show a `__dict__` of their own making.
+#[pyfunction]
+pub(crate) fn instance_dict<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+    generic_dict(object)
+}
