@@ -7,6 +7,7 @@ docs/architecture.md states the rules and why; this file only enforces them.
 from __future__ import annotations
 
 import ast
+import graphlib
 import re
 import subprocess
 import tomllib
@@ -47,6 +48,21 @@ RESERVED_CRATES = {
     "mcap": {"columns", "fuzz"},
     "rayon": {"columns", "link", "fuzz"},
 }
+# Folders of the extension module, lowest first: a module uses its own folder and lower ones.
+EXTENSION_FOLDERS = (
+    "python",
+    "sync",
+    "message",
+    "dialect",
+    "protocol",
+    "port",
+    "log",
+    "link",
+    "tables",
+    "dataflash",
+    "dump",
+    "bridge",
+)
 # Python layers, lowest first: a module imports only from its own layer and from lower ones.
 LAYERS = (
     ("_native", "_version", "_data", "_sphere", "_hooks"),
@@ -163,6 +179,34 @@ def test_every_pyclass_is_frozen() -> None:
     for path in rust_sources("py"):
         for options in re.findall(r"#\[pyclass(\b[^\]]*)\]", code_of(path)):
             assert "frozen" in options, f"{path}: #[pyclass{options}]"
+
+
+def extension_modules() -> dict[str, set[str]]:
+    """The modules of rust/py as "folder::file", each with those that it names."""
+    source = RUST / "py" / "src"
+    paths = {f"{path.parent.name}::{path.stem}": path for path in source.glob("*/*.rs")}
+    uses = {}
+    for name, path in paths.items():
+        code = code_of(path)
+        named = {"::".join(both) for both in re.findall(r"\bcrate::(\w+)::(\w+)", code)}
+        for names in re.findall(r"\bsuper::(\w+|\{[^}]*\})", code):
+            named |= {f"{path.parent.name}::{one}" for one in re.findall(r"\w+", names)}
+        uses[name] = named & paths.keys() - {name}
+    return uses
+
+
+def test_modules_of_the_extension_use_lower_folders_and_no_cycles() -> None:
+    uses = extension_modules()
+    assert {name.split("::")[0] for name in uses} == {*EXTENSION_FOLDERS}
+    rank = {name: EXTENSION_FOLDERS.index(name.split("::")[0]) for name in uses}
+    upwards = [
+        f"{one} uses {other}"
+        for one, others in uses.items()
+        for other in others
+        if rank[other] > rank[one]
+    ]
+    assert not upwards, upwards
+    tuple(graphlib.TopologicalSorter(uses).static_order())  # CycleError names a cycle
 
 
 def test_attributes_are_read_where_the_end_of_the_interpreter_does_no_harm() -> None:
