@@ -2,6 +2,7 @@
 
 pub(crate) mod clock;
 pub(crate) mod message;
+mod message_methods;
 pub(crate) mod reader;
 mod render;
 pub(crate) mod shape;
