@@ -14,6 +14,7 @@ pub mod anonymize;
 pub mod border;
 pub mod builtin;
 pub mod codec;
+pub mod dump_line;
 pub mod frame;
 pub mod kind_hash;
 pub mod log;

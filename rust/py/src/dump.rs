@@ -1,4 +1,3 @@
 //! Telemetry logs as text.
 
-pub(crate) mod line;
 pub(crate) mod log_dump;

@@ -15,7 +15,6 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::dump::line::{Column, Item, Labels, Line, Style, write_line};
 use crate::link::log_link::LogLink;
 use crate::message::frame_bytes::FrameBytes;
 use crate::message::object::payload_of;
@@ -23,6 +22,7 @@ use crate::protocol::parse::{self, Step};
 use crate::python::calling::Calling;
 use crate::python::lists::list;
 use crate::sync::gil_yield::Turns;
+use mavwire_core::dump_line::{Column, Item, Labels, Line, Style, write_line};
 
 /// Bytes collected before they are written.
 const CHUNK: usize = 256 * 1024;

@@ -3,37 +3,49 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-use mavwire_core::frame::Header;
-use mavwire_core::log::tlog::recordable;
-use mavwire_core::pyfloat::write_repr;
-use mavwire_core::signing::SETUP_SIGNING;
-use mavwire_core::text;
+use crate::frame::Header;
+use crate::log::tlog::recordable;
+use crate::pyfloat::write_repr;
+use crate::signing::SETUP_SIGNING;
+use crate::text;
 use mavwire_schema::{Field, Message as Definition};
 
 /// What a line is about.
-pub(crate) enum Item<'a> {
+pub enum Item<'a> {
+    /// A message of the dialect.
     Known {
+        /// Index of its definition in the registry.
         index: u16,
+        /// Its definition.
         message: &'a Definition,
+        /// The labels of its fields.
         labels: &'a Labels,
+        /// Its payload as it was on the wire.
         payload: &'a [u8],
+        /// Its header.
         header: Header,
         /// The text joined from several messages, shown instead of this one's.
         text: Option<&'a [u8]>,
     },
+    /// A frame whose id the dialect lacks.
     Unknown {
+        /// Its id.
         msgid: u32,
+        /// The whole frame.
         frame: &'a [u8],
     },
+    /// Bytes that are no frame, or a rejected one.
     Bad {
+        /// The bytes.
         frame: &'a [u8],
+        /// Why they are rejected.
         reason: String,
     },
 }
 
 impl Item<'_> {
     /// The type name that filters see.
-    pub(crate) fn name(&self) -> String {
+    pub fn name(&self) -> String {
         match self {
             Self::Known { message, .. } => message.name.clone(),
             Self::Unknown { msgid, .. } => format!("UNKNOWN_{msgid}"),
@@ -42,7 +54,7 @@ impl Item<'_> {
     }
 
     /// System id, component id and sequence number; what is no message has none and shows zeros.
-    pub(crate) fn source(&self) -> (u8, u8, u8) {
+    pub fn source(&self) -> (u8, u8, u8) {
         match self {
             Self::Known { header, .. } => (header.sysid, header.compid, header.seq),
             _ => (0, 0, 0),
@@ -51,28 +63,47 @@ impl Item<'_> {
 }
 
 /// What is written for each message.
-pub(crate) enum Style {
+pub enum Style {
+    /// Nothing.
     Silent,
-    Standard { show_source: bool, show_seq: bool },
-    Json { show_source: bool },
-    Csv { separator: String, columns: Vec<Column> },
+    /// mavlogdump's lines of text.
+    Standard {
+        /// Whether the sender is shown.
+        show_source: bool,
+        /// Whether the sequence number is shown.
+        show_seq: bool,
+    },
+    /// A JSON object a line.
+    Json {
+        /// Whether the sender is shown.
+        show_source: bool,
+    },
+    /// Rows with the columns of some types.
+    Csv {
+        /// Between two cells.
+        separator: String,
+        /// The types in their order.
+        columns: Vec<Column>,
+    },
 }
 
 impl Style {
-    pub(crate) fn shows_clock(&self) -> bool {
+    /// Whether lines begin with the local time.
+    pub fn shows_clock(&self) -> bool {
         matches!(self, Self::Standard { .. })
     }
 }
 
 /// What stands before the values of a message type, put together once: three pieces of text in one cost as much as one.
-pub(crate) struct Labels {
+pub struct Labels {
     head: String,
     /// Before the value of each field, XML order.
     fields: Vec<String>,
 }
 
 impl Labels {
-    pub(crate) fn new(style: &Style, message: &Definition) -> Self {
+    /// The labels of a message type.
+    pub fn new(style: &Style, message: &Definition) -> Self {
         let name = &message.name;
         let (head, quote, colon) = match style {
             Style::Silent | Style::Csv { .. } => {
@@ -105,21 +136,25 @@ impl Labels {
 }
 
 /// The columns of one message type in a CSV table.
-pub(crate) struct Column {
-    pub(crate) index: u16,
+pub struct Column {
+    /// Index of the type in the registry.
+    pub index: u16,
     /// The cells of a row that is about another type.
-    pub(crate) blanks: String,
+    pub blanks: String,
 }
 
 /// A message with its time in seconds since 1970, and what the local clock shows then.
-pub(crate) struct Line<'a> {
-    pub(crate) time: f64,
-    pub(crate) clock: &'a str,
-    pub(crate) item: &'a Item<'a>,
+pub struct Line<'a> {
+    /// Seconds since 1970.
+    pub time: f64,
+    /// The local time, to the second.
+    pub clock: &'a str,
+    /// The message.
+    pub item: &'a Item<'a>,
 }
 
 /// Appends the line with its newline.
-pub(crate) fn write_line(out: &mut String, style: &Style, line: &Line<'_>) {
+pub fn write_line(out: &mut String, style: &Style, line: &Line<'_>) {
     match style {
         Style::Silent => return,
         Style::Standard { show_source, show_seq } => {
@@ -246,4 +281,58 @@ fn write_json_bytes(out: &mut String, bytes: &[u8]) {
 fn append(out: &mut String, arguments: std::fmt::Arguments<'_>) {
     let taken = out.write_fmt(arguments);
     debug_assert!(taken.is_ok());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+    use crate::registry::Registry;
+    use mavwire_schema::WireVersion;
+
+    fn lines(style: &Style) -> String {
+        let registry = Registry::new(
+            builtin::dialect("minimal", WireVersion::V2).expect("a built-in dialect"),
+        );
+        let entry = registry.lookup(0).expect("HEARTBEAT");
+        let message = registry.message(entry.index);
+        let payload = [1, 0, 0, 0, 2, 3, 81, 4, 3];
+        let header = Header::new(WireVersion::V2, 7, 1, 2, 0);
+        let labels = Labels::new(style, message);
+        let item = Item::Known {
+            index: entry.index,
+            message,
+            labels: &labels,
+            payload: &payload,
+            header,
+            text: None,
+        };
+        let bad = Item::Bad { frame: &[0xAB], reason: "Bad prefix".to_owned() };
+        let mut out = String::new();
+        for item in [&item, &Item::Unknown { msgid: 9, frame: &[0xFD, 0] }, &bad] {
+            let line = Line { time: 1.25, clock: "1970-01-01 00:00:01", item };
+            write_line(&mut out, style, &line);
+        }
+        out
+    }
+
+    #[test]
+    fn styles_show_messages_as_mavlogdump_does() {
+        assert_eq!(lines(&Style::Silent), "");
+        let text = lines(&Style::Standard { show_source: false, show_seq: false });
+        let expected = [
+            "1970-01-01 00:00:01.25: HEARTBEAT {type : 2, autopilot : 3, base_mode : 81, custom_mode : 1, \
+             system_status : 4, mavlink_version : 3}",
+            "1970-01-01 00:00:01.25: UNKNOWN_9 {data:['fd', '0']}",
+            "1970-01-01 00:00:01.25: BAD_DATA {Bad prefix, data:['ab']}",
+        ];
+        assert_eq!(text.lines().collect::<Vec<_>>(), expected);
+        let json = lines(&Style::Json { show_source: true });
+        let expected = concat!(
+            r#"{"meta": {"type": "HEARTBEAT", "timestamp": 1.25, "srcSystem": 1, "srcComponent": 2}, "#,
+            r#""data": {"type": 2, "autopilot": 3, "base_mode": 81, "custom_mode": 1, "#,
+            r#""system_status": 4, "mavlink_version": 3}}"#,
+        );
+        assert_eq!(json.lines().next(), Some(expected));
+    }
 }
