@@ -17,7 +17,7 @@ pub(crate) struct Sender<'py> {
     pub(crate) signing: Option<Bound<'py, Signing>>,
 }
 
-impl<'py> Sender<'py> {
+impl Sender<'_> {
     /// Makes the frame of a payload at full length.
     pub(crate) fn frame(
         &self,
