@@ -11,6 +11,7 @@ pub mod clock;
 pub mod dataflash;
 pub mod datagrams;
 pub mod files;
+pub mod log_index;
 pub mod memory;
 pub mod readiness;
 pub mod records;

@@ -4,12 +4,14 @@
 //! stands in front of it. [`find_runs`] looks at any stretch of a log by itself, so that many can do so side by side, for a
 //! [`RecordScanner`] to put together. [`recordable`] is for writers.
 
+mod ahead;
 mod framing;
 mod recordable;
 mod records;
 mod runs;
 mod times;
 
+pub use ahead::{Ahead, Checked, Rules};
 pub use framing::Framing;
 pub use recordable::recordable;
 pub use records::{FoundRecord, RecordScanner};

@@ -7,10 +7,10 @@ use mavwire_schema::WireVersion;
 use pyo3::prelude::*;
 
 use crate::link::log_link::LogLink;
-use crate::log::index::{Indexed, LogIndex, Stop, find_record};
 use crate::python::calling::Calling;
 use crate::python::file_error::of_reading;
 use crate::sync::gil_yield::Turns;
+use mavwire_link::log_index::{Indexed, LogIndex, Stop, find_record};
 
 /// Bytes between two looks whether others should have a turn.
 const STRETCH: u64 = 4 * 1024 * 1024;

@@ -12,7 +12,6 @@ use pyo3::types::PyTuple;
 
 use crate::link::log_wanted::{self, Wanted};
 use crate::link::state::Link;
-use crate::log::index::LogIndex;
 use crate::log::reader::LogReader;
 use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
@@ -20,6 +19,7 @@ use crate::python::calling::Calling;
 use crate::python::file_error::of_reading;
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
+use mavwire_link::log_index::LogIndex;
 
 /// Methods whose replacement turns the quick paths off.
 pub(super) const QUICK_METHODS: [&str; 9] = [

@@ -16,7 +16,6 @@ use crate::link::log_visits::LogVisits;
 use crate::link::log_wanted::Wanted;
 use crate::link::state::{Link, overrides, set_attr};
 use crate::link::tracking;
-use crate::log::index::LogIndex;
 use crate::log::reader::{LogReader, seconds};
 use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
@@ -24,6 +23,7 @@ use crate::python::calling::{Calling, truth};
 use crate::sync::gil_yield::Turns;
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
+use mavwire_link::log_index::LogIndex;
 #[pymethods]
 impl LogLink {
     #[classattr]

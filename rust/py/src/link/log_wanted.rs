@@ -4,9 +4,9 @@ use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
-use crate::log::index::LogIndex;
 use crate::python::calling::Calling;
 use crate::python::lists::collected;
+use mavwire_link::log_index::LogIndex;
 
 /// Read along with whatever is asked for, because they keep the mode and the parameters current.
 const ALWAYS_READ: [&str; 2] = ["HEARTBEAT", "PARAM_VALUE"];

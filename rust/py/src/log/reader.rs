@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mavwire_core::frame::MAX_FRAME_LEN;
-use mavwire_core::log::tlog::{Before, Framing, MAX_JUMP, STAMP_LEN, Stamp};
+use mavwire_core::log::tlog::{Ahead, Before, Checked, Framing, MAX_JUMP, Rules, STAMP_LEN, Stamp};
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::Resync;
 use mavwire_core::telemetry::StreamClock;
@@ -17,7 +17,6 @@ use mavwire_link::records::{AtOffset, RecordFinder};
 use mavwire_link::window::FileWindow;
 
 use crate::dialect::registry::Dialect;
-use crate::log::ahead::{Ahead, Checked, Rules};
 use crate::message::frame_bytes::FrameBytes;
 use crate::protocol::parse::{Parser, Step};
 

@@ -5,31 +5,36 @@ use std::collections::{HashSet, TryReserveError};
 use std::io;
 use std::sync::Arc;
 
+use crate::records::{AtOffset, RecordFinder};
+use crate::window::FileWindow;
 use mavwire_core::codec::read;
 use mavwire_core::frame::{
     CHECKSUM_LEN, HEADER_LEN_V1, HEADER_LEN_V2, Header, IFLAG_SIGNED, SIGNATURE_LEN, STX_V1, STX_V2,
 };
 use mavwire_core::log::tlog::STAMP_LEN;
 use mavwire_core::registry::Registry;
-use mavwire_link::records::{AtOffset, RecordFinder};
-use mavwire_link::window::FileWindow;
-use mavwire_schema::Message as Definition;
+use mavwire_core::schema::Message as Definition;
 
 /// Longest time stamp and header.
 const LOOK: usize = STAMP_LEN + HEADER_LEN_V2;
 
 /// A record that the index found.
-pub(crate) struct Indexed {
-    pub(crate) offset: u64,
+pub struct Indexed {
+    /// Where the record begins.
+    pub offset: u64,
     /// Where the next record is looked for.
-    pub(crate) next: u64,
-    pub(crate) header: Header,
+    pub next: u64,
+    /// The header of its frame.
+    pub header: Header,
     /// Where the payload begins.
-    pub(crate) payload: u64,
+    pub payload: u64,
 }
 
 /// The record at or behind `offset`, or `None` at the end of the log.
-pub(crate) fn find_record(
+///
+/// # Errors
+/// Those of reading the log.
+pub fn find_record(
     window: &mut FileWindow,
     mut offset: u64,
     size: u64,
@@ -129,15 +134,33 @@ impl Instance {
 }
 
 /// Why [`LogIndex::extend`] stopped.
-pub(crate) enum Stop {
+pub enum Stop {
     /// The log is at its end; the last record ends here.
-    End { next: u64 },
+    End {
+        /// The end of the last record.
+        next: u64,
+    },
     /// So far nothing to note; go on here.
-    Limit { next: u64 },
+    Limit {
+        /// Where to go on.
+        next: u64,
+    },
     /// The first record of a type, which is not added yet.
-    FirstOfType { index: u16, record: Indexed },
+    FirstOfType {
+        /// Index of the message type.
+        index: u16,
+        /// The record.
+        record: Indexed,
+    },
     /// A record of an instance that was not seen before.
-    NewInstance { index: u16, instance: String, next: u64 },
+    NewInstance {
+        /// Index of the message type.
+        index: u16,
+        /// The instance as text.
+        instance: String,
+        /// Where to go on.
+        next: u64,
+    },
 }
 
 /// A record of the index, in half the memory that its offset would take: most of the time of building an index goes
@@ -172,8 +195,9 @@ impl Kind {
 
 /// The records by message index, in the order of the log. It keeps the registry that it was built with, because the
 /// dialect of a link can change while the index stays.
-pub(crate) struct LogIndex {
-    pub(crate) registry: Arc<Registry>,
+pub struct LogIndex {
+    /// The definitions that the index was built with.
+    pub registry: Arc<Registry>,
     steps: Vec<Step>,
     /// Where the record of the last step begins.
     last: u64,
@@ -189,7 +213,8 @@ pub(crate) struct LogIndex {
 }
 
 impl LogIndex {
-    pub(crate) fn new(registry: Arc<Registry>) -> Self {
+    /// An empty index.
+    pub fn new(registry: Arc<Registry>) -> Self {
         let messages = &registry.dialect().messages;
         Self {
             steps: Vec::new(),
@@ -204,12 +229,12 @@ impl LogIndex {
     }
 
     /// Records in the index.
-    pub(crate) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.count
     }
 
     /// `(message id, name, records)` of each type, in the order in which they first appear.
-    pub(crate) fn counts(&self) -> Vec<(u32, String, usize)> {
+    pub fn counts(&self) -> Vec<(u32, String, usize)> {
         let row = |&index: &u16| {
             let message = self.registry.message(index);
             (message.id, message.name.clone(), self.kinds[usize::from(index)].count)
@@ -217,9 +242,11 @@ impl LogIndex {
         self.order.iter().map(row).collect()
     }
 
-    /// `(message id, offsets of its records)` of each type, in the order in which they first appear; an error where there
-    /// is no memory for them.
-    pub(crate) fn by_type(&self) -> Result<Vec<(u32, Vec<u64>)>, TryReserveError> {
+    /// `(message id, offsets of its records)` of each type, in the order in which they first appear.
+    ///
+    /// # Errors
+    /// There is no memory for them.
+    pub fn by_type(&self) -> Result<Vec<(u32, Vec<u64>)>, TryReserveError> {
         let mut by_index = vec![Vec::new(); self.kinds.len()];
         for (offsets, kind) in by_index.iter_mut().zip(&self.kinds) {
             offsets.try_reserve_exact(kind.count)?;
@@ -233,9 +260,11 @@ impl LogIndex {
         Ok(self.order.iter().map(row).collect())
     }
 
-    /// Message ids of the names that are in the index, each once, and the offsets of all their records, ascending;
-    /// an error where there is no memory for them.
-    pub(crate) fn select(&self, names: &[String]) -> Result<(Vec<u32>, Vec<u64>), TryReserveError> {
+    /// Message ids of the names that are in the index, each once, and the offsets of all their records, ascending.
+    ///
+    /// # Errors
+    /// There is no memory for them.
+    pub fn select(&self, names: &[String]) -> Result<(Vec<u32>, Vec<u64>), TryReserveError> {
         let mut chosen: Vec<u16> = Vec::new();
         for name in names {
             let matches = |&&index: &&u16| self.registry.message(index).name == *name;
@@ -259,7 +288,7 @@ impl LogIndex {
     }
 
     /// Where the last record of any of these types begins.
-    pub(crate) fn last_of(&self, names: &[&str]) -> Option<u64> {
+    pub fn last_of(&self, names: &[&str]) -> Option<u64> {
         let messages = &self.registry.dialect().messages;
         let is_named: Vec<_> = messages.iter().map(|m| names.contains(&m.name.as_str())).collect();
         let mut offset = self.last;
@@ -281,12 +310,16 @@ impl LogIndex {
         located.filter(|&(index, _)| index != NO_MESSAGE)
     }
 
-    pub(crate) fn knows(&self, index: u16) -> bool {
+    /// Whether the index has a record of this type.
+    pub fn knows(&self, index: u16) -> bool {
         self.kinds[usize::from(index)].count > 0
     }
 
-    /// Adds a record behind all that are there; `OutOfMemory` for one too many.
-    pub(crate) fn add(&mut self, index: u16, offset: u64) -> io::Result<()> {
+    /// Adds a record behind all that are there.
+    ///
+    /// # Errors
+    /// `OutOfMemory`
+    pub fn add(&mut self, index: u16, offset: u64) -> io::Result<()> {
         let mut gap = offset.saturating_sub(self.last);
         while gap > LONGEST_STEP {
             self.steps.try_reserve(1)?;
@@ -306,13 +339,17 @@ impl LogIndex {
         Ok(())
     }
 
-    pub(crate) fn forget_instances(&mut self) {
+    /// Forgets which instances were shown.
+    pub fn forget_instances(&mut self) {
         self.seen.clear();
         self.seen_bytes.fill(None);
     }
 
     /// The instance of a record, if it has one and is the first of it.
-    pub(crate) fn new_instance(
+    ///
+    /// # Errors
+    /// Those of reading the log.
+    pub fn new_instance(
         &mut self,
         window: &mut FileWindow,
         index: u16,
@@ -391,7 +428,10 @@ impl LogIndex {
 
     /// Adds records from `offset` on, up to one that needs a closer look or begins behind `limit`; with a `finder` only
     /// the good ones.
-    pub(crate) fn extend(
+    ///
+    /// # Errors
+    /// Those of reading the log, and `OutOfMemory`.
+    pub fn extend(
         &mut self,
         window: &mut FileWindow,
         mut offset: u64,
@@ -431,5 +471,41 @@ impl LogIndex {
             }
         }
         Ok(Stop::Limit { next: offset })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mavwire_core::builtin;
+    use mavwire_core::frame::FrameBuffer;
+    use mavwire_core::log::tlog::Stamp;
+    use mavwire_core::schema::WireVersion::V2;
+
+    #[test]
+    fn an_index_knows_the_place_of_each_record() {
+        let registry = Arc::new(Registry::new(builtin::dialect("minimal", V2).expect("built in")));
+        let entry = registry.lookup(0).expect("HEARTBEAT");
+        let mut log = Vec::new();
+        for seq in 0..3 {
+            log.extend(Stamp::encode(1_700_000_000_000_000, 0));
+            let mut frame = FrameBuffer::default();
+            frame.encode(Header::new(V2, seq, 1, 1, 0), &[1; 9], entry.crc_extra).expect("it fits");
+            log.extend(frame.iter());
+        }
+        let path = std::env::temp_dir().join(format!("mavwire-index-{}", std::process::id()));
+        std::fs::write(&path, &log).expect("a temporary file");
+        let (size, third) = (log.len() as u64, log.len() as u64 / 3);
+        let mut window = FileWindow::open(&path).expect("the file");
+        let mut index = LogIndex::new(registry);
+        let first = index.extend(&mut window, 0, size, size, None).expect("readable");
+        let Stop::FirstOfType { index: kind, record } = first else { panic!("a first record") };
+        index.add(kind, record.offset).expect("memory");
+        let end = index.extend(&mut window, record.next, size, size, None).expect("readable");
+        std::fs::remove_file(&path).expect("removed");
+        assert!(matches!(end, Stop::End { next } | Stop::Limit { next } if next == size));
+        assert_eq!(index.counts(), [(0, "HEARTBEAT".to_owned(), 3)]);
+        assert_eq!(index.by_type().expect("memory"), [(0, vec![0, third, 2 * third])]);
+        assert_eq!(index.last_of(&["HEARTBEAT"]), Some(2 * third));
     }
 }

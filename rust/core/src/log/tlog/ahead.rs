@@ -5,37 +5,39 @@
 
 use std::sync::Arc;
 
-use mavwire_core::frame::Header;
-use mavwire_core::registry::Registry;
-use mavwire_core::scan::{Resync, Scanner};
+use crate::frame::Header;
+use crate::registry::Registry;
+use crate::scan::{Resync, Scanner};
 
 /// Records looked at in one go, at most: they stay in the processor's cache until they are asked for.
 const MOST: usize = 256;
 
 /// A good frame of a known message.
 #[derive(Clone, Copy)]
-pub(crate) struct Checked {
+pub struct Checked {
     /// Where the record begins.
     offset: u64,
     /// Index of the message type.
-    pub(crate) index: u16,
+    pub index: u16,
     /// Bytes of the frame.
-    pub(crate) len: u16,
+    pub len: u16,
 }
 
 /// What decides whether a record is good.
 #[derive(Clone, Copy)]
-pub(crate) struct Rules<'a> {
-    pub(crate) registry: &'a Arc<Registry>,
-    pub(crate) ignore_checksum: bool,
+pub struct Rules<'a> {
+    /// The definitions of messages.
+    pub registry: &'a Arc<Registry>,
+    /// Frames with a wrong checksum are good.
+    pub ignore_checksum: bool,
     /// Bytes in front of each frame.
-    pub(crate) lead: usize,
+    pub lead: usize,
     /// A signed record counts only if another follows: its signature may have lost bytes.
-    pub(crate) looks_behind_signed: bool,
+    pub looks_behind_signed: bool,
 }
 
-/// See the module.
-pub(crate) struct Ahead {
+/// The records that were checked ahead.
+pub struct Ahead {
     records: Vec<Checked>,
     next: usize,
     /// What the records were checked with. The definitions are held, so that no others can take their address.
@@ -46,8 +48,15 @@ pub(crate) struct Ahead {
     wanted: usize,
 }
 
+impl Default for Ahead {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Ahead {
-    pub(crate) fn new() -> Self {
+    /// Nothing was checked yet.
+    pub fn new() -> Self {
         // A good frame is one under either policy, and this one needs no memory of what was before.
         let scanner = Scanner::new(Resync::Skip);
         Self {
@@ -62,13 +71,13 @@ impl Ahead {
 
     /// The record at `offset`, if it is known to be good.
     #[inline]
-    pub(crate) fn get(&self, offset: u64, rules: Rules<'_>) -> Option<Checked> {
+    pub fn get(&self, offset: u64, rules: Rules<'_>) -> Option<Checked> {
         let next = self.records.get(self.next).copied()?;
         (next.offset == offset && self.obeys(rules)).then_some(next)
     }
 
     /// The record at `offset` comes next.
-    pub(crate) fn expects(&self, offset: u64) -> bool {
+    pub fn expects(&self, offset: u64) -> bool {
         self.records.get(self.next).is_some_and(|next| next.offset == offset)
     }
 
@@ -80,12 +89,12 @@ impl Ahead {
 
     /// Reading goes on behind the record that comes next.
     #[inline]
-    pub(crate) fn advance(&mut self) {
+    pub fn advance(&mut self) {
         self.next += 1;
     }
 
     /// Forgets everything, since the file is read elsewhere.
-    pub(crate) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.records.clear();
         self.next = 0;
         self.wanted = 1;
@@ -110,7 +119,7 @@ impl Ahead {
     }
 
     /// Checks the records at the front of `bytes`, which stand at `offset`.
-    pub(crate) fn fill(&mut self, mut offset: u64, mut bytes: &[u8], rules: Rules<'_>) {
+    pub fn fill(&mut self, mut offset: u64, mut bytes: &[u8], rules: Rules<'_>) {
         self.begin(rules);
         let mut last = bytes;
         // One more where the last one may be left out: else a signed record would never be known ahead.
@@ -132,7 +141,7 @@ impl Ahead {
     }
 
     /// Checks the records at `offsets`, as far as their bytes are at hand.
-    pub(crate) fn fill_at<'a>(
+    pub fn fill_at<'a>(
         &mut self,
         offsets: &[u64],
         bytes_at: impl Fn(u64) -> &'a [u8],
@@ -144,5 +153,39 @@ impl Ahead {
                 break;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+    use crate::frame::FrameBuffer;
+    use mavwire_schema::WireVersion::V2;
+
+    #[test]
+    fn records_are_known_up_to_a_damaged_one() {
+        let registry = Arc::new(Registry::new(builtin::dialect("minimal", V2).expect("built in")));
+        let entry = registry.lookup(0).expect("HEARTBEAT");
+        let mut frame = FrameBuffer::default();
+        frame.encode(Header::new(V2, 0, 1, 1, 0), &[1; 9], entry.crc_extra).expect("it fits");
+        let mut log = frame.repeat(4);
+        let len = log.len() / 4;
+        log[2 * len + 12] ^= 1;
+        let (registry, looks_behind_signed) = (&registry, false);
+        let rules = Rules { registry, ignore_checksum: false, lead: 0, looks_behind_signed };
+        let mut ahead = Ahead::new();
+        let mut known = Vec::new();
+        for offset in (0..4).map(|number| number * len) {
+            if !ahead.expects(offset as u64) {
+                ahead.fill(offset as u64, &log[offset..], rules);
+            }
+            let record = ahead.get(offset as u64, rules);
+            known.push(record.map(|record| usize::from(record.len)));
+            if record.is_some() {
+                ahead.advance();
+            }
+        }
+        assert_eq!(known, [Some(len), Some(len), None, Some(len)]);
     }
 }
