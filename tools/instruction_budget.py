@@ -80,7 +80,7 @@ def measure(only: str | None) -> dict[str, float]:
     hot_loops = [sys.executable, str(ROOT / "benches" / "python" / "hot_loops.py")]
     programs = (
         ("rust", RUST, lambda: build("mavwire-core", "hot_paths")),
-        ("bridge", BRIDGE, lambda: build("mavwire-link", "forward")),
+        ("bridge", BRIDGE, lambda: build("mavwire-io", "forward")),
         ("python", PYTHON, lambda: hot_loops),
         ("tables", TABLES, lambda: hot_loops),
     )

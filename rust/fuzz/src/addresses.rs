@@ -1,7 +1,7 @@
 //! Addresses of peers and places where links lead: as text, and as the operating system has them.
 
-use mavwire_link::address::Address;
-use mavwire_link::bridge::Endpoint;
+use mavwire_io::address::Address;
+use mavwire_io::bridge::Endpoint;
 
 use crate::input::Input;
 

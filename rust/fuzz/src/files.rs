@@ -11,10 +11,10 @@ use mavwire_core::frame::FrameRef;
 use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions, trimmed};
 use mavwire_core::log::dataflash::{Definitions, RecordEntry, index};
 use mavwire_core::log::tlog::{FoundRecord, RecordScanner, STAMP_LEN};
-use mavwire_link::dataflash::DataflashFile;
-use mavwire_link::records::{AtOffset, RecordFinder};
-use mavwire_link::text_log::TextLogFile;
-use mavwire_link::window::FileWindow;
+use mavwire_io::dataflash::DataflashFile;
+use mavwire_io::records::{AtOffset, RecordFinder};
+use mavwire_io::text_log::TextLogFile;
+use mavwire_io::window::FileWindow;
 
 use crate::dialects::ALL;
 use crate::input::Input;

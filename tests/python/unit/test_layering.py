@@ -27,26 +27,26 @@ ALLOWED_CRATES = {
     "schema": set(),
     "core": {"schema"},
     "columns": {"schema", "core"},
-    "link": {"schema", "core"},
-    "py": {"schema", "core", "columns", "link"},
-    "fuzz": {"schema", "core", "columns", "link"},
+    "io": {"schema", "core"},
+    "py": {"schema", "core", "columns", "io"},
+    "fuzz": {"schema", "core", "columns", "io"},
 }
 # Foreign crate -> the crates that may use it.
 RESERVED_CRATES = {
     "pyo3": {"py"},
     "pyo3-ffi": {"py"},
     "pyo3-build-config": {"py"},
-    "socket2": {"link"},
-    "mio": {"link"},
-    "serialport": {"link"},
-    "memmap2": {"link"},
-    "libc": {"link"},
+    "socket2": {"io"},
+    "mio": {"io"},
+    "serialport": {"io"},
+    "memmap2": {"io"},
+    "libc": {"io"},
     "roxmltree": {"schema"},
     "quick-xml": {"schema"},
     "arrow": {"columns"},
     "parquet": {"columns", "fuzz"},
     "mcap": {"columns", "fuzz"},
-    "rayon": {"columns", "link", "fuzz"},
+    "rayon": {"columns", "io", "fuzz"},
 }
 # Folders of the extension module, lowest first: a module uses its own folder and lower ones.
 EXTENSION_FOLDERS = (
@@ -129,7 +129,7 @@ def test_crates_depend_downwards(crate: str) -> None:
 
 
 def test_a_list_of_allowed_crates_is_complete() -> None:
-    assert {"schema", "core", "link", "py"} <= set(CRATES) <= ALLOWED_CRATES.keys()
+    assert {"schema", "core", "io", "py"} <= set(CRATES) <= ALLOWED_CRATES.keys()
 
 
 def test_pure_crates_have_no_unsafe_code() -> None:
@@ -155,8 +155,8 @@ def test_pure_crates_touch_no_system(path: Path) -> None:
     assert not found, f"{path.name} uses std::{found[0]}"
 
 
-@pytest.mark.parametrize("crate", [one for one in CRATES if one not in ("link", "fuzz")])
-def test_only_link_opens_sockets_and_files(crate: str) -> None:
+@pytest.mark.parametrize("crate", [one for one in CRATES if one not in ("io", "fuzz")])
+def test_only_io_opens_sockets_and_files(crate: str) -> None:
     for path in rust_sources(crate):
         found = re.findall(r"\bstd::(net|fs)\b", code_of(path))
         assert not found, f"{path} uses std::{found[0]}"

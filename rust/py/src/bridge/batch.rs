@@ -7,7 +7,7 @@ use mavwire_columns::input::Steps;
 use mavwire_columns::layout::Options;
 use mavwire_columns::reader::Reader;
 use mavwire_columns::scan::Framing;
-use mavwire_link::bridge::{FrameInfo, Frames, Hub};
+use mavwire_io::bridge::{FrameInfo, Frames, Hub};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyIterator, PyList};
 

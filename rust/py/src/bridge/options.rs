@@ -9,7 +9,7 @@ use mavwire_core::border::BorderOptions;
 use mavwire_core::router::{ByteRate, Filter, Limits, LinkOptions, Settings};
 use mavwire_core::schema::WireVersion;
 use mavwire_core::signing::SecretKey;
-use mavwire_link::bridge::{AutomationOptions, Endpoint, LinkSpec, PortSpec, Recording};
+use mavwire_io::bridge::{AutomationOptions, Endpoint, LinkSpec, PortSpec, Recording};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 

@@ -1,6 +1,6 @@
 //! What a bridge tells about itself, as dictionaries that turn into JSON as they are.
 
-use mavwire_link::bridge::{ComponentReport, LinkReport, RecordingStats, Stats};
+use mavwire_io::bridge::{ComponentReport, LinkReport, RecordingStats, Stats};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 

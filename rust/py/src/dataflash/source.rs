@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::{Delimiter, nth_value, number};
 use mavwire_core::log::dataflash::{HEAD_LEN, Layout, TimeUnit};
-use mavwire_link::dataflash::{Contents, DataflashFile};
-use mavwire_link::text_log::TextLogFile;
+use mavwire_io::dataflash::{Contents, DataflashFile};
+use mavwire_io::text_log::TextLogFile;
 
 /// Records that are passed over before the user's wish to stop is heeded.
 pub(super) const BUDGET: u32 = 1 << 16;

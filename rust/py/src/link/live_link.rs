@@ -6,7 +6,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-use mavwire_link::address::Address;
+use mavwire_io::address::Address;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use mavwire_link::address::Address;
+use mavwire_io::address::Address;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -3,9 +3,9 @@
 use std::io;
 use std::time::{Duration, Instant};
 
-use mavwire_link::address::Address;
-use mavwire_link::bytes::{READ_SIZE, read_available};
-use mavwire_link::datagrams::{BATCH, Inbox};
+use mavwire_io::address::Address;
+use mavwire_io::bytes::{READ_SIZE, read_available};
+use mavwire_io::datagrams::{BATCH, Inbox};
 
 use crate::dialect::registry::Dialect;
 use crate::link::peers::Peers;

@@ -2,7 +2,7 @@
 
 use mavwire_core::frame::{STX_V1, STX_V2};
 use mavwire_core::scan::Resync;
-use mavwire_link::records::RecordFinder;
+use mavwire_io::records::RecordFinder;
 use mavwire_schema::WireVersion;
 use pyo3::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::link::log_link::LogLink;
 use crate::python::calling::Calling;
 use crate::python::file_error::of_reading;
 use crate::sync::gil_yield::Turns;
-use mavwire_link::log_index::{Indexed, LogIndex, Stop, find_record};
+use mavwire_io::log_index::{Indexed, LogIndex, Stop, find_record};
 
 /// Bytes between two looks whether others should have a turn.
 const STRETCH: u64 = 4 * 1024 * 1024;

@@ -19,7 +19,7 @@ use crate::python::calling::Calling;
 use crate::python::file_error::of_reading;
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
-use mavwire_link::log_index::LogIndex;
+use mavwire_io::log_index::LogIndex;
 
 /// Methods whose replacement turns the quick paths off.
 pub(super) const QUICK_METHODS: [&str; 9] = [

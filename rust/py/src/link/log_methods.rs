@@ -23,7 +23,7 @@ use crate::python::calling::{Calling, truth};
 use crate::sync::gil_yield::Turns;
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
-use mavwire_link::log_index::LogIndex;
+use mavwire_io::log_index::LogIndex;
 #[pymethods]
 impl LogLink {
     #[classattr]

@@ -6,7 +6,7 @@ use pyo3::types::PyString;
 
 use crate::python::calling::Calling;
 use crate::python::lists::collected;
-use mavwire_link::log_index::LogIndex;
+use mavwire_io::log_index::LogIndex;
 
 /// Read along with whatever is asked for, because they keep the mode and the parameters current.
 const ALWAYS_READ: [&str; 2] = ["HEARTBEAT", "PARAM_VALUE"];

@@ -6,7 +6,7 @@
 use core::net::IpAddr;
 
 use mavwire_core::peer_slots::{Origin, Slot, SlotHolder, Usefulness, slot_for};
-use mavwire_link::address::Address;
+use mavwire_io::address::Address;
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
 

@@ -13,8 +13,8 @@ use mavwire_core::log::tlog::{Ahead, Before, Checked, Framing, MAX_JUMP, Rules, 
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::Resync;
 use mavwire_core::telemetry::StreamClock;
-use mavwire_link::records::{AtOffset, RecordFinder};
-use mavwire_link::window::FileWindow;
+use mavwire_io::records::{AtOffset, RecordFinder};
+use mavwire_io::window::FileWindow;
 
 use crate::dialect::registry::Dialect;
 use crate::message::frame_bytes::FrameBytes;

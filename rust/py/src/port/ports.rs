@@ -5,9 +5,9 @@ use std::io;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use mavwire_link::bytes::{read_some, write_some};
-use mavwire_link::readiness;
-use mavwire_link::sigpipe::HeldBack;
+use mavwire_io::bytes::{read_some, write_some};
+use mavwire_io::readiness;
+use mavwire_io::sigpipe::HeldBack;
 use pyo3::create_exception;
 use pyo3::exceptions::{
     PyBlockingIOError, PyBrokenPipeError, PyException, PyInterruptedError, PyOSError, PyValueError,

@@ -101,9 +101,9 @@ impl Signing {
 
     /// The clock, if timestamps follow it.
     fn clock(&self) -> Option<u64> {
-        self.follows_clock.load(Relaxed).then(|| {
-            timestamp_from_unix_micros((mavwire_link::clock::unix_seconds() * 1.0e6) as u64)
-        })
+        self.follows_clock
+            .load(Relaxed)
+            .then(|| timestamp_from_unix_micros((mavwire_io::clock::unix_seconds() * 1.0e6) as u64))
     }
 
     fn use_streams(&self, py: Python<'_>, streams: Arc<Lock<Streams>>) {

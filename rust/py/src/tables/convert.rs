@@ -10,8 +10,8 @@ use mavwire_columns::convert::{self, Compression, Format, Sink, moments};
 use mavwire_columns::mcap;
 use mavwire_columns::pool;
 use mavwire_columns::reader::{Batch, Decode};
-use mavwire_link::files::Draft;
-use mavwire_link::memory::Freed;
+use mavwire_io::files::Draft;
+use mavwire_io::memory::Freed;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 

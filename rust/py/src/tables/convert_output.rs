@@ -10,7 +10,7 @@ use mavwire_columns::arrow::array::RecordBatch;
 use mavwire_columns::convert::{Compression, Format, Sink, write_all};
 use mavwire_columns::mcap::McapSink;
 use mavwire_columns::reader::Batch;
-use mavwire_link::files::{Draft, commit_all};
+use mavwire_io::files::{Draft, commit_all};
 use pyo3::prelude::*;
 
 /// Largest number of types of a log that become files without `--types`. A log with more types is likely made to do harm.

@@ -11,7 +11,7 @@ use mavwire_columns::dataflash::begins_as_text;
 use mavwire_columns::input::{self, Blocks, decompressed};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::text_encoding;
-use mavwire_link::files::{self, Draft};
+use mavwire_io::files::{self, Draft};
 use pyo3::prelude::*;
 
 use crate::tables::columns::{Stopped, Teller};

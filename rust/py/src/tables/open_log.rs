@@ -12,8 +12,8 @@ use mavwire_columns::scan::Framing;
 use mavwire_core::frame::Header;
 use mavwire_core::registry::Entry;
 use mavwire_core::scan::Resync;
-use mavwire_link::files;
-use mavwire_link::records::AtOffset;
+use mavwire_io::files;
+use mavwire_io::records::AtOffset;
 use pyo3::prelude::*;
 
 use crate::dialect::registry::Dialect;

@@ -9,7 +9,7 @@ use mavwire_columns::input::Steps;
 use mavwire_columns::rewrite::{Merge, Outcome, Rewrite};
 use mavwire_columns::scan::Framing;
 use mavwire_core::anonymize::{Anonymizer, Shift};
-use mavwire_link::files::{self, Draft};
+use mavwire_io::files::{self, Draft};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

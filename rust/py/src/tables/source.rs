@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use mavwire_columns::scan::Framing;
-use mavwire_link::files;
+use mavwire_io::files;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 

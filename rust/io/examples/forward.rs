@@ -8,7 +8,7 @@ use mavwire_core::registry::Registry;
 use mavwire_core::router::Settings;
 use mavwire_core::schema::WireVersion;
 use mavwire_core::signing::SecretKey;
-use mavwire_link::bridge::{Bridge, Endpoint, LinkSpec, PortSpec};
+use mavwire_io::bridge::{Bridge, Endpoint, LinkSpec, PortSpec};
 use std::error::Error;
 use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::Arc;
