@@ -5,15 +5,15 @@
 //! both in one pass where that gives the same. Values are those of `DFReader`.
 
 mod decoder;
-mod headless;
-mod hop;
+mod headerless;
 mod layout;
 mod lines;
 mod reader;
+mod record_index;
+mod record_times;
 mod run;
 mod summary;
 mod survey;
-mod walk;
 mod whole;
 
 pub use decoder::Wanted;

@@ -7,9 +7,9 @@ use arrow::array::RecordBatch;
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::piece::Piece;
 use crate::pool;
 use crate::reader::{Batch, Limits};
+use crate::row_block::Piece;
 use crate::table::TableBuilder;
 
 /// Rows are expected to come as often as so far, and a little more often.

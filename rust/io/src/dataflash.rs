@@ -11,10 +11,10 @@ use mavwire_core::log::dataflash::{
     look, pass,
 };
 
-use crate::tally::Tally;
+use crate::log_contents::Tally;
 use crate::window::{CHUNK, FileWindow};
 
-pub use crate::tally::Contents;
+pub use crate::log_contents::Contents;
 
 /// An open log.
 #[derive(Debug, Clone)]

@@ -10,7 +10,7 @@ use mavwire_core::log::dataflash::text::{
 };
 use mavwire_core::log::dataflash::{Layout, RecordEntry, Units};
 
-use crate::tally::{Contents, Tally};
+use crate::log_contents::{Contents, Tally};
 use crate::window::{CHUNK, FileWindow};
 
 /// Bytes at the start that show how values are separated.

@@ -8,15 +8,15 @@ use mavwire_core::log::dataflash::Layout;
 use mavwire_core::log::dataflash::text::{Delimiter, trimmed, values};
 use rayon::prelude::*;
 
-use super::hop::Place;
 use super::layout::{TableLayout, table_layout};
+use super::record_index::Place;
+use super::record_times::{Stretch, Walk, Walked};
 use super::survey::{Form, NO_TABLE, Survey};
-use super::walk::{Stretch, Walk, Walked};
 use crate::error::Error;
 use crate::gather::{NO_TIME, Rows};
 use crate::layout::{Options, Source};
-use crate::piece::{Chosen, Piece, Side, portions};
 use crate::reader::{Batch, Limits};
+use crate::row_block::{Chosen, Piece, Side, portions};
 use crate::select::seconds;
 use crate::table::{GROUP, TableBuilder};
 use crate::tables::Tables;

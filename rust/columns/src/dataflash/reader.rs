@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::decoder::{Decoder, Wanted};
+use super::record_times::Walked;
 use super::survey::{Open, Survey, begin};
-use super::walk::Walked;
 use crate::error::Error;
 use crate::input::Blocks;
 use crate::layout::Options;
-use crate::piece::Rest;
 use crate::reader::{Batch, Decode, Limits};
+use crate::row_block::Rest;
 
 /// A log being decoded.
 pub struct Reader {

@@ -8,8 +8,8 @@ use mavwire_core::log::dataflash::{ClockFinder, FMT_LAYOUT_LEN, HEAD_LEN, Layout
 use rayon::prelude::*;
 use std::sync::Arc;
 
-use super::hop::{Hops, Place, hop};
 use super::lines::Lines;
+use super::record_index::{Hops, Place, hop};
 use super::survey::{Form, Open, Survey, begin};
 use crate::error::Error;
 use crate::input::{Blocks, Steps};

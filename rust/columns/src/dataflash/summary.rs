@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::record_times::Walk;
 use super::survey::{NO_TABLE, Open, Survey, begin};
-use super::walk::Walk;
 use crate::error::Error;
 use crate::summary::{Count, Summary};
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions};
 use mavwire_core::log::dataflash::{Clock, Definitions, Field, FieldKind, Layout, Units};
 
-use super::headless;
+use super::headerless;
 use super::run::Run;
 use crate::error::Error;
 use crate::head::{self, TELEMETRY};
@@ -77,8 +77,9 @@ impl Form {
             return Some(Self::Text(TextDefinitions::new(Delimiter::of(head))));
         }
         let described = Self::without_start(head);
-        let form = described
-            .or_else(|| headless::is_in(head, &TELEMETRY).then(|| Self::Binary(Box::default())))?;
+        let form = described.or_else(|| {
+            headerless::is_in(head, &TELEMETRY).then(|| Self::Binary(Box::default()))
+        })?;
         (!Framing::is_in(head, &TELEMETRY)).then_some(form)
     }
 

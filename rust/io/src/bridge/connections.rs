@@ -16,7 +16,7 @@ use super::latency::Latency;
 use super::port::Wire;
 use super::stats::Traffic;
 use crate::address::Address;
-use crate::wording::in_words;
+use crate::error_text::in_words;
 
 /// Peers of a UDP server, and connections to a TCP server.
 const MAX_PEERS: usize = 64;

@@ -15,7 +15,7 @@ use mavwire_core::log::tlog::{STAMP_LEN, Stamp, recordable};
 
 use super::frames::Frames;
 use crate::clock;
-use crate::wording::in_words;
+use crate::error_text::in_words;
 
 /// Bytes that wait for the disk at most.
 const MAX_PENDING: usize = 16 << 20;

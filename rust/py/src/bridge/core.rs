@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use mavwire_core::router::{Filter, Settings};
 use mavwire_core::telemetry::STATUSTEXT;
 use mavwire_io::bridge::{Bridge, BridgeError as Error, Kind, NO_SUCH_ADDRESS, Tap};
-use mavwire_io::wording::in_words;
+use mavwire_io::error_text::in_words;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;

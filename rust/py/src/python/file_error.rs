@@ -4,8 +4,8 @@ use std::error::Error;
 use std::io;
 use std::path::Path;
 
+use mavwire_io::error_text::in_words;
 use mavwire_io::files::Unwritten;
-use mavwire_io::wording::in_words;
 use pyo3::exceptions::{PyMemoryError, PyOSError};
 use pyo3::prelude::*;
 

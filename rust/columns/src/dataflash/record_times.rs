@@ -7,10 +7,10 @@ use mavwire_core::codec::read;
 use mavwire_core::log::dataflash::text::{nth_value, number};
 use mavwire_core::log::dataflash::{FieldKind, HEAD_LEN, Layout, TimeRule, whole};
 
-use super::hop::{Hops, Place, hop};
 use super::lines::Lines;
+use super::record_index::{Hops, Place, hop};
 use super::survey::{Form, Survey};
-use crate::piece::PIECE;
+use crate::row_block::PIECE;
 
 /// Walks through a log.
 pub(super) struct Walk {
