@@ -11,7 +11,7 @@ import fnmatch
 import sys
 from dataclasses import dataclass, field
 
-from mavwire._wording import printable
+from mavwire._text import printable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

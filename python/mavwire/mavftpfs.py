@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from mavwire._arguments import PlainParser
-from mavwire._wording import guarded_output
+from mavwire._text import guarded_output
 from mavwire.mavftp import MAVFTP, DirectoryEntry, FtpError, wait_heartbeat
 
 try:

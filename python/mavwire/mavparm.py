@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from mavwire import _parameter_file, mavutil
+from mavwire._atomic_file import replace_text
 from mavwire._hooks import IN_STANDARD_MODULE, ReplaceableModule, make_replaceable
 from mavwire._parameter_file import (
     EXCLUDED,
@@ -19,7 +20,6 @@ from mavwire._parameter_file import (
     number_of,
     read_parameter_file,
 )
-from mavwire._replacing import replace_text
 
 
 class _Mavparm(ReplaceableModule):

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ._arguments import PlainParser
-from ._replacing import replace_text
-from ._wording import guarded_output
+from ._atomic_file import replace_text
+from ._text import guarded_output
 from .generator import mavparse
 from .generator._validate import module_problems
 

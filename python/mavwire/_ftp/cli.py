@@ -9,7 +9,7 @@ from typing import Any
 
 from mavwire import mavutil
 from mavwire._arguments import PlainParser
-from mavwire._wording import guarded_output
+from mavwire._text import guarded_output
 
 from .client import MAVFTP
 from .result import FtpError, MAVFTPReturn

@@ -11,8 +11,8 @@ import stat
 import sys
 from typing import IO
 
+from mavwire._atomic_file import Replacement
 from mavwire._native import is_device
-from mavwire._replacing import Replacement
 
 
 def local_name(remote: str) -> str:

@@ -6,7 +6,7 @@ import struct
 import time
 from typing import Any
 
-from mavwire._replacing import replace_text
+from mavwire._atomic_file import replace_text
 
 from . import log
 

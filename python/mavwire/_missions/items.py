@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from mavwire import mavutil
-from mavwire._replacing import replace_text
+from mavwire._atomic_file import replace_text
 
 from . import files
 from .errors import MAVWPError

@@ -8,7 +8,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from mavwire import mavutil
-from mavwire._replacing import replace_text
+from mavwire._atomic_file import replace_text
 
 from . import files
 

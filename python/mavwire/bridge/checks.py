@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Collection, Iterable, Iterator
 
-from mavwire._wording import did_you_mean
+from mavwire._text import did_you_mean
 
 from .errors import ConfigError
 

@@ -6,11 +6,11 @@ import os
 import re
 from dataclasses import dataclass, field
 
-from .beside import Listen, SinkOptions, listen_from, sink_from
 from .checks import only_known, seconds, text
 from .endpoints import parse_endpoint
 from .errors import ConfigError
 from .options import Recording, Settings
+from .sidecars import Listen, SinkOptions, listen_from, sink_from
 from .toml_lines import MAX_DOTS, key_lines, too_dotted
 
 TYPE_CHECKING = False

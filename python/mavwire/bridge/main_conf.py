@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from functools import partial
 
-from mavwire._wording import did_you_mean
+from mavwire._text import did_you_mean
 
 from .checks import whole
 from .config import Config

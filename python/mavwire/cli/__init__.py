@@ -14,7 +14,7 @@ from io import TextIOWrapper
 
 from mavwire._command_line import understood
 from mavwire._context import contextmanager
-from mavwire._wording import guarded_output
+from mavwire._text import guarded_output
 from mavwire.cli._errors import CommandError, describe_os_error, tell
 
 TYPE_CHECKING = False
@@ -224,7 +224,7 @@ def _overview() -> str:
 
 
 def _unknown(name: str) -> str:
-    from mavwire._wording import did_you_mean
+    from mavwire._text import did_you_mean
 
     hint = did_you_mean(name, COMMANDS) or "; see: mavwire help"
     return f"mavwire: unknown command '{name}'{hint}"

@@ -7,7 +7,7 @@ import sys
 from contextlib import ExitStack
 
 from mavwire._signals import handled
-from mavwire._wording import drawn_on, guard_streams, is_terminal, printable
+from mavwire._text import drawn_on, guard_streams, is_terminal, printable
 from mavwire.cli._bridge_warnings import full_name, losses
 from mavwire.cli._errors import CommandError
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
-from mavwire._wording import did_you_mean
+from mavwire._text import did_you_mean
 from mavwire.cli._errors import CommandError
 from mavwire.dialects import _summaries
 

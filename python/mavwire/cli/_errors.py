@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from mavwire._wording import printable
+from mavwire._text import printable
 
 
 class CommandError(Exception):

@@ -63,7 +63,7 @@ def _lacking(path: str, dialect: str | ModuleType) -> tuple[str, bool]:
     """Why there is no record in a file, and whether that is since it is no log; nothing where there
     is one.
     """
-    from mavwire.logs.barren import lacking
+    from mavwire.logs.no_records import lacking
     from mavwire.logs.telemetry import LogFormatError
 
     try:

@@ -29,7 +29,7 @@ def unknown(
     and of each pattern that matches none if names may be patterns.
     """
     from mavwire import mavutil
-    from mavwire._wording import did_you_mean
+    from mavwire._text import did_you_mean
 
     kind = kind_of(log)
     if kind == "telemetry":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import contextmanager
 
-from mavwire._replacing import Replacement, is_replaceable
+from mavwire._atomic_file import Replacement, is_replaceable
 from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError
 

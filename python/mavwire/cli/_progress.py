@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import time
 
-from mavwire._wording import drawn_on, guard_streams, is_terminal, printable
+from mavwire._text import drawn_on, guard_streams, is_terminal, printable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

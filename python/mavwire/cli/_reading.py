@@ -9,7 +9,7 @@ import time
 from itertools import chain, islice
 
 from mavwire._context import contextmanager
-from mavwire._wording import in_words, naming, no_such_dialect
+from mavwire._text import in_words, naming, no_such_dialect
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._progress import Progress
 

@@ -6,7 +6,7 @@ import shutil
 import sys
 import time
 
-from mavwire._wording import drawn_on, is_terminal
+from mavwire._text import drawn_on, is_terminal
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 
 from mavwire._alias import COMPATIBLE_VERSION
-from mavwire._replacing import replace_text
+from mavwire._atomic_file import replace_text
 from mavwire.cli._errors import CommandError
 
 # Read in alphabetical order; files that add folders to sys.path, such as an editable install's,

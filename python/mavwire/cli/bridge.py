@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavwire.bridge import Bridge, Config
-    from mavwire.bridge.beside import Listen, SinkOptions
     from mavwire.bridge.serving import HttpServer
+    from mavwire.bridge.sidecars import Listen, SinkOptions
     from mavwire.bridge.sinks import Sink
     from mavwire.cli._bridge_warnings import DropWarnings
 
@@ -198,7 +198,7 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
 
 def _add_beside(config: Config, args: Namespace) -> None:
     """Options say more than the file, or something else."""
-    from mavwire.bridge.beside import Listen, SinkOptions
+    from mavwire.bridge.sidecars import Listen, SinkOptions
 
     for name in ("http", "metrics"):
         if getattr(args, name) is not None:
@@ -324,9 +324,9 @@ def size(text: str) -> int:
 
 def listen_address(text: str) -> tuple[str, int]:
     """[HOST]:PORT."""
-    from mavwire.bridge import beside
+    from mavwire.bridge import sidecars
 
     try:
-        return beside.listen_address(text)
+        return sidecars.listen_address(text)
     except ValueError as error:
         raise ArgumentTypeError(str(error)) from None

@@ -15,7 +15,7 @@ import os
 from typing import TYPE_CHECKING
 
 from mavwire._signals import ended_in_order
-from mavwire._wording import printable
+from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress

@@ -12,7 +12,7 @@ import sys
 from contextlib import ExitStack, contextmanager, redirect_stdout
 
 from mavwire._native import StatusTexts
-from mavwire._wording import is_terminal, shown_to
+from mavwire._text import is_terminal, shown_to
 from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection, unknown_types
 from mavwire.cli._errors import CommandError, tell

@@ -17,7 +17,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import date_text
-from mavwire._wording import in_words, printable
+from mavwire._text import in_words, printable
 from mavwire.cli._errors import tell
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mavwire._wording import printable
+from mavwire._text import printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import refuse_log
 

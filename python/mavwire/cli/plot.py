@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from mavwire._wording import printable
+from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log
 from mavwire.tools._arguments import add_condition

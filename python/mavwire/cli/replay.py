@@ -78,7 +78,7 @@ def main(args: Namespace) -> int:
 def opened(path: str) -> TelemetryLog:
     """The log; ValueError for what is none, and for one that has no record as far as can be told."""
     from mavwire.logs import LogFormatError, TelemetryLog
-    from mavwire.logs.barren import check_records
+    from mavwire.logs.no_records import check_records
 
     try:
         log = TelemetryLog(path)

@@ -11,7 +11,7 @@ import shlex
 import sys
 import sysconfig
 
-from mavwire._replacing import replace_text
+from mavwire._atomic_file import replace_text
 from mavwire.cli._errors import tell
 
 TYPE_CHECKING = False

@@ -13,7 +13,7 @@ from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import put_off
-from mavwire._wording import in_words
+from mavwire._text import in_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

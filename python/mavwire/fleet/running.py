@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
-from mavwire._wording import in_words
+from mavwire._text import in_words
 from mavwire.logs.conversion import prepare
 from mavwire.logs.journal import Journal
 from mavwire.logs.manifest import Converted, Manifest

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from mavwire._wording import in_words
+from mavwire._text import in_words
 from mavwire.logs.conversion import Job
 from mavwire.logs.manifest import Converted
 from mavwire.logs.reading import native_dialect

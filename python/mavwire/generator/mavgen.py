@@ -16,7 +16,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any, Protocol, TypeAlias
 
-from mavwire._wording import guarded_output
+from mavwire._text import guarded_output
 from mavwire.generator import mavparse
 from mavwire.generator._errors import MAVParseError
 from mavwire.generator._sources import included_paths

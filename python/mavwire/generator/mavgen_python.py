@@ -10,7 +10,7 @@ from __future__ import annotations
 import errno
 import os
 
-from mavwire._replacing import replace_text
+from mavwire._atomic_file import replace_text
 from mavwire.generator._errors import MAVParseError
 from mavwire.generator._model import MAVField, MAVType
 from mavwire.generator._sources import canonical_sources

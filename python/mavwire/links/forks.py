@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 
-from .living import Living
+from .weak_registry import Living
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

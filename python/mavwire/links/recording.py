@@ -10,8 +10,8 @@ from io import BufferedRandom, BufferedWriter
 from mavwire._native import recordable
 
 from .forks import follow_forks
-from .living import Living
 from .signing import KEY_LEN
+from .weak_registry import Living
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from mavwire._native import Section
 from mavwire._native import Signing as SigningState
 
 from . import state
-from .living import Living
+from .weak_registry import Living
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -180,7 +180,7 @@ def load_dialect(dialect: str, version: str) -> ModuleType:
     if not os.path.isfile(path):
         import errno
 
-        from mavwire._wording import no_such_dialect
+        from mavwire._text import no_such_dialect
 
         looked_for = (path,) if "MDEF" in os.environ else ()
         raise FileNotFoundError(errno.ENOENT, no_such_dialect(dialect), *looked_for)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import empty_table
-from mavwire._wording import did_you_mean
+from mavwire._text import did_you_mean
 
 from .selection import UNKNOWN, Selection, has_message, no_message, several, types_of
 

@@ -11,7 +11,7 @@ from operator import index
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, LogColumns, RecordBatches
-from mavwire._wording import naming
+from mavwire._text import naming
 
 from .batches import Batches
 from .common_columns import Surveys, empty_of

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import LogRewrite
-from mavwire._wording import naming
+from mavwire._text import naming
 
-from .barren import check_records
+from .no_records import check_records
 from .query import Query
 from .reading import check_readable, logs_of, native_dialect
 from .sources import is_dataflash

@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 from math import isnan
 from operator import index
 
-from mavwire._wording import did_you_mean
+from mavwire._text import did_you_mean
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import Converter, DataflashTables, LogColumns, decompress, log_head
-from mavwire._wording import naming
+from mavwire._text import naming
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

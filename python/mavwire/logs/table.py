@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, overload
 
 from mavwire._native import RecordBatches, write_table
 
+from .arrow_types import conformed, foreign
 from .extras import extra
 from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
-from .kinds import conformed, foreign
 from .targets import file_to_write
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from mavwire._native import jump_text
-from mavwire._wording import did_you_mean
-from mavwire.logs.barren import lacking
+from mavwire._text import did_you_mean
 from mavwire.logs.extras import extra
+from mavwire.logs.no_records import lacking
 from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
 

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mavwire._wording import in_words
+from mavwire._text import in_words
 from mavwire.expression.compiler import compile_text
 from mavwire.expression.evaluate import _split, evaluate_condition
 from mavwire.expression.limits import MAX_ITEMS

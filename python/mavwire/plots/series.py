@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
-from mavwire._wording import in_words
+from mavwire._text import in_words
 from mavwire.expression import evaluate_expression
 from mavwire.links.recognise import log_kind
 from mavwire.logs.selection import system_of

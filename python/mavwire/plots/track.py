@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from mavwire.logs.barren import check_records
+from mavwire.logs.no_records import check_records
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 

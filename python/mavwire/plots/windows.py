@@ -6,7 +6,7 @@ import os
 from io import BytesIO
 from typing import Any
 
-from mavwire._replacing import replacing
+from mavwire._atomic_file import replacing
 from mavwire._signals import ended_in_order
 
 NEEDED = "matplotlib is needed for figures: pip install 'mavwire[plot]'"

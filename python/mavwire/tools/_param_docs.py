@@ -8,7 +8,7 @@ import math
 import os
 from pathlib import Path
 
-from mavwire._wording import printable
+from mavwire._text import printable
 from mavwire.cli._errors import CommandError
 from mavwire.generator._errors import MAVParseError
 from mavwire.generator._xml_reader import Element, read_xml

@@ -28,7 +28,7 @@ def require_telemetry(log: Reading) -> None:
 def _check_records(path: str) -> None:
     """CommandError for a file that is called as dataflash logs are, and has no record."""
     from mavwire.links import state
-    from mavwire.logs.barren import check_records
+    from mavwire.logs.no_records import check_records
 
     try:
         check_records(path, state.mavlink)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 
-from mavwire._wording import printable
+from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, reading

@@ -9,7 +9,7 @@ from __future__ import annotations
 from array import array
 from typing import Any
 
-from mavwire._wording import in_words
+from mavwire._text import in_words
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading

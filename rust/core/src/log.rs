@@ -1,4 +1,4 @@
-//! Log formats, without files: bytes in, records out. Reading, mapping and following files is the link crate's.
+//! Log formats, without files: bytes in, records out. Reading, mapping and following files is the io crate's.
 
 pub mod dataflash;
 pub mod tlog;

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mavwire import Bridge
 from mavwire.bridge import Config, ConfigError, Endpoint, load_config, parse_endpoint
-from mavwire.bridge.beside import Listen
 from mavwire.bridge.config import MAX_SIZE
+from mavwire.bridge.sidecars import Listen
 from mavwire.bridge.toml_lines import key_lines, too_dotted
 
 

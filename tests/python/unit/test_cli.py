@@ -130,7 +130,7 @@ def test_start_imports_only_the_chosen_command() -> None:
         "mavwire",
         "mavwire._command_line",
         "mavwire._context",
-        "mavwire._wording",
+        "mavwire._text",
         "mavwire.cli",
         "mavwire.cli._errors",
     ]

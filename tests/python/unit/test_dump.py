@@ -22,7 +22,7 @@ import pytest
 from dataflash_writer import sample
 from mavwire import cli, mavutil, traffic
 from mavwire._native import dump_log
-from mavwire._wording import guarded_output
+from mavwire._text import guarded_output
 from mavwire.cli import _dump_native, _progress, _reading
 from mavwire.cli._dump_format import local_time
 from mavwire.dialects.v20 import ardupilotmega as mavlink

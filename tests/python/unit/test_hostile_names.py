@@ -12,7 +12,7 @@ from compat.tool_runs import Log
 from dataflash_writer import FMT, fmt, record
 from mavwire import cli
 from mavwire._ftp.local import last_name, local_name
-from mavwire._wording import printable
+from mavwire._text import printable
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.logs.conversion import convert
 

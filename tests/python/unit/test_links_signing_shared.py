@@ -18,8 +18,8 @@ from mavwire.dialects.v20 import all as mavlink
 from mavwire.links import signing as signing_module
 from mavwire.links import state, timestamp_store
 from mavwire.links.link_ids import claim
-from mavwire.links.living import Living
 from mavwire.links.timestamp_store import TimestampStore
+from mavwire.links.weak_registry import Living
 from unit.faults import ENVIRONMENT, python
 from unit.link_tools import KEY, Capture, at_once, drain, signed, types
 from watchdog import watched

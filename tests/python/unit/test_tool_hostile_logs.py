@@ -13,7 +13,7 @@ import pytest
 from dataflash_writer import FMT, fmt, record
 from mavwire import cli, expression, mavftpfs, mavtestgen, uninstall_as_pymavlink
 from mavwire._ftp import cli as ftp
-from mavwire._wording import guarded_output, printable
+from mavwire._text import guarded_output, printable
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.expression import names
 from mavwire.generator import mavgen

@@ -15,7 +15,7 @@ from typing import IO
 import dataflash_writer
 import pytest
 from mavwire import cli
-from mavwire._replacing import Replacement
+from mavwire._atomic_file import Replacement
 from mavwire.cli import _output, _reading
 from tool_runs import flight_log
 from unit.faults import ENVIRONMENT

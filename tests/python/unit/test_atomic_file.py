@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mavwire._replacing import Replacement, replace_text, replacing
+from mavwire._atomic_file import Replacement, replace_text, replacing
 
 
 def test_a_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> None:
@@ -48,7 +48,7 @@ def test_what_comes_as_it_is_opened_leaves_nothing(
         open(path, mode).close()
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("mavwire._replacing.open", open_and_interrupt, raising=False)
+    monkeypatch.setattr("mavwire._atomic_file.open", open_and_interrupt, raising=False)
     with pytest.raises(KeyboardInterrupt):
         Replacement(str(tmp_path / "file"))
     assert not os.listdir(tmp_path)

@@ -1,7 +1,7 @@
 """Hints at what was meant, and text from files as a terminal can take it."""
 
 import pytest
-from mavwire._wording import did_you_mean, in_words, printable
+from mavwire._text import did_you_mean, in_words, printable
 
 
 def test_hints():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mavwire.links.living import Living
+from mavwire.links.weak_registry import Living
 
 
 class One: ...
