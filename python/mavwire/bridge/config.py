@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass, field
 
 from .checks import only_known, seconds, text
+from .description import Config
 from .endpoints import parse_endpoint
 from .errors import ConfigError
 from .options import Recording, Settings
@@ -17,30 +17,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from .options import Endpoint
-
 # No configuration is longer; a path that leads to something else by mistake is not read whole.
 MAX_SIZE = 1 << 20
-
-
-@dataclass
-class Config:
-    """A bridge as a file describes it. `warnings` are lines about what has no effect here."""
-
-    links: list[tuple[str, Endpoint, dict[str, Any]]] = field(default_factory=list)
-    """Where it stands, endpoint, options."""
-    places: dict[tuple[str, str], str] = field(default_factory=dict)
-    """Where an option stands, by where its link stands, or "" if it is of none, and its name."""
-    settings: dict[str, Any] = field(default_factory=dict)
-    recording: Recording | None = None
-    dialect: str = "all"
-    json: float | None = None
-    """Seconds between two lines of counters that `mavwire bridge` prints."""
-    http: Listen | None = None
-    metrics: Listen | None = None
-    sinks: list[SinkOptions] = field(default_factory=list)
-    path: str = ""
-    warnings: list[str] = field(default_factory=list)
 
 
 def load_config(path: str | os.PathLike[str]) -> Config:

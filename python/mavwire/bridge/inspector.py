@@ -15,7 +15,8 @@ from http import HTTPStatus
 from urllib.parse import parse_qs, urlsplit
 
 from .inspection import View
-from .serving import PATIENCE, Handler, HttpServer, is_loopback, send_all
+from .serving import Handler, HttpServer, is_loopback
+from .slow_peer import PATIENCE, send_all
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -15,6 +15,8 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import urlsplit
 
+from .slow_peer import send_all
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -24,9 +26,6 @@ if TYPE_CHECKING:
     from .web_socket import WebSocket
 
 MAX_CONNECTIONS = 64
-# Who does not take one more piece in so many seconds is given up.
-PATIENCE = 30.0
-PIECE = 16 * 1024
 # Where the system has no more descriptors or memory for a connection.
 EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
@@ -301,14 +300,6 @@ def start(thread: threading.Thread) -> None:
         thread.start()
     except RuntimeError as error:
         raise OSError(errno.EAGAIN, str(error)) from error
-
-
-def send_all(connection: socket.socket, data: bytes) -> None:
-    """Send it, however slowly it is taken. TimeoutError once nothing is."""
-    connection.settimeout(PATIENCE)
-    view = memoryview(data)
-    for start in range(0, len(view), PIECE):
-        connection.sendall(view[start : start + PIECE])
 
 
 def _own_names(host: str) -> set[str]:

@@ -6,7 +6,7 @@ from http import HTTPStatus
 
 from mavwire.links.readiness import wait_readable
 
-from .serving import send_all
+from .slow_peer import send_all
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -16,7 +16,6 @@ import sys
 from collections.abc import Sequence
 from typing import Any, Protocol, TypeAlias
 
-from mavwire._text import guarded_output
 from mavwire.generator import mavparse
 from mavwire.generator._errors import MAVParseError
 from mavwire.generator._sources import included_paths
@@ -258,15 +257,5 @@ def _language_name(language: str) -> str:
     return next((name for name in supportedLanguages if name.lower() == language), language)
 
 
-@guarded_output()
-def _main() -> int:
-    from mavwire._arguments import PlainParser
-    from mavwire.cli import gen
-
-    parser = PlainParser(prog="mavgen", description=gen.__doc__)
-    gen.add_arguments(parser)
-    return gen.main(parser.parse_args())
-
-
 if __name__ == "__main__":
-    sys.exit(_main())
+    raise DeprecationWarning("run mavwire.tools.mavgen, as with pymavlink")

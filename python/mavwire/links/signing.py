@@ -12,6 +12,7 @@ from mavwire._native import Section
 from mavwire._native import Signing as SigningState
 
 from . import state
+from .signing_time import EPOCH, MAX_TIMESTAMP, UNITS_PER_SECOND
 from .weak_registry import Living
 
 TYPE_CHECKING = False
@@ -22,11 +23,7 @@ if TYPE_CHECKING:
     from mavwire._stubs.mavutil import CurrentMAVLink
 
 KEY_LEN = 32
-# Signature timestamps count 10 us units since 2015-01-01 00:00 UTC.
-EPOCH = 1420070400
-UNITS_PER_SECOND = 100 * 1000
 MAX_LINK_ID = 255
-MAX_TIMESTAMP = (1 << 48) - 1
 # RADIO_STATUS and RADIO, which a telemetry radio injects without knowing any key.
 RADIO_MESSAGES = frozenset((109, 166))
 

@@ -18,7 +18,7 @@ from time import monotonic
 
 from .forks import follow_forks
 from .readiness import from_handler
-from .signing import MAX_TIMESTAMP
+from .signing_time import MAX_TIMESTAMP
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

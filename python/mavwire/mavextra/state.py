@@ -77,8 +77,8 @@ def reset_state_data() -> None:
 
 def current_link() -> Any:
     """The link or log opened last; AttributeError if there is none."""
-    from mavwire import mavutil
+    from mavwire.links import state
 
-    if mavutil.mavfile_global is None:
+    if state.mavfile_global is None:
         raise AttributeError("no link or log is open, so there is no time and no parameter")
-    return mavutil.mavfile_global
+    return state.mavfile_global

@@ -10,40 +10,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from ._mismatch import REFERENCE, VARIABLE, ShadowMismatch, warn_no_counterpart
+
 __all__ = ["ShadowMismatch", "attach"]
 
-VARIABLE = "MAVWIRE_SHADOW"
-REFERENCE = "pymavlink"
 _BUILT_IN = ("mavwire.dialects.v10", "mavwire.dialects.v20")
-
-
-class ShadowMismatch(AssertionError):
-    """mavwire and pymavlink answered differently.
-
-    ``operation`` is the method, ``part`` what differs about its answer, ``ours`` and ``theirs``
-    the two values; ``offset`` counts the bytes that this ``MAVLink`` was given before the frame
-    (None for what is sent or decoded singly), ``frame`` are the bytes concerned.
-    """
-
-    def __init__(
-        self, operation: str, part: str, ours: Any, theirs: Any, offset: int | None, frame: bytes
-    ) -> None:
-        super().__init__(operation, part, ours, theirs, offset, frame)
-        self.operation = operation
-        self.part = part
-        self.ours = ours
-        self.theirs = theirs
-        self.offset = offset
-        self.frame = frame
-
-    def __str__(self) -> str:
-        place = "" if self.offset is None else f" at byte {self.offset} of the stream"
-        return (
-            f"mavwire and {REFERENCE} differ in {self.operation}{place}: {self.part}\n"
-            f"  mavwire    {self.ours!r}\n"
-            f"  {REFERENCE}  {self.theirs!r}\n"
-            f"  frame      {self.frame.hex()}"
-        )
 
 
 def attach(namespace: dict[str, Any]) -> None:
@@ -64,17 +35,3 @@ def attach(namespace: dict[str, Any]) -> None:
         namespace["MAVLink"] = _link.shadow_class(namespace["MAVLink"], namespace)
     else:
         warn_no_counterpart(name)
-
-
-_warned: set[str] = set()
-
-
-def warn_no_counterpart(name: str) -> None:
-    """Says once for each module that it is not compared."""
-    import sys
-
-    if name not in _warned:
-        _warned.add(name)
-        print(
-            f"{VARIABLE}: {name} has no counterpart in {REFERENCE}, not compared", file=sys.stderr
-        )

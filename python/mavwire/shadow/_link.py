@@ -12,7 +12,8 @@ from collections.abc import Callable
 from typing import Any
 
 from mavwire import _native
-from mavwire.shadow import _reference, warn_no_counterpart
+from mavwire.shadow import _reference
+from mavwire.shadow._mismatch import warn_no_counterpart
 from mavwire.shadow._receive import Receiver
 from mavwire.shadow._send import Sender, Tap
 from mavwire.shadow._twin import Counterpart

@@ -6,7 +6,8 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from mavwire.shadow import ShadowMismatch, _observe
+from mavwire.shadow import _observe
+from mavwire.shadow._mismatch import ShadowMismatch
 from mavwire.shadow._observe import Raised
 from mavwire.shadow._twin import Answers, Counterpart
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from mavwire.dialects.v20 import all as mavlink
 
@@ -10,7 +11,9 @@ from .autopilot import RefusedError
 from .commands import DENIED, UNSUPPORTED, Action, Command, destination
 from .geo import Local
 from .personality.base import Role
-from .vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from .vehicle import Vehicle
 
 FORCE_ARM = 2989
 FORCE = 21196

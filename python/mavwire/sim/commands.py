@@ -61,12 +61,10 @@ Action = Callable[["Vehicle", Command], int | None]
 class Commands(Service):
     """Runs commands that the personality knows and answers all."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: Vehicle, actions: Mapping[int, Action]) -> None:
         super().__init__(vehicle)
-        from .actions import ACTIONS
-
         self._actions = {
-            number: ACTIONS[number] for number in vehicle.personality.commands if number in ACTIONS
+            number: actions[number] for number in vehicle.personality.commands if number in actions
         }
 
     def handlers(self) -> Mapping[str, Handler]:

@@ -14,6 +14,7 @@ from typing import Any
 
 from mavwire.dialects.v20 import all as mavlink
 
+from .actions import ACTIONS
 from .answers import Answers
 from .autopilot import Autopilot
 from .commands import Commands
@@ -122,7 +123,7 @@ class Vehicle:
         self.answers = Answers(self)
         self.ftp = Ftp(self)
         services: list[Service] = [
-            self.params, Missions(self), Commands(self), self.guided, self.streams, self.answers,
+            self.params, Missions(self), Commands(self, ACTIONS), self.guided, self.streams, self.answers,
             self.ftp, Timesync(self), self.signing,
         ]  # fmt: skip
         self._handlers: dict[str, Handler] = {}

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from mavwire import Bridge
-from mavwire.bridge import serving
+from mavwire.bridge import serving, slow_peer
 from mavwire.bridge.metrics import MetricsServer
 from mavwire.bridge.sinks import Sink
 from unit.bridge_tools import LIMIT
@@ -128,10 +128,10 @@ def test_who_takes_little_at_a_time_has_time_for_each_piece() -> None:
             self.timeout = seconds
 
         def sendall(self, data: bytes) -> None:
-            assert len(data) <= serving.PIECE and self.timeout == serving.PATIENCE
+            assert len(data) <= slow_peer.PIECE and self.timeout == slow_peer.PATIENCE
             self.got += data
 
     slow: Any = Slow()
     whole = bytes(range(256)) * 1000
-    serving.send_all(slow, whole)
+    slow_peer.send_all(slow, whole)
     assert slow.got == whole

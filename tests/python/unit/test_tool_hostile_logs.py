@@ -16,7 +16,6 @@ from mavwire._ftp import cli as ftp
 from mavwire._text import guarded_output, printable
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.expression import names
-from mavwire.generator import mavgen
 from tool_runs import Log, flight_log
 
 
@@ -192,7 +191,7 @@ def test_lines_that_are_written_at_once_steer_no_terminal(monkeypatch: pytest.Mo
 
 @pytest.mark.parametrize(
     "arguments",
-    [["dump"], ["definitions", "show"], mavgen._main, mavtestgen.main, mavftpfs.main, ftp.main],
+    [["dump"], ["definitions", "show"], mavtestgen.main, mavftpfs.main, ftp.main],
 )
 def test_help_has_no_colours(arguments: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = ArgumentParser.format_help

@@ -1,0 +1,32 @@
+"""A bridge as a configuration file describes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+    from .options import Endpoint, Recording
+    from .sidecars import Listen, SinkOptions
+
+
+@dataclass
+class Config:
+    """A bridge as a file describes it. `warnings` are lines about what has no effect here."""
+
+    links: list[tuple[str, Endpoint, dict[str, Any]]] = field(default_factory=list)
+    """Where it stands, endpoint, options."""
+    places: dict[tuple[str, str], str] = field(default_factory=dict)
+    """Where an option stands, by where its link stands, or "" if it is of none, and its name."""
+    settings: dict[str, Any] = field(default_factory=dict)
+    recording: Recording | None = None
+    dialect: str = "all"
+    json: float | None = None
+    """Seconds between two lines of counters that `mavwire bridge` prints."""
+    http: Listen | None = None
+    metrics: Listen | None = None
+    sinks: list[SinkOptions] = field(default_factory=list)
+    path: str = ""
+    warnings: list[str] = field(default_factory=list)
