@@ -24,8 +24,8 @@ from mavwire.cli._reading import (
     reading,
     standard_input,
 )
-from mavwire.tools._arguments import add_user_functions
-from mavwire.tools._telemetry import record_of
+from mavwire.cli._shared_arguments import add_user_functions
+from mavwire.cli._telemetry import record_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log
-from mavwire.tools._arguments import add_condition
+from mavwire.cli._shared_arguments import add_condition
 
 if TYPE_CHECKING:
     import argparse

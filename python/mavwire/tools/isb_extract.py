@@ -7,7 +7,7 @@ from contextlib import ExitStack
 
 from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_condition, add_logs
 from mavwire.tools._batches import TYPES, Batch, batches
 
 TYPE_CHECKING = False

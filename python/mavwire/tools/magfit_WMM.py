@@ -12,7 +12,7 @@ from math import atan2, degrees, radians
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, kind_of, reading
-from mavwire.tools._arguments import add_condition
+from mavwire.cli._shared_arguments import add_condition
 from mavwire.tools._figures import open_figures
 
 TYPE_CHECKING = False

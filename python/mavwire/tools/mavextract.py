@@ -12,8 +12,8 @@ from contextlib import ExitStack
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, kind_of, reading
-from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps, add_robust
-from mavwire.tools._telemetry import record
+from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps, add_robust
+from mavwire.cli._telemetry import record
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_condition, add_logs
 from mavwire.tools._figures import open_figures
 from mavwire.tools.mavfft import SENSORS, TYPES, Samples, sensor_of
 

@@ -7,7 +7,7 @@ import time
 from math import floor
 
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_logs
+from mavwire.cli._shared_arguments import add_logs
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_logs
-from mavwire.tools._telemetry import require_telemetry
+from mavwire.cli._shared_arguments import add_logs
+from mavwire.cli._telemetry import require_telemetry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

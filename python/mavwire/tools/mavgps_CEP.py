@@ -10,7 +10,7 @@ from math import radians
 
 from mavwire._sphere import great_circle
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_logs
+from mavwire.cli._shared_arguments import add_logs
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

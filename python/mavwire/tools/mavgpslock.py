@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_condition, add_logs
 from mavwire.tools.mavflighttime import minutes
 
 TYPE_CHECKING = False

@@ -11,7 +11,7 @@ from itertools import count
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log, writing
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
+from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from mavwire._native import SequenceGaps
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import (
+from mavwire.cli._shared_arguments import (
     add_dialect,
     add_logs,
     add_no_timestamps,
     add_planner,
     add_robust,
 )
-from mavwire.tools._telemetry import is_damaged, require_telemetry
+from mavwire.cli._telemetry import is_damaged, require_telemetry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from operator import attrgetter
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, opening, reading
-from mavwire.tools._telemetry import is_damaged, record, require_telemetry
+from mavwire.cli._telemetry import is_damaged, record, require_telemetry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

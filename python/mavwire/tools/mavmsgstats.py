@@ -8,7 +8,7 @@ from itertools import chain
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, kind_of, reading
-from mavwire.tools._arguments import add_logs
+from mavwire.cli._shared_arguments import add_logs
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ from contextlib import ExitStack
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_condition, add_planner
+from mavwire.cli._telemetry import require_telemetry
 from mavwire.cli.replay import factor
 from mavwire.links.recording import SETUP_SIGNING
-from mavwire.tools._arguments import add_condition, add_planner
-from mavwire.tools._telemetry import require_telemetry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

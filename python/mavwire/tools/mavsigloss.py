@@ -6,7 +6,7 @@ import time
 
 from mavwire.cli._message_types import wanted
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import (
+from mavwire.cli._shared_arguments import (
     add_condition,
     add_logs,
     add_no_timestamps,

@@ -8,8 +8,8 @@ from contextlib import ExitStack
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_condition, add_logs, add_no_timestamps
-from mavwire.tools._telemetry import is_damaged, record, require_telemetry
+from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
+from mavwire.cli._telemetry import is_damaged, record, require_telemetry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import time
 
 from mavwire._native import Track
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_condition, add_dialect, add_logs, add_no_timestamps
+from mavwire.cli._shared_arguments import add_condition, add_dialect, add_logs, add_no_timestamps
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from functools import lru_cache
 from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log, writing
 from mavwire.cli._reading import definitions, reading
-from mavwire.tools._arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_condition, add_logs
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

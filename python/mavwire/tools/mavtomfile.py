@@ -8,8 +8,8 @@ from collections import Counter
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, kind_of, reading
+from mavwire.cli._shared_arguments import add_condition, add_dialect, add_logs
 from mavwire.links.recording import shown
-from mavwire.tools._arguments import add_condition, add_dialect, add_logs
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
