@@ -10,7 +10,7 @@ import threading
 from contextlib import suppress
 from typing import Any
 
-from mavwire.links.signing import UNITS_PER_SECOND
+from mavwire.links.signing_time import UNITS_PER_SECOND
 from mavwire.links.timestamp_store import ahead, store_of
 
 # How far ahead of what a link wants stored is stored, and how little of it may be left.

@@ -6,7 +6,8 @@
 from __future__ import annotations
 
 from .bridge import Bridge, Kind
-from .config import Config, load_config
+from .config import load_config
+from .description import Config
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from mavwire.links.signing import UNITS_PER_SECOND
+from mavwire.links.signing_time import UNITS_PER_SECOND
 
 from .checks import content, flag, seconds, whole
 from .errors import ConfigError

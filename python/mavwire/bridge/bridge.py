@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from mavwire._native import BridgeCore
 
-    from .config import Config
+    from .description import Config
     from .sinks import Sink
 
 
@@ -323,7 +323,7 @@ def _core_class() -> type[BridgeCore]:
 
 
 def _module(dialect: str | os.PathLike[str] | ModuleType) -> Any:
-    from mavwire.logs.telemetry import dialect_module
+    from mavwire.logs.dialect import dialect_module
 
     try:
         return dialect_module(dialect)

@@ -8,7 +8,7 @@ import time
 
 from mavwire._native import csv_safe, recordable
 from mavwire.cli._errors import CommandError
-from mavwire.cli._reading import kind_of
+from mavwire.cli._link_kind import kind_of
 from mavwire.links.recording import SETUP_SIGNING, shown
 
 TYPE_CHECKING = False

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from fnmatch import fnmatchcase
 
+from mavwire.cli._link_kind import kind_of
 from mavwire.cli._message_types import unknown
-from mavwire.cli._reading import kind_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

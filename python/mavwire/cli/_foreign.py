@@ -63,8 +63,8 @@ def _lacking(path: str, dialect: str | ModuleType) -> tuple[str, bool]:
     """Why there is no record in a file, and whether that is since it is no log; nothing where there
     is one.
     """
+    from mavwire.logs.format_error import LogFormatError
     from mavwire.logs.no_records import lacking
-    from mavwire.logs.telemetry import LogFormatError
 
     try:
         return lacking(path, dialect), False
@@ -93,8 +93,8 @@ def _has_messages(path: str) -> bool:
 
 def _is_undescribed(path: str) -> bool:
     """Whether a file is a dataflash log without its first part, which nothing describes further on."""
+    from mavwire.logs.format_error import LogFormatError
     from mavwire.logs.sources import is_headless, open_dataflash
-    from mavwire.logs.telemetry import LogFormatError
 
     if not is_headless(path):
         return False
@@ -111,8 +111,9 @@ def _has_telemetry(path: str) -> bool:
     if looks_like_tlog(read_head(path, TLOG_PROBE)):
         return True
     from mavwire.links import state
+    from mavwire.logs.format_error import LogFormatError
     from mavwire.logs.sources import is_dataflash
-    from mavwire.logs.telemetry import LogFormatError, TelemetryLog
+    from mavwire.logs.telemetry import TelemetryLog
 
     if is_dataflash(path):  # in which chance makes a message or two
         return False

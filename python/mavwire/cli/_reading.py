@@ -11,6 +11,7 @@ from itertools import chain, islice
 from mavwire._context import contextmanager
 from mavwire._text import in_words, naming, no_such_dialect
 from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._link_kind import kind_of
 from mavwire.cli._progress import Progress
 
 TYPE_CHECKING = False
@@ -154,13 +155,6 @@ def dataflash_reader(path: str) -> Callable[[str], Any] | None:
     from mavwire.DFReader import DFReader_binary, DFReader_text
 
     return DFReader_binary if is_binary else DFReader_text
-
-
-def kind_of(link: Any) -> str:
-    """What a link or log is: "telemetry", "dataflash" or "CSV"."""
-    if hasattr(link, "mav"):
-        return "telemetry"
-    return "CSV" if hasattr(link, "message_type") else "dataflash"
 
 
 def _condition_error(condition: str, error: Exception) -> CommandError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._reading import kind_of
+from mavwire.cli._link_kind import kind_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

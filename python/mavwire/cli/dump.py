@@ -16,11 +16,11 @@ from mavwire._text import is_terminal, shown_to
 from mavwire.cli import _dump_format, _dump_native
 from mavwire.cli._dump_select import Selection, unknown_types
 from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._link_kind import kind_of
 from mavwire.cli._reading import (
     STANDARD_INPUT,
     Reading,
     definitions,
-    kind_of,
     reading,
     standard_input,
 )

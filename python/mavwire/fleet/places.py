@@ -12,9 +12,9 @@ import tempfile
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
+from mavwire.logs.format_error import COMPRESSED, LogFormatError
 from mavwire.logs.reading import absolute, check_readable, paths_of
-from mavwire.logs.sources import COMPRESSED, head_of, is_dataflash
-from mavwire.logs.telemetry import LogFormatError
+from mavwire.logs.sources import head_of, is_dataflash
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

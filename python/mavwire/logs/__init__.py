@@ -11,10 +11,11 @@ in batches, `scan_polars` as a polars LazyFrame, and `convert` writes them to fi
 from __future__ import annotations
 
 from .dataflash import DataflashLog
+from .format_error import LogFormatError
 from .reading import read, scan
 from .scanning import scan_polars
 from .table import Table
-from .telemetry import LogFormatError, TelemetryLog, open_log
+from .telemetry import TelemetryLog, open_log
 
 __all__ = [
     "DataflashLog",

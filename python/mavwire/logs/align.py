@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from datetime import timedelta
 from typing import TYPE_CHECKING
 
-from mavwire._native import align_tables
-
+from .common_clock import align_batches
 from .query import HEADER, columns_of, names_of
-from .table import Table
+from .table import Table, by_instance, check_sender
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-Span = str | float | timedelta
-"""A length of time: "50ms", seconds, or a timedelta."""
-UNITS = {"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
-METHODS = ("ffill", "nearest", "linear")
+    from .common_clock import Span
 
 
 def align(
@@ -51,48 +46,17 @@ def align(
     for one in names:
         several = by_instance(tables[one])
         parts |= several if len(several) > 1 else {one: tables[one]}
-    clock = None if on is None else tables[on]
-    name = name or "+".join(names)
-    return aligned(parts, clock, name, rate=rate, method=method, tolerance=tolerance)
+    batches = {one: table._batches for one, table in parts.items()}
+    clock = None if on is None else tables[on]._batches
+    found = align_batches(batches, clock, rate=rate, method=method, tolerance=tolerance)
+    path = next((table.path for table in parts.values()), None)
+    return Table(name or "+".join(names), found, path)
 
 
 def check_clock(on: object) -> None:
     """Raise ValueError for what is no message type, whose times could be the clock."""
     if on is not None and not isinstance(on, str):
         raise ValueError(f"on is the name of a message type, not {on!r}")
-
-
-def aligned(
-    tables: Mapping[str, Table],
-    clock: Table | None,
-    name: str,
-    *,
-    rate: Span | None = None,
-    method: str = "ffill",
-    tolerance: Span | None = None,
-) -> Table:
-    """`align` where tables of one sender and instance each are at hand, and the clock."""
-    if (clock is None) == (rate is None):
-        raise ValueError("give either on= (a message type) or rate= (a span of time)")
-    if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
-    step = None if rate is None else _micros(rate, "rate")
-    if step == 0:
-        raise ValueError(f"rate must be a microsecond or more, not {rate!r}")
-    reach = None if tolerance is None else _micros(tolerance, "tolerance")
-    chosen = [(one, table._batches) for one, table in tables.items()]
-    ticks = None if clock is None else clock._batches
-    path = next((table.path for table in tables.values()), None)
-    try:
-        return Table(name, align_tables(chosen, ticks, step, method, reach), path)
-    except ValueError as error:  # Arrow's, which say first what kind they are of
-        raise ValueError(str(error).removeprefix("Invalid argument error: ")) from None
-
-
-def by_instance(table: Table) -> dict[str, Table]:
-    """A table for each instance, as `IMU[0]`, without the column that tells them apart."""
-    kept = [column for column in table.columns if column != table.instance_field]
-    return {name: part.select(kept) for name, part in table.instances().items()}
 
 
 def of_fields(
@@ -122,42 +86,3 @@ def possible_columns(table: Table) -> set[str]:
         texts = (name for name, kind in table._batches.types().items() if kind == "Utf8")
         columns.update(f"{name}_raw" for name in texts)
     return columns
-
-
-def check_sender(table: Table, advice: str) -> None:
-    """ValueError where there are several: their rows side by side make values that nobody sent.
-    `advice` is what else to do, of the name and a sender.
-    """
-    senders = sorted(table._batches.senders())
-    if len(senders) > 1:
-        which = ", ".join(f"{sysid}/{compid}" for sysid, compid in senders[:5])
-        more = ", ..." if len(senders) > 5 else ""
-        raise ValueError(
-            f"{table.name} comes from several senders ({which}{more}): choose one by systems=, or "
-            + advice.format(table.name, senders[0])
-        )
-
-
-def _micros(span: Span, what: str) -> int:
-    """A span of time as users give it, in microseconds."""
-    if type(span).__name__ == "timedelta64":  # of NumPy, as times of tables differ
-        span = span.astype("timedelta64[us]").item()  # type: ignore[union-attr]
-    if isinstance(span, timedelta):
-        span = f"{span // timedelta(microseconds=1)}us"
-    # A year would be a number of seconds.
-    text = "" if type(span).__name__ == "datetime64" else str(span).strip()
-    number, unit = text, "s"
-    if isinstance(span, str):
-        unit = text.lstrip("0123456789.") or "s"
-        number = text.removesuffix(unit)
-    try:
-        micros = float(number) * UNITS[unit] * 1e6
-    except (KeyError, ValueError):
-        raise ValueError(
-            f"{what} is a span of time such as '50ms', 0.05 or a timedelta, not {span!r}"
-        ) from None
-    if not 0 <= micros < 2**62:
-        raise ValueError(
-            f"{what} is a span of time such as '50ms', 0.05 or a timedelta, not {span!r}"
-        )
-    return round(micros)

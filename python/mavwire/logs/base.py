@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from datetime import datetime
     from typing import Self
 
-    from .align import Span
+    from .common_clock import Span
     from .table import Table
 
 

@@ -30,10 +30,9 @@ from .reading import (
     native_dialect,
     paths_of,
 )
-from .sources import file_status, open_converter
+from .sources import check_run, file_status, open_converter
 from .staging import remove_left
 from .store import Store
-from .telemetry import check_run
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -12,16 +12,14 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import DataflashTables
 
 from .base import Log
-from .query import Query, check_described, names_of, no_record_type
+from .format_error import no_record
+from .query import Query, names_of, no_record_type
 from .sources import file_status, is_compressed, is_headless, open_dataflash, read_dataflash
 from .table import Table
-from .telemetry import no_record
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator
     from datetime import datetime
-
-    from mavwire._native import RecordBatches
 
     from .sources import Opened
     from .summary import LogInfo
@@ -142,7 +140,9 @@ class DataflashLog(Log):
         opened = self._opened(query) if isinstance(name, str) else None
         if opened is None or name not in opened[0].names:
             raise KeyError(no_record_type(name, opened[0].names if opened else ()))
-        return read_tables(*opened, self.path, query, None, False)[name]
+        from .reading import read_described
+
+        return read_described(*opened, self.path, query, None, False)[name]
 
     def __contains__(self, what: object) -> bool:
         """Whether the log has records of the type of that name. It is read up to the first one."""
@@ -172,10 +172,12 @@ class DataflashLog(Log):
         `systems` is there for `TelemetryLog`; ValueError for anything but None. `enums` and
         `invalid` have no effect: columns have no enums and no invalid values.
         """
+        from .reading import read_described
+
         fields = None if fields is None else names_of(fields)
         columns = None if wide else fields  # all: one of them tells instances apart
         query = Query.of_dataflash(types, systems, columns, start, end, units, enums, invalid)
-        return read_tables(*self._opened(query), self.path, query, fields, wide)
+        return read_described(*self._opened(query), self.path, query, fields, wide)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
         """What is in the log: types, rates, gaps, damage; nothing of senders, of which it has one.
@@ -185,32 +187,3 @@ class DataflashLog(Log):
         from .summary import GAP_SECONDS, info_of
 
         return info_of(self.path, self._tables().summary(int(GAP_SECONDS * 1e6), pulse))
-
-
-def read_tables(
-    tables: DataflashTables,
-    found: list[tuple[str, RecordBatches]] | None,
-    path: str,
-    query: Query,
-    fields: str | Iterable[str] | None,
-    wide: bool,
-) -> dict[str, Table]:
-    """Whole tables of a dataflash log, those that were found or else by a run over it. ValueError for
-    a type that the log does not describe, or a field that no wanted type has, and as by
-    `check_records`.
-    """
-    from .reading import check_records, joined, tables_of
-
-    query.check_dataflash()
-    known: Mapping[str, Iterable[str]] = dict.fromkeys(tables.names, ())
-    check_described(known if fields is None else tables.types(), query, fields)
-    if found is None:
-        run = tables.columns(query)
-        whole = joined(run)
-        check_records(run, path)
-    else:
-        whole = joined([found])
-    for name in query.names or ():
-        if name not in whole:
-            whole[name] = tables.empty(name, query)
-    return tables_of(whole, path, fields, wide)

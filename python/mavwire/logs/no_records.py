@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from .reading import scan
-from .telemetry import check_run, open_log
+from .sources import check_run
+from .telemetry import open_log
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from .batches import Batches
 from .common_columns import Surveys, empty_of
 from .query import Query, check_described, check_tables, names_of, no_rows
 from .selection import several
-from .sources import columns_from, is_dataflash, open_dataflash, read_dataflash
+from .sources import check_run, columns_from, is_dataflash, open_dataflash, read_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
 
@@ -39,7 +39,7 @@ LOOKED_AT = 1000
 
 def native_dialect(dialect: str | os.PathLike[str] | ModuleType) -> tuple[Any, Any]:
     """The module of a dialect and its native form."""
-    from .telemetry import dialect_module
+    from .dialect import dialect_module
 
     module = dialect_module(dialect)
     return module, module.MAVLink(None)._dialect
@@ -99,9 +99,7 @@ def read(
     query = Query.of(module, types, systems, columns, start, end, units, enums, invalid)
     opened = read_dataflash(path, path, query)
     if opened is not None:
-        from .dataflash import read_tables
-
-        return read_tables(*opened, path, query, fields, wide)
+        return read_described(*opened, path, query, fields, wide)
     query.check_telemetry()
     check_tables(module, native, query, fields)
     with naming(path):
@@ -109,6 +107,33 @@ def read(
         found = with_empty(joined(run), module, native, query)
     check_records(run, path)
     return tables_of(found, path, fields, wide)
+
+
+def read_described(
+    tables: DataflashTables,
+    found: list[tuple[str, RecordBatches]] | None,
+    path: str,
+    query: Query,
+    fields: str | Iterable[str] | None,
+    wide: bool,
+) -> dict[str, Table]:
+    """Whole tables of a dataflash log, those that were found or else by a run over it. ValueError for
+    a type that the log does not describe, or a field that no wanted type has, and as by
+    `check_records`.
+    """
+    query.check_dataflash()
+    known: Mapping[str, Iterable[str]] = dict.fromkeys(tables.names, ())
+    check_described(known if fields is None else tables.types(), query, fields)
+    if found is None:
+        run = tables.columns(query)
+        whole = joined(run)
+        check_records(run, path)
+    else:
+        whole = joined([found])
+    for name in query.names or ():
+        if name not in whole:
+            whole[name] = tables.empty(name, query)
+    return tables_of(whole, path, fields, wide)
 
 
 def tables_of_batch(
@@ -160,8 +185,6 @@ def check_records(run: LogColumns, path: str, source: Source | None = None) -> N
     """Raise LogFormatError where a run over a file found no record, and it is no log cut off in its
     first one.
     """
-    from .telemetry import check_run
-
     check_run(path if source is None else source, path, run.position, run.bad_bytes, run.damage)
 
 

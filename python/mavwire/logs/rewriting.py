@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import LogRewrite
 from mavwire._text import naming
 
+from .format_error import LogFormatError
 from .no_records import check_records
 from .query import Query
 from .reading import check_readable, logs_of, native_dialect
-from .sources import is_dataflash
+from .sources import check_barren, is_dataflash
 from .targets import file_to_write
-from .telemetry import LogFormatError, check_barren
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -9,6 +9,16 @@ from typing import TYPE_CHECKING, Any
 from mavwire._native import Converter, DataflashTables, LogColumns, decompress, log_head
 from mavwire._text import naming
 
+from .format_error import (
+    COMPRESSED,
+    HEAD_SIZE,
+    begins_described,
+    is_foreign,
+    no_record,
+    not_telemetry,
+    undescribed,
+)
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -24,10 +34,6 @@ Source = str | tuple[str, int, int] | tuple[str, int, int, bool] | bytes
 not meant any more; the same of a telemetry log, and whether its records have time stamps; the bytes
 of a log.
 """
-ZSTD = (b"\x28\xb5\x2f\xfd", *(bytes((first,)) + b"\x2a\x4d\x18" for first in range(0x50, 0x60)))
-"""How zstd files begin: with a frame, or one that is skipped."""
-COMPRESSED = (b"\x1f\x8b\x08", *ZSTD)
-"""How gzip and zstd begin."""
 
 
 def is_dataflash(source: Source) -> bool:
@@ -60,8 +66,6 @@ def read_dataflash(source: Source, path: str, query: Query) -> Opened | None:
 
 def _check_described(tables: DataflashTables, source: Source, path: str) -> None:
     if not describes(tables) and is_headless(source):
-        from .telemetry import undescribed
-
         raise undescribed(path)
 
 
@@ -73,8 +77,6 @@ def describes(tables: DataflashTables) -> bool:
 def is_headless(source: Source) -> bool:
     """Whether a dataflash log lacks its first part, or has something else in its place."""
     from mavwire.links.recognise import FMT_LEN
-
-    from .telemetry import HEAD_SIZE, begins_described
 
     head = log_head(source, HEAD_SIZE)
     return len(head) >= FMT_LEN and not begins_described(head)
@@ -162,8 +164,28 @@ def plain_copy(path: str, warn: Callable[[str], object] = lambda damage: None) -
         damage = decompress(path, copy)
         if damage is not None:
             if not os.path.getsize(copy):
-                from .telemetry import not_telemetry
-
                 raise not_telemetry(path, head_of(path, 4), damage)
             warn(damage)
         yield copy
+
+
+def check_run(source: Source, path: str, position: int, bad_bytes: int, damage: str | None) -> None:
+    """Raise LogFormatError where a run over a file found no record, and it is no log that is empty or
+    cut off in its first.
+    """
+    from mavwire.links.recognise import FMT_LEN
+
+    if bad_bytes != position or not (position or damage):
+        return
+    if not is_dataflash(source):
+        check_barren(source, path, damage)
+    elif position >= FMT_LEN:
+        raise no_record("dataflash", path)
+
+
+def check_barren(source: Source, path: str, damage: str | None) -> None:
+    """Raise LogFormatError for a file in which no record was found, unless it is a log that is cut
+    off in its first one, compressed or not; `damage` is what is wrong with a compressed file.
+    """
+    if damage or is_foreign(log_head(source, HEAD_SIZE)):
+        raise not_telemetry(path, head_of(source, HEAD_SIZE), damage)

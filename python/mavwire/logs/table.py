@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import builtins
     from collections.abc import Iterable, Iterator
 
-    from .align import Span
+    from .common_clock import Span
 
 INTEGERS = frozenset(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))
 
@@ -205,13 +205,14 @@ class Table:
         those of `mavwire.logs.align` and reach further. A table without instances comes as it is.
         ValueError where several systems or components sent the rows: choose one.
         """
-        from .align import aligned, by_instance, check_sender
+        from .common_clock import align_batches
 
         if self.instance_field is None:
             return self
         check_sender(self, "take rows of one, as table.sender{1}.wide()")
-        tables = by_instance(self)
-        return aligned(tables, self, self.name, method=method, tolerance=tolerance)
+        tables = {name: table._batches for name, table in by_instance(self).items()}
+        found = align_batches(tables, self._batches, method=method, tolerance=tolerance)
+        return Table(self.name, found, self.path)
 
     # -- other libraries
 
@@ -327,3 +328,23 @@ class Table:
 def tidy(name: str, batches: RecordBatches, path: str | None = None) -> Table:
     """A whole table: the raw bytes of texts only where some text is not UTF-8."""
     return Table(name, batches.without_empty_raw(), path)
+
+
+def by_instance(table: Table) -> dict[str, Table]:
+    """A table for each instance, as `IMU[0]`, without the column that tells them apart."""
+    kept = [column for column in table.columns if column != table.instance_field]
+    return {name: part.select(kept) for name, part in table.instances().items()}
+
+
+def check_sender(table: Table, advice: str) -> None:
+    """ValueError where there are several: their rows side by side make values that nobody sent.
+    `advice` is what else to do, of the name and a sender.
+    """
+    senders = sorted(table._batches.senders())
+    if len(senders) > 1:
+        which = ", ".join(f"{sysid}/{compid}" for sysid, compid in senders[:5])
+        more = ", ..." if len(senders) > 5 else ""
+        raise ValueError(
+            f"{table.name} comes from several senders ({which}{more}): choose one by systems=, or "
+            + advice.format(table.name, senders[0])
+        )

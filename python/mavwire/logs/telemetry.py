@@ -15,8 +15,10 @@ from types import ModuleType
 from mavwire._native import LogScan
 
 from .base import Log
+from .dialect import dialect_module, portable, restored
+from .format_error import COMPRESSED, HEAD_SIZE, is_foreign, not_telemetry, other_format
 from .selection import Selection, has_message, no_message
-from .sources import file_status, head_of
+from .sources import check_barren, file_status, head_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -24,18 +26,11 @@ if TYPE_CHECKING:
     from typing import Any
 
     from .dataflash import DataflashLog
-    from .sources import Source
     from .summary import LogInfo
     from .table import Table
 
-# What tells a file's format is in its first bytes.
-HEAD_SIZE = 8192
 # A file without a single record is called foreign if it is no longer than this.
 FOREIGN_PROBE = 16 * 1024 * 1024
-
-
-class LogFormatError(ValueError):
-    """A file that is no telemetry log; the text names the file and what it is instead."""
 
 
 def open_log(
@@ -218,7 +213,6 @@ class TelemetryLog(Log):
     def _check(self) -> None:
         """Raise what tells why the file is no telemetry log."""
         from .reading import check_readable
-        from .sources import COMPRESSED
 
         check_readable(self.path)
         head, (size, _) = head_of(self.path, HEAD_SIZE), file_status(self.path)
@@ -231,7 +225,7 @@ class TelemetryLog(Log):
                 check_barren(self.path, self.path, damage)
         elif is_foreign(head) and (
             not self._is_full(size)
-            if _other_format(head) is not None
+            if other_format(head) is not None
             else size <= FOREIGN_PROBE and not self._has_record()
         ):
             raise not_telemetry(self.path, head)
@@ -267,148 +261,5 @@ class TelemetryLog(Log):
         return any(any(batch) for batch in islice(batches, 2)), batches.damage
 
 
-def is_foreign(head: bytes) -> bool:
-    """Whether a file that holds no record is something else than a log that ends within its first
-    one, or right behind that, which is damaged.
-    """
-    from mavwire.links.recognise import LENGTH_HEAD, frame_length
-
-    # Of a record the first byte of its time, which is 0 until the year 4253; of a raw stream a marker.
-    stamped = head[8] in b"\xfd\xfe" if len(head) > 8 else head[:1] == b"\0"
-    begins = stamped or head[:1] in (b"", b"\xfd", b"\xfe")
-    frame = head[8:] if stamped else head
-    goes_on = len(frame) >= LENGTH_HEAD and len(frame) > frame_length(frame[:LENGTH_HEAD])
-    return goes_on or not begins or _other_format(head) is not None
-
-
-def check_run(source: Source, path: str, position: int, bad_bytes: int, damage: str | None) -> None:
-    """Raise LogFormatError where a run over a file found no record, and it is no log that is empty or
-    cut off in its first.
-    """
-    from mavwire.links.recognise import FMT_LEN
-
-    from .sources import is_dataflash
-
-    if bad_bytes != position or not (position or damage):
-        return
-    if not is_dataflash(source):
-        check_barren(source, path, damage)
-    elif position >= FMT_LEN:
-        raise no_record("dataflash", path)
-
-
-def check_barren(source: Source, path: str, damage: str | None) -> None:
-    """Raise LogFormatError for a file in which no record was found, unless it is a log that is cut
-    off in its first one, compressed or not; `damage` is what is wrong with a compressed file.
-    """
-    from mavwire._native import log_head
-
-    if damage or is_foreign(log_head(source, HEAD_SIZE)):
-        raise not_telemetry(path, head_of(source, HEAD_SIZE), damage)
-
-
-def not_telemetry(path: str, head: bytes, damage: str | None = None) -> LogFormatError:
-    """The error that tells what a file without records is, by its first bytes, and what is wrong
-    with a compressed one.
-    """
-    other = _other_format(head)
-    if other is None:
-        from mavwire.links.recognise import DATAFLASH_SUFFIXES
-
-        name = path.lower().removesuffix(".gz").removesuffix(".zst")
-        return no_record("dataflash" if name.endswith(DATAFLASH_SUFFIXES) else "telemetry", path)
-    kind, remedy = other
-    said = f", as far as it can be read ({damage})" if damage else ""
-    return LogFormatError(f"a {kind}, not a telemetry log{said}; {remedy}: {path!r}")
-
-
-def no_record(kind: str, path: str) -> LogFormatError:
-    formats = "`mavwire info --help` names the kinds of logs"
-    remedy = f"{formats}; copy a truncated log again"
-    return LogFormatError(f"no {kind} record found; {remedy}: {path!r}")
-
-
-def begins_described(head: bytes) -> bool:
-    """Whether a dataflash log begins with what describes its records."""
-    from mavwire._native import begins_as_text_log
-    from mavwire.links.recognise import DATAFLASH_HEAD
-
-    return head.startswith(DATAFLASH_HEAD) or begins_as_text_log(head)
-
-
-def undescribed(path: str) -> LogFormatError:
-    """The error for a dataflash log in which nothing says what its records are."""
-    lacks = "a dataflash log without its first part, which says what the records are (FMT)"
-    return LogFormatError(f"{lacks}; copy it again from its start: {path!r}")
-
-
-def _other_format(head: bytes) -> tuple[str, str] | None:
-    """What kind of file begins like this, if it is a known one, and what to do with it."""
-    from mavwire._native import begins_as_text_log
-    from mavwire.links.recognise import DATAFLASH_HEAD
-
-    from .sources import ZSTD
-
-    tables = "open_log and mavwire convert read those"
-    if head.startswith(DATAFLASH_HEAD):
-        return "dataflash log", tables
-    if begins_as_text_log(head):
-        return "dataflash text log", tables
-    again = "copy it again if it should hold one"
-    for magic, name, remedy in (
-        (b"PK\x03\x04", "ZIP archive", "unpack it first"),
-        (b"\x1f\x8b", "gzip file", again),
-        (ZSTD, "zstd file", again),
-        (b"\x7fELF", "program", "name a log"),
-        (b"ULog\x01\x12\x35", "ULog", "pyulog reads those"),
-    ):
-        if head.startswith(magic):
-            return name, remedy
-    return None
-
-
 def _reopened(path: str, dialect: tuple[str, bool], resync: str) -> TelemetryLog:
     return TelemetryLog(path, dialect=restored(*dialect), resync=resync)
-
-
-def portable(dialect: str | os.PathLike[str] | ModuleType) -> tuple[str, bool]:
-    """A dialect as another process finds it: a name, and whether it is that of a module to import.
-    TypeError, as of what cannot be pickled, for a module that was made at run time.
-    """
-    if isinstance(dialect, os.PathLike):
-        return os.path.abspath(dialect), False
-    if isinstance(dialect, str):
-        return dialect, False
-    if dialect.__name__.startswith("mavwire.dialects.loaded."):
-        raise TypeError(f"{dialect.__name__} is of this process alone: give dialect= a path of XML")
-    return dialect.__name__, True
-
-
-def restored(name: str, is_module: bool) -> str | ModuleType:
-    """The dialect that `portable` gave."""
-    from importlib import import_module
-
-    return import_module(name) if is_module else name
-
-
-def dialect_module(dialect: str | os.PathLike[str] | ModuleType) -> Any:
-    """The module of a dialect, as `open_log` takes it. ValueError for what is none, and as `load`
-    raises.
-    """
-    if hasattr(dialect, "MAVLink"):
-        return dialect
-    from importlib import import_module
-
-    from mavwire.dialects import load, names
-
-    if isinstance(dialect, os.PathLike):
-        return load(dialect)
-    if not isinstance(dialect, str):
-        raise ValueError(
-            f"a dialect is a name, the path of an XML file or a dialect module, not {dialect!r}"
-        )
-    if dialect.endswith(".xml") or os.sep in dialect:
-        return load(dialect)
-    if dialect not in names():
-        raise ValueError(f"no such dialect: {dialect!r}")
-    return import_module(f"mavwire.dialects.v20.{dialect}")

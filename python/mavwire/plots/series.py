@@ -302,7 +302,7 @@ def vehicle_messages(
 ) -> Iterator[tuple[Any, Any]]:
     """The vehicle's messages of some types as mavutil gives them, with the link."""
     from mavwire.cli._reading import dataflash_reader, definitions, open_link
-    from mavwire.logs.telemetry import dialect_module
+    from mavwire.logs.dialect import dialect_module
 
     dialect_module(dialect)  # a ValueError names one that there is not
     reader = dataflash_reader(path) or open_link

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from mavwire.cli._errors import CommandError, tell
-from mavwire.cli._reading import definitions, kind_of, reading
+from mavwire.cli._link_kind import kind_of
+from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
 from mavwire.tools._figures import open_figures
 

@@ -10,8 +10,9 @@ import os
 from math import atan2, degrees, radians
 
 from mavwire.cli._errors import CommandError
+from mavwire.cli._link_kind import kind_of
 from mavwire.cli._output import writing
-from mavwire.cli._reading import definitions, kind_of, reading
+from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition
 from mavwire.tools._figures import open_figures
 

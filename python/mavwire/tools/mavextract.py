@@ -10,8 +10,9 @@ import os
 from contextlib import ExitStack
 
 from mavwire.cli._errors import CommandError
+from mavwire.cli._link_kind import kind_of
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import definitions, kind_of, reading
+from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps, add_robust
 from mavwire.cli._telemetry import record
 

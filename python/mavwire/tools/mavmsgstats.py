@@ -7,7 +7,8 @@ from fnmatch import fnmatchcase
 from itertools import chain
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._reading import definitions, kind_of, reading
+from mavwire.cli._link_kind import kind_of
+from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_logs
 
 TYPE_CHECKING = False

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections import Counter
 
+from mavwire.cli._link_kind import kind_of
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import definitions, kind_of, reading
+from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_dialect, add_logs
 from mavwire.links.recording import shown
 

@@ -12,8 +12,9 @@ import pytest
 from dataflash_writer import FMT, HEAD, Log, flight, fmt
 from mavwire import cli, fleet
 from mavwire.logs.conversion import convert
+from mavwire.logs.format_error import LogFormatError
 from mavwire.logs.rewriting import cut
-from mavwire.logs.telemetry import LogFormatError, TelemetryLog
+from mavwire.logs.telemetry import TelemetryLog
 from unit.link_tools import heartbeat, record
 from unit.test_logs_in_logs import downloaded
 

@@ -1,0 +1,14 @@
+"""The kind of a link or log as mavutil gives it."""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+
+def kind_of(link: Any) -> str:
+    """What a link or log is: "telemetry", "dataflash" or "CSV"."""
+    if hasattr(link, "mav"):
+        return "telemetry"
+    return "CSV" if hasattr(link, "message_type") else "dataflash"
