@@ -8,6 +8,7 @@ import sys
 import time
 from itertools import chain, islice
 
+from mavwire import _log_link
 from mavwire._context import contextmanager
 from mavwire._text import in_words, naming, no_such_dialect
 from mavwire.cli._errors import CommandError, tell
@@ -17,6 +18,7 @@ from mavwire.cli._progress import Progress
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
+    from contextlib import AbstractContextManager
     from typing import Any
 
 PROGRESS_EVERY = 20_000
@@ -27,26 +29,11 @@ STANDARD_INPUT_FILE = "stdin.log"
 FOLLOW_EVERY = 0.05
 
 
-@contextmanager
-def definitions(dialect: str | None = None, wire_protocol: str | None = None) -> Iterator[None]:
-    """The dialect and wire protocol of this run, in place of the process's own, which are back
-    afterwards. None leaves either as it is.
-    """
-    from mavwire import mavutil  # noqa: F401 - which chooses a dialect when it is first imported
-    from mavwire.links import state
-
-    before = state.definitions_in_use()
-    try:
-        if wire_protocol is not None:
-            state.wire_protocol = wire_protocol
-        with _naming_dialect(state.current_dialect if dialect is None else dialect):
-            if dialect is None:
-                state.renew_dialect()
-            else:
-                state.choose_dialect(dialect)
-        yield
-    finally:
-        state.use_definitions(before)
+def definitions(
+    dialect: str | None = None, wire_protocol: str | None = None
+) -> AbstractContextManager[None]:
+    """The same as of `mavwire._log_link`; CommandError names a dialect that does not load."""
+    return _log_link.definitions(dialect, wire_protocol, _naming_dialect)
 
 
 @contextmanager
@@ -108,53 +95,6 @@ def _is_other_device(path: str) -> bool:
         return not os.isatty(descriptor)
     finally:
         os.close(descriptor)
-
-
-def open_link(path: str, **options: Any) -> Any:
-    """`mavlink_connection`, but an empty dataflash log, which the readers of those refuse, is opened
-    as an empty telemetry log.
-    """
-    from mavwire import mavutil
-    from mavwire.links.recognise import log_kind
-
-    if ":" in path and os.path.lexists(path) and not os.path.isabs(path):
-        path = os.path.join(os.curdir, path)  # it is a log, even if it is called tcp:HOST:PORT.tlog
-    if os.path.isfile(path) and not os.path.getsize(path) and log_kind(path, True) == "dataflash":
-        return mavutil.mavmmaplog(path)
-    if not options.get("notimestamps"):
-        _foresee_version(path)
-    return mavutil.mavlink_connection(path, **options)
-
-
-def _foresee_version(path: str) -> None:
-    """Choose MAVLink 2 for a telemetry log that begins with a frame of it before the definitions of
-    version 1 are loaded, which the log would replace as soon as it is opened.
-    """
-    from mavwire.links import state
-    from mavwire.links.mavfile import MARKER_V2
-    from mavwire.links.recognise import STAMP_LEN, TLOG_PROBE, looks_like_tlog, read_head
-
-    if not state.is_postponed() or not os.path.isfile(path):
-        return
-    head = read_head(path, TLOG_PROBE)
-    if looks_like_tlog(head) and head[STAMP_LEN] == MARKER_V2:
-        state.set_wire_protocol("2.0")
-
-
-def dataflash_reader(path: str) -> Callable[[str], Any] | None:
-    """What reads a dataflash log that mavutil would not take for one by its name."""
-    from mavwire._native import begins_as_text_log
-    from mavwire.links.recognise import TEXT_LOG_PROBE, log_kind, read_head
-    from mavwire.logs.sources import is_dataflash
-
-    if not is_dataflash(path):
-        return None
-    is_binary = not begins_as_text_log(read_head(path, TEXT_LOG_PROBE))
-    if log_kind(path, readonly=True) == ("dataflash" if is_binary else "text"):
-        return None
-    from mavwire.DFReader import DFReader_binary, DFReader_text
-
-    return DFReader_binary if is_binary else DFReader_text
 
 
 def _condition_error(condition: str, error: Exception) -> CommandError:
@@ -338,7 +278,9 @@ def reading(
     progress = Progress(os.path.basename(name), show_progress)
     try:
         with opening(path, name):
-            link = first_try() or open_link(path, progress_callback=progress.update, **options)
+            link = first_try() or _log_link.open_link(
+                path, progress_callback=progress.update, **options
+            )
         try:
             yield Reading(command, name, link, progress)
         except AttributeError as error:

@@ -16,12 +16,13 @@ from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from mavwire._log_link import open_link
 from mavwire._native import date_text
 from mavwire._text import in_words, printable
 from mavwire.cli._errors import tell
 from mavwire.cli._foreign import warn_if_barren
 from mavwire.cli._progress import Progress
-from mavwire.cli._reading import STANDARD_INPUT, definitions, open_link, standard_input
+from mavwire.cli._reading import STANDARD_INPUT, definitions, standard_input
 
 if TYPE_CHECKING:
     import argparse

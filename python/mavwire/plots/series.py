@@ -301,7 +301,7 @@ def vehicle_messages(
     path: str, types: list[str], system: int | None, dialect: str | os.PathLike[str]
 ) -> Iterator[tuple[Any, Any]]:
     """The vehicle's messages of some types as mavutil gives them, with the link."""
-    from mavwire.cli._reading import dataflash_reader, definitions, open_link
+    from mavwire._log_link import dataflash_reader, definitions, open_link
     from mavwire.logs.dialect import dialect_module
 
     dialect_module(dialect)  # a ValueError names one that there is not

@@ -1,0 +1,91 @@
+"""Logs as mavutil gives them."""
+
+from __future__ import annotations
+
+import os
+
+from mavwire._context import contextmanager
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
+    from typing import Any
+
+
+@contextmanager
+def _nothing() -> Iterator[None]:
+    yield
+
+
+@contextmanager
+def definitions(
+    dialect: str | None = None,
+    wire_protocol: str | None = None,
+    choosing: Callable[[str], AbstractContextManager[None]] = lambda name: _nothing(),
+) -> Iterator[None]:
+    """The dialect and wire protocol of this run, in place of the process's own, which are back
+    afterwards. None leaves either as it is. `choosing` surrounds loading a dialect.
+    """
+    from mavwire import mavutil  # noqa: F401 - which chooses a dialect when it is first imported
+    from mavwire.links import state
+
+    before = state.definitions_in_use()
+    try:
+        if wire_protocol is not None:
+            state.wire_protocol = wire_protocol
+        with choosing(state.current_dialect if dialect is None else dialect):
+            if dialect is None:
+                state.renew_dialect()
+            else:
+                state.choose_dialect(dialect)
+        yield
+    finally:
+        state.use_definitions(before)
+
+
+def open_link(path: str, **options: Any) -> Any:
+    """`mavlink_connection`, but an empty dataflash log, which the readers of those refuse, is opened
+    as an empty telemetry log.
+    """
+    from mavwire import mavutil
+    from mavwire.links.recognise import log_kind
+
+    if ":" in path and os.path.lexists(path) and not os.path.isabs(path):
+        path = os.path.join(os.curdir, path)  # it is a log, even if it is called tcp:HOST:PORT.tlog
+    if os.path.isfile(path) and not os.path.getsize(path) and log_kind(path, True) == "dataflash":
+        return mavutil.mavmmaplog(path)
+    if not options.get("notimestamps"):
+        _foresee_version(path)
+    return mavutil.mavlink_connection(path, **options)
+
+
+def _foresee_version(path: str) -> None:
+    """Choose MAVLink 2 for a telemetry log that begins with a frame of it before the definitions of
+    version 1 are loaded, which the log would replace as soon as it is opened.
+    """
+    from mavwire.links import state
+    from mavwire.links.mavfile import MARKER_V2
+    from mavwire.links.recognise import STAMP_LEN, TLOG_PROBE, looks_like_tlog, read_head
+
+    if not state.is_postponed() or not os.path.isfile(path):
+        return
+    head = read_head(path, TLOG_PROBE)
+    if looks_like_tlog(head) and head[STAMP_LEN] == MARKER_V2:
+        state.set_wire_protocol("2.0")
+
+
+def dataflash_reader(path: str) -> Callable[[str], Any] | None:
+    """What reads a dataflash log that mavutil would not take for one by its name."""
+    from mavwire._native import begins_as_text_log
+    from mavwire.links.recognise import TEXT_LOG_PROBE, log_kind, read_head
+    from mavwire.logs.sources import is_dataflash
+
+    if not is_dataflash(path):
+        return None
+    is_binary = not begins_as_text_log(read_head(path, TEXT_LOG_PROBE))
+    if log_kind(path, readonly=True) == ("dataflash" if is_binary else "text"):
+        return None
+    from mavwire.DFReader import DFReader_binary, DFReader_text
+
+    return DFReader_binary if is_binary else DFReader_text
