@@ -7,13 +7,13 @@ docs/architecture.md states the rules and why; this file only enforces them.
 from __future__ import annotations
 
 import ast
-import graphlib
 import re
 import subprocess
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
+import house
 import pytest
 
 ROOT = Path(__file__).parents[3]
@@ -71,6 +71,18 @@ LAYERS = (
     ("links",),
     ("mavutil",),
 )
+# Packages above mavutil, and those that each never imports, in functions neither.
+ABOVE = ("logs", "plots", "fleet", "bridge", "aio", "cli", "sim", "traffic")
+NOT_USED_BY = {
+    "logs": {"plots", "fleet", "bridge", "aio", "cli", "tools", "sim", "traffic"},
+    "plots": {"fleet", "bridge", "aio", "cli", "tools", "sim", "traffic"},
+    "fleet": {"plots", "bridge", "aio", "cli", "tools", "sim", "traffic"},
+    "bridge": {"plots", "fleet", "aio", "cli", "tools", "sim", "traffic"},
+    "aio": {"logs", "plots", "fleet", "bridge", "cli", "tools", "sim", "traffic"},
+    "cli": {"tools", "traffic"},
+    "sim": {"logs", "plots", "fleet", "bridge", "aio", "cli", "tools", "traffic"},
+    "traffic": {"logs", "plots", "fleet", "bridge", "aio", "cli", "tools", "sim"},
+}
 HEAVY = set(
     "numpy pyarrow polars pandas matplotlib dask distributed fsspec serial rich wsproto".split()
 )
@@ -181,22 +193,8 @@ def test_every_pyclass_is_frozen() -> None:
             assert "frozen" in options, f"{path}: #[pyclass{options}]"
 
 
-def extension_modules() -> dict[str, set[str]]:
-    """The modules of rust/py as "folder::file", each with those that it names."""
-    source = RUST / "py" / "src"
-    paths = {f"{path.parent.name}::{path.stem}": path for path in source.glob("*/*.rs")}
-    uses = {}
-    for name, path in paths.items():
-        code = code_of(path)
-        named = {"::".join(both) for both in re.findall(r"\bcrate::(\w+)::(\w+)", code)}
-        for names in re.findall(r"\bsuper::(\w+|\{[^}]*\})", code):
-            named |= {f"{path.parent.name}::{one}" for one in re.findall(r"\w+", names)}
-        uses[name] = named & paths.keys() - {name}
-    return uses
-
-
 def test_modules_of_the_extension_use_lower_folders_and_no_cycles() -> None:
-    uses = extension_modules()
+    uses = house.extension_uses()
     assert {name.split("::")[0] for name in uses} == {*EXTENSION_FOLDERS}
     rank = {name: EXTENSION_FOLDERS.index(name.split("::")[0]) for name in uses}
     upwards = [
@@ -206,7 +204,23 @@ def test_modules_of_the_extension_use_lower_folders_and_no_cycles() -> None:
         if rank[other] > rank[one]
     ]
     assert not upwards, upwards
-    tuple(graphlib.TopologicalSorter(uses).static_order())  # CycleError names a cycle
+    assert not house.cycles(uses)
+
+
+def test_python_modules_form_no_cycles() -> None:
+    """Imports within functions count, as do names given to `import_module`."""
+    assert not house.cycles(house.python_uses())
+
+
+@pytest.mark.parametrize("package", ABOVE)
+def test_packages_above_mavutil_have_an_order(package: str) -> None:
+    uses = {
+        (name, other)
+        for name, others in house.python_uses().items()
+        for other in others
+        if name.split(".")[0] == package and other.split(".")[0] in NOT_USED_BY[package]
+    }
+    assert not uses
 
 
 def test_attributes_are_read_where_the_end_of_the_interpreter_does_no_harm() -> None:
