@@ -83,8 +83,12 @@ class MessageMap(dict[int, "type[Any]"]):
 
 
 def decode_by_map(namespace: dict[str, Any], originals: dict[int, type[Any]]) -> None:
-    """Make the module's `MAVLink` use the classes of a changed `mavlink_map`."""
+    """Make the module's `MAVLink` use the classes of a changed `mavlink_map`, or the native ones once they are back."""
     base = _base(namespace)
+    if namespace["mavlink_map"] == originals:
+        if hasattr(vars(base).get("decode"), "by_map"):
+            del base.decode
+        return
     if "decode" in vars(base):
         return
     native_decode = base.decode
@@ -102,6 +106,7 @@ def decode_by_map(namespace: dict[str, Any], originals: dict[int, type[Any]]) ->
             namespace["MAVLink_unknown"](msgid, msgbuf) if cls is None else _as_class(cls, message)
         )
 
+    decode.by_map = True  # type: ignore[attr-defined]
     base.decode = decode
 
 
