@@ -13,7 +13,7 @@ use crate::input::Input;
 use crate::logs::any_telemetry;
 use crate::private::ANONYMIZERS;
 use crate::reading::{looks_compressed, on_threads, small_steps, source};
-use crate::tables::{Record, one_by_one};
+use crate::tables::{Record, mended, one_by_one};
 
 /// Any log, repaired, cut and made anonymous, and two of them merged.
 pub fn rewrite(data: &[u8]) {
@@ -70,6 +70,7 @@ fn written<'a>(records: impl Iterator<Item = &'a Record>, framing: Framing) -> V
 
 fn repaired(steps: Steps, bytes: &[u8], framing: Framing) {
     let (records, bad) = one_by_one(bytes, framing);
+    let records = mended(records, framing);
     let (out, outcome) = rewritten(steps, bytes, framing, Wanted::default(), None);
     assert_eq!(out, written(records.iter(), framing));
     assert_eq!((outcome.bytes, outcome.bad_bytes), (bytes.len() as u64, bad));
@@ -89,7 +90,7 @@ fn repaired(steps: Steps, bytes: &[u8], framing: Framing) {
 }
 
 fn cut(steps: Steps, bytes: &[u8], framing: Framing, wanted: &Wanted) {
-    let (records, _) = one_by_one(bytes, framing);
+    let records = mended(one_by_one(bytes, framing).0, framing);
     let (out, _) = rewritten(steps, bytes, framing, wanted.clone(), None);
     let is_kept = |record: &&Record| {
         let seconds = record.time as f64 * 1e-6;
@@ -101,7 +102,7 @@ fn cut(steps: Steps, bytes: &[u8], framing: Framing, wanted: &Wanted) {
 }
 
 fn anonymous(steps: Steps, bytes: &[u8], framing: Framing, anonymizer: &Anonymizer) {
-    let (records, _) = one_by_one(bytes, framing);
+    let records = mended(one_by_one(bytes, framing).0, framing);
     let mut expected = Vec::new();
     for record in &records {
         let (before, entry) = (expected.len(), ALL.lookup(record.header.msgid));
@@ -130,7 +131,8 @@ fn merged(steps: Steps, logs: &[Vec<u8>; 2]) {
     while merge.advance(&mut out).expect("memory does not fail") {}
     let [one, other] = [0, 1].map(|at| one_by_one(&logs[at], Framing::Stamped));
     assert_eq!(merge.outcome().bad_bytes, one.1 + other.1);
-    let (mut one, mut other) = (one.0.iter().peekable(), other.0.iter().peekable());
+    let [one, other] = [one, other].map(|(records, _)| mended(records, Framing::Stamped));
+    let (mut one, mut other) = (one.iter().peekable(), other.iter().peekable());
     let in_order = std::iter::from_fn(|| match (one.peek(), other.peek()) {
         (Some(first), Some(second)) if first.time > second.time => other.next(),
         (Some(_), _) => one.next(),

@@ -38,6 +38,8 @@ const DATES: Range<u64> = 946_684_800_000_000..4_102_444_800_000_000;
 /// A record, as the way of messages has it.
 pub(crate) struct Record {
     pub(crate) time: u64,
+    /// The time stamp directly behind; 0 where the log ends before.
+    behind: u64,
     /// It has a time: of a raw stream, once the clock is known.
     is_timed: bool,
     pub(crate) header: Header,
@@ -78,8 +80,10 @@ pub(crate) fn one_by_one(bytes: &[u8], framing: Framing) -> (Vec<Record>, u64) {
                 if framing == Framing::Raw {
                     time = now.unwrap_or(0);
                 }
-                records.push(Record { time, is_timed, header, frame, index });
                 at += len;
+                let behind =
+                    bytes[at..].first_chunk().map_or(0, |stamp| u64::from_be_bytes(*stamp));
+                records.push(Record { time, behind, is_timed, header, frame, index });
             }
             FoundRecord::Junk { len } => {
                 (bad, after_damage, at) = (bad + len as u64, true, at + len);
@@ -87,6 +91,23 @@ pub(crate) fn one_by_one(bytes: &[u8], framing: Framing) -> (Vec<Record>, u64) {
             FoundRecord::Incomplete { .. } => return (records, bad),
         }
     }
+}
+
+/// Records with the time in front where both neighbours contradict the own one.
+pub(crate) fn mended(mut records: Vec<Record>, framing: Framing) -> Vec<Record> {
+    let are_near = |one: u64, other: u64| one.abs_diff(other) < BELIEVED;
+    let mut before = None;
+    for record in records.iter_mut().filter(|_| framing == Framing::Stamped) {
+        let time = *before.get_or_insert(record.time);
+        if are_near(time, record.behind)
+            && !are_near(record.time, time)
+            && !are_near(record.time, record.behind)
+        {
+            record.time = time;
+        }
+        before = Some(record.time);
+    }
+    records
 }
 
 fn tables_of(
