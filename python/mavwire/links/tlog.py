@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import time
 
-from mavwire._hooks import quick_methods
+from mavwire._hooks import quick_methods, warn_not_called
 from mavwire._native import LogLink
 
 from .log_file import LogFile, LogPort
@@ -69,6 +69,8 @@ class mavlogfile(LogLink, mavfile):
         )  # fmt: skip
         self.stop_on_EOF = True
         self._timestamp = 0 if notimestamps else time.time()
+        if type(self).scan_timestamp is not LogLink.scan_timestamp:
+            warn_not_called("mavlogfile.scan_timestamp", "change the `_timestamp` of messages")
         if not write and not planner_format:
             self._open_reader(filename, not notimestamps, time.time())
             self.f = LogFile(self, self.f)

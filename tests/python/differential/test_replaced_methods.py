@@ -415,6 +415,17 @@ def test_what_is_never_called_warns_before_the_first_message(subject: str, name:
     assert f"RuntimeWarning: MAVLink_heartbeat_message.{name} was replaced" in done.stderr
 
 
+def test_a_scan_timestamp_of_the_program_warns(both: list[Ours]) -> None:
+    ours = both[0]
+
+    class Log(ours.mavutil.mavlogfile):  # type: ignore[misc,name-defined]
+        def scan_timestamp(self, tbuf: bytes) -> float:
+            return 0.0
+
+    with pytest.warns(RuntimeWarning, match="mavlogfile.scan_timestamp was replaced"):
+        Log(str(ours.log)).close()
+
+
 # Class -> its module, and what uses it.
 CLASSES: dict[str, tuple[str, Callable[[workload.Package, Any], None]]] = {
     "mavfile": ("mavutil", workload.bare_link),
