@@ -27,7 +27,7 @@ PYTHON = ("parse", "noise", "recv_match", "filter", "fields", "pack", "send", "v
 TABLES = ("columns", "columns-bin", "parquet")
 # How many messages the short and the long run have, and how far memory is moved in the runs.
 LENGTHS = {
-    "rust": (10_000, 40_000), "bridge": (2_000, 12_000), "python": (1_000, 6_000),
+    "rust": (10_000, 40_000), "bridge": (2_000, 12_000), "python": (2_000, 22_000),
     "tables": (20_000, 60_000),
 }  # fmt: skip
 PADDINGS = {"rust": (0,), "bridge": (0, 0), "python": (0, 1_000, 5_000), "tables": (0, 0)}

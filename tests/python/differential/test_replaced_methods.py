@@ -418,7 +418,7 @@ def test_what_is_never_called_warns_before_the_first_message(subject: str, name:
 def test_a_scan_timestamp_of_the_program_warns(both: list[Ours]) -> None:
     ours = both[0]
 
-    class Log(ours.mavutil.mavlogfile):  # type: ignore[misc,name-defined]
+    class Log(ours.mavutil.mavlogfile):  # type: ignore[name-defined]
         def scan_timestamp(self, tbuf: bytes) -> float:
             return 0.0
 
