@@ -207,6 +207,13 @@ def test_modules_of_the_extension_use_lower_folders_and_no_cycles() -> None:
     assert not house.cycles(uses)
 
 
+def test_modules_that_the_extension_imports_exist() -> None:
+    names = {f"mavwire.{name}" for name in house.python_uses()} | {"mavwire._native"}
+    for path in rust_sources("py"):
+        imported = re.findall(r'intern!\(py, "(mavwire\.[\w.]+)"\)', code_of(path))
+        assert {*imported} <= names, path
+
+
 def test_python_modules_form_no_cycles() -> None:
     """Imports within functions count, as do names given to `import_module`."""
     assert not house.cycles(house.python_uses())

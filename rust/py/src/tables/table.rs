@@ -84,8 +84,8 @@ impl RecordBatches {
         if let Ok(index) = self.schema.index_of(name) {
             return Ok(index);
         }
-        let wording = import(py, intern!(py, "mavwire._wording"))?;
-        let hint = wording.invoke_method1(intern!(py, "did_you_mean"), (name, self.names()))?;
+        let text = import(py, intern!(py, "mavwire._text"))?;
+        let hint = text.invoke_method1(intern!(py, "did_you_mean"), (name, self.names()))?;
         let name = PyString::new(py, name).repr()?;
         Err(PyKeyError::new_err(format!("the table has no column {name}{hint}")))
     }
