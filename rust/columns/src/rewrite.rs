@@ -8,7 +8,7 @@ use std::iter::Sum;
 use std::sync::Arc;
 
 use mavwire_core::anonymize::Anonymizer;
-use mavwire_core::log::tlog::{Located, STAMP_LEN, are_near};
+use mavwire_core::log::tlog::{Located, STAMP_LEN, are_near, is_date};
 use mavwire_core::registry::Registry;
 
 use crate::error::Error;
@@ -110,7 +110,7 @@ impl Mender {
             let lead = self.framing.lead();
             let len = lead + header_at(block, record.at, lead)?.frame_len();
             let behind = stamp_at(block, record.at + len as u32);
-            if are_near(before, behind) && !are_near(time, behind) {
+            if is_date(behind) && are_near(before, behind) && !are_near(time, behind) {
                 return Some((record.at, before));
             }
         }
@@ -448,6 +448,23 @@ mod tests {
             while rewrite.advance(&mut out).expect("writing") {}
             assert_eq!(out, expected, "blocks of {block}");
             assert_eq!(rewrite.outcome().restamped, 2, "blocks of {block}");
+        }
+    }
+
+    #[test]
+    fn a_clock_that_is_set_in_front_of_zeros_is_no_damage() {
+        let dialect = builtin::dialect("common", WireVersion::V2).expect("the dialect");
+        let registry = Arc::new(Registry::new(dialect));
+        let records = log([5_000_000, 6_000_000, 1_700_000_000_000_000].into_iter(), 1);
+        let bytes = [&records[..], &[0; 40], &records[records.len() / 3 * 2..]].concat();
+        for (bytes, count) in [(records, 3), (bytes, 4)] {
+            let source = Box::new(std::io::Cursor::new(bytes));
+            let (steps, framing) = (Steps::default(), Some(Framing::Stamped));
+            let registry = Arc::clone(&registry);
+            let rewrite = Rewrite::new(steps, source, framing, registry, Wanted::default(), None);
+            let (mut rewrite, mut out) = (rewrite.expect("reading"), Vec::new());
+            while rewrite.advance(&mut out).expect("writing") {}
+            assert_eq!((rewrite.outcome().written, rewrite.outcome().restamped), (count, 0));
         }
     }
 

@@ -99,7 +99,8 @@ pub(crate) fn mended(mut records: Vec<Record>, framing: Framing) -> Vec<Record> 
     let mut before = None;
     for record in records.iter_mut().filter(|_| framing == Framing::Stamped) {
         let time = *before.get_or_insert(record.time);
-        if are_near(time, record.behind)
+        if DATES.contains(&record.behind)
+            && are_near(time, record.behind)
             && !are_near(record.time, time)
             && !are_near(record.time, record.behind)
         {
