@@ -154,7 +154,7 @@ lint-python: build $(VENV)/.requirements-lint $(VENV)/.requirements-test ## Chec
 		$(BIN)/pyright --warnings --pythonpath $(BIN)/python --project tests/typed; \
 	else echo 'pyright, which fetches itself when it first runs, cannot do so here and is left out'; fi
 	$(BIN)/python tools/generate_stubs.py --check
-	@$(BIN)/python tools/house.py
+	@$(BIN)/python tools/house.py >/dev/null
 	$(BIN)/python -m mypy.stubtest $(STUBBED) --allowlist tests/stubtest_allowlist.txt
 
 .PHONY: house
