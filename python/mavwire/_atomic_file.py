@@ -31,7 +31,7 @@ class Replacement:
         self._mode: int | None = None
         try:
             self.file = self._open()
-        except BaseException as error:  # such as of a signal
+        except BaseException as error:  # KeyboardInterrupt leaves a temporary file otherwise
             self._remove()
             if isinstance(error, OSError):
                 error.filename = self.path

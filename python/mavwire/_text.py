@@ -1,4 +1,4 @@
-"""Words for people: hints at what was meant, and text from files as a terminal can take it."""
+"""Error texts for users, and a filter for terminal control characters."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from mavwire._context import contextmanager
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
     from typing import Any
 
 # Characters that change the direction of text, so that it looks like another text.
@@ -18,6 +18,12 @@ _CONTROLS = {
     code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0)) if code != ord("\t")
 } | {code: f"\\u{code:04x}" for code in _BIDIRECTIONAL}
 _CONTROLS_WITHIN_LINES = {code: text for code, text in _CONTROLS.items() if code != ord("\n")}
+
+
+def cannot_write(path: str, suffixes: Sequence[str]) -> str:
+    """The error text for a file whose suffix names no format."""
+    *most, last = suffixes
+    return f"cannot write {path!r}: use {', '.join(most)} or {last}"
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -36,7 +36,10 @@ COMMANDS = {
     "mission": ("mavwire.tools.mavmission", "the mission in a log as a waypoint file"),
     "flighttime": ("mavwire.tools.mavflighttime", "how long a vehicle was in the air"),
     "loss": ("mavwire.tools.mavloss", "messages lost, by sender and by type"),
-    "summarize": ("mavwire.tools.mavsummarize", "when, where, how far and how long logs went"),
+    "summarize": (
+        "mavwire.tools.mavsummarize",
+        "show start time, place, distance and duration of each flight",
+    ),
     "togpx": ("mavwire.tools.mavtogpx", "the way of a vehicle as a GPX track"),
     "parmdiff": ("mavwire.tools.mavparmdiff", "how two parameter files differ"),
     "search": ("mavwire.tools.mavsearch", "messages at which a condition holds"),

@@ -59,7 +59,7 @@ class OneClientLink(StreamLink):
     clients_replaced = 0
     # Why the client at the door cannot be taken, as was logged.
     _accept_error: str | None = None
-    # It was so the last time.
+    # The last client was refused, which was logged.
     _is_refusing = False
     # When the client was heard, and how many messages the link had received by then.
     _heard_at = 0.0

@@ -1,5 +1,7 @@
-"""What lives of what was noted. Nothing is called when one goes, unlike with a WeakSet: what a signal handler raises there
-would be lost."""
+"""A registry of weak references that runs no callback.
+
+The callbacks of a WeakSet may run in a signal handler, and an exception there would be lost.
+"""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mavwire._native import jump_text
-from mavwire._text import did_you_mean
+from mavwire._text import cannot_write, did_you_mean
 from mavwire.logs.extras import extra
 from mavwire.logs.no_records import lacking
 from mavwire.logs.store import write_file
@@ -140,7 +140,7 @@ def _check(
     flightmode: str | None,
 ) -> None:
     if _suffix(out) not in IMAGES + PAGES:
-        raise ValueError(f"plots are {', '.join(IMAGES + PAGES)}, which {out!r} does not end in")
+        raise ValueError(cannot_write(out, IMAGES + PAGES))
     if not paths or not texts:
         raise ValueError("a plot needs a log and an expression")
     if labels is not None and len(labels) != len(texts):
@@ -228,7 +228,7 @@ def _jumps(read: list[LogSeries]) -> list[str]:
 
     notes = []
     for log in read:
-        times = np.sort(np.concatenate([one.times for one in log.series]))
+        times = np.sort(np.concatenate([np.empty(0), *(one.times for one in log.series)]))
         if len(times) > 1:
             widest = int(np.diff(times).argmax())
             jump = jump_text(float(times[widest]), float(times[widest + 1]))

@@ -180,7 +180,8 @@ def _is_plain(node: ast.AST) -> bool:
         number = node.value
         return type(number) in (int, float) and abs(number) <= EXACT  # type: ignore[arg-type]
     if isinstance(node, ast.Attribute):
-        return isinstance(node.value, ast.Name) and node.value.id not in known_names()
+        owner = node.value
+        return isinstance(owner, ast.Name) and owner.id not in (*known_names(), *STATE_NAMES)
     if isinstance(node, ast.Subscript):
         return (
             isinstance(node.value, ast.Attribute)

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from mavwire._text import cannot_write
 from mavwire.logs.extras import extra
 from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
@@ -35,7 +36,7 @@ def draw_map(
     writers = {".html": map_page, ".htm": map_page, ".kml": kml, ".gpx": gpx}
     writer = writers.get(os.path.splitext(out)[1].lower())
     if writer is None:
-        raise ValueError(f"maps are {', '.join(writers)}, which {out!r} does not end in")
+        raise ValueError(cannot_write(out, [*writers]))
     target = file_to_write(out)
     track = read_track(os.fspath(log), system=system, dialect=dialect)
     write_file(target, writer(track))

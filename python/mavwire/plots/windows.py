@@ -8,6 +8,7 @@ from typing import Any
 
 from mavwire._atomic_file import replacing
 from mavwire._signals import ended_in_order
+from mavwire._text import cannot_write
 
 NEEDED = "matplotlib is needed for figures: pip install 'mavwire[plot]'"
 NO_DISPLAY = "there is no display for a window"
@@ -37,8 +38,7 @@ class Figures:
             return
         formats = FigureCanvasAgg(Figure()).get_supported_filetypes()
         if os.path.splitext(output)[1].removeprefix(".").lower() not in formats:
-            known = ", ".join(f".{one}" for one in sorted(formats))
-            raise ValueError(f"images are {known}, which {output!r} does not end in")
+            raise ValueError(cannot_write(output, [f".{one}" for one in sorted(formats)]))
 
     def figure(self, name: str, **options: Any) -> Any:
         """A new figure; the options are matplotlib's."""

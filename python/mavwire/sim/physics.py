@@ -101,7 +101,7 @@ class Copter:
         self._move(dt)
 
     def _lean(self, dt: float, demand: Demand) -> None:
-        """Roll and pitch towards the acceleration that is wanted; what they give is had."""
+        """Roll and pitch towards the demanded acceleration, which the wind and drag change."""
         north, east = clamp(demand.north, MAX_SPEED), clamp(demand.east, MAX_SPEED)
         north = VELOCITY_GAIN * (north - self.vn) + DRAG * (self.vn - self.wind_north)
         east = VELOCITY_GAIN * (east - self.ve) + DRAG * (self.ve - self.wind_east)

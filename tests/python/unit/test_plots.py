@@ -647,6 +647,13 @@ def test_each_expression_is_drawn_from_the_logs_that_have_its_message(tmp_path):
         plots.plot([flight, onboard], "ATTITUDE.roll+IMU.AccX", tmp_path / "x.html")
 
 
+def test_home_is_no_field_of_the_message():
+    from mavwire.plots.expressions import parse
+
+    assert not parse("GLOBAL_POSITION_INT.lat-HOME.lat").plain
+    assert parse("GLOBAL_POSITION_INT.lat-1").plain
+
+
 # -- the command
 
 
@@ -691,7 +698,7 @@ def test_what_is_a_log_though_it_is_missing(tmp_path, monkeypatch, name, wanted)
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["{log}", "ATTITUDE.roll", "-o", "x.jpg"], "does not end in"),
+        (["{log}", "ATTITUDE.roll", "-o", "x.jpg"], "cannot write"),
         (["{log}", "none.tlog.gz", "ATTITUDE.roll", "-o", "x.html"], "none.tlog.gz: No such file"),
         (["{log}", "-o", "x.html"], "what of it?"),
         (["ATTITUDE.roll", "-o", "x.html"], "there is no log"),
