@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import sys
-import types
 from typing import Any
 
 import pytest
-from mavwire import mavexpression, mavextra
+from mavwire import mavexpression, mavextra, mavutil
 from mavwire.mavextra import state
 
 
@@ -20,16 +19,6 @@ class Message:
 @pytest.fixture(autouse=True)
 def forget() -> None:
     mavextra.reset_state_data()
-
-
-@pytest.fixture
-def mavutil(monkeypatch: pytest.MonkeyPatch) -> types.ModuleType:
-    """A stand-in for mavwire.mavutil without a link."""
-    module = types.ModuleType("mavwire.mavutil")
-    module.mavfile_global = None  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "mavwire.mavutil", module)
-    monkeypatch.setattr("mavwire.mavutil", module, raising=False)
-    return module
 
 
 def test_scaled_positions_are_told_by_their_size() -> None:
@@ -59,10 +48,11 @@ def test_reset_forgets_everything() -> None:
     assert mavextra.last_sum == {} and mavextra.last_integral == {}
 
 
-def test_without_a_link(mavutil: types.ModuleType) -> None:
+def test_without_a_link(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mavutil, "mavfile_global", None)
     with pytest.raises(AttributeError, match="no link or log is open"):
         mavextra.delta(1, "k")
-    mavutil.mavfile_global = Message(timestamp=5.0)  # type: ignore[attr-defined]
+    monkeypatch.setattr(mavutil, "mavfile_global", Message(timestamp=5.0))
     assert mavextra.delta(1, "k") == 0
     mavutil.mavfile_global.timestamp = 5.5
     assert mavextra.delta(2, "k") == 2.0
