@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import closing
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
@@ -109,6 +110,13 @@ class _How:
     xaxis: Expression | None
     system: int | None
     dialect: str | os.PathLike[str]
+
+    @cached_property
+    def native(self) -> Any:
+        """The native dialect, which is loaded once and only for telemetry."""
+        from mavwire.logs.reading import native_dialect
+
+        return native_dialect(self.dialect)[1]
 
 
 def is_telemetry(path: str) -> bool:
@@ -275,21 +283,16 @@ def _holds(how: _How, places: Places, link: Any) -> bool:
         holds = bool(link.check_condition(how.condition))
     except Exception as error:  # whatever a function of an expression raises
         raise ValueError(f"the condition {how.condition!r}: {in_words(error)}") from error
-    return holds and not lacks_value(places, link.messages, how.dialect)
+    return holds and not lacks_value(places, link.messages, how)
 
 
-def lacks_value(
-    places: Places, messages: Mapping[str, Any], dialect: str | os.PathLike[str]
-) -> bool:
-    """Whether one of some fields holds what stands for no value."""
-    from mavwire.logs.reading import native_dialect
-
+def lacks_value(places: Places, messages: Mapping[str, Any], how: _How) -> bool:
+    """Whether one of some fields holds an invalid value."""
     for kind, name, index in places:
         msg = messages.get(kind)
         if msg is None or hasattr(msg, "fmt"):  # a dataflash log has no such values
             continue
-        _, native = native_dialect(dialect)
-        marks = native.invalid_fields(bytes(msg.get_msgbuf())).get(name, [])
+        marks = how.native.invalid_fields(bytes(msg.get_msgbuf())).get(name, [])
         if index is None and marks and all(marks):
             return True
         if index is not None and index < len(marks) and marks[index]:
@@ -322,7 +325,7 @@ class _Collector:
         self.expression = expression
         self._xaxis = how.xaxis
         self._condition = how.condition
-        self._dialect = how.dialect
+        self._how = how
         self._times: list[float] = []
         self._values: list[float] = []
         self._failed = 0
@@ -355,7 +358,7 @@ class _Collector:
         self._values.append(number)
 
     def _number(self, expression: Expression, messages: dict[str, Any]) -> float | None:
-        lacks = lacks_value(expression.places, messages, self._dialect)
+        lacks = lacks_value(expression.places, messages, self._how)
         if lacks:
             self._error = self._error or NO_VALUE
             return nan
