@@ -73,7 +73,7 @@ def other_format(head: bytes) -> tuple[str, str] | None:
         return "dataflash log", tables
     if begins_as_text_log(head):
         return "dataflash text log", tables
-    again = "copy it again if it should hold one"
+    again = "repeat the copy or the download"
     for magic, name, remedy in (
         (b"PK\x03\x04", "ZIP archive", "unpack it first"),
         (b"\x1f\x8b", "gzip file", again),

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     import os
     from types import ModuleType
 
-EMPTY = "the log is empty; copy it again if there should be more"
-NO_RECORD = "no record of the log is whole; copy it again if there should be more"
+EMPTY = "the log is empty: repeat the copy or the download"
+NO_RECORD = "the log ends within its first record: repeat the copy or the download"
 
 
 def lacking(path: str, dialect: str | os.PathLike[str] | ModuleType) -> str:

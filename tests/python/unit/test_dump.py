@@ -203,13 +203,13 @@ def test_what_a_link_says_is_not_among_the_messages(capsys: pytest.CaptureFixtur
         (
             b"\x1f\x8b\x08" + bytes(100),
             "a gzip file, not a telemetry log, as far as it can be read (corrupt deflate stream)"
-            "; copy it again if it should hold one",
+            "; repeat the copy or the download",
         ),
         (
             bytes(1000),
             "no telemetry record found; `mavwire info --help` names the kinds of logs; copy a truncated log again",
         ),
-        (b"", "the log is empty; copy it again if there should be more"),
+        (b"", "the log is empty: repeat the copy or the download"),
     ],
 )
 def test_what_is_no_log_is_said_on_standard_error(

@@ -16,8 +16,8 @@ from encoder import heartbeat, record
 from mavwire import cli, mavutil
 from mavwire.logs import LogFormatError
 
-EMPTY = "the log is empty; copy it again if there should be more"
-NO_RECORD = "no record of the log is whole; copy it again if there should be more"
+EMPTY = "the log is empty: repeat the copy or the download"
+NO_RECORD = "the log ends within its first record: repeat the copy or the download"
 NO_TELEMETRY = "no telemetry record found; `mavwire info --help` names the kinds of logs; copy a truncated log again"
 NO_DATAFLASH = "no dataflash record found; `mavwire info --help` names the kinds of logs; copy a truncated log again"
 NOISE = bytes(number * number * 7 % 251 for number in range(3000))
