@@ -156,7 +156,7 @@ def test_what_graphs_refuse(
         "'b' is not a valid value for loc": (log, "ATTITUDE.roll", "--legend2", "b", *out),
         "marker style 'Q'": (log, "ATTITUDE.roll", "--marker", "Q", *out),
         "'zz' is not a valid value": (log, "ATTITUDE.roll", "--linestyle", "zz", *out),
-        "images are .": (log, "ATTITUDE.roll", "--output", "out.nope"),
+        "cannot write 'out.nope': use": (log, "ATTITUDE.roll", "--output", "out.nope"),
         "--output flight.tlog is the log itself": (log, "ATTITUDE.roll", "--output", log.name),
     }.items():  # fmt: skip
         assert wanted in fails(capsys, "graph", *arguments)
