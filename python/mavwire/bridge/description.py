@@ -17,9 +17,9 @@ class Config:
     """A bridge as a file describes it. `warnings` are lines about what has no effect here."""
 
     links: list[tuple[str, Endpoint, dict[str, Any]]] = field(default_factory=list)
-    """Where it stands, endpoint, options."""
+    """Place in the file, endpoint, options."""
     places: dict[tuple[str, str], str] = field(default_factory=dict)
-    """Where an option stands, by where its link stands, or "" if it is of none, and its name."""
+    """Place of a link ("" for the bridge itself) and name of an option -> place of the option."""
     settings: dict[str, Any] = field(default_factory=dict)
     recording: Recording | None = None
     dialect: str = "all"

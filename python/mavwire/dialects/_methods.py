@@ -61,7 +61,7 @@ def _checked(names: Iterable[str]) -> list[str]:
 
 
 def _file_name(message: str) -> str:
-    """What stands for the file of a message's functions."""
+    """The file name in tracebacks of a message's functions."""
     return f"<mavwire {message}>"
 
 

@@ -31,8 +31,8 @@ def restored(name: str, is_module: bool) -> str | ModuleType:
 
 
 def dialect_module(dialect: str | os.PathLike[str] | ModuleType) -> Any:
-    """The module of a dialect, as `open_log` takes it. ValueError for what is none, and as `load`
-    raises.
+    """The module of a dialect, as `open_log` takes it. ValueError for any other argument; errors
+    of an XML file as of `load`.
     """
     if hasattr(dialect, "MAVLink"):
         return dialect

@@ -51,7 +51,7 @@ pub struct Growing {
     valid: NullBufferBuilder,
     /// The elements of an array that have a value.
     valid_elements: NullBufferBuilder,
-    /// Which values stand for none.
+    /// The rule for invalid values.
     invalid: Option<InvalidRule>,
     /// Numbers of a row.
     elements: usize,

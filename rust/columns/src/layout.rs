@@ -19,7 +19,7 @@ use crate::units::{Scale, to_si};
 /// The columns in front of the fields, which say where a row came from and not what was measured.
 pub(crate) const HEADER: [&str; 4] = ["timestamp", "sysid", "compid", "seq"];
 
-/// What becomes of values that stand for none.
+/// The policy for invalid values.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Invalid {
     /// They become nulls.
@@ -36,7 +36,7 @@ pub struct Options {
     pub si: bool,
     /// Enum values by name.
     pub enum_names: bool,
-    /// What becomes of values that stand for none.
+    /// The policy for invalid values.
     pub invalid: Invalid,
     /// A row for each part of a long text, where the other parts may be elsewhere.
     pub text_parts: bool,

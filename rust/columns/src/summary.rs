@@ -18,7 +18,7 @@ use crate::sequence::{Heard, Sequence};
 /// Places that are listed; beyond that they are only counted, since whoever makes a log chooses their number.
 const MOST_LISTED: usize = 1000;
 
-/// A smaller step back is none that is counted: records of one moment can overtake each other. Microseconds.
+/// Microseconds. Smaller steps back are not counted: records of one moment can overtake each other.
 const SMALLEST_STEP: u64 = 1000;
 
 /// Messages of one type.

@@ -67,7 +67,7 @@ const MAX_COMMANDS: usize = 1024;
 /// commands of a round.
 const SENT_PIECE: usize = 4096;
 
-/// The number for what the system has none for: a name that nobody knows, a device that is none.
+/// The number of errors to which the system gives none: an unknown name, a path that is not a device.
 pub const NO_SUCH_ADDRESS: i32 = libc::ENXIO;
 
 /// Why a bridge does not do what it was asked for.

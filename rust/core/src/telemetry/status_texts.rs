@@ -11,7 +11,7 @@ use crate::codec::read;
 
 /// Texts that may be incomplete at once.
 pub const MOST_OPEN: usize = 16;
-/// What stands for bytes that were not received.
+/// The replacement for bytes that were not received.
 const MISSING: &[u8] = b"...";
 
 /// Message id of STATUSTEXT.

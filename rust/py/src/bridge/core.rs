@@ -38,8 +38,8 @@ type KindRow = (u32, u8, u8, u64, f64, String);
 fn to_python(error: Error) -> PyErr {
     match error {
         Error::Io { link, error } => {
-            // Called with these, OSError makes the subclass that fits. What has no number is about an address: a name
-            // that nobody knows, a device that is none.
+            // OSError chooses its subclass by the number. Errors without a number are about an address: an unknown name,
+            // or a path that is not a device.
             let errno = error.raw_os_error().unwrap_or(NO_SUCH_ADDRESS);
             PyOSError::new_err((errno, in_words(&error), link))
         }

@@ -179,7 +179,7 @@ impl DFMessage {
         helper(slf.py(), "dump_verbose_bitmask")?.invoke1(arguments).map(drop)
     }
 
-    /// The newest message of another instance of this type. `IndexError` if there is none.
+    /// The newest message of another instance of this type. `IndexError` if the log has no such instance.
     fn __getitem__<'py>(
         slf: &Bound<'py, Self>,
         key: &Bound<'py, PyAny>,

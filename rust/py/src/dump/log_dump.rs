@@ -1,7 +1,7 @@
 //! `dump_log`: a telemetry log as text, JSON lines, CSV rows or records, formatted from the frames where they stand.
 //!
-//! `mavwire dump` prints messages that nobody looks at as objects, so none are made. What is written equals, byte for
-//! byte, what the command's ordinary loop over `recv_match` prints; the tests compare the two.
+//! `mavwire dump` prints frames without making message objects. The output equals that of the command's ordinary loop over
+//! `recv_match` byte for byte; tests compare the two.
 
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -59,7 +59,7 @@ struct Options<'py> {
     columns: Vec<String>,
 }
 
-/// What stands in a log at one place.
+/// The content of a log at one place.
 struct Found {
     step: Step,
     time: f64,
@@ -175,8 +175,8 @@ impl<'a, 'py> Dump<'a, 'py> {
         }
     }
 
-    /// Writes the next record where it stands in the file's buffer, if it is a good frame and Python was asked before
-    /// about its type and its second; otherwise nothing is read.
+    /// Writes the next record straight from the file's buffer. Reads nothing unless the record is a good frame, and Python
+    /// was asked before about its type and its second.
     fn take_plain(&mut self) -> PyResult<bool> {
         let log = self.log;
         let mut guard = log.as_super().get().state();

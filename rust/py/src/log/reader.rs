@@ -28,7 +28,7 @@ pub(crate) fn seconds(stamp: Stamp) -> f64 {
     stamp.micros() as f64 * 1.0e-6
 }
 
-/// What stands for the time stamp of a frame in a raw stream.
+/// The time stamp given to a frame of a raw stream.
 fn raw_stamp(clock: &mut StreamClock, registry: &Registry, index: u16, frame: &[u8]) -> Stamp {
     Stamp(clock.hear(registry, index, frame).unwrap_or(0))
 }
