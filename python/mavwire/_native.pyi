@@ -47,14 +47,14 @@ from mavwire._stubs.links import (
 from mavwire._stubs.logs import LogLink, LogScan, dump_log
 from mavwire._stubs.sending import (
     DescriptorPort,
+    Exclusive,
     PortError,
     Section,
     StreamWriter,
     TlsPort,
-    Turn,
     accept,
     ask_port,
-    hang_up,
+    close_port,
 )
 
 __all__ = [
@@ -70,6 +70,7 @@ __all__ = [
     "DefinitionError",
     "DescriptorPort",
     "Dialect",
+    "Exclusive",
     "FieldGetter",
     "FrameBatch",
     "Link",
@@ -83,18 +84,17 @@ __all__ = [
     "MessageInfo",
     "MetaAttr",
     "MicrosClock",
-    "OddField",
     "PortError",
     "RecordBatches",
     "Section",
     "SequenceGaps",
     "Signing",
+    "SpecialField",
     "StatusTexts",
     "StreamWriter",
     "SystemState",
     "TlsPort",
     "Track",
-    "Turn",
     "__version__",
     "accept",
     "add_message",
@@ -102,6 +102,7 @@ __all__ = [
     "ask_port",
     "begins_as_text_log",
     "build",
+    "close_port",
     "csv_safe",
     "date_text",
     "decompress",
@@ -110,7 +111,6 @@ __all__ = [
     "dump_log",
     "empty_table",
     "forget_states",
-    "hang_up",
     "head_to_utf8",
     "instance_dict",
     "is_device",
@@ -307,10 +307,10 @@ class MetaAttr:
     def __get__(self, instance: object, owner: type | None = None, /) -> Any: ...
 
 @final
-class OddField:
+class SpecialField:
     """Non-data descriptor: "data" or "reason" of BAD_DATA and UNKNOWN messages."""
 
-    def __new__(cls, name: str) -> OddField: ...
+    def __new__(cls, name: str) -> SpecialField: ...
     def __get__(self, instance: object, owner: type | None = None, /) -> Any: ...
 
 @disjoint_base

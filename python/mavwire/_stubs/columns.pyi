@@ -275,7 +275,7 @@ class LogRewrite:
     def damage(self) -> list[tuple[int, str]]:
         """The places of the compressed logs that are damaged, as far as they were read, and what is wrong with them."""
 
-    def barren(self) -> list[tuple[int, str | None]]:
+    def without_records(self) -> list[tuple[int, str | None]]:
         """The places of the logs that hold something and no record, and what is wrong with such a
         compressed file; once all of them were read.
         """

@@ -6,14 +6,14 @@ from typing import Any, final
 from .links import LiveLink
 
 @final
-class Turn:
+class Exclusive:
     """A lock that nobody waits for: whoever does not get it leaves the work to the one who has it.
 
     It is taken and released in one call with the work in between, so that the exception of a signal
     handler leaves it free wherever it is raised. What a thread had that a fork left behind is free.
     """
 
-    def __new__(cls) -> Turn: ...
+    def __new__(cls) -> Exclusive: ...
     def run(self, act: Callable[..., Any], *args: Any) -> Any:
         """`act(*args)`; None, with nothing done, while somebody has the turn."""
 
@@ -89,7 +89,7 @@ def ask_port(port: Any, name: str, *args: Any) -> Any:
 def accept(listener: Any) -> Any:
     """The socket of the next client of `listener`; as `accept`, what the system says otherwise."""
 
-def hang_up(port: Any) -> None:
+def close_port(port: Any) -> None:
     """Closes a port. Where that is an error the system has let go of the descriptor all the same."""
 
 @final

@@ -39,7 +39,7 @@ def warn_if_foreign(command: str, path: str, name: str | None = None) -> bool:
     return is_foreign
 
 
-def warn_if_barren(command: str, path: str, dialect: str, name: str | None = None) -> bool:
+def warn_without_records(command: str, path: str, dialect: str, name: str | None = None) -> bool:
     """The same, for a command that reads logs of any kind as tables, whatever they are called, and
     has read no record of this one.
     """
@@ -94,9 +94,9 @@ def _has_messages(path: str) -> bool:
 def _is_undescribed(path: str) -> bool:
     """Whether a file is a dataflash log without its first part, which nothing describes further on."""
     from mavwire.logs.format_error import LogFormatError
-    from mavwire.logs.sources import is_headless, open_dataflash
+    from mavwire.logs.sources import is_headerless, open_dataflash
 
-    if not is_headless(path):
+    if not is_headerless(path):
         return False
     try:
         open_dataflash(path, path)

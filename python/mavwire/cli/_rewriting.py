@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mavwire._signals import ended_in_order
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError
-from mavwire.cli._foreign import warn_if_barren
+from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def run(command: str, args: Namespace, logs: list[str], work: Callable[..., Rewr
         bar.finish()
     if not done.records:
         for log in logs:
-            warn_if_barren(command, log, args.dialect)
+            warn_without_records(command, log, args.dialect)
     if not args.quiet:
         print(report(args.out, done))
     return 0

@@ -172,7 +172,7 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
         for name in ("dedup", "max_age", "sniffer_sysid"):
             if getattr(args, name) is not None:
                 config.settings[name] = getattr(args, name)
-        _add_beside(config, args)
+        _add_options(config, args)
         if args.json is not None:
             seconds("--json", args.json, least=1e-3)
         given: dict[str, Any] = {
@@ -196,7 +196,7 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
         raise CommandError(describe_link_error(error)) from None
 
 
-def _add_beside(config: Config, args: Namespace) -> None:
+def _add_options(config: Config, args: Namespace) -> None:
     """Options say more than the file, or something else."""
     from mavwire.bridge.sidecars import Listen, SinkOptions
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from mavwire._signals import ended_in_order
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
-from mavwire.cli._foreign import warn_if_barren
+from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._rewriting import split, systems_of, time_of
 
@@ -99,7 +99,7 @@ def main(args: argparse.Namespace) -> int:
     failed = len(undescribed)
     for row in rows:
         if row.error is None and not row.files and not row.skipped:
-            warn_if_barren("convert", row.path, args.dialect)
+            warn_without_records("convert", row.path, args.dialect)
         if row.error is not None:
             failed += not row.skipped  # what is damaged is damaged for ever
             hint = "" if _is_fleet(args) else _hint(row.path, args.logs)

@@ -20,7 +20,7 @@ from mavwire._log_link import open_link
 from mavwire._native import date_text
 from mavwire._text import in_words, printable
 from mavwire.cli._errors import tell
-from mavwire.cli._foreign import warn_if_barren
+from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._reading import STANDARD_INPUT, definitions, standard_input
 
@@ -309,7 +309,7 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
         tell(f"mavwire info: {name}: {in_words(error, path)}")
         return False
     called = STANDARD_INPUT if name == "-" else name
-    if not summary.messages and warn_if_barren("info", path, args.dialect or "all", called):
+    if not summary.messages and warn_without_records("info", path, args.dialect or "all", called):
         return False
     summary.path = name
     if args.json:

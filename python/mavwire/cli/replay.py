@@ -13,7 +13,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_link_error, tell
-from mavwire.cli._foreign import warn_if_barren
+from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._rewriting import split
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def main(args: Namespace) -> int:
         count = replay(frames, bridge.send, args.speed)
         lost = drain(bridge)
     if not count:
-        warn_if_barren("replay", args.log, "all")
+        warn_without_records("replay", args.log, "all")
     print(f"{count} frames" + (f", {lost} of them dropped" if lost else ""), file=sys.stderr)
     return 0
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 
-from .weak_registry import Living
+from .weak_registry import WeakRegistry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 # How something is begun anew -> what has to be.
-_followers: dict[Callable[[Any], None], Living] = {}
+_followers: dict[Callable[[Any], None], WeakRegistry] = {}
 
 
 def follow_forks(one: Any, renew: Callable[[Any], None]) -> None:
@@ -24,7 +24,7 @@ def follow_forks(one: Any, renew: Callable[[Any], None]) -> None:
 
     It must import nothing and wait for no lock.
     """
-    _followers.setdefault(renew, Living()).add(one)
+    _followers.setdefault(renew, WeakRegistry()).add(one)
 
 
 def _renew_all() -> None:

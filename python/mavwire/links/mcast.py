@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from mavwire._native import PortError, ask_port, hang_up
+from mavwire._native import PortError, ask_port, close_port
 
 from .chunked import ChunkedLink
 from .readiness import from_handler
@@ -83,8 +83,8 @@ class mavmcast(ChunkedLink):
                 self.port_out.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, index)
             self.port_out.connect(socket_address((group, number)))
         except BaseException:
-            hang_up(self.port)
-            hang_up(self.port_out)
+            close_port(self.port)
+            close_port(self.port_out)
             raise
         for endpoint in (self.port, self.port_out):
             set_close_on_exec(endpoint.fileno())
@@ -124,14 +124,14 @@ class mavmcast(ChunkedLink):
             port.setblocking(False)
             ask_for_room(port)
         except BaseException:
-            hang_up(port)
+            close_port(port)
             raise
         return port
 
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
-        hang_up(self.port)
-        hang_up(self.port_out)
+        close_port(self.port)
+        close_port(self.port_out)
 
     def recv(self, n: int | None = None) -> bytes:
         """One datagram of someone else; empty when none is waiting."""

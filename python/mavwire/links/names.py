@@ -9,7 +9,7 @@ import errno
 import os
 import sys
 
-from mavwire._native import PortError, ask_port, hang_up
+from mavwire._native import PortError, ask_port, close_port
 
 from .readiness import from_handler, wait_writable
 
@@ -86,7 +86,7 @@ def connect_to(host: str, number: int, timeout: float) -> Any:
         try:
             connect(port, address, timeout)
         except BaseException as error:
-            hang_up(port)
+            close_port(port)
             if not isinstance(error, OSError) or from_handler(error):
                 raise
             failure = error

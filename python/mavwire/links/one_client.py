@@ -10,7 +10,7 @@ import errno
 import logging
 from time import monotonic, sleep
 
-from mavwire._native import accept, hang_up
+from mavwire._native import accept, close_port
 
 from .readiness import from_handler, wait_readable
 from .stream import StreamLink
@@ -38,7 +38,7 @@ def listen_on(address: tuple[str, int]) -> Any:
         bind(listener, address)
         listener.listen(1)
     except BaseException:
-        hang_up(listener)
+        close_port(listener)
         raise
     listener.setblocking(False)
     set_close_on_exec(listener.fileno())
@@ -85,7 +85,7 @@ class OneClientLink(StreamLink):
             port.setblocking(False)
             prepare_tcp(port)
         except BaseException as error:
-            hang_up(port)
+            close_port(port)
             if not isinstance(error, OSError) or from_handler(error):
                 raise
             return None  # gone again
@@ -150,6 +150,6 @@ class OneClientLink(StreamLink):
         return fd if fd >= 0 else None
 
     def _release(self) -> None:
-        hang_up(self.listen)
+        close_port(self.listen)
         if not self._let_go(self.port):
             self.fd = None

@@ -9,7 +9,7 @@ from __future__ import annotations
 from _thread import start_new_thread
 from time import monotonic
 
-from mavwire._native import Turn
+from mavwire._native import Exclusive
 
 from .mavfile import IDLE_INTERVAL
 from .stream import StreamLink, StreamWriter
@@ -79,7 +79,7 @@ class ReconnectingLink(RetryingLink):
         self._writer = StreamWriter()
         self._backoff = Backoff()
         self._next_attempt = 0.0
-        self._connecting = Turn()
+        self._connecting = Exclusive()
 
     # -- what a transport provides
 

@@ -11,7 +11,7 @@ from mavwire._native import recordable
 
 from .forks import follow_forks
 from .signing import KEY_LEN
-from .weak_registry import Living
+from .weak_registry import WeakRegistry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ SECRET_FIELD = "secret_key"
 # The id of the message with that field, which a dialect may lack.
 SETUP_SIGNING = 256
 # Files that links record to.
-_files = Living()
+_files = WeakRegistry()
 _is_registered = False
 # How long a fork and the end of the program wait for a file that another thread is writing, in seconds.
 PATIENCE = 1.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 from time import monotonic
 
-from mavwire._native import Turn, hang_up
+from mavwire._native import Exclusive, close_port
 
 from .chunked import READ_SIZE
 from .helpers import FakeSerial
@@ -91,7 +91,7 @@ class mavserial(RetryingLink):
         self.force_connected = force_connected
         self.rtscts = False
         self._next_reset = 0.0
-        self._opening = Turn()
+        self._opening = Exclusive()
         self._writer = StreamWriter(MAX_UNSENT)
         self.port: Any = self._open()
         super().__init__(
@@ -162,7 +162,7 @@ class mavserial(RetryingLink):
 
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
-        hang_up(self.port)
+        close_port(self.port)
         self._forget_unsent()
 
     def recv(self, n: int | None = None) -> bytes:
@@ -213,7 +213,7 @@ class mavserial(RetryingLink):
         if port is not self.port:
             return
         self.fd = None
-        hang_up(port)
+        close_port(port)
         self._forget_unsent()
         self._drop_partial()
 
@@ -308,7 +308,7 @@ class mavserial(RetryingLink):
             self._note_failure(error)
             return False
         self._note_success()
-        hang_up(self.port)  # it is gone, which is why it is replaced
+        close_port(self.port)  # it is gone, which is why it is replaced
         self._forget_unsent()
         self._drop_partial()
         self.portdead = False

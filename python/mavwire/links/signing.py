@@ -13,7 +13,7 @@ from mavwire._native import Signing as SigningState
 
 from . import state
 from .signing_time import EPOCH, MAX_TIMESTAMP, UNITS_PER_SECOND
-from .weak_registry import Living
+from .weak_registry import WeakRegistry
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ MAX_LINK_ID = 255
 RADIO_MESSAGES = frozenset((109, 166))
 
 # The signing states that have a key.
-_with_key = Living()
+_with_key = WeakRegistry()
 # For them, and for the number of the next link. What runs when an object goes may set up signing, too.
 _section = Section()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from _thread import get_ident
 
-from mavwire._native import hang_up
+from mavwire._native import close_port
 
 from .chunked import READ_SIZE
 from .names import connect_to
@@ -63,7 +63,7 @@ class mavtcp(ReconnectingLink):
         try:
             prepare_tcp(port)
         except BaseException:
-            hang_up(port)
+            close_port(port)
             raise
         return port
 

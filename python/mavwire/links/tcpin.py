@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mavwire._native import Turn
+from mavwire._native import Exclusive
 
 from .chunked import READ_SIZE
 from .one_client import OneClientLink, listen_on
@@ -29,7 +29,9 @@ class mavtcpin(OneClientLink):
         self.listen = listen_on(self.listen_addr)
         self.port: Any = None
         self._writer = StreamWriter()
-        self._accepting = Turn()  # threads that receive and threads that send may both be about to
+        self._accepting = (
+            Exclusive()
+        )  # threads that receive and threads that send may both be about to
         super().__init__(
             self.listen.fileno(), f"tcpin:{device}",
             source_system=source_system, source_component=source_component,

@@ -10,7 +10,7 @@ import errno
 import time
 from time import monotonic
 
-from mavwire._native import MAVLink, PortError, ask_port, hang_up, peer_to_replace
+from mavwire._native import MAVLink, PortError, ask_port, close_port, peer_to_replace
 
 from .chunked import ChunkedLink
 from .names import look_up
@@ -74,7 +74,7 @@ class mavudp(ChunkedLink):
                 # Without SO_REUSEADDR: a second listener would take the datagrams of the first.
                 bind(self.port, (host, number))
             except BaseException:
-                hang_up(self.port)
+                close_port(self.port)
                 raise
         else:
             self.destination_addr = (host, number)
@@ -104,7 +104,7 @@ class mavudp(ChunkedLink):
 
     def _release(self) -> None:
         self.fd = None  # its number may be somebody else's next
-        hang_up(self.port)
+        close_port(self.port)
 
     @property
     def datagrams_dropped(self) -> int:
@@ -288,7 +288,7 @@ class mavudp(ChunkedLink):
                 raise
             return  # sending fails too, and is counted
         self.port, self.fd = port, port.fileno()
-        hang_up(old)
+        close_port(old)
         if self._closed:  # meanwhile
             self._release()
 

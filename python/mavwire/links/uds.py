@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mavwire._native import hang_up
+from mavwire._native import close_port
 
 from .names import connect
 from .tcp import CONNECT_TIMEOUT, mavtcp
@@ -38,7 +38,7 @@ class mavuds(mavtcp):
         try:
             connect(port, self.destination_addr, CONNECT_TIMEOUT)
         except BaseException:
-            hang_up(port)
+            close_port(port)
             raise
         return port
 

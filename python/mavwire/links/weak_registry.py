@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MIN_NOTED = 64
 
 
-class Living:
+class WeakRegistry:
     """Objects, weakly held. Threads may note, forget and look through them at any time."""
 
     def __init__(self) -> None:

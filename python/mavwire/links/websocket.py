@@ -8,7 +8,7 @@ from __future__ import annotations
 import errno
 import os
 
-from mavwire._native import TlsPort, Turn, hang_up
+from mavwire._native import Exclusive, TlsPort, close_port
 
 from .chunked import READ_SIZE
 from .names import connect_to
@@ -37,7 +37,7 @@ class _WebSocketLink(StreamLink):
     ) -> None:
         self.port = None
         self._writer = StreamWriter()
-        self._reading = Turn()
+        self._reading = Exclusive()
         super().__init__(
             fd, address, source_system=source_system, source_component=source_component
         )
@@ -279,7 +279,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
                 port = context.wrap_socket(port, server_hostname=self.destination_addr[0])
             ws = self._shake_hands(port)
         except BaseException:
-            hang_up(port)
+            close_port(port)
             raise
         return TlsPort(port) if self.secure else port, ws
 

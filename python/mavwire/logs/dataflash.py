@@ -14,7 +14,7 @@ from mavwire._native import DataflashTables
 from .base import Log
 from .format_error import no_record
 from .query import Query, names_of, no_record_type
-from .sources import file_status, is_compressed, is_headless, open_dataflash, read_dataflash
+from .sources import file_status, is_compressed, is_headerless, open_dataflash, read_dataflash
 from .table import Table
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class DataflashLog(Log):
         self._surveyed: tuple[tuple[int, int], DataflashTables] | None = None
         if not DataflashTables.recognises(self.path):
             raise no_record("dataflash", self.path)
-        if is_headless(self.path):
+        if is_headerless(self.path):
             self._tables()  # which says so if there is no description further on either
 
     def __repr__(self) -> str:

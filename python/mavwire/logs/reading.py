@@ -225,7 +225,7 @@ def scan(
     if not is_dataflash(every[0]):  # what makes no sense is said before the first step
         for path in every if query.foreign else ():
             check_readable(path)  # a missing log may be the one that has the type
-        check_beside(every, module, native, query, fields)
+        check_query_of_all(every, module, native, query, fields)
     query.batch_rows, query.batch_bytes = rows, BATCH_BYTES
     surveys = Surveys()
     begin = partial(_checked_batches, every, surveys, module, native, query, fields)
@@ -252,7 +252,7 @@ def _checked_batches(
         tables = surveys.open(path)
         if tables is None and not telemetry:
             telemetry = True
-            check_beside(paths, module, native, query, fields)
+            check_query_of_all(paths, module, native, query, fields)
         for name, columns in ({} if tables is None else tables.types()).items():
             described.setdefault(name, set()).update(columns)
         if not telemetry and number == len(paths) - 1:
@@ -260,7 +260,7 @@ def _checked_batches(
         yield from batches_of(tables, path, native, query)
 
 
-def check_beside(
+def check_query_of_all(
     paths: list[str],
     module: Any,
     native: Any,
@@ -297,7 +297,7 @@ def check_fields(
     """
     if fields is None:
         if not paths or not is_dataflash(paths[0]):
-            check_beside(paths, module, native, query)
+            check_query_of_all(paths, module, native, query)
         return
     missing, is_telemetry = names_of(fields), not paths
     for path in paths[:LOOKED_AT]:

@@ -20,7 +20,7 @@ from .format_error import LogFormatError
 from .no_records import check_records
 from .query import Query
 from .reading import check_readable, logs_of, native_dialect
-from .sources import check_barren, is_dataflash
+from .sources import check_has_records, is_dataflash
 from .targets import file_to_write
 
 if TYPE_CHECKING:
@@ -181,9 +181,9 @@ def _run(
             for place, damage in rewrite.damage()
         ]
         done = Rewritten(**rewrite.outcome(), damage="; ".join(damages) or None)
-        for place, damage in rewrite.barren():
+        for place, damage in rewrite.without_records():
             path = paths[place]
-            check_barren(path, path, damage)
+            check_has_records(path, path, damage)
         rewrite.commit()
     finally:
         rewrite.abandon()

@@ -65,7 +65,7 @@ def read_dataflash(source: Source, path: str, query: Query) -> Opened | None:
 
 
 def _check_described(tables: DataflashTables, source: Source, path: str) -> None:
-    if not describes(tables) and is_headless(source):
+    if not describes(tables) and is_headerless(source):
         raise undescribed(path)
 
 
@@ -74,7 +74,7 @@ def describes(tables: DataflashTables) -> bool:
     return not set(tables.names) <= {"FMT"}
 
 
-def is_headless(source: Source) -> bool:
+def is_headerless(source: Source) -> bool:
     """Whether a dataflash log lacks its first part, or has something else in its place."""
     from mavwire.links.recognise import FMT_LEN
 
@@ -178,12 +178,12 @@ def check_run(source: Source, path: str, position: int, bad_bytes: int, damage: 
     if bad_bytes != position or not (position or damage):
         return
     if not is_dataflash(source):
-        check_barren(source, path, damage)
+        check_has_records(source, path, damage)
     elif position >= FMT_LEN:
         raise no_record("dataflash", path)
 
 
-def check_barren(source: Source, path: str, damage: str | None) -> None:
+def check_has_records(source: Source, path: str, damage: str | None) -> None:
     """Raise LogFormatError for a file in which no record was found, unless it is a log that is cut
     off in its first one, compressed or not; `damage` is what is wrong with a compressed file.
     """

@@ -18,7 +18,7 @@ from .base import Log
 from .dialect import dialect_module, portable, restored
 from .format_error import COMPRESSED, HEAD_SIZE, is_foreign, not_telemetry, other_format
 from .selection import Selection, has_message, no_message
-from .sources import check_barren, file_status, head_of
+from .sources import check_has_records, file_status, head_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ class TelemetryLog(Log):
         if self.compressed:
             found, damage = self._first_records()
             if not found:
-                check_barren(self.path, self.path, damage)
+                check_has_records(self.path, self.path, damage)
         elif is_foreign(head) and (
             not self._is_full(size)
             if other_format(head) is not None

@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::gather::{NO_TIME, PAYLOAD, Rows};
 use crate::layout::{Layout, Options, names_len};
 use crate::reader::{Batch, Limits};
-use crate::row_block::{Chosen, PIECE, Piece, Side, portions};
+use crate::row_block::{Chosen, PIECE, RowBlock, Side, portions};
 use crate::scan::{Framing, Scanned};
 use crate::select::Wanted;
 use crate::table::{GROUP, TableBuilder};
@@ -27,7 +27,7 @@ pub(crate) struct Decoder {
     wanted: Wanted,
     options: Options,
     tables: Tables,
-    pieces: Vec<Piece>,
+    pieces: Vec<RowBlock>,
     /// Bytes of a row of each table while it is laid beside the others.
     strides: Vec<usize>,
     /// Bytes that a record of each message takes there and in its table.
@@ -99,7 +99,7 @@ impl Decoder {
         let Self { framing, wanted, pieces, strides, .. } = self;
         let (lead, records) = (framing.lead(), &scanned.records[some]);
         let wants = |record: &&Located| wanted.wants_row(block, lead, scanned, **record);
-        pieces.resize_with(records.len().div_ceil(PIECE), Piece::default);
+        pieces.resize_with(records.len().div_ceil(PIECE), RowBlock::default);
         let each = pieces.par_iter_mut().zip(records.par_chunks(PIECE)).with_max_len(1);
         each.for_each(|(piece, records)| {
             let chosen = records.iter().filter(wants).map(|&Located { at, index }| {
@@ -127,7 +127,7 @@ fn fill(row: &mut [u8], frame: &[u8]) {
 }
 
 /// Appends the records of a type in a piece to its table.
-fn append(table: &mut TableBuilder, index: usize, piece: &Piece) {
+fn append(table: &mut TableBuilder, index: usize, piece: &RowBlock) {
     for Side { times, bytes, stride, .. } in piece.of(index).groups(GROUP) {
         table.append(&Rows { times, bytes, stride, texts: &[] });
     }

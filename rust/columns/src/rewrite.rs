@@ -35,7 +35,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// Whether there is something, and no record in it.
-    fn is_barren(&self, blocks: &Blocks) -> bool {
+    fn has_no_records(&self, blocks: &Blocks) -> bool {
         self.records == 0 && (self.bytes > 0 || blocks.damage().is_some())
     }
 
@@ -166,8 +166,8 @@ impl Rewrite {
     }
 
     /// Whether the log, which was read to its end, holds something and no record.
-    pub fn is_barren(&self) -> bool {
-        self.outcome.is_barren(&self.blocks)
+    pub fn has_no_records(&self) -> bool {
+        self.outcome.has_no_records(&self.blocks)
     }
 
     /// Writes what is kept of another block; false at the end.
@@ -293,10 +293,10 @@ impl Merge {
 
     /// The places of the logs, which were read to their ends, that hold something and no record, and what is wrong with such
     /// a compressed file.
-    pub fn barren(&self) -> Vec<(usize, Option<&str>)> {
+    pub fn without_records(&self) -> Vec<(usize, Option<&str>)> {
         let logs = self.logs.iter().enumerate();
-        let barren = logs.filter(|(_, log)| log.outcome.is_barren(&log.blocks));
-        barren.map(|(place, log)| (place, log.blocks.damage())).collect()
+        let without_records = logs.filter(|(_, log)| log.outcome.has_no_records(&log.blocks));
+        without_records.map(|(place, log)| (place, log.blocks.damage())).collect()
     }
 
     /// The places of the logs whose compressed files are damaged, and what is wrong with them.

@@ -77,7 +77,7 @@ pub(crate) struct Side<'a> {
 
 /// The sorted records of a piece; used again and again, since fresh memory is dear.
 #[derive(Debug, Default)]
-pub(crate) struct Piece {
+pub(crate) struct RowBlock {
     chosen: Vec<Chosen>,
     spans: Vec<Span>,
     times: Vec<i64>,
@@ -94,7 +94,7 @@ struct Span {
     stride: usize,
 }
 
-impl Piece {
+impl RowBlock {
     /// Replaces the content. `strides` are the bytes of a row by table; `fill` makes a row of a record. What it does not
     /// write is left from earlier rows.
     pub(crate) fn sort(
@@ -190,8 +190,8 @@ impl<'a> Side<'a> {
 mod tests {
     use super::*;
 
-    fn sorted(records: &[(u16, u16)]) -> Piece {
-        let mut piece = Piece::default();
+    fn sorted(records: &[(u16, u16)]) -> RowBlock {
+        let mut piece = RowBlock::default();
         let chosen = (0_u32..).zip(records);
         let chosen =
             chosen.map(|(at, &(table, kind))| Chosen { table, kind, at, time: 10 * i64::from(at) });

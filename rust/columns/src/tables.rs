@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::pool;
 use crate::reader::{Batch, Limits};
-use crate::row_block::Piece;
+use crate::row_block::RowBlock;
 use crate::table::TableBuilder;
 
 /// Rows are expected to come as often as so far, and a little more often.
@@ -36,10 +36,10 @@ impl Tables {
     /// makes, `new` begins a table.
     pub(crate) fn append(
         &mut self,
-        pieces: &[Piece],
+        pieces: &[RowBlock],
         done: f64,
         new: impl Fn(usize) -> TableBuilder + Sync,
-        append: impl Fn(&mut TableBuilder, usize, &Piece) + Sync,
+        append: impl Fn(&mut TableBuilder, usize, &RowBlock) + Sync,
     ) {
         let limits = self.limits;
         let growth = if done > 0.0 && done < 1.0 { MARGIN / done } else { 1.0 };

@@ -11,7 +11,7 @@ use mavwire_core::log::dataflash::{
     look, pass,
 };
 
-use crate::log_contents::Tally;
+use crate::log_contents::LogContents;
 use crate::window::{CHUNK, FileWindow};
 
 pub use crate::log_contents::Contents;
@@ -128,7 +128,7 @@ impl DataflashFile {
     ) -> io::Result<(Contents, bool)> {
         let Self { window, len, definitions, stretch } = self;
         let wanted = *stretch + LOOK_LEN;
-        let mut tally = Tally::new(definitions.layouts(), units);
+        let mut tally = LogContents::new(definitions.layouts(), units);
         let mut at = 0;
         while at < *len {
             let bytes = window.at(at, wanted)?;

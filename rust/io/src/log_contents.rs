@@ -26,7 +26,7 @@ pub struct Contents {
 }
 
 /// Adds up.
-pub(crate) struct Tally<'a> {
+pub(crate) struct LogContents<'a> {
     layouts: &'a [Arc<Layout>],
     pub(crate) contents: Contents,
     /// How often what is known of a type's fields changed.
@@ -39,7 +39,7 @@ pub(crate) struct Tally<'a> {
     late: bool,
 }
 
-impl<'a> Tally<'a> {
+impl<'a> LogContents<'a> {
     pub(crate) fn new(layouts: &'a [Arc<Layout>], units: Units) -> Self {
         let contents = Contents {
             counts: vec![0; layouts.len()],

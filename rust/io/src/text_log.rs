@@ -10,7 +10,7 @@ use mavwire_core::log::dataflash::text::{
 };
 use mavwire_core::log::dataflash::{Layout, RecordEntry, Units};
 
-use crate::log_contents::{Contents, Tally};
+use crate::log_contents::{Contents, LogContents};
 use crate::window::{CHUNK, FileWindow};
 
 /// Bytes at the start that show how values are separated.
@@ -250,7 +250,7 @@ impl TextLogFile {
         progress: &mut dyn FnMut(u64) -> bool,
     ) -> io::Result<(Contents, bool)> {
         let (layouts, delimiter) = (self.layouts().to_vec(), self.delimiter());
-        let mut tally = Tally::new(&layouts, units);
+        let mut tally = LogContents::new(&layouts, units);
         let (mut at, mut told) = (0, 0);
         while let Some((entry, line, next)) = self.record_at(at)? {
             let value = |index| nth_value(line, delimiter, index).unwrap_or_default();

@@ -78,11 +78,11 @@ mod _native {
     #[pymodule_export]
     use crate::message::object::Message;
     #[pymodule_export]
-    use crate::message::special_fields::OddField;
+    use crate::message::special_fields::SpecialField;
     #[pymodule_export]
     use crate::port::accept::accept;
     #[pymodule_export]
-    use crate::port::ports::{DescriptorPort, PortError, ask_port, hang_up};
+    use crate::port::ports::{DescriptorPort, PortError, ask_port, close_port};
     #[pymodule_export]
     use crate::port::recording::recordable;
     #[pymodule_export]
@@ -98,7 +98,7 @@ mod _native {
     #[pymodule_export]
     use crate::protocol::x25::x25_accumulate;
     #[pymodule_export]
-    use crate::sync::exclusive::Turn;
+    use crate::sync::exclusive::Exclusive;
     #[pymodule_export]
     use crate::sync::section::Section;
     #[pymodule_export]

@@ -21,12 +21,12 @@ import pytest
 from mavwire import mavutil
 from mavwire._native import (
     DescriptorPort,
+    Exclusive,
     PortError,
     Section,
     StreamWriter,
     TlsPort,
-    Turn,
-    hang_up,
+    close_port,
 )
 from mavwire.dialects.v20 import all as all_messages
 from mavwire.links import signing
@@ -244,7 +244,7 @@ def test_no_timestamp_store_is_left_open_by_interrupts(interrupted: Any, tmp_pat
 
 
 def test_turns_and_sections_are_free_after_interrupts(interrupted: Any) -> None:
-    turn, section = Turn(), Section()
+    turn, section = Exclusive(), Section()
     interrupted(lambda: turn.run(int))
     assert not turn.locked()
     interrupted(lambda: section.run(int))
@@ -300,7 +300,7 @@ def each_step() -> Iterator[Callable[[], object]]:
     device.close()
     pair = socket.socketpair()
     link = mavutil.mavlink_connection("tcpin:127.0.0.1:0")
-    yield lambda: hang_up(socket.socket())
+    yield lambda: close_port(socket.socket())
     yield lambda: (prepare_tcp(link.listen), pair)
     yield lambda: ask_for_room(pair[0])
     yield lambda: set_close_on_exec(pair[0].fileno())
@@ -535,8 +535,8 @@ def test_a_serial_port_is_closed_whole(is_gone: bool) -> None:
     open_before = [getattr(port, name) for name in names]
     if is_gone:
         os.close(port.fd)
-    hang_up(port)
-    hang_up(port)
+    close_port(port)
+    close_port(port)
     for fd in open_before:
         with pytest.raises(OSError, match="Bad file"):
             os.fstat(fd)
@@ -548,7 +548,7 @@ def test_a_serial_port_is_closed_whole(is_gone: bool) -> None:
 
 
 def test_a_turn_is_had_by_one() -> None:
-    turn = Turn()
+    turn = Exclusive()
     assert turn.run(lambda: (turn.run(int), turn.locked())) == (None, True)
     assert turn.run(divmod, 7, 2) == (3, 1)
     with pytest.raises(ZeroDivisionError):
@@ -557,7 +557,7 @@ def test_a_turn_is_had_by_one() -> None:
 
 
 def test_a_turn_may_be_a_threads_own() -> None:
-    turn, go, done = Turn(), threading.Event(), threading.Event()
+    turn, go, done = Exclusive(), threading.Event(), threading.Event()
     started = []
 
     def start(function: Any, arguments: Any) -> None:

@@ -19,7 +19,7 @@ from mavwire.links import signing as signing_module
 from mavwire.links import state, timestamp_store
 from mavwire.links.link_ids import claim
 from mavwire.links.timestamp_store import TimestampStore
-from mavwire.links.weak_registry import Living
+from mavwire.links.weak_registry import WeakRegistry
 from unit.faults import ENVIRONMENT, python
 from unit.link_tools import KEY, Capture, at_once, drain, signed, types
 from watchdog import watched
@@ -240,7 +240,7 @@ def test_links_that_threads_set_up_have_different_ids(monkeypatch):
     assert sorted(numbers) == list(range(30))
 
 
-class Guarded(Living):
+class Guarded(WeakRegistry):
     """The links with a key, which one thread at a time may look through or change."""
 
     def __init__(self) -> None:

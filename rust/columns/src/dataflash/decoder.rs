@@ -10,13 +10,13 @@ use rayon::prelude::*;
 
 use super::layout::{TableLayout, table_layout};
 use super::record_index::Place;
-use super::record_times::{Stretch, Walk, Walked};
+use super::record_times::{Stretch, RecordTimes, Walked};
 use super::survey::{Form, NO_TABLE, Survey};
 use crate::error::Error;
 use crate::gather::{NO_TIME, Rows};
 use crate::layout::{Options, Source};
 use crate::reader::{Batch, Limits};
-use crate::row_block::{Chosen, Piece, Side, portions};
+use crate::row_block::{Chosen, RowBlock, Side, portions};
 use crate::select::seconds;
 use crate::table::{GROUP, TableBuilder};
 use crate::tables::Tables;
@@ -49,12 +49,12 @@ impl Wanted {
 pub(super) struct Decoder {
     survey: Arc<Survey>,
     /// Where it is in the log.
-    pub(super) walk: Walk,
+    pub(super) walk: RecordTimes,
     /// Of the tables that have had rows.
     layouts: Vec<Option<TableLayout>>,
     tables: Tables,
     is_wanted: Vec<bool>,
-    pieces: Vec<Piece>,
+    pieces: Vec<RowBlock>,
     /// Bytes of a row of each table while it is laid beside the others.
     strides: Vec<usize>,
     /// Bytes that a record of each layout takes there and in its table.
@@ -72,7 +72,7 @@ impl Decoder {
         options: Options,
         limits: Limits,
     ) -> Self {
-        let walk = Walk::new(Arc::clone(&survey));
+        let walk = RecordTimes::new(Arc::clone(&survey));
         let (layouts, is_wanted, pieces, strides, row_lens) = Default::default();
         let tables = Tables::new(0, limits);
         let mut decoder = Self {
@@ -172,7 +172,7 @@ impl Decoder {
         });
         let layout = |table: usize| layouts[table].as_ref().expect("it has rows");
         let new = |table| TableBuilder::new(Arc::clone(&layout(table).layout));
-        let append = |table: &mut TableBuilder, index: usize, piece: &Piece| {
+        let append = |table: &mut TableBuilder, index: usize, piece: &RowBlock| {
             let (layout, side) = (layout(index), piece.of(index));
             match &survey.form {
                 Form::Binary(_) => append_records(table, layout, side),
@@ -198,7 +198,7 @@ fn row_len(form: &Form, layout: &Layout) -> usize {
 
 /// Lays the wanted records of a block side by side.
 struct Sorter<'a> {
-    walk: &'a Walk,
+    walk: &'a RecordTimes,
     survey: &'a Survey,
     wanted: &'a Wanted,
     is_wanted: &'a [bool],
@@ -206,8 +206,8 @@ struct Sorter<'a> {
 }
 
 impl Sorter<'_> {
-    fn sort_into(&self, pieces: &mut Vec<Piece>, block: &[u8], stretches: &[Stretch]) {
-        pieces.resize_with(stretches.len(), Piece::default);
+    fn sort_into(&self, pieces: &mut Vec<RowBlock>, block: &[u8], stretches: &[Stretch]) {
+        pieces.resize_with(stretches.len(), RowBlock::default);
         let is_binary = matches!(self.survey.form, Form::Binary(_));
         let each = pieces.par_iter_mut().zip(stretches).with_max_len(1);
         each.for_each(|(piece, stretch)| {

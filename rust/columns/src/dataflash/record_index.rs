@@ -32,7 +32,7 @@ impl Place {
 
 /// The records of a block.
 #[derive(Debug, Default)]
-pub(super) struct Hops {
+pub(super) struct RecordIndex {
     /// In the order of the log, by the stretches in which they were found; none is empty.
     pub(super) stretches: Vec<Vec<Place>>,
     /// Bytes that belong to no record.
@@ -59,7 +59,7 @@ pub(super) fn hop(
     definitions: &Definitions,
     at_end: bool,
     stretch: usize,
-) -> Hops {
+) -> RecordIndex {
     let starts: Vec<usize> = (0..limit).step_by(stretch).collect();
     let guesses: Vec<Guess> = starts
         .par_iter()
@@ -109,8 +109,8 @@ fn put_together(
     definitions: &Definitions,
     at_end: bool,
     guesses: Vec<Guess>,
-) -> Hops {
-    let (mut at, mut hops) = (0, Hops::default());
+) -> RecordIndex {
+    let (mut at, mut hops) = (0, RecordIndex::default());
     for Guess { stretch, mut places, next, bad } in guesses {
         let mut walked = Vec::new();
         while at < stretch.end {
@@ -145,7 +145,7 @@ fn put_together(
     hops
 }
 
-impl Hops {
+impl RecordIndex {
     /// What touches is one range.
     fn add_bad(&mut self, range: Range<usize>) {
         match self.bad.last_mut().filter(|last| last.end == range.start) {

@@ -8,12 +8,12 @@ use mavwire_core::log::dataflash::text::{nth_value, number};
 use mavwire_core::log::dataflash::{FieldKind, HEAD_LEN, Layout, TimeRule, whole};
 
 use super::lines::Lines;
-use super::record_index::{Hops, Place, hop};
+use super::record_index::{RecordIndex, Place, hop};
 use super::survey::{Form, Survey};
 use crate::row_block::PIECE;
 
 /// Walks through a log.
-pub(super) struct Walk {
+pub(super) struct RecordTimes {
     survey: Arc<Survey>,
     rules: Vec<TimeRule>,
     /// Where records of each layout have whole microseconds, if they do: nearly all.
@@ -55,7 +55,7 @@ impl Stretch {
     }
 }
 
-impl Walk {
+impl RecordTimes {
     /// At the start of a log.
     pub(super) fn new(survey: Arc<Survey>) -> Self {
         let (rules, micros, lines) = Default::default();
@@ -90,8 +90,8 @@ impl Walk {
     }
 
     /// Goes on with the next records of a block.
-    pub(super) fn follow(&mut self, block: &[u8], hops: Hops) -> Walked {
-        let Hops { stretches, bad, consumed } = hops;
+    pub(super) fn follow(&mut self, block: &[u8], hops: RecordIndex) -> Walked {
+        let RecordIndex { stretches, bad, consumed } = hops;
         let with_time = |places: Vec<Place>| {
             let before = self.newest;
             self.newest = self.newest_of(block, &places);
@@ -148,9 +148,9 @@ impl Walk {
         }
     }
 
-    fn text(&mut self, block: &[u8], at_end: bool) -> Hops {
+    fn text(&mut self, block: &[u8], at_end: bool) -> RecordIndex {
         let Self { survey, lines, offset, .. } = self;
-        let Form::Text(definitions) = &survey.form else { return Hops::default() };
+        let Form::Text(definitions) = &survey.form else { return RecordIndex::default() };
         let (mut places, mut bad) = (Vec::new(), Vec::new());
         let consumed = lines.each(block, at_end, |line| {
             let layout =
@@ -164,7 +164,7 @@ impl Walk {
             }
         });
         let stretches = places.chunks(PIECE).map(<[Place]>::to_vec).collect();
-        Hops { stretches, bad, consumed }
+        RecordIndex { stretches, bad, consumed }
     }
 }
 
@@ -234,7 +234,7 @@ mod tests {
 
     /// Block by block and stretch by stretch.
     fn walk(survey: &Arc<Survey>, log: &[u8], block: usize) -> Outcome {
-        let mut walk = Walk::new(Arc::clone(survey));
+        let mut walk = RecordTimes::new(Arc::clone(survey));
         let (mut out, mut start, mut end) = (Outcome::default(), 0, 0);
         while start < log.len() {
             let at_end = end == log.len();

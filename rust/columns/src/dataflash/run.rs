@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use super::lines::Lines;
-use super::record_index::{Hops, Place, hop};
+use super::record_index::{RecordIndex, Place, hop};
 use super::survey::{Form, Open, Survey, begin};
 use crate::error::Error;
 use crate::input::{Blocks, Steps};
@@ -45,7 +45,7 @@ pub(super) struct Seen<'a> {
     /// The part of a binary log's block in which `hops` are.
     pub(super) bytes: &'a [u8],
     /// The records of a binary log.
-    pub(super) hops: Hops,
+    pub(super) hops: RecordIndex,
     /// Bytes of the block that are dealt with.
     pub(super) consumed: usize,
 }
@@ -105,7 +105,7 @@ impl Run {
             Form::Binary(_) => self.add_binary(block, at_end),
             Form::Text(_) => {
                 let consumed = self.add_text(block, at_end);
-                Seen { bytes: block, hops: Hops::default(), consumed }
+                Seen { bytes: block, hops: RecordIndex::default(), consumed }
             }
         };
         self.offset += seen.consumed as u64;
@@ -140,10 +140,10 @@ impl Run {
     }
 
     /// Finds the records, from so far into a block up to a limit behind that, and takes in those that say something.
-    fn hop(&mut self, bytes: &[u8], from: usize, limit: usize, at_end: bool) -> Hops {
+    fn hop(&mut self, bytes: &[u8], from: usize, limit: usize, at_end: bool) -> RecordIndex {
         let place = self.offset + from as u64;
         let Self { form, units, finder, telling, steps, .. } = self;
-        let Form::Binary(definitions) = form else { return Hops::default() };
+        let Form::Binary(definitions) = form else { return RecordIndex::default() };
         let hops = hop(bytes, place, limit, definitions, at_end, steps.stretch);
         let layouts = definitions.layouts();
         let mut teller = Teller::new(units, finder, telling, layouts);

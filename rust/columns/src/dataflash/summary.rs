@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::record_times::Walk;
+use super::record_times::RecordTimes;
 use super::survey::{NO_TABLE, Open, Survey, begin};
 use crate::error::Error;
 use crate::summary::{Count, Summary};
@@ -18,7 +18,7 @@ pub fn summary<E: From<Error>>(
     mut pulse: impl FnMut(u64) -> Result<(), E>,
 ) -> Result<Summary, E> {
     let (mut blocks, _) = begin(open, survey.steps).map_err(Error::from)?;
-    let mut walk = Walk::new(Arc::clone(survey));
+    let mut walk = RecordTimes::new(Arc::clone(survey));
     let types = vec![Count::default(); survey.tables.len()];
     let mut sum = Summary { stamped: survey.clock.is_some(), types, ..Summary::default() };
     loop {

@@ -228,7 +228,7 @@ impl EventLoop {
     }
 
     /// A connection has ended. A server's port goes with it; what is dialled is dialled again.
-    pub(super) fn hang_up(&mut self, id: LinkId, error: Option<io::Error>) {
+    pub(super) fn close_port(&mut self, id: LinkId, error: Option<io::Error>) {
         let Some(port) = self.switch.port(id) else { return };
         let Some(link) = self.links.get_mut(&port.link) else { return };
         if let Some(error) = error {

@@ -330,11 +330,11 @@ impl EventLoop {
         };
         let mut buffer = std::mem::take(&mut self.buffer);
         match stream.read(&mut buffer) {
-            Ok(0) => self.hang_up(id, None),
+            Ok(0) => self.close_port(id, None),
             Ok(len) => self.feed(id, &buffer[..len]),
             Err(error) => match error.kind() {
                 io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted => {}
-                _ => self.hang_up(id, Some(error)),
+                _ => self.close_port(id, Some(error)),
             },
         }
         self.buffer = buffer;
@@ -356,7 +356,7 @@ impl EventLoop {
         for id in dirty.iter() {
             let Some(port) = self.switch.port(id).filter(|port| !port.blocked) else { continue };
             if let Err(error) = port.flush(|| started.elapsed().as_micros() as u32) {
-                self.hang_up(id, Some(error));
+                self.close_port(id, Some(error));
             }
         }
     }

@@ -21,7 +21,7 @@ use super::state::{Kind, Search, State, Taken, closed};
 use crate::link::state::{overrides, set_attr};
 use crate::python::calling::{Calling, truth};
 use crate::python::lists::list;
-use crate::sync::gil_yield::Turns;
+use crate::sync::gil_yield::GilYield;
 use crate::sync::lock::Lock;
 
 /// Keys of `messages` beyond which no further instances are added.
@@ -87,7 +87,7 @@ impl DataflashReader {
         latched: bool,
     ) -> PyResult<Option<(Bound<'py, DFMessage>, usize)>> {
         let py = slf.py();
-        let mut turns = Turns::new();
+        let mut gil_yield = GilYield::new();
         loop {
             let found = slf.get().state.lock(py).next(slf.as_any(), latched, true, BUDGET)?;
             match found {
@@ -95,7 +95,7 @@ impl DataflashReader {
                     let kind = taken.kind;
                     return Ok(Some((Self::post(slf, taken)?, kind)));
                 }
-                Search::Paused => turns.give_way(py)?,
+                Search::Paused => gil_yield.give_way(py)?,
                 Search::End => return Ok(None),
             }
         }
@@ -469,9 +469,9 @@ impl DataflashReader {
         #[pyo3(from_py_with = truth)] strict: bool,
     ) -> PyResult<()> {
         self.latch(py, &Types::new(Some(&r#type))?, strict)?;
-        let mut turns = Turns::new();
+        let mut gil_yield = GilYield::new();
         loop {
-            turns.give_way(py)?;
+            gil_yield.give_way(py)?;
             let mut guard = self.state.lock(py);
             let state = &mut *guard;
             let (Some(source), Some(wanted)) = (state.source.as_mut(), &state.latched) else {

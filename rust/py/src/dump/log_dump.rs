@@ -21,7 +21,7 @@ use crate::message::object::payload_of;
 use crate::protocol::parse::{self, Step};
 use crate::python::calling::Calling;
 use crate::python::lists::list;
-use crate::sync::gil_yield::Turns;
+use crate::sync::gil_yield::GilYield;
 use mavwire_core::dump_line::{Column, Item, Labels, Line, Style, write_line};
 
 /// Bytes collected before they are written.
@@ -98,7 +98,7 @@ struct Dump<'a, 'py> {
     records: Vec<u8>,
     /// Whole seconds and their text, of the message before.
     clock: (u64, String),
-    turns: Turns,
+    gil_yield: GilYield,
 }
 
 /// Dumps a log from where it stands to its end. `options` has the attributes of `mavwire.cli._dump_native.Options`.
@@ -152,7 +152,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             lines: String::with_capacity(CHUNK + CHUNK / 4),
             records: Vec::new(),
             clock: (u64::MAX, String::new()),
-            turns: Turns::new(),
+            gil_yield: GilYield::new(),
         })
     }
 
@@ -168,7 +168,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             }
             seen += 1;
             if seen.is_multiple_of(PULSE) {
-                self.turns.give_way(self.log.py())?;
+                self.gil_yield.give_way(self.log.py())?;
                 let percent = self.log.as_super().get().state().percent;
                 self.options.progress.invoke1((percent,))?;
             }
@@ -350,7 +350,7 @@ impl<'a, 'py> Dump<'a, 'py> {
             self.records.clear();
             record.invoke1((bytes,))?;
         }
-        self.turns.give_way(py)
+        self.gil_yield.give_way(py)
     }
 }
 

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::link::instances::add_message;
-use crate::link::name_budget::{OWN_COMPONENTS, OWN_NAMES, Room, SharedTables};
+use crate::link::name_budget::{OWN_COMPONENTS, OWN_NAMES, NameBudget, SharedTables};
 use crate::message::object::Message;
 use crate::python::calling::Calling;
 use crate::sync::slot::Slot;
@@ -58,14 +58,14 @@ impl Components {
         let known = tables.get_item(compid)?;
         let table = match known {
             Some(table) => table.cast_into::<PyDict>()?,
-            None if !Room::of(link, OWN_COMPONENTS).takes(tables.len())? => return Ok(()),
+            None if !NameBudget::of(link, OWN_COMPONENTS).takes(tables.len())? => return Ok(()),
             None => {
                 let table = PyDict::new(messages.py());
                 tables.set_item(compid, &table)?;
                 table
             }
         };
-        add_message(&table, kind, message, &Room::of(link, own_names(&tables)))
+        add_message(&table, kind, message, &NameBudget::of(link, own_names(&tables)))
     }
 
     /// Component id -> newest messages.

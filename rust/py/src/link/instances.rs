@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::link::name_budget::Room;
+use crate::link::name_budget::NameBudget;
 use crate::message::create::{self, create};
 use crate::message::dict;
 use crate::message::object::{Message, Origin, flags, instance_dict};
@@ -28,22 +28,22 @@ pub(crate) fn add_message_alone(
     kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
 ) -> PyResult<()> {
-    add_message(messages, kind, message, &Room::alone())
+    add_message(messages, kind, message, &NameBudget::alone())
 }
 
-/// The same as far as there is room.
+/// The same as far as there is budget.
 pub(crate) fn add_message(
     messages: &Bound<'_, PyDict>,
     kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
-    room: &Room<'_>,
+    budget: &NameBudget<'_>,
 ) -> PyResult<()> {
     let Some(instance) = instance_of(message)? else {
-        return add_plain(messages, kind, message, room);
+        return add_plain(messages, kind, message, budget);
     };
-    let Some(instances) = renew_newest(messages, kind, message, room)? else { return Ok(()) };
+    let Some(instances) = renew_newest(messages, kind, message, budget)? else { return Ok(()) };
     let is_known = instances.contains(&instance)?;
-    if !is_known && (instances.len() >= MAX_INSTANCES || !room.takes(messages.len())?) {
+    if !is_known && (instances.len() >= MAX_INSTANCES || !budget.takes(messages.len())?) {
         return Ok(());
     }
     instances.set_item(&instance, message)?;
@@ -63,21 +63,21 @@ pub(crate) fn add_plain(
     messages: &Bound<'_, PyDict>,
     kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
-    room: &Room<'_>,
+    budget: &NameBudget<'_>,
 ) -> PyResult<()> {
     let names = messages.len();
-    if room.owns(names) || messages.contains(kind)? || room.takes(names)? {
+    if budget.owns(names) || messages.contains(kind)? || budget.takes(names)? {
         messages.set_item(kind, message)?;
     }
     Ok(())
 }
 
-/// Makes `messages[kind]` a copy of `message`; gives its table of instances, or `None` if there is no room for it.
+/// Makes `messages[kind]` a copy of `message`; gives its table of instances, or `None` if there is no budget for it.
 fn renew_newest<'py>(
     messages: &Bound<'py, PyDict>,
     kind: &Bound<'py, PyString>,
     message: &Bound<'py, Message>,
-    room: &Room<'_>,
+    budget: &NameBudget<'_>,
 ) -> PyResult<Option<Bound<'py, PyDict>>> {
     let name = intern!(messages.py(), "_instances");
     let mut kept = None;
@@ -91,7 +91,7 @@ fn renew_newest<'py>(
             Some(instances) => Some(instances),
             None => None,
         };
-    } else if !room.takes(messages.len())? {
+    } else if !budget.takes(messages.len())? {
         return Ok(None);
     }
     let instances = kept.unwrap_or_else(|| PyDict::new(messages.py()));

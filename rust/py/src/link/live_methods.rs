@@ -19,7 +19,7 @@ use crate::link::state::{Link, overrides, set_attr};
 use crate::message::object::{Message, Origin};
 use crate::protocol::mavlink::MAVLink;
 use crate::python::calling::{Calling, truth};
-use crate::sync::gil_yield::Turns;
+use crate::sync::gil_yield::GilYield;
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
 
@@ -236,7 +236,7 @@ impl LiveLink {
         }
         let filter = Filter::new(r#type, false)?;
         let deadline = deadline_after(timeout);
-        let (mut seen, mut turns): (u64, _) = (0, Turns::new());
+        let (mut seen, mut gil_yield): (u64, _) = (0, GilYield::new());
         if blocking && Self::is_drained(slf) {
             Self::wait(slf, timeout, deadline)?;
         }
@@ -254,7 +254,7 @@ impl LiveLink {
                 }
                 seen += 1;
                 if seen.is_multiple_of(TURN_INTERVAL) {
-                    turns.give_way(py)?;
+                    gil_yield.give_way(py)?;
                 }
             } else if !blocking {
                 return Ok(None);

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::link::log_link::LogLink;
 use crate::python::calling::Calling;
 use crate::python::file_error::of_reading;
-use crate::sync::gil_yield::Turns;
+use crate::sync::gil_yield::GilYield;
 use mavwire_io::log_index::{Indexed, LogIndex, Stop, find_record};
 
 /// Bytes between two looks whether others should have a turn.
@@ -26,7 +26,7 @@ pub(crate) fn build(
     let registry = mav.get().dialect.get().registry.clone();
     let mut index = LogIndex::new(registry.clone());
     let mut reports = Progress { callback: progress, percent: 0, size };
-    let (mut finder, mut turns) = (None, Turns::new());
+    let (mut finder, mut gil_yield) = (None, GilYield::new());
     if mav.get().parser().resync() == Resync::Rescan {
         finder = Some(RecordFinder::default());
     }
@@ -55,7 +55,7 @@ pub(crate) fn build(
             }
         };
         reports.report(offset)?;
-        turns.give_way(log.py())?;
+        gil_yield.give_way(log.py())?;
     }
     Ok(index)
 }

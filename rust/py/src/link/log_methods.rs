@@ -20,7 +20,7 @@ use crate::log::reader::{LogReader, seconds};
 use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::calling::{Calling, truth};
-use crate::sync::gil_yield::Turns;
+use crate::sync::gil_yield::GilYield;
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
 use mavwire_io::log_index::LogIndex;
@@ -220,7 +220,7 @@ impl LogLink {
         let is_indexed = Self::is_indexed(slf);
         let filter = Filter::new(r#type, is_indexed)?;
         let skip = r#type.filter(|_| is_indexed);
-        let (mut seen, mut turns): (u64, _) = (0, Turns::new());
+        let (mut seen, mut gil_yield): (u64, _) = (0, GilYield::new());
         loop {
             if let Some(types) = skip {
                 Self::advance(slf, types)?;
@@ -236,7 +236,7 @@ impl LogLink {
             }
             seen += 1;
             if seen.is_multiple_of(TURN_INTERVAL) {
-                turns.give_way(py)?;
+                gil_yield.give_way(py)?;
             }
         }
         if blocking {

@@ -10,7 +10,7 @@ use crate::link::log_wanted::Wanted;
 use crate::link::message_source::message_type;
 use crate::message::object::Message;
 use crate::python::calling::Calling;
-use crate::sync::gil_yield::Turns;
+use crate::sync::gil_yield::GilYield;
 use crate::sync::lock::Lock;
 
 /// An iterator of messages.
@@ -49,7 +49,7 @@ impl LogVisits {
 
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, Message>>> {
         let log = self.log.bind(py);
-        let (mut passed, mut turns): (u64, _) = (0, Turns::new());
+        let (mut passed, mut gil_yield): (u64, _) = (0, GilYield::new());
         loop {
             if let Some(rest) = self.wanted.lock(py).advance() {
                 LogLink::visit(log, rest)?;
@@ -60,7 +60,7 @@ impl LogVisits {
             }
             passed += 1;
             if passed.is_multiple_of(TURN_INTERVAL) {
-                turns.give_way(py)?;
+                gil_yield.give_way(py)?;
             }
         }
     }

@@ -55,14 +55,14 @@ pub(crate) trait SharedTables {
 }
 
 /// The room of one table.
-pub(crate) struct Room<'a> {
+pub(crate) struct NameBudget<'a> {
     /// The tables beside this one; `None` for a dictionary of the program's.
     tables: Option<&'a dyn SharedTables>,
     /// Names that it takes without a look at what the others have.
     own: usize,
 }
 
-impl<'a> Room<'a> {
+impl<'a> NameBudget<'a> {
     /// Of one of a link's `tables`, with room of its own for some names.
     pub(crate) fn of(tables: &'a dyn SharedTables, own: usize) -> Self {
         Self { tables: Some(tables), own }

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::link::instances;
-use crate::link::name_budget::Room;
+use crate::link::name_budget::NameBudget;
 use crate::message::object::Message;
 use crate::python::calling::{Calling, import};
 use crate::sync::slot::Slot;
@@ -89,21 +89,21 @@ pub(crate) fn now(py: Python<'_>) -> PyResult<f64> {
     if function.is(original) { Ok(unix_seconds()) } else { function.invoke1(())?.extract() }
 }
 
-/// Calls `mavutil.add_message(messages, kind, message)`, or stores the message natively within the limits of `room`.
+/// Calls `mavutil.add_message(messages, kind, message)`, or stores the message natively within the limits of `budget`.
 #[inline]
 pub(crate) fn add_message(
     messages: &Bound<'_, PyDict>,
     kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
-    room: &Room<'_>,
+    budget: &NameBudget<'_>,
     has_instances: bool,
 ) -> PyResult<()> {
     if let Some(replaced) = ADD_MESSAGE.get(messages.py()) {
         return replaced.invoke1((messages, kind, message)).map(drop);
     }
     if has_instances {
-        instances::add_message(messages, kind, message, room)
+        instances::add_message(messages, kind, message, budget)
     } else {
-        instances::add_plain(messages, kind, message, room)
+        instances::add_plain(messages, kind, message, budget)
     }
 }

@@ -10,11 +10,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::link::live_link::LiveLink;
-use crate::port::ports::{self, hang_up};
+use crate::port::ports::{self, close_port};
 use crate::port::stream_queue::StreamQueue;
 use crate::python::calling::Calling;
 use crate::python::lists;
-use crate::sync::exclusive::Turn;
+use crate::sync::exclusive::Exclusive;
 use crate::sync::lock::Lock;
 use crate::sync::shared;
 use crate::sync::slot::Slot;
@@ -35,7 +35,7 @@ const SEND_SIZE: usize = 1 << 16;
 pub(crate) struct StreamWriter {
     max_unsent: usize,
     queue: Lock<StreamQueue>,
-    sending: Turn,
+    sending: Exclusive,
     dropped_frames: AtomicU64,
     bytes_sent: AtomicU64,
     /// The port that was let go of last, which may still be open.
@@ -155,7 +155,7 @@ impl StreamWriter {
         Self {
             max_unsent,
             queue: Lock::new(StreamQueue::default()),
-            sending: Turn::free(),
+            sending: Exclusive::free(),
             dropped_frames: AtomicU64::new(0),
             bytes_sent: AtomicU64::new(0),
             ended: Slot::new(),
@@ -245,7 +245,7 @@ impl StreamWriter {
         link.as_super().get().drop_partial();
         link.set_attribute(intern!(py, "fd"), fd)?;
         link.set_attribute(intern!(py, "port"), py.None())?;
-        hang_up(port)?;
+        close_port(port)?;
         Ok(true)
     }
 }

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::link::message_source::{message_type, source_of};
-use crate::link::name_budget::{OWN_NAMES, Room};
+use crate::link::name_budget::{OWN_NAMES, NameBudget};
 use crate::link::params;
 use crate::link::replaced;
 use crate::link::state::Link;
@@ -53,7 +53,7 @@ pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
         let components = &sender.state.get().components;
         components.keep(link, &sender.messages, source.compid, &kind, message)?;
     }
-    replaced::add_message(&sender.messages, &kind, message, &Room::of(link, OWN_NAMES), true)?;
+    replaced::add_message(&sender.messages, &kind, message, &NameBudget::of(link, OWN_NAMES), true)?;
     if is_radio {
         link.invoke_method1(intern!(py, "_post_radio"), (&kind, message))?;
     }
@@ -68,9 +68,9 @@ pub(crate) fn post_plain(
     message: &Bound<'_, Message>,
 ) -> PyResult<()> {
     let kind = info.name.bind(messages.py());
-    let room = Room::of(link, OWN_NAMES);
+    let budget = NameBudget::of(link, OWN_NAMES);
     let has_instances = info.definition.instance_field.is_some();
-    replaced::add_message(messages, kind, message, &room, has_instances)
+    replaced::add_message(messages, kind, message, &budget, has_instances)
 }
 
 /// What only a few types of messages change, then the message hooks.

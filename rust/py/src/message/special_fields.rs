@@ -27,13 +27,13 @@ impl Kind {
 
 /// `data` or `reason`, made when first read.
 #[pyclass(frozen, module = "mavwire._native")]
-pub(crate) struct OddField {
+pub(crate) struct SpecialField {
     kind: Kind,
 }
 
 #[pymethods]
-impl OddField {
-    /// `OddField("data")` or `OddField("reason")`
+impl SpecialField {
+    /// `SpecialField("data")` or `SpecialField("reason")`
     #[new]
     fn new(name: &str) -> PyResult<Self> {
         match name {

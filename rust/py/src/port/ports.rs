@@ -53,9 +53,9 @@ pub(crate) fn ask_port<'py>(
 
 /// Closes a port. Where that is an error the system has let go of the descriptor all the same.
 #[pyfunction]
-pub(crate) fn hang_up(port: &Bound<'_, PyAny>) -> PyResult<()> {
+pub(crate) fn close_port(port: &Bound<'_, PyAny>) -> PyResult<()> {
     match port.cast::<TlsPort>() {
-        Ok(tls) => tls.get().hang_up(port.py()),
+        Ok(tls) => tls.get().close_port(port.py()),
         Err(_) => close(port),
     }
 }

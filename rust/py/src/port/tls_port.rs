@@ -41,7 +41,7 @@ impl TlsPort {
     }
 
     /// Does not wait for who uses it: that one may wait for this thread.
-    pub(crate) fn hang_up(&self, py: Python<'_>) -> PyResult<()> {
+    pub(crate) fn close_port(&self, py: Python<'_>) -> PyResult<()> {
         self.is_closed.store(true, SeqCst);
         self.close_unless_used(py)
     }
@@ -123,7 +123,7 @@ impl TlsPort {
     }
 
     fn close(&self, py: Python<'_>) -> PyResult<()> {
-        self.hang_up(py)
+        self.close_port(py)
     }
 
     fn setblocking<'py>(&self, flag: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {

@@ -1,4 +1,4 @@
-//! `Turn`: work that is done by one thread, and which the others do not wait for.
+//! `Exclusive`: work that is done by one thread, and which the others do not wait for.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -12,11 +12,11 @@ use crate::sync::thread_owner::Owner;
 /// It is taken and released in one call with the work in between, so that the exception of a signal handler leaves it free
 /// wherever it is raised. What a thread had that a fork left behind is free.
 #[pyclass(frozen, module = "mavwire._native")]
-pub(crate) struct Turn {
+pub(crate) struct Exclusive {
     owner: Owner,
 }
 
-impl Turn {
+impl Exclusive {
     pub(crate) const fn free() -> Self {
         Self { owner: Owner::new() }
     }
@@ -45,7 +45,7 @@ impl Turn {
 
 /// While it lives, nobody else has the turn.
 pub(crate) struct TurnGuard<'a> {
-    turn: &'a Turn,
+    turn: &'a Exclusive,
     number: u64,
 }
 
@@ -57,7 +57,7 @@ impl Drop for TurnGuard<'_> {
 }
 
 #[pymethods]
-impl Turn {
+impl Exclusive {
     #[new]
     fn new() -> Self {
         Self::free()

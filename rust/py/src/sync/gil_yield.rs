@@ -11,13 +11,13 @@ use crate::python::calling::{Calling, import};
 /// A thread that wants the interpreter asks for it when it has waited for a whole switch interval
 /// (`sys.setswitchinterval`) in which nobody let go of it; only then does who lets go wait until it was taken. Letting go
 /// more often makes waiting threads start anew each time, and they may never have a turn.
-pub(crate) struct Turns {
+pub(crate) struct GilYield {
     /// When the last turn ended, or the run was seen first.
     last: Option<Instant>,
     interval: Duration,
 }
 
-impl Turns {
+impl GilYield {
     pub(crate) const fn new() -> Self {
         Self { last: None, interval: Duration::ZERO }
     }

@@ -33,11 +33,11 @@ impl Run {
         }
     }
 
-    fn barren(&self) -> Vec<(usize, Option<&str>)> {
+    fn without_records(&self) -> Vec<(usize, Option<&str>)> {
         match self {
-            Self::One(rewrite) if rewrite.is_barren() => vec![(0, rewrite.damage())],
+            Self::One(rewrite) if rewrite.has_no_records() => vec![(0, rewrite.damage())],
             Self::One(_) => Vec::new(),
-            Self::Several(merge) => merge.barren(),
+            Self::Several(merge) => merge.without_records(),
         }
     }
 
@@ -153,9 +153,9 @@ impl LogRewrite {
 
     /// The places of the logs that hold something and no record, and what is wrong with such a compressed file; once all
     /// of them were read.
-    fn barren(&self, py: Python<'_>) -> Vec<(usize, Option<String>)> {
+    fn without_records(&self, py: Python<'_>) -> Vec<(usize, Option<String>)> {
         let owned = |(place, damage): (usize, Option<&str>)| (place, damage.map(str::to_owned));
-        py.detach(|| self.with(|work| work.run.barren().into_iter().map(owned).collect()))
+        py.detach(|| self.with(|work| work.run.without_records().into_iter().map(owned).collect()))
     }
 
     /// The places of the compressed logs that are damaged, as far as they were read, and what is wrong with them.

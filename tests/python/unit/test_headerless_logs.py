@@ -26,7 +26,7 @@ HEAD_BYTES = 64 << 10
 """What readers look at to tell what a log is."""
 
 
-def headless(seconds: int = 600, *, lookalikes: int = 1) -> bytes:
+def headerless(seconds: int = 600, *, lookalikes: int = 1) -> bytes:
     """A flight behind its descriptions, with some bytes that are a good record of telemetry."""
     log = flight(seconds)
     described = log.data.rindex(fmt(166, "IMU", "QBfff", "TimeUS,I,AccX,AccY,AccZ"))
@@ -41,7 +41,7 @@ def headless(seconds: int = 600, *, lookalikes: int = 1) -> bytes:
 @pytest.fixture
 def lacking(tmp_path: Path) -> Path:
     path = tmp_path / "cut.BIN"
-    path.write_bytes(headless())
+    path.write_bytes(headerless())
     return path
 
 
@@ -55,7 +55,7 @@ def test_each_way_to_read_says_what_is_missing(
     tmp_path: Path, name: str, wanted: str | None, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / name
-    path.write_bytes(gzip.compress(headless()) if name.endswith(".gz") else headless())
+    path.write_bytes(gzip.compress(headerless()) if name.endswith(".gz") else headerless())
     ways = (
         lambda: mavwire.open_log(path),
         lambda: mavwire.read(path, wanted),
@@ -81,7 +81,7 @@ def test_commands_that_read_messages_say_it_too(
     tmp_path: Path, name: str, command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / name
-    path.write_bytes(headless())
+    path.write_bytes(headerless())
     assert cli.main([command, str(path)]) == 0
     assert capsys.readouterr().err == f"mavwire {command}: {LACKS}: {str(path)!r}\n"
 
@@ -90,7 +90,7 @@ def test_a_description_that_chance_made_is_none(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "cut.BIN"
-    path.write_bytes(headless() + HEAD + bytes(range(128, 128 + 87)) + headless())
+    path.write_bytes(headerless() + HEAD + bytes(range(128, 128 + 87)) + headerless())
     assert cli.main(["dump", str(path)]) == 0
     assert capsys.readouterr().err == f"mavwire dump: {LACKS}: {str(path)!r}\n"
     assert cli.main(["info", str(path)]) == 1
@@ -104,14 +104,14 @@ def test_pictures_say_it_too(
     tmp_path: Path, name: str, command: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     path, out = tmp_path / name, tmp_path / "out.html"
-    path.write_bytes(headless())
+    path.write_bytes(headerless())
     assert cli.main([command[0], str(path), *command[1:], "-o", str(out)]) == 1
     assert capsys.readouterr().err == f"mavwire {command[0]}: error: {LACKS}: {str(path)!r}\n"
     assert not out.exists()
 
 
 def test_it_is_told_wherever_it_was_cut(tmp_path: Path) -> None:
-    log, path = headless(60, lookalikes=3), tmp_path / "cut.BIN"
+    log, path = headerless(60, lookalikes=3), tmp_path / "cut.BIN"
     for at in (0, 1, 17, 1000, len(log) // 2, len(log) - 4000):
         for before in (b"", bytes(900), b"\xfd\xfe" * 300):
             path.write_bytes(before + log[at:])
@@ -135,8 +135,8 @@ def test_among_others_it_is_a_row_with_an_error(lacking: Path, tmp_path: Path) -
 def test_what_is_described_further_on_is_read(tmp_path: Path) -> None:
     path = tmp_path / "cut.BIN"
     att = fmt(165, "ATT", "Qff", "TimeUS,Roll,Pitch")
-    assert len(headless()) > HEAD_BYTES
-    path.write_bytes(headless() + FMT + att + headless(10))
+    assert len(headerless()) > HEAD_BYTES
+    path.write_bytes(headerless() + FMT + att + headerless(10))
     log = mavwire.open_log(path)
     assert list(log.types) == ["FMT", "ATT"]
     rows = len(log["ATT"])  # but for those that end where records of other types are cut off
@@ -189,7 +189,7 @@ class TestRanges:
     def test_one_without_descriptions_is_refused(
         self, tmp_path: Path, wanted: str | None, stamped: tuple[bool, ...]
     ) -> None:
-        log = flight(60).raw(headless(60)).write(tmp_path / "flight.BIN")
+        log = flight(60).raw(headerless(60)).write(tmp_path / "flight.BIN")
         size = Path(log).stat().st_size
         for first, end in (5000, size), (5000, 5100), (size - 50, size), (3000, 3000):
             with pytest.raises(LogFormatError, match="no range of a dataflash log"):
@@ -203,7 +203,7 @@ class TestRanges:
         assert fleet.decode(path, (0, 50)) == {}
 
     def test_one_with_descriptions_of_its_own_is_a_log(self, tmp_path: Path) -> None:
-        both, second = Log().raw(headless(10)), flight(60)
+        both, second = Log().raw(headerless(10)), flight(60)
         start = len(both.data)
         path = both.raw(bytes(second.data)).write(tmp_path / "two.BIN")
         tables = fleet.decode(path, (start, start + len(second.data)))
@@ -224,7 +224,7 @@ class TestRanges:
 
     def test_one_of_an_object_store_is_refused(self) -> None:
         fsspec = pytest.importorskip("fsspec")
-        url = "memory://headless/flight.BIN"
+        url = "memory://headerless/flight.BIN"
         with fsspec.open(url, "wb") as file:
             file.write(flight(60).data)
         with pytest.raises(LogFormatError, match="no range of a dataflash log"):
