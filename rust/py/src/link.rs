@@ -20,6 +20,7 @@ pub(crate) mod methods;
 pub(crate) mod name_budget;
 pub(crate) mod params;
 pub(crate) mod peers;
+pub(crate) mod plain;
 pub(crate) mod replaced;
 pub(crate) mod state;
 pub(crate) mod stream_writer;

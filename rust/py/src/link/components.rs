@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::link::instances::add_message;
-use crate::link::name_budget::{OWN_COMPONENTS, OWN_NAMES, NameBudget, SharedTables};
+use crate::link::name_budget::{NameBudget, OWN_COMPONENTS, OWN_NAMES, SharedTables};
 use crate::message::object::Message;
 use crate::python::calling::Calling;
 use crate::sync::slot::Slot;

@@ -4,12 +4,11 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use mavwire_io::address::Address;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::link::live_link::LiveLink;
 use crate::link::live_source::Arrived;
+use crate::link::plain::{Interest, Plain, PlainFrame, makes_plain_messages};
 use crate::link::replaced;
-use crate::link::system::SystemState;
 use crate::link::tracking;
 use crate::message::create;
 use crate::message::frame_bytes::FrameBytes;
@@ -43,18 +42,11 @@ impl<'py> Received<'py> {
     }
 }
 
-/// A plain message of a known type from a known system, ready to be made.
+/// A plain message, ready to be made.
 struct Fresh<'py> {
+    plain: Plain<'py>,
     index: u16,
     bytes: FrameBytes,
-    time: f64,
-    /// The newest messages of its sender.
-    messages: Bound<'py, PyDict>,
-    /// The sender, if Python has something to do about it: update the state, or call hooks.
-    changes: Option<Bound<'py, SystemState>>,
-    /// The sender, if its components have to be told apart.
-    apart: Option<Bound<'py, SystemState>>,
-    compid: u8,
     /// It is to be recorded.
     is_recorded: bool,
     /// Its peer, if that is to be announced.
@@ -116,13 +108,11 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>, now: f64) ->
     let mut guard = slf.as_super().get().state();
     let state = &mut *guard;
     let mut source = slf.get().source();
-    let (step, checked) = {
-        let mut parser = native.parser();
-        let robust = native.robust_parsing.load(Relaxed);
-        let (step, used) = source.next(&mut parser, native.dialect.get(), robust);
-        shared::add(&native.counters.bytes_received, used as u64);
-        (step, parser.checks_signatures())
-    };
+    let has_hooks = state.has_hooks(py);
+    let mut parser = native.parser();
+    let robust = native.robust_parsing.load(Relaxed);
+    let (step, used) = source.next(&mut parser, native.dialect.get(), robust);
+    shared::add(&native.counters.bytes_received, used as u64);
     let Step::Frame { bytes, header, entry: Some(entry) } = step else {
         return match step {
             Step::Nothing => Scanned::Nothing,
@@ -130,42 +120,19 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>, now: f64) ->
         };
     };
     let class = native.dialect.get().known_class(entry.index);
-    let is_plain = (header.sysid, header.compid) != tracking::RADIO
-        && !checked
-        && !header.is_signed()
-        && !native.shows_messages();
-    let has_hooks = state.has_hooks(py);
-    let (true, Some(class), Some(sender)) = (is_plain, class, state.senders.find(header.sysid))
-    else {
+    let plain = class.filter(|_| makes_plain_messages(native, &parser)).and_then(|class| {
+        let frame = PlainFrame { header, info: class.info, payload: payload_of(&bytes) };
+        let known = (&mut state.senders, &mut state.reception);
+        let interest = Interest { has_hooks, keeps_params: true };
+        Plain::account(py, known, (native, &parser), &frame, &interest, now)
+    });
+    let Some(plain) = plain else {
         return Scanned::Other(Step::Frame { bytes, header, entry: Some(entry) }, source.sender());
     };
-    let payload = payload_of(&bytes);
-    let updates = class.info.changes_state && !sender.is_settled(&header, payload);
-    let changes = (updates || has_hooks).then(|| sender.state(py));
-    let messages = sender.messages(py);
-    let (apart, compid) = (sender.apart(py, header.compid), header.compid);
-    shared::add(&native.counters.packets_received, 1);
-    if let Some(uptime) = class.info.uptime(payload) {
-        state.uptime = uptime;
-    }
-    state.count(header.sysid, header.compid, header.seq);
-    let time = state.message_time().unwrap_or(now);
-    state.timestamp = Some(time);
-    let is_recorded = state.records_messages();
     let from = source.sender();
     let news = source.news(from, true, now);
-    let index = entry.index;
-    Scanned::Fresh(Fresh {
-        index,
-        bytes,
-        time,
-        messages,
-        changes,
-        apart,
-        compid,
-        is_recorded,
-        news,
-    })
+    let is_recorded = state.records_messages();
+    Scanned::Fresh(Fresh { plain, index: entry.index, bytes, is_recorded, news })
 }
 
 fn deliver<'py>(
@@ -173,32 +140,21 @@ fn deliver<'py>(
     mav: &Bound<'py, MAVLink>,
     fresh: Fresh<'py>,
 ) -> PyResult<Bound<'py, Message>> {
-    if let Some(from) = fresh.news {
-        let class = mav.get().dialect.get().known_class(fresh.index);
-        let payload = payload_of(&fresh.bytes);
-        let is_targeted = class.is_some_and(|class| class.info.is_targeted(payload));
-        LiveLink::announce(slf, from, true, is_targeted)?;
+    let Fresh { plain, index, bytes, is_recorded, news } = fresh;
+    let class = mav.get().dialect.get().class(slf.py(), index)?;
+    if let Some(from) = news {
+        LiveLink::announce(slf, from, true, class.info.is_targeted(payload_of(&bytes)))?;
     }
-    let class = mav.get().dialect.get().class(slf.py(), fresh.index)?;
-    let message =
-        Message::received(Some(class.info), fresh.bytes, Origin::Decoded).seen_at(fresh.time);
+    let message = Message::received(Some(class.info), bytes, Origin::Decoded).seen_at(plain.time);
     let message = create::pooled(class.class.bind(slf.py()), message)?;
-    if fresh.is_recorded {
+    if is_recorded {
         slf.invoke_method1(intern!(slf.py(), "_record"), (&message,))?;
     }
-    let name = class.info.name.bind(slf.py());
-    let link = slf.as_super();
-    if let Some(system) = fresh.apart {
-        system.get().components.keep(link, &fresh.messages, fresh.compid, name, &message)?;
-    }
-    tracking::post_plain(link, &fresh.messages, class.info, &message)?;
-    if let Some(system) = fresh.changes {
-        tracking::call_python(link, &message, name, &system)?;
-    }
+    plain.deliver(slf.as_super(), &message)?;
     Ok(message)
 }
 
-/// Delivers whatever is not a plain message of a known system.
+/// Delivers all but plain messages.
 fn deliver_other<'py>(
     slf: &Bound<'py, LiveLink>,
     mav: &Bound<'py, MAVLink>,

@@ -128,7 +128,7 @@ impl LogLink {
             && let Some(entry) = registry.lookup(info.definition.id)
         {
             reader.hear_raw(registry, entry.index, &message.frame);
-            state.record_time = Some(reader.time);
+            state.reception.record_time = Some(reader.time);
         }
     }
 

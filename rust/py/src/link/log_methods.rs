@@ -73,7 +73,7 @@ impl LogLink {
         let framing = if stamped { Framing::Stamped } else { Framing::Raw };
         let reader = LogReader::open(&path, framing, now)?;
         let mut state = slf.as_super().get().state();
-        state.record_time = Some(reader.time);
+        state.reception.record_time = Some(reader.time);
         state.reader = Some(Box::new(reader));
         Ok(())
     }
@@ -111,7 +111,7 @@ impl LogLink {
                 reader.leave_record();
             }
             reader.begin_record()?;
-            state.record_time = Some(reader.time);
+            state.reception.record_time = Some(reader.time);
         }
         Ok(())
     }

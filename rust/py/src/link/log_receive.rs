@@ -5,11 +5,11 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use mavwire_core::frame::Header;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::link::log_link::LogLink;
+use crate::link::plain::{Interest, Plain, PlainFrame, makes_plain_messages};
 use crate::link::tracking;
 use crate::message::create;
 use crate::message::object::{Message, Origin, flags};
@@ -30,9 +30,9 @@ impl LogLink {
     /// The same; without `params` for who does not ask the link for parameters.
     pub(crate) fn next_keeping<'py>(
         slf: &Bound<'py, Self>,
-        params: bool,
+        keeps_params: bool,
     ) -> PyResult<Option<Bound<'py, Message>>> {
-        if let Some(message) = Self::next_plain(slf, params)? {
+        if let Some(message) = Self::next_plain(slf, keeps_params)? {
             return Ok(Some(message));
         }
         let is_first = {
@@ -54,7 +54,7 @@ impl LogLink {
     /// The next message if it is of the usual kind; otherwise nothing is read.
     fn next_plain<'py>(
         slf: &Bound<'py, Self>,
-        params: bool,
+        keeps_params: bool,
     ) -> PyResult<Option<Bound<'py, Message>>> {
         let py = slf.py();
         let link = slf.as_super();
@@ -70,74 +70,42 @@ impl LogLink {
         // While wrong checksums are ignored the module is asked for each record whether that holds still; else only for
         // those that are not good.
         let ignores = parser.scanner.ignore_checksum;
-        if state.first_byte || ignores || parser.checks_signatures() || native.shows_messages() {
+        if state.first_byte || ignores || !makes_plain_messages(native, &parser) {
             return Ok(None);
         }
         let percent = reader.percent();
         let Some(record) = reader.peek(&parser, &dialect.registry)? else { return Ok(None) };
-        let Some(header) = Header::parse(record.stream) else { return Ok(None) };
-        let (Some(class), Some(sender)) =
-            (dialect.known_class(record.index), state.senders.find(header.sysid))
-        else {
-            return Ok(None);
-        };
-        if (header.sysid, header.compid) == tracking::RADIO {
-            return Ok(None);
-        }
+        let Some(class) = dialect.known_class(record.index) else { return Ok(None) };
+        let Some(frame) = PlainFrame::parse(record.stream, class.info) else { return Ok(None) };
+        state.reception.record_time = Some(record.time);
+        let known = (&mut state.senders, &mut state.reception);
+        let interest = Interest { has_hooks, keeps_params };
+        let plain = Plain::account(py, known, (native, &parser), &frame, &interest, record.time);
+        let Some(plain) = plain else { return Ok(None) };
 
-        let info = class.info;
-        let payload = header.len()..header.len() + usize::from(header.payload_len);
-        let Some(payload) = record.stream.get(payload) else { return Ok(None) };
-        state.uptime = info.uptime(payload).unwrap_or(state.uptime);
-        let time = if state.notimestamps { state.uptime } else { record.time };
-        let messages = sender.messages(py);
-        let updates = info.changes_state
-            && (params || !info.is_parameter)
-            && !sender.is_settled(&header, payload);
-        let system = (updates || has_hooks).then(|| sender.state(py));
-        let apart = sender.apart(py, header.compid);
-
-        let class = class.class.bind(py);
-        let posted = |message: Message| message.posted(time, record.link);
+        let (info, class) = (class.info, class.class.bind(py));
+        let posted = |message: Message| message.posted(plain.time, record.link);
         let made = create::reused_frame(class, info, record.stream, record.len, posted);
         // Making a new object may run Python code, so that has to wait.
-        let class = if made.is_none() {
-            Some((class.clone(), posted(create::around(info, &record.stream[..record.len]))))
-        } else {
-            None
-        };
+        let waiting = made
+            .is_none()
+            .then(|| (class.clone(), posted(create::around(info, &record.stream[..record.len]))));
 
-        if header.is_signed()
-            && let Some(signing) = &parser.signing
-        {
-            signing.get().note_signed(1);
-        }
         parser.passed(record.stream[0]);
         drop(parser);
         shared::add(&native.counters.bytes_received, record.len as u64);
-        shared::add(&native.counters.packets_received, 1);
-        let (len, record_time, link_number) = (record.len, record.time, record.link);
-        state.last_fresh = Some((header.sysid, record.index));
-        reader.accept(len, record_time, link_number);
-        state.record_time = Some(record_time);
+        state.last_fresh = Some((frame.header.sysid, record.index));
         state.percent = percent;
-        state.timestamp = Some(time);
-        state.count(header.sysid, header.compid, header.seq);
+        let (len, time, link_number) = (record.len, record.time, record.link);
+        reader.accept(len, time, link_number);
         drop(guard);
 
-        let message = match (made, class) {
+        let message = match (made, waiting) {
             (Some(message), _) => message,
             (None, Some((class, message))) => create::pooled(&class, message)?,
             (None, None) => return Ok(None),
         };
-        if let Some(system) = apart {
-            let name = info.name.bind(py);
-            system.get().components.keep(link, &messages, header.compid, name, &message)?;
-        }
-        tracking::post_plain(link, &messages, info, &message)?;
-        if let Some(system) = system {
-            tracking::call_python(link, &message, info.name.bind(py), &system)?;
-        }
+        plain.deliver(link, &message)?;
         Ok(Some(message))
     }
 
@@ -150,7 +118,7 @@ impl LogLink {
         let robust = native.robust_parsing.load(Relaxed);
         let (step, fed) = reader.next(&mut native.parser(), native.dialect.get(), robust)?;
         shared::add(&native.counters.bytes_received, fed as u64);
-        state.record_time = Some(reader.time);
+        state.reception.record_time = Some(reader.time);
         Ok(step)
     }
 

@@ -1,35 +1,28 @@
-//! What a link asks of each message: its type and its source.
+//! The type and the sender of a message, whether or not a program changed them.
 
+use mavwire_core::frame::Header;
+use mavwire_core::telemetry::Sender;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
 use crate::message::object::{Message, flags};
 use crate::python::calling::Calling;
 
-/// The source of a message.
-pub(crate) struct Source {
-    pub(crate) sysid: u8,
-    pub(crate) compid: u8,
-    pub(crate) seq: u8,
-    /// Takes part in loss counting: BAD_DATA and UNKNOWN do not.
-    pub(crate) counts: bool,
-}
-
-pub(crate) fn source_of(message: &Bound<'_, Message>) -> PyResult<Source> {
+/// The sender of a message, and whether it takes part in loss counting: BAD_DATA and UNKNOWN do not.
+pub(crate) fn sender_of(message: &Bound<'_, Message>) -> PyResult<(Sender, bool)> {
     let this = message.get();
     if !this.has(flags::META)
-        && let Some(header) = this.header()
+        && let Some(Header { sysid, compid, seq, .. }) = this.header()
     {
-        let counts = this.info.is_some();
-        return Ok(Source { sysid: header.sysid, compid: header.compid, seq: header.seq, counts });
+        return Ok((Sender { sysid, compid, seq }, this.info.is_some()));
     }
     let number = |method: &str| message.invoke_method0(method)?.extract::<i64>();
-    Ok(Source {
+    let sender = Sender {
         sysid: number("get_srcSystem")? as u8,
         compid: number("get_srcComponent")? as u8,
         seq: number("get_seq")? as u8,
-        counts: number("get_msgId")? >= 0,
-    })
+    };
+    Ok((sender, number("get_msgId")? >= 0))
 }
 
 /// The type name, without a copy where nobody changed it.

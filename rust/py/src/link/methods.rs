@@ -57,21 +57,21 @@ impl Link {
     /// Messages received, radio status, BAD_DATA and UNKNOWN not counted.
     #[getter(mav_count)]
     fn get_mav_count(&self) -> u64 {
-        self.state().mav_count
+        self.state().reception.received
     }
     #[setter(mav_count)]
     fn set_mav_count(&self, value: u64) {
-        self.state().mav_count = value;
+        self.state().reception.received = value;
     }
 
     /// Messages lost, by the gaps in sequence numbers.
     #[getter(mav_loss)]
     fn get_mav_loss(&self) -> u64 {
-        self.state().mav_loss
+        self.state().reception.lost
     }
     #[setter(mav_loss)]
     fn set_mav_loss(&self, value: u64) {
-        self.state().mav_loss = value;
+        self.state().reception.lost = value;
     }
 
     /// Message types, instances, components and parameters that were not kept because there were too many already.
@@ -83,7 +83,7 @@ impl Link {
     /// `{(sysid, compid): last sequence number}`, a copy.
     #[getter(last_seq)]
     fn get_last_seq<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let last: Vec<_> = self.state().sequences.last().collect();
+        let last: Vec<_> = self.state().reception.sequences.last().collect();
         let dict = PyDict::new(py);
         for (source, seq) in last {
             dict.set_item(source, seq)?;
@@ -97,14 +97,14 @@ impl Link {
             let (sysid, compid) = source.extract()?;
             sequences.observe(sysid, compid, seq.extract()?);
         }
-        self.state().sequences = sequences;
+        self.state().reception.sequences = sequences;
         Ok(())
     }
 
     /// Time of the last message in seconds since 1970; 0 before the first.
     #[getter(timestamp)]
     fn get_timestamp<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        match self.state().timestamp {
+        match self.state().reception.time {
             Some(seconds) => PyFloat::new(py, seconds).into_any(),
             None => PyInt::new(py, 0).into_any(),
         }
@@ -113,39 +113,39 @@ impl Link {
     fn put_timestamp(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let seconds: f64 = value.extract()?;
         let is_unset = seconds == 0.0 && value.is_instance_of::<PyInt>();
-        self.state().timestamp = (!is_unset).then_some(seconds);
+        self.state().reception.time = (!is_unset).then_some(seconds);
         Ok(())
     }
 
     /// Seconds since the vehicle booted, as its messages say.
     #[getter(uptime)]
     fn get_uptime(&self) -> f64 {
-        self.state().uptime
+        self.state().reception.uptime
     }
     #[setter(uptime)]
     fn put_uptime(&self, value: f64) {
-        self.state().uptime = value;
+        self.state().reception.uptime = value;
     }
 
     /// Time of the record being read from a log; None on live links.
     #[getter(_timestamp)]
     fn get_record_time(&self) -> Option<f64> {
-        self.state().record_time
+        self.state().reception.record_time
     }
     #[setter(_timestamp)]
     fn put_record_time(&self, value: Option<f64>) {
-        self.state().record_time = value;
+        self.state().reception.record_time = value;
     }
 
     /// Messages are stamped with `uptime` instead of the time of their record.
     #[getter(notimestamps)]
     fn get_notimestamps(&self) -> bool {
-        self.state().notimestamps
+        self.state().reception.stamps_uptime
     }
     #[setter(notimestamps)]
     fn set_notimestamps(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let value = value.truth()?;
-        self.state().notimestamps = value;
+        self.state().reception.stamps_uptime = value;
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::link::message_source::source_of;
+use crate::link::message_source::sender_of;
 use crate::link::state::Link;
 use crate::message::object::Message;
 use crate::message::values::field_value;
@@ -17,8 +17,8 @@ const MAX_LINK_PARAMS: usize = 262_144;
 /// Takes a `PARAM_VALUE` into `link.param_state`.
 pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
     let py = link.py();
-    let source = source_of(message)?;
-    let component = (source.sysid, source.compid).into_pyobject(py)?;
+    let (sender, _) = sender_of(message)?;
+    let component = (sender.sysid, sender.compid).into_pyobject(py)?;
     let states = link.attribute(intern!(py, "param_state"))?.cast_into::<PyDict>()?;
     let state = match states.get_item(&component)? {
         Some(state) => state,

@@ -5,7 +5,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-use mavwire_core::sequence::SequenceTracker;
+use mavwire_core::telemetry::Reception;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyType};
 
@@ -24,15 +24,7 @@ pub(crate) struct LinkState {
     pub(crate) sysid_state: Option<Py<PyDict>>,
     pub(crate) senders: Senders,
     pub(super) message_hooks: Option<Py<PyAny>>,
-    pub(crate) sequences: SequenceTracker,
-    pub(crate) mav_loss: u64,
-    pub(crate) mav_count: u64,
-    /// Time of the last message; `None` before the first, which shows as the integer 0.
-    pub(crate) timestamp: Option<f64>,
-    pub(crate) uptime: f64,
-    /// `_timestamp`: the time of the record being read, `None` on live links.
-    pub(crate) record_time: Option<f64>,
-    pub(crate) notimestamps: bool,
+    pub(crate) reception: Reception,
     /// The protocol version is not known yet.
     pub(crate) first_byte: bool,
     pub(super) logfile: Option<Py<PyAny>>,
@@ -52,13 +44,7 @@ impl LinkState {
             sysid_state: None,
             senders: Senders::default(),
             message_hooks: None,
-            sequences: SequenceTracker::new(),
-            mav_loss: 0,
-            mav_count: 0,
-            timestamp: None,
-            uptime: 0.0,
-            record_time: None,
-            notimestamps: false,
+            reception: Reception::default(),
             first_byte: true,
             logfile: None,
             logfile_raw: None,
@@ -94,17 +80,6 @@ impl LinkState {
         self.message_hooks.as_ref().is_some_and(|hooks| {
             hooks.bind(py).cast::<PyList>().map_or(true, |list| !list.is_empty())
         })
-    }
-
-    /// Counts a message and the gap before it.
-    pub(crate) fn count(&mut self, sysid: u8, compid: u8, seq: u8) {
-        self.mav_loss += u64::from(self.sequences.observe(sysid, compid, seq));
-        self.mav_count += 1;
-    }
-
-    /// The time that a message is stamped with; `None` for the clock.
-    pub(crate) fn message_time(&self) -> Option<f64> {
-        self.record_time.map(|time| if self.notimestamps { self.uptime } else { time })
     }
 }
 

@@ -3,73 +3,64 @@
 //! Rare updates (flight modes, home) are left to Python's `_update`, which is called for the few message
 //! types that need it.
 
+use mavwire_core::telemetry::RADIO;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::link::message_source::{message_type, source_of};
-use crate::link::name_budget::{OWN_NAMES, NameBudget};
+use crate::link::components::Components;
+use crate::link::message_source::{message_type, sender_of};
+use crate::link::name_budget::{NameBudget, OWN_NAMES};
 use crate::link::params;
 use crate::link::replaced;
 use crate::link::state::Link;
 use crate::link::system::{Sender, SystemState};
-use crate::message::info::{Info, PARAM_VALUE};
+use crate::message::info::PARAM_VALUE;
 use crate::message::object::{Message, flags, instance_dict};
 use crate::python::calling::Calling;
 
-/// A SiK radio injects RADIO_STATUS under this source; it belongs to the link, not to a system.
-pub(crate) const RADIO: (u8, u8) = (b'3', b'D');
-
-/// `link.post_message(message)`
+/// `link.post_message(message)`: takes a message into the link's state, once.
 pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
-    let py = link.py();
     let this = message.get();
     if this.has(flags::POSTED) || (this.has(flags::DICT) && is_posted(message)?) {
         return Ok(());
     }
     this.set(flags::POSTED);
+    let py = link.py();
     let kind = message_type(message)?;
-    let source = source_of(message)?;
+    let (source, counts) = sender_of(message)?;
     let uptime = uptime_of(message)?;
-    let clock = replaced::now(py)?;
-    let is_radio = (source.sysid, source.compid) == RADIO;
-    let seconds = {
-        let mut state = link.get().state();
-        state.uptime = uptime.unwrap_or(state.uptime);
-        let seconds = state.message_time().unwrap_or(clock);
-        state.timestamp = Some(seconds);
-        if source.counts && !is_radio {
-            state.count(source.sysid, source.compid, source.seq);
-        }
-        seconds
-    };
+    let now = replaced::now(py)?;
+    let seconds = link.get().state().reception.account(counts.then_some(source), uptime, now);
     if this.has(flags::TIMESTAMP_IN_DICT) {
         message.set_attribute(intern!(py, "_timestamp"), seconds)?;
     } else {
         this.set_timestamp(seconds);
     }
     let sender = sender(link, source.sysid)?;
-    if source.counts && !sender.state.get().components.is_sole(source.compid) {
-        let components = &sender.state.get().components;
-        components.keep(link, &sender.messages, source.compid, &kind, message)?;
-    }
-    replaced::add_message(&sender.messages, &kind, message, &NameBudget::of(link, OWN_NAMES), true)?;
-    if is_radio {
+    let components = &sender.state.get().components;
+    let is_apart = counts && !components.is_sole(source.compid);
+    let apart = is_apart.then_some((components, source.compid));
+    keep_newest(link, &sender.messages, apart, &kind, message, true)?;
+    if (source.sysid, source.compid) == RADIO {
         link.invoke_method1(intern!(py, "_post_radio"), (&kind, message))?;
     }
     call_python(link, message, &kind, &sender.state)
 }
 
-/// Keeps a message that was just made, and that nobody has seen, as the newest of its type.
-pub(crate) fn post_plain(
+/// Keeps a message as the newest of its type: of its component, if these are told apart, and of its system.
+pub(crate) fn keep_newest(
     link: &Bound<'_, Link>,
     messages: &Bound<'_, PyDict>,
-    info: &Info,
+    apart: Option<(&Components, u8)>,
+    kind: &Bound<'_, PyString>,
     message: &Bound<'_, Message>,
+    has_instances: bool,
 ) -> PyResult<()> {
-    let kind = info.name.bind(messages.py());
+    if let Some((components, compid)) = apart {
+        components.keep(link, messages, compid, kind, message)?;
+    }
     let budget = NameBudget::of(link, OWN_NAMES);
-    let has_instances = info.definition.instance_field.is_some();
     replaced::add_message(messages, kind, message, &budget, has_instances)
 }
 

@@ -1,0 +1,112 @@
+//! Plain messages: good frames of known messages from known systems, which is nearly all there are.
+//!
+//! Logs and live links account for them here without calling Python. [`crate::link::tracking`] does it for all others.
+
+use mavwire_core::frame::Header;
+use mavwire_core::telemetry::{RADIO, Reception, Sender};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::link::state::Link;
+use crate::link::system::{Senders, SystemState};
+use crate::link::tracking;
+use crate::message::info::Info;
+use crate::message::object::Message;
+use crate::protocol::mavlink::MAVLink;
+use crate::protocol::parse::Parser;
+use crate::sync::shared;
+
+/// A frame with a good checksum, of a message that has a class.
+pub(crate) struct PlainFrame<'a> {
+    pub(crate) header: Header,
+    pub(crate) info: &'static Info,
+    pub(crate) payload: &'a [u8],
+}
+
+impl<'a> PlainFrame<'a> {
+    /// The frame at the start of `stream`; `None` if it is cut off.
+    #[inline]
+    pub(crate) fn parse(stream: &'a [u8], info: &'static Info) -> Option<Self> {
+        let header = Header::parse(stream)?;
+        let payload = header.len()..header.len() + usize::from(header.payload_len);
+        Some(Self { header, info, payload: stream.get(payload)? })
+    }
+}
+
+/// Why Python may have to be called for a message.
+pub(crate) struct Interest {
+    /// The link has message hooks.
+    pub(crate) has_hooks: bool,
+    /// The caller keeps the vehicle's parameters.
+    pub(crate) keeps_params: bool,
+}
+
+/// A plain message that was accounted for and is still to be made and delivered.
+pub(crate) struct Plain<'py> {
+    /// Time of the message.
+    pub(crate) time: f64,
+    info: &'static Info,
+    compid: u8,
+    /// The newest messages of its sender.
+    messages: Bound<'py, PyDict>,
+    /// The sender, if Python has to update its state or to call hooks.
+    changed: Option<Bound<'py, SystemState>>,
+    /// The sender, if its components are told apart.
+    apart: Option<Bound<'py, SystemState>>,
+}
+
+/// Whether the messages that `mav` makes can be plain. Signatures, callbacks and replaced methods need the other way.
+pub(crate) fn makes_plain_messages(mav: &MAVLink, parser: &Parser) -> bool {
+    !parser.checks_signatures() && !mav.shows_messages()
+}
+
+impl<'py> Plain<'py> {
+    /// Accounts for a frame. Returns `None`, with nothing changed, for one from an unknown system or from the radio.
+    #[inline]
+    pub(crate) fn account(
+        py: Python<'py>,
+        (senders, reception): (&mut Senders, &mut Reception),
+        (mav, parser): (&MAVLink, &Parser),
+        frame: &PlainFrame<'_>,
+        interest: &Interest,
+        now: f64,
+    ) -> Option<Self> {
+        let &PlainFrame { header, info, payload } = frame;
+        let Header { sysid, compid, seq, .. } = header;
+        let sender = senders.find(sysid).filter(|_| (sysid, compid) != RADIO)?;
+        let changes_state = info.changes_state
+            && (interest.keeps_params || !info.is_parameter)
+            && !sender.is_settled(&header, payload);
+        let plain = Self {
+            time: reception.account(Some(Sender { sysid, compid, seq }), info.uptime(payload), now),
+            info,
+            compid,
+            messages: sender.messages(py),
+            changed: (changes_state || interest.has_hooks).then(|| sender.state(py)),
+            apart: sender.apart(py, compid),
+        };
+        shared::add(&mav.counters.packets_received, 1);
+        if header.is_signed()
+            && let Some(signing) = &parser.signing
+        {
+            signing.get().note_signed(1);
+        }
+        Some(plain)
+    }
+
+    /// Makes `message`, which nobody has seen, the newest of its type, and calls Python where necessary.
+    pub(crate) fn deliver(
+        self,
+        link: &Bound<'py, Link>,
+        message: &Bound<'py, Message>,
+    ) -> PyResult<()> {
+        let kind = self.info.name.bind(link.py());
+        let has_instances = self.info.definition.instance_field.is_some();
+        let apart = self.apart.as_ref().map(|system| (&system.get().components, self.compid));
+        tracking::keep_newest(link, &self.messages, apart, kind, message, has_instances)?;
+        match &self.changed {
+            Some(system) => tracking::call_python(link, message, kind, system),
+            None => Ok(()),
+        }
+    }
+}
