@@ -24,9 +24,17 @@ class SystemState:
 
 @disjoint_base
 class Link:
-    """The part of `mavutil.mavfile`'s state that every message changes."""
+    """The part of `mavutil.mavfile`'s state that every message changes.
+
+    A derived class that native code reads has `_quick_methods`, the methods that native code stands for.
+    """
+
+    _QUICK_METHODS: ClassVar[list[str]]
+    """Names of the methods that native code stands for. A program may replace them."""
 
     def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
+    def __setattr__(self, name: str, value: Any, /) -> None: ...
+    def __delattr__(self, name: str, /) -> None: ...
     mav: CurrentMAVLink
     """The `MAVLink` object of the current dialect."""
     message_hooks: Any
@@ -82,6 +90,25 @@ class Link:
     def post_message(self, msg: Message) -> None:
         """Takes a received message into the link's state, once, then calls the message hooks."""
 
+    def recv_msg(self) -> ReceivedMessage | None:
+        """The next message, BAD_DATA and UNKNOWN included. None when nothing has arrived, and at the end
+        of a log.
+        """
+
+    def recv_match(
+        self,
+        condition: str | None = None,
+        type: str | Iterable[str] | None = None,
+        blocking: bool = False,
+        timeout: float | None = None,
+    ) -> ReceivedMessage | None:
+        """The next message of a `type` (name, list or set) for which `condition` holds.
+
+        Messages that do not match are consumed, but have updated the state. Returns None when
+        nothing is there, or when blocking, after `timeout` seconds. An indexed log is read only where
+        messages of the wanted types, heartbeats and parameters are.
+        """
+
     def _drop_partial(self) -> None:
         """Forget a frame whose rest will not come: the peer is gone."""
 
@@ -102,33 +129,9 @@ def receive_batch(link: LiveLink, messages: list[Any], limit: int) -> bool:
 
 @disjoint_base
 class LiveLink(Link):
-    """A link over a socket, a serial port or a pipe: the live links of `mavutil` derive from it.
-
-    A class derived from it has `_quick_methods`: the methods that the native ones stand for.
-    """
-
-    _QUICK_METHODS: ClassVar[list[str]]
-    """Methods that the fast path skips. A program may replace them."""
+    """A link over a socket, a serial port or a pipe: the live links of `mavutil` derive from it."""
 
     def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
-    def __setattr__(self, name: str, value: Any, /) -> None: ...
-    def __delattr__(self, name: str, /) -> None: ...
-    def recv_msg(self) -> ReceivedMessage | None:
-        """The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived."""
-
-    def recv_match(
-        self,
-        condition: str | None = None,
-        type: str | Iterable[str] | None = None,
-        blocking: bool = False,
-        timeout: float | None = None,
-    ) -> ReceivedMessage | None:
-        """The next message of a `type` (name, list or set) for which `condition` holds.
-
-        Messages that do not match are consumed, but have updated the state. Returns None when
-        nothing is there, or when blocking, after `timeout` seconds.
-        """
-
     @property
     def peers_forgotten(self) -> int:
         """Peers that had to make room for others."""

@@ -2,47 +2,22 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
-from typing import Any, ClassVar, Protocol, Self, final
+from typing import Any, Protocol, Self, final
 
 from mavwire._native import Dialect, Message
 from mavwire._stubs.links import Link
-from mavwire._stubs.mavutil import ReceivedMessage
 from typing_extensions import disjoint_base
 
 @disjoint_base
 class LogLink(Link):
-    """A telemetry log as a link: `mavutil.mavlogfile` derives from it.
-
-    A class derived from it has `_quick_methods`: the methods that the native ones stand for.
-    """
-
-    _QUICK_METHODS: ClassVar[list[str]]
-    """Methods that the fast path skips. A program may replace them."""
+    """A telemetry log as a link: `mavutil.mavlogfile` derives from it."""
 
     def __new__(cls, *_args: Any, **_kwargs: Any) -> Self: ...
-    def __setattr__(self, name: str, value: Any, /) -> None: ...
-    def __delattr__(self, name: str, /) -> None: ...
     percent: float
     """How much of the log is read, 0 to 100."""
 
     def recv(self, n: int | None = None) -> bytes:
         """Up to `n` bytes of the log; empty at its end."""
-
-    def recv_msg(self) -> ReceivedMessage | None:
-        """The next message, BAD_DATA and UNKNOWN included; None at the end of the log."""
-
-    def recv_match(
-        self,
-        condition: str | None = None,
-        type: str | Iterable[str] | None = None,
-        blocking: bool = False,
-        timeout: float | None = None,
-    ) -> ReceivedMessage | None:
-        """The next message of a `type` (name, list or set) for which `condition` holds.
-
-        None at the end of the log. An indexed log is read only where messages of the wanted types,
-        heartbeats and parameters stand.
-        """
 
     @property
     def _stamped(self) -> bool:

@@ -9,8 +9,6 @@ nobody replaces what it stands for. The methods here are what it hands over to.
 
 from __future__ import annotations
 
-from time import monotonic
-
 from mavwire._hooks import quick_methods
 from mavwire._native import LiveLink
 
@@ -45,15 +43,11 @@ class ChunkedLink(LiveLink, mavfile):
         if cls.__module__.startswith(__package__):
             cls._quick_methods = quick_methods(cls, mavfile)
 
-    def _recv_match_slowly(self, *arguments: Any) -> Any:
-        return mavfile.recv_match(self, *arguments)
-
     def select(self, timeout: float) -> bool:
         """Whether there may be data within `timeout` seconds, or data that was read ahead."""
         return self._has_read_ahead or super().select(timeout)
 
-    def _recv_msg_slowly(self) -> Any:
-        """What `recv_msg` does where it cannot be done natively."""
+    def _recv_by_methods(self) -> Any:
         self.pre_message()
         msg = None
         try:
@@ -112,13 +106,6 @@ class ChunkedLink(LiveLink, mavfile):
             import os
 
             raise OSError(errno.EBADF, os.strerror(errno.EBADF))
-
-    def _condition_holds(self, condition: str, msg: Any) -> Any:
-        return self._matches(msg, None, condition)
-
-    def _idle_for(self, timeout: float | None, remaining: float | None) -> None:
-        """Run the idle hooks and wait, `remaining` seconds at most."""
-        self._idle(timeout, None if remaining is None else monotonic() + remaining)
 
 
 ChunkedLink._quick_methods = quick_methods(ChunkedLink, mavfile)

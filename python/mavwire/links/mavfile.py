@@ -1,7 +1,7 @@
 """`mavfile`, the base of every link: bytes in, messages out, and the state they leave behind.
 
-A transport provides `recv`, `write` and `close`; everything else is here or in the mixins. Two
-methods run for every message, `recv_msg` and `post_message`; they stay thin on purpose.
+A transport provides `recv`, `write` and `close`. The native base class `Link` receives and keeps the
+state that every message changes; everything else is here or in the mixins.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .vehicle_state import SystemStates, mavfile_state, param_state
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
     from typing import IO, Any, Self
 
     from mavwire._stubs.mavutil import CurrentMAVLink, ReceivedMessage
@@ -192,8 +192,8 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
     def pre_message(self) -> None:
         """Called before each message is read; log readers take the timestamp here."""
 
-    def recv_msg(self) -> ReceivedMessage | None:
-        """The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived."""
+    def _recv_by_methods(self) -> ReceivedMessage | None:
+        """`recv_msg` by the methods of the link, for a program that replaced or supplied one."""
         self.pre_message()
         while True:
             data = self.recv(self.mav.bytes_needed())
@@ -269,49 +269,17 @@ class mavfile(Target, Tracking, Commands, Signing, Link):
         """Record received bytes exactly as they arrived, secrets included."""
         self.logfile_raw = open_recording(logfile, mode)
 
-    def recv_match(
-        self,
-        condition: str | None = None,
-        type: str | Iterable[str] | None = None,
-        blocking: bool = False,
-        timeout: float | None = None,
-    ) -> ReceivedMessage | None:
-        """The next message of a `type` (name, list or set) for which `condition` holds.
-
-        Messages that do not match are consumed, but have updated the state. Returns None when
-        nothing is there, or when blocking, after `timeout` seconds.
-        """
-        types: Any = type
-        if type is not None and not isinstance(type, (list, set)):
-            types = [type]
-        deadline = None if timeout is None else monotonic() + timeout
-        while True:
-            msg = self._recv_candidate(types)
-            if msg is not None and self._matches(msg, types, condition):
-                return msg
-            if msg is None and not blocking:
-                return None
-            if deadline is not None and monotonic() >= deadline:
-                return None
-            if msg is None:
-                self._idle(timeout, deadline)
-
-    def _recv_candidate(self, types: Any) -> ReceivedMessage | None:
-        """The next message that may match; log readers skip records of other types here."""
-        return self.recv_msg()
-
-    def _matches(self, msg: ReceivedMessage, types: Any, condition: str | None) -> bool:
-        """Whether `msg` is wanted; the condition sees the messages of its sender, which `post_message` notes."""
-        if types is not None and msg.get_type() not in types:
-            return False
+    def _matches(self, msg: ReceivedMessage, condition: str | None) -> bool:
+        """Whether the sender of `msg` is known, and `condition` holds for its newest messages."""
         sender = self.sysid_state.get(msg.get_srcSystem())
         if sender is None or condition is None:
             return sender is not None
         holds: bool = evaluate_condition(condition, sender.messages)
         return holds
 
-    def _idle(self, timeout: float | None, deadline: float | None) -> None:
-        """Run the idle hooks, then wait for data, never beyond `deadline`."""
+    def _idle(self, timeout: float | None, remaining: float | None) -> None:
+        """Run the idle hooks, then wait for data, `remaining` seconds at most."""
+        deadline = None if remaining is None else monotonic() + remaining
         for hook in self.idle_hooks:
             hook(self)
         if timeout is None or deadline is None:

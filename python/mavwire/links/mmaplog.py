@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any, Literal
 
-    from mavwire._stubs.mavutil import ReceivedMessage
-
 # Beyond this many keys in `messages` the index adds no further instances.
 MAX_INDEXED_KEYS = 8192
 
@@ -137,11 +135,6 @@ class mavmmaplog(mavlogfile):
         """Scripts for pymavlink call this name and override it in subclasses."""
         self._restart()
         self.flightmode = "UNKNOWN"
-
-    def _recv_candidate(self, types: Any) -> ReceivedMessage | None:
-        if types is not None:
-            self.skip_to_type(types)
-        return self.recv_msg()
 
     def flightmode_list(self) -> list[tuple[str, float, float]]:
         """(mode, start, end) of each stretch between heartbeats in one mode; rewinds the log."""

@@ -39,8 +39,7 @@ class mavlogfile(LogLink, mavfile):
     # A log that is read ignores what is sent to it, so that programs can replay through it.
     discarded_writes = 0
     discarded_bytes = 0
-    # Methods that the native fast path skips. If a program replaces one of them, logs are read
-    # through mavfile's own loop.
+    # Methods that native code stands for, with their originals.
     _quick_methods: list[tuple[type | None, str, Any]]
 
     def __init__(
@@ -75,23 +74,9 @@ class mavlogfile(LogLink, mavfile):
             self._open_reader(filename, not notimestamps, time.time())
             self.f = LogFile(self, self.f)
 
-    # Looked up at each call: a program may replace them in mavfile.
-
-    def _recv_msg_slowly(self) -> Any:
-        return mavfile.recv_msg(self)
-
-    def _recv_match_slowly(self, *arguments: Any) -> Any:
-        return mavfile.recv_match(self, *arguments)
-
-    def _post_slowly(self, msg: Any) -> None:
-        mavfile.post_message(self, msg)
-
     def _delivered(self, msg: Any) -> None:
         self._end_record()
         super()._delivered(msg)
-
-    def _condition_holds(self, condition: str, msg: Any) -> Any:
-        return self._matches(msg, None, condition)
 
     @property
     def port(self) -> LogPort:

@@ -21,6 +21,7 @@ pub(crate) mod name_budget;
 pub(crate) mod params;
 pub(crate) mod peers;
 pub(crate) mod plain;
+pub(crate) mod receive;
 pub(crate) mod replaced;
 pub(crate) mod state;
 pub(crate) mod stream_writer;

@@ -8,4 +8,5 @@ pub(crate) mod instance_dict;
 pub(crate) mod intern;
 pub(crate) mod lists;
 pub(crate) mod number;
+pub(crate) mod own_methods;
 pub(crate) mod raw_function;

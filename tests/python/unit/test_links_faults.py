@@ -744,7 +744,7 @@ def test_the_error_of_a_connection_is_not_taken_for_one_of_the_next(monkeypatch)
         link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{server.getsockname()[1]}")
         first, next_port = server.accept()[0], socket.create_connection(server.getsockname())
         second = server.accept()[0]
-        slowly = link._recv_msg_slowly
+        slowly = link._recv_by_methods
 
         def meanwhile():
             """Another thread has a new connection by now."""
@@ -754,12 +754,12 @@ def test_the_error_of_a_connection_is_not_taken_for_one_of_the_next(monkeypatch)
             old.close()
             return slowly()
 
-        link._recv_msg_slowly = meanwhile
+        link._recv_by_methods = meanwhile
         reset(first)
         with watched(WAIT):
             while link.port is not next_port:
                 link.recv_msg()
-        link._recv_msg_slowly = slowly
+        link._recv_by_methods = slowly
         second.sendall(heartbeat(8))
         assert link.recv_match(blocking=True, timeout=WAIT).get_seq() == 8
         assert link.port is next_port

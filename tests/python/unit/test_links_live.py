@@ -360,8 +360,8 @@ def test_tcp_end_is_noticed_once_and_costs_nothing(listener, capsys):
     vehicle.close()
     until(lambda: link.recv_msg() is None and link.portdead)
     wakings = []
-    idle = link._idle_for
-    link._idle_for = lambda *args: wakings.append(idle(*args))
+    idle = link._idle
+    link._idle = lambda *args: wakings.append(idle(*args))
     assert link.recv_match(blocking=True, timeout=0.5) is None
     assert len(wakings) <= 10  # and not thousands
     assert capsys.readouterr().out == "EOF on TCP socket\n"

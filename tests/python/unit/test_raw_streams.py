@@ -123,7 +123,7 @@ def test_the_first_clock_gives_the_times_of_all_systems(
     clock = [(wrap - 999 + 500 * n) / 1e3 for n in range(5)]
     expected = [0.0] + [time for one in clock for time in (one, one)]
     with mavutil.mavlink_connection(str(path), **options) as log:
-        slowly = list(iter(log._recv_msg_slowly, None))
+        slowly = list(iter(log._recv_by_methods, None))
     for messages in (mavwire.open_log(path), by_mavutil(path, **options), slowly):
         assert [msg._timestamp for msg in messages] == pytest.approx(expected)
     table = mavwire.read(path, "ATTITUDE")["ATTITUDE"]["timestamp"].astype("int64") / 1e6

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::layout::{TableLayout, table_layout};
 use super::record_index::Place;
-use super::record_times::{Stretch, RecordTimes, Walked};
+use super::record_times::{RecordTimes, Stretch, Walked};
 use super::survey::{Form, NO_TABLE, Survey};
 use crate::error::Error;
 use crate::gather::{NO_TIME, Rows};

@@ -8,7 +8,7 @@ use mavwire_core::log::dataflash::text::{nth_value, number};
 use mavwire_core::log::dataflash::{FieldKind, HEAD_LEN, Layout, TimeRule, whole};
 
 use super::lines::Lines;
-use super::record_index::{RecordIndex, Place, hop};
+use super::record_index::{Place, RecordIndex, hop};
 use super::survey::{Form, Survey};
 use crate::row_block::PIECE;
 

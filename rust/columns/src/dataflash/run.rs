@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use super::lines::Lines;
-use super::record_index::{RecordIndex, Place, hop};
+use super::record_index::{Place, RecordIndex, hop};
 use super::survey::{Form, Open, Survey, begin};
 use crate::error::Error;
 use crate::input::{Blocks, Steps};

@@ -4,7 +4,6 @@
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use mavwire_core::log::dataflash::text::Delimiter;
 use mavwire_io::dataflash::Contents;
@@ -18,9 +17,9 @@ use super::message::DFMessage;
 use super::shape::{self, Names};
 use super::source::{BUDGET, Source};
 use super::state::{Kind, Search, State, Taken, closed};
-use crate::link::state::{overrides, set_attr};
 use crate::python::calling::{Calling, truth};
 use crate::python::lists::list;
+use crate::python::own_methods::OwnMethods;
 use crate::sync::gil_yield::GilYield;
 use crate::sync::lock::Lock;
 
@@ -34,11 +33,10 @@ const STATE_TYPES: [&str; 6] = ["MODE", "MSG", "PARM", "STAT", "ORGN", "VER"];
 #[pyclass(frozen, subclass, weakref, module = "mavwire._native")]
 pub(crate) struct DataflashReader {
     state: Lock<State>,
-    /// No method that the fast path skips was replaced.
-    quick: AtomicBool,
+    methods: OwnMethods,
 }
 
-/// Methods that the fast path skips. If one of them is replaced, the fast path is off.
+/// Methods that native code stands for.
 const QUICK_METHODS: [&str; 5] =
     ["recv_msg", "_parse_next", "_add_msg", "_set_time", "skip_to_type"];
 
@@ -228,8 +226,8 @@ impl DataflashReader {
         _args: &Bound<'_, PyTuple>,
         _kwargs: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let quick = AtomicBool::new(!overrides(cls)?);
-        Ok(Self { state: Lock::new(State::new(cls.py())), quick })
+        let methods = OwnMethods::of_class(&QUICK_METHODS, cls)?;
+        Ok(Self { state: Lock::new(State::new(cls.py())), methods })
     }
 
     fn __setattr__(
@@ -237,7 +235,7 @@ impl DataflashReader {
         name: &Bound<'_, PyString>,
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        set_attr(slf.as_any(), name, value, &QUICK_METHODS, &slf.get().quick)
+        slf.get().methods.set_attribute(slf.as_any(), name, value)
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
@@ -385,7 +383,7 @@ impl DataflashReader {
 
     /// The next message, None at the end.
     fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        if slf.get().quick.load(Relaxed) {
+        if slf.get().methods.are_intact() {
             let message = Self::next(slf, false)?.map(|(message, _)| message);
             return Ok(message.into_pyobject(slf.py())?);
         }
@@ -434,7 +432,7 @@ impl DataflashReader {
     ) -> PyResult<Bound<'py, PyAny>> {
         let _ = blocking;
         let py = slf.py();
-        if !slf.get().quick.load(Relaxed) {
+        if !slf.get().methods.are_intact() {
             let slowly = intern!(py, "_recv_match_slowly");
             return slf.invoke_method1(slowly, (condition, r#type, strict));
         }

@@ -29,15 +29,19 @@ impl<'py> Filter<'py> {
         Ok(Self::In(PyList::new(types.py(), [types])?.into_any()))
     }
 
-    pub(crate) fn wants(&self, message: &Bound<'_, Message>) -> PyResult<bool> {
-        let kind = match self {
-            Self::All => return Ok(true),
-            _ => message_type(message)?,
+    /// Whether `message`, which a program's own `recv_msg` may have made, is of a wanted type.
+    pub(crate) fn wants(&self, message: &Bound<'_, PyAny>) -> PyResult<bool> {
+        if matches!(self, Self::All) {
+            return Ok(true);
+        }
+        let kind = match message.cast::<Message>() {
+            Ok(message) => message_type(message)?.into_any(),
+            Err(_) => message.invoke_method0(intern!(message.py(), "get_type"))?,
         };
         match self {
             Self::All => Ok(true),
             Self::One(name) => Ok(kind.is(name) || kind.equals(name)?),
-            Self::In(names) => names.includes(kind.as_any()),
+            Self::In(names) => names.includes(&kind),
         }
     }
 }

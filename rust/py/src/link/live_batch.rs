@@ -1,12 +1,10 @@
 //! Receiving from a live link by the batch, for loops that are told when there is something to read.
 
-use std::sync::atomic::Ordering::Relaxed;
-
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
 use crate::link::live_link::LiveLink;
-use crate::python::calling::Calling;
+use crate::link::{live_receive, receive};
 
 /// Appends to `messages` what `link` has received, `limit` messages at most, and says whether there may be more.
 ///
@@ -18,20 +16,12 @@ pub(crate) fn receive_batch(
     messages: &Bound<'_, PyList>,
     limit: usize,
 ) -> PyResult<bool> {
-    let py = link.py();
+    let base = link.as_super();
     for _ in 0..limit {
-        if link.get().quick.load(Relaxed) {
-            let Some(message) = LiveLink::next_message(link)? else { return Ok(false) };
-            messages.append(message)?;
-            if LiveLink::is_drained(link) {
-                return Ok(false);
-            }
-        } else {
-            let message = link.invoke_method0(intern!(py, "recv_msg"))?;
-            if message.is_none() {
-                return Ok(false);
-            }
-            messages.append(message)?;
+        let Some(message) = receive::next_message(base)? else { return Ok(false) };
+        messages.append(message)?;
+        if live_receive::has_nothing_left(base) {
+            return Ok(false);
         }
     }
     Ok(true)

@@ -1,10 +1,8 @@
 //! `LiveLink`: a link over a socket, a serial port or a pipe. The classes of `mavwire.links` derive from it.
 //!
-//! `recv_msg` and `recv_match` wait, read, decode and keep state without calling Python, as long as nobody replaced one of
-//! the methods they stand for or the parser's, and no bytes are being recorded. Otherwise, and for all that is not simply
-//! data (the end of a stream, a connection to be taken), they hand over to the Python methods.
-
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+//! Native code reads and waits as long as no program replaced a method that it stands for or the parser's, and no bytes
+//! are recorded. Python does what is not simply data: the end of a stream, or a connection to accept. See
+//! [`crate::link::receive`].
 
 use mavwire_io::address::Address;
 use pyo3::prelude::*;
@@ -19,21 +17,6 @@ use crate::python::calling::Calling;
 use crate::sync::lock::{Guard, Lock};
 use crate::sync::slot::Slot;
 
-/// Methods whose replacement turns the quick paths off.
-pub(super) const QUICK_METHODS: [&str; 11] = [
-    "recv",
-    "recv_msg",
-    "pre_message",
-    "post_message",
-    "auto_mavlink_version",
-    "select",
-    "_arrived",
-    "_delivered",
-    "_idle",
-    "_matches",
-    "_record",
-];
-
 /// Where the classes of ports are defined that are read natively.
 const PLAIN_PORTS: [&str; 3] = ["socket", "_io", "serial.serialposix"];
 
@@ -41,8 +24,6 @@ const PLAIN_PORTS: [&str; 3] = ["socket", "_io", "serial.serialposix"];
 #[pyclass(frozen, subclass, extends = Link, module = "mavwire._native")]
 pub(crate) struct LiveLink {
     pub(super) source: Lock<LiveSource>,
-    /// This system's descriptors are read natively, and nobody replaced what the quick paths stand for.
-    pub(crate) quick: AtomicBool,
     /// Why reading failed.
     pub(crate) failure: Failure,
     /// The class of port that was seen to be a plain one.
@@ -55,15 +36,13 @@ impl LiveLink {
         self.source.lock(unsafe { Python::assume_attached() })
     }
 
-    /// The quick paths may be taken.
+    /// Native code can read the link: the parser is ours, no bytes are recorded or wait to be sent.
     pub(super) fn is_quick(slf: &Bound<'_, Self>) -> bool {
-        let this = slf.get();
-        if !this.quick.load(Relaxed) {
-            return false;
-        }
-        let state = slf.as_super().get().state();
-        let source = this.source();
-        source.transport != Transport::Foreign
+        let link = slf.as_super().get();
+        let state = link.state();
+        let source = slf.get().source();
+        link.is_quick()
+            && source.transport != Transport::Foreign
             && !source.has_unsent
             && !state.records_bytes()
             && !state.has_own_parser()

@@ -1,14 +1,18 @@
-//! The quick way of a live link from what was received to a message, with everything it changes.
+//! Receiving from a live link natively: waiting, reading, and a message with all that it changes.
 
 use std::sync::atomic::Ordering::Relaxed;
+use std::time::{Duration, Instant};
 
 use mavwire_io::address::Address;
+use mavwire_io::readiness;
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 
 use crate::link::live_link::LiveLink;
 use crate::link::live_source::Arrived;
 use crate::link::plain::{Interest, Plain, PlainFrame, makes_plain_messages};
 use crate::link::replaced;
+use crate::link::state::Link;
 use crate::link::tracking;
 use crate::message::create;
 use crate::message::frame_bytes::FrameBytes;
@@ -21,26 +25,10 @@ use crate::sync::shared;
 /// Reads per call without a message coming out of them: a peer that sends garbage faster than it is read must not keep a
 /// caller from looking at its timeout.
 const READS_PER_CALL: usize = 64;
-
-/// What came of looking for a message.
-pub(crate) enum Received<'py> {
-    Message(Bound<'py, Message>),
-    Nothing,
-    /// Python has to have a look.
-    Trouble,
-}
-
-impl<'py> Received<'py> {
-    /// The message or that there is none; `None` if Python has to have a look.
-    #[allow(clippy::option_option)] // two questions, two answers
-    pub(crate) fn message(self) -> Option<Option<Bound<'py, Message>>> {
-        match self {
-            Self::Message(message) => Some(Some(message)),
-            Self::Nothing => Some(None),
-            Self::Trouble => None,
-        }
-    }
-}
+/// How long one wait may last before the user's signals are looked at: those that another thread received end no wait.
+const WAIT_SLICE: Duration = Duration::from_millis(200);
+/// How often an idle link does what Python has to do for it.
+const TEND_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A plain message, ready to be made.
 struct Fresh<'py> {
@@ -60,26 +48,88 @@ enum Scanned<'py> {
     Other(Step, Option<Address>),
 }
 
-/// The next message; reads what is there if nothing waits.
-pub(crate) fn next_message<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Received<'py>> {
-    let Some(mav) = native_mav(slf) else { return Ok(Received::Trouble) };
+/// The next message or that there is none; `None` if Python has to look for it.
+#[allow(clippy::option_option)] // two questions, two answers
+pub(crate) fn next_message<'py>(
+    slf: &Bound<'py, LiveLink>,
+) -> PyResult<Option<Option<Bound<'py, Message>>>> {
+    if !LiveLink::is_quick(slf) {
+        return Ok(None);
+    }
+    let received = next_received(slf);
+    // Garbage does not show that the client is alive.
+    if match &received {
+        Ok(Some(Some(message))) => message.get().origin == Origin::Bad,
+        Ok(Some(None)) | Err(_) => true,
+        Ok(None) => false,
+    } {
+        tend(slf)?;
+    }
+    received
+}
+
+#[allow(clippy::option_option)] // as above
+fn next_received<'py>(slf: &Bound<'py, LiveLink>) -> PyResult<Option<Option<Bound<'py, Message>>>> {
+    let Some(mav) = native_mav(slf) else { return Ok(None) };
     for _ in 0..READS_PER_CALL {
         // The time may come from Python code, which must not run while a lock is held.
         match scan(slf, &mav, replaced::now(slf.py())?) {
-            Scanned::Fresh(fresh) => return deliver(slf, &mav, fresh).map(Received::Message),
+            Scanned::Fresh(fresh) => return deliver(slf, &mav, fresh).map(Some).map(Some),
             Scanned::Other(step, from) => {
                 if let Some(message) = deliver_other(slf, &mav, step, from)? {
-                    return Ok(Received::Message(message));
+                    return Ok(Some(Some(message)));
                 }
             }
             Scanned::Nothing => match fill(slf, &mav)? {
                 Arrived::Data(_) => {}
-                Arrived::Nothing => return Ok(Received::Nothing),
-                Arrived::Trouble | Arrived::Failed(_) => return Ok(Received::Trouble),
+                Arrived::Nothing => return Ok(Some(None)),
+                Arrived::Trouble | Arrived::Failed(_) => return Ok(None),
             },
         }
     }
-    Ok(Received::Nothing)
+    Ok(Some(None))
+}
+
+/// Now and then lets Python flush the log and see whether somebody waits for a client that says nothing sensible.
+fn tend(slf: &Bound<'_, LiveLink>) -> PyResult<()> {
+    let records = slf.as_super().get().state().records_messages();
+    if slf.get().source().is_time_to_tend(records, Instant::now(), TEND_INTERVAL) {
+        slf.invoke_method0(intern!(slf.py(), "_tend"))?;
+    }
+    Ok(())
+}
+
+/// Waiting is better than reading `link` again: the last read emptied its socket, and nothing of it is left.
+pub(crate) fn has_nothing_left(link: &Bound<'_, Link>) -> bool {
+    link.get().is_quick() && link.cast::<LiveLink>().is_ok_and(LiveLink::is_drained)
+}
+
+/// Waits natively until data may be there or `remaining` is over. Returns false, without having waited, if Python has to
+/// wait: for idle hooks, or without a descriptor.
+pub(crate) fn wait(slf: &Bound<'_, LiveLink>, remaining: Option<Duration>) -> PyResult<bool> {
+    let py = slf.py();
+    let hooks = slf.attribute(intern!(py, "idle_hooks"))?;
+    let has_hooks = hooks.cast::<PyList>().map_or(true, |hooks| !hooks.is_empty());
+    let fd = slf.attribute(intern!(py, "fd"))?.extract::<i32>().ok();
+    let Some(fd) = fd.filter(|_| !has_hooks) else { return Ok(false) };
+    let slice = remaining.map_or(WAIT_SLICE, |remaining| remaining.min(WAIT_SLICE));
+    let writable = slf.get().source().has_unsent;
+    let ready = if slice.is_zero() {
+        readiness::ready(fd, writable, slice)
+    } else {
+        py.detach(|| readiness::ready(fd, writable, slice))
+    };
+    py.check_signals()?;
+    match ready {
+        // The next read says whether there is anything.
+        Ok(true) => slf.get().source().drained = false,
+        Err(error) if error.kind() != std::io::ErrorKind::Interrupted => {
+            slf.get().source().drained = false;
+            py.detach(|| std::thread::sleep(slice.min(Duration::from_millis(10))));
+        }
+        _ => {}
+    }
+    Ok(true)
 }
 
 fn native_mav<'py>(slf: &Bound<'py, LiveLink>) -> Option<Bound<'py, MAVLink>> {

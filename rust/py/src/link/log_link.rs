@@ -1,38 +1,19 @@
 //! `LogLink`: a telemetry log as a link. `mavutil.mavlogfile` and `mavmmaplog` derive from it.
 //!
-//! `recv_msg` and `recv_match` read, decode and keep state without calling Python, as long as nobody replaced one of the
-//! methods they stand for or the parser's, and nothing is being recorded; otherwise they hand over to mavfile's own.
-
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+//! Native code reads the log as long as no program replaced a method that it stands for or the parser's, and nothing is
+//! recorded. See [`crate::link::receive`].
 
 use mavwire_core::log::tlog::Framing;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 
 use crate::link::log_wanted::{self, Wanted};
 use crate::link::state::Link;
 use crate::log::reader::LogReader;
-use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
-use crate::python::calling::Calling;
 use crate::python::file_error::of_reading;
 use crate::sync::lock::Lock;
-use crate::sync::slot::Slot;
 use mavwire_io::log_index::LogIndex;
-
-/// Methods whose replacement turns the quick paths off.
-pub(super) const QUICK_METHODS: [&str; 9] = [
-    "recv",
-    "pre_message",
-    "post_message",
-    "recv_msg",
-    "recv_match",
-    "auto_mavlink_version",
-    "skip_to_type",
-    "_update",
-    "_delivered",
-];
 
 /// Messages between two looks whether others should have a turn: two milliseconds or so.
 pub(crate) const TURN_INTERVAL: u64 = 16 * 1024;
@@ -42,24 +23,17 @@ pub(crate) const TURN_INTERVAL: u64 = 16 * 1024;
 pub(crate) struct LogLink {
     pub(super) index: Lock<Option<LogIndex>>,
     pub(super) wanted: Lock<Option<Wanted>>,
-    /// Nobody replaced what the quick paths stand for.
-    pub(super) quick: AtomicBool,
-    /// The last message, unless `LinkState::last_fresh` tells which it was.
-    pub(crate) last: Slot<Message>,
 }
 
 impl LogLink {
-    /// The quick paths may be taken.
+    /// Native code can read the log: nothing is recorded, and the parser is ours.
     pub(crate) fn is_quick(slf: &Bound<'_, Self>) -> bool {
-        slf.get().quick.load(Relaxed) && {
-            let state = slf.as_super().get().state();
-            state.reader.is_some() && !state.is_recording() && !state.has_own_parser()
-        }
-    }
-
-    /// A method that the fast path skips was replaced.
-    pub(crate) fn is_read_slowly(&self) -> bool {
-        !self.quick.load(Relaxed)
+        let link = slf.as_super().get();
+        let state = link.state();
+        link.is_quick()
+            && state.reader.is_some()
+            && !state.is_recording()
+            && !state.has_own_parser()
     }
 
     /// Does something with the reader; `None` while the log is not open for reading.
@@ -118,32 +92,9 @@ impl LogLink {
         Self::visit(slf, &[offset])
     }
 
-    /// Takes the time from a message of a raw stream that the reader has not seen as one.
-    pub(super) fn hear_raw(slf: &Bound<'_, Self>, message: &Message) {
-        let mut state = slf.as_super().get().state();
-        let state = &mut *state;
-        if let (Some(reader), Some(mav), Some(info)) =
-            (state.reader.as_mut(), state.native_mav.as_ref(), message.info)
-            && let registry = &mav.get().dialect.get().registry
-            && let Some(entry) = registry.lookup(info.definition.id)
-        {
-            reader.hear_raw(registry, entry.index, &message.frame);
-            state.reception.record_time = Some(reader.time);
-        }
-    }
-
     /// Records have time stamps.
     pub(super) fn is_stamped(slf: &Bound<'_, Self>) -> bool {
         let state = slf.as_super().get().state();
         state.reader.as_ref().is_none_or(|reader| reader.framing == Framing::Stamped)
-    }
-
-    pub(super) fn call_slowly<'py>(
-        slf: &Bound<'py, Self>,
-        method: &str,
-        arguments: impl IntoPyObject<'py, Target = PyTuple>,
-    ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let result = slf.invoke_method1(method, arguments)?;
-        Ok((!result.is_none()).then_some(result))
     }
 }

@@ -1,34 +1,25 @@
 //! The Python methods of `LogLink`.
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use mavwire_core::log::tlog::{Framing, Stamp};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
-use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 
-use crate::link::filter::Filter;
 use crate::link::log_index_build;
-use crate::link::log_link::{LogLink, QUICK_METHODS, TURN_INTERVAL};
+use crate::link::log_link::LogLink;
 use crate::link::log_visits::LogVisits;
 use crate::link::log_wanted::Wanted;
-use crate::link::state::{Link, overrides, set_attr};
+use crate::link::state::Link;
 use crate::link::tracking;
 use crate::log::reader::{LogReader, seconds};
-use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
-use crate::python::calling::{Calling, truth};
-use crate::sync::gil_yield::GilYield;
 use crate::sync::lock::Lock;
-use crate::sync::slot::Slot;
 use mavwire_io::log_index::LogIndex;
+
 #[pymethods]
 impl LogLink {
-    #[classattr]
-    const _QUICK_METHODS: [&'static str; 9] = QUICK_METHODS;
-
     #[new]
     #[classmethod]
     #[pyo3(signature = (*_args, **_kwargs))]
@@ -37,25 +28,8 @@ impl LogLink {
         _args: &Bound<'_, PyTuple>,
         _kwargs: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let log = Self {
-            index: Lock::new(None),
-            wanted: Lock::new(None),
-            quick: AtomicBool::new(!overrides(cls)?),
-            last: Slot::new(),
-        };
-        Ok(PyClassInitializer::from(Link::empty()).add_subclass(log))
-    }
-
-    fn __setattr__(
-        slf: &Bound<'_, Self>,
-        name: &Bound<'_, PyString>,
-        value: &Bound<'_, PyAny>,
-    ) -> PyResult<()> {
-        set_attr(slf.as_any(), name, value, &QUICK_METHODS, &slf.get().quick)
-    }
-
-    fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        slf.set_generic_attribute(name, None)
+        let log = Self { index: Lock::new(None), wanted: Lock::new(None) };
+        Ok(PyClassInitializer::from(Link::of_class(cls)?).add_subclass(log))
     }
 
     /// How much of the log is read, 0 to 100.
@@ -135,7 +109,8 @@ impl LogLink {
         let py = slf.py();
         let fresh = slf.as_super().get().state().last_fresh;
         let Some((sysid, index)) = fresh else {
-            return Ok(slf.get().last.get(py).map(Bound::into_any));
+            let state = slf.as_super().get().state();
+            return Ok(state.last.as_ref().map(|last| last.bind(py).clone().into_any()));
         };
         let mav = Self::mav(slf)?;
         let name = &mav.get().dialect.get().registry.message(index).name;
@@ -178,12 +153,6 @@ impl LogLink {
         bytes.flatten().unwrap_or_else(|| Ok(PyBytes::new(py, b"")))
     }
 
-    /// Takes a message into the state, stamped with its record's time and link number.
-    fn post_message(slf: &Bound<'_, Self>, msg: &Bound<'_, Message>) -> PyResult<()> {
-        Self::hear_raw(slf, msg.get());
-        Self::settle(slf, msg)
-    }
-
     /// A message came out of the record: the next time stamp is due, whether or not `post_message` hears of this one.
     fn _end_record(slf: &Bound<'_, Self>) -> PyResult<()> {
         Self::reader(slf, |reader| {
@@ -191,59 +160,6 @@ impl LogLink {
             Ok(())
         })
         .map(drop)
-    }
-
-    /// The next message, BAD_DATA and UNKNOWN included; None at the end of the log.
-    fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        if Self::is_quick(slf) {
-            return Ok(Self::next_message(slf)?.map(Bound::into_any));
-        }
-        Self::call_slowly(slf, "_recv_msg_slowly", ())
-    }
-
-    /// The next message of a `type` (name, list or set) for which `condition` holds; None at the end of the log.
-    ///
-    /// An indexed log is read only where messages of the wanted types, heartbeats and parameters stand.
-    #[pyo3(signature = (condition = None, r#type = None, blocking = false, timeout = None))]
-    fn recv_match<'py>(
-        slf: &Bound<'py, Self>,
-        condition: Option<&Bound<'py, PyAny>>,
-        r#type: Option<&Bound<'py, PyAny>>,
-        #[pyo3(from_py_with = truth)] blocking: bool,
-        timeout: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        if !Self::is_quick(slf) {
-            let arguments = (condition, r#type, blocking, timeout);
-            return Self::call_slowly(slf, "_recv_match_slowly", arguments);
-        }
-        let py = slf.py();
-        let is_indexed = Self::is_indexed(slf);
-        let filter = Filter::new(r#type, is_indexed)?;
-        let skip = r#type.filter(|_| is_indexed);
-        let (mut seen, mut gil_yield): (u64, _) = (0, GilYield::new());
-        loop {
-            if let Some(types) = skip {
-                Self::advance(slf, types)?;
-            }
-            let Some(message) = Self::next_message(slf)? else { break };
-            if filter.wants(&message)?
-                && condition.map_or(Ok(true), |condition| {
-                    let holds = intern!(py, "_condition_holds");
-                    slf.invoke_method1(holds, (condition, &message))?.truth()
-                })?
-            {
-                return Ok(Some(message.into_any()));
-            }
-            seen += 1;
-            if seen.is_multiple_of(TURN_INTERVAL) {
-                gil_yield.give_way(py)?;
-            }
-        }
-        if blocking {
-            let arguments = (condition, r#type, blocking, timeout);
-            return Self::call_slowly(slf, "_recv_match_slowly", arguments);
-        }
-        Ok(None)
     }
 
     /// The messages of the types called `names` from the start of the log on, those alone; None unless the log is indexed
@@ -303,13 +219,5 @@ impl LogLink {
         let offsets = self.index.lock(py).as_ref().map(LogIndex::by_type).transpose();
         let offsets = offsets.map_err(|error| PyMemoryError::new_err(error.to_string()))?;
         Ok(offsets.unwrap_or_default())
-    }
-
-    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        self.last.traverse(visit)
-    }
-
-    fn __clear__(&self) {
-        self.last.set(None);
     }
 }

@@ -12,7 +12,7 @@ use crate::link::log_link::LogLink;
 use crate::link::plain::{Interest, Plain, PlainFrame, makes_plain_messages};
 use crate::link::tracking;
 use crate::message::create;
-use crate::message::object::{Message, Origin, flags};
+use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
 use crate::protocol::parse;
 use crate::protocol::parse::{Session, Step};
@@ -47,7 +47,7 @@ impl LogLink {
         parse::obey_ignore_checksum(&mav)?;
         let step = Self::next_step(slf, &mav)?;
         let Some(message) = Session::new(&mav).take_step(step)? else { return Ok(None) };
-        Self::settle(slf, &message)?;
+        tracking::post(slf.as_super(), &message)?;
         Ok(Some(message))
     }
 
@@ -120,26 +120,6 @@ impl LogLink {
         shared::add(&native.counters.bytes_received, fed as u64);
         state.reception.record_time = Some(reader.time);
         Ok(step)
-    }
-
-    /// Takes a message into the state, stamped with its record's time and link number.
-    pub(crate) fn settle(slf: &Bound<'_, Self>, message: &Bound<'_, Message>) -> PyResult<()> {
-        let that = message.get();
-        let link_number = Self::reader(slf, |reader| {
-            // A frame that signing rejected is BAD_DATA too.
-            reader.end_record(matches!(that.origin, Origin::Bad));
-            Ok(reader.link)
-        })?;
-        if slf.get().is_read_slowly() {
-            slf.invoke_method1(intern!(slf.py(), "_post_slowly"), (message,))?;
-        } else {
-            tracking::post(slf.as_super(), message)?;
-        }
-        that.link.store(link_number.unwrap_or(0), Relaxed);
-        that.set(flags::LINK);
-        slf.as_super().get().state().last_fresh = None;
-        slf.get().last.set(Some(message.clone().unbind()));
-        Ok(())
     }
 
     /// Shows the first byte of the log's first frame to `auto_mavlink_version`.

@@ -3,22 +3,39 @@
 use mavwire_core::sequence::SequenceTracker;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyFloat, PyInt, PyTuple};
+use pyo3::types::{PyDict, PyFloat, PyInt, PyString, PyTuple};
 
-use crate::link::state::{Link, LinkState};
+use crate::link::receive::{self, Request};
+use crate::link::state::{Link, LinkState, QUICK_METHODS};
 use crate::link::system::forget_states;
 use crate::link::tracking;
 use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::calling::{Calling, truth};
 use crate::python::instance_dict::generic_dict;
+use crate::python::own_methods::OwnMethods;
 
 #[pymethods]
 impl Link {
+    #[classattr]
+    const _QUICK_METHODS: [&'static str; QUICK_METHODS.len()] = QUICK_METHODS;
+
     #[new]
     #[pyo3(signature = (*_args, **_kwargs))]
-    fn new(_args: &Bound<'_, PyTuple>, _kwargs: Option<&Bound<'_, PyDict>>) -> Self {
-        Self::empty()
+    fn new_py(_args: &Bound<'_, PyTuple>, _kwargs: Option<&Bound<'_, PyDict>>) -> Self {
+        Self::new(OwnMethods::none())
+    }
+
+    fn __setattr__(
+        slf: &Bound<'_, Self>,
+        name: &Bound<'_, PyString>,
+        value: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        slf.get().methods.set_attribute(slf.as_any(), name, value)
+    }
+
+    fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
+        slf.set_generic_attribute(name, None)
     }
 
     /// The `MAVLink` object of the current dialect.
@@ -195,7 +212,30 @@ impl Link {
 
     /// Takes a received message into the link's state, once, then calls the message hooks.
     fn post_message(slf: &Bound<'_, Self>, msg: &Bound<'_, Message>) -> PyResult<()> {
+        slf.get().state().hear_raw(msg.get());
         tracking::post(slf, msg)
+    }
+
+    /// The next message, BAD_DATA and UNKNOWN included; None when nothing has arrived, and at the end of a log.
+    fn recv_msg<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        receive::recv_msg(slf)
+    }
+
+    /// The next message of a `type` (name, list or set) for which `condition` holds.
+    ///
+    /// Messages that do not match are consumed, but have updated the state. Returns None when nothing is there, or when
+    /// blocking, after `timeout` seconds. An indexed log is read only where messages of the wanted types, heartbeats and
+    /// parameters are.
+    #[pyo3(signature = (condition = None, r#type = None, blocking = false, timeout = None))]
+    fn recv_match<'py>(
+        slf: &Bound<'py, Self>,
+        condition: Option<&Bound<'py, PyAny>>,
+        r#type: Option<&Bound<'py, PyAny>>,
+        #[pyo3(from_py_with = truth)] blocking: bool,
+        timeout: Option<f64>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let request = Request { condition, is_blocking: blocking, timeout };
+        receive::recv_match(slf, r#type, &request)
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
@@ -207,6 +247,7 @@ impl Link {
         visit.call(state.message_hooks.as_ref())?;
         visit.call(state.logfile.as_ref())?;
         visit.call(state.logfile_raw.as_ref())?;
+        visit.call(state.last.as_ref())?;
         state.senders.traverse(visit)
     }
 

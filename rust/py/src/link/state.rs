@@ -3,18 +3,28 @@
 //! All of it stands behind one lock that is taken once per message: a lock costs as much as decoding three fields. No
 //! Python code runs while it is held.
 
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-
 use mavwire_core::telemetry::Reception;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyString, PyType};
+use pyo3::types::{PyDict, PyList, PyType};
 
 use crate::link::name_budget::{Budget, OWN_NAMES, SharedTables};
 use crate::link::system::{Senders, SystemState};
 use crate::log::reader::LogReader;
+use crate::message::object::{Message, Origin};
 use crate::protocol::mavlink::{MAVLink, overridden};
-use crate::python::calling::Calling;
+use crate::python::own_methods::OwnMethods;
 use crate::sync::lock::{Guard, Lock};
+
+/// Methods of links that native code stands for.
+pub(super) const QUICK_METHODS: [&str; 7] = [
+    "recv",
+    "recv_msg",
+    "pre_message",
+    "post_message",
+    "auto_mavlink_version",
+    "select",
+    "skip_to_type",
+];
 
 /// What changes with every message.
 pub(crate) struct LinkState {
@@ -33,6 +43,8 @@ pub(crate) struct LinkState {
     pub(crate) reader: Option<Box<LogReader>>,
     /// System and message index of the log's last message, if that was a plain one.
     pub(crate) last_fresh: Option<(u8, u16)>,
+    /// The log's last message, if that was another one.
+    pub(crate) last: Option<Py<Message>>,
     pub(crate) percent: f64,
 }
 
@@ -50,6 +62,7 @@ impl LinkState {
             logfile_raw: None,
             reader: None,
             last_fresh: None,
+            last: None,
             percent: 0.0,
         }
     }
@@ -75,6 +88,26 @@ impl LinkState {
         self.logfile_raw.is_some()
     }
 
+    /// Takes the time from a message of a raw stream that a program parsed itself.
+    pub(super) fn hear_raw(&mut self, message: &Message) {
+        if let (Some(reader), Some(mav), Some(info)) =
+            (self.reader.as_mut(), self.native_mav.as_ref(), message.info)
+            && let registry = &mav.get().dialect.get().registry
+            && let Some(entry) = registry.lookup(info.definition.id)
+        {
+            reader.hear_raw(registry, entry.index, &message.frame);
+            self.reception.record_time = Some(reader.time);
+        }
+    }
+
+    /// Ends the log record that `message` came from. Returns the number of its link, `None` on live links.
+    pub(super) fn end_record(&mut self, message: &Message) -> Option<u8> {
+        let reader = self.reader.as_mut()?;
+        // A frame that signing rejected is BAD_DATA too.
+        reader.end_record(message.origin == Origin::Bad);
+        Some(reader.link)
+    }
+
     /// Hooks are to be called.
     pub(crate) fn has_hooks(&self, py: Python<'_>) -> bool {
         self.message_hooks.as_ref().is_some_and(|hooks| {
@@ -87,13 +120,26 @@ impl LinkState {
 #[pyclass(frozen, subclass, module = "mavwire._native")]
 pub(crate) struct Link {
     pub(super) state: Lock<LinkState>,
+    /// Those of `QUICK_METHODS`.
+    pub(super) methods: OwnMethods,
     /// Room for names that whoever sends has chosen.
     pub(crate) budget: Budget,
 }
 
 impl Link {
-    pub(crate) fn empty() -> Self {
-        Self { state: Lock::new(LinkState::new()), budget: Budget::default() }
+    pub(crate) fn new(methods: OwnMethods) -> Self {
+        Self { state: Lock::new(LinkState::new()), methods, budget: Budget::default() }
+    }
+
+    /// A link of `class`, which native code can read.
+    pub(crate) fn of_class(class: &Bound<'_, PyType>) -> PyResult<Self> {
+        Ok(Self::new(OwnMethods::of_class(&QUICK_METHODS, class)?))
+    }
+
+    /// Native code may stand for the methods of the link.
+    #[inline]
+    pub(crate) fn is_quick(&self) -> bool {
+        self.methods.are_intact()
     }
 
     pub(crate) fn state(&self) -> Guard<'_, LinkState> {
@@ -132,35 +178,4 @@ impl SharedTables for Bound<'_, Link> {
         }
         Ok(total)
     }
-}
-
-/// True if `class` has its own version of a method that the fast path skips. `_quick_methods` of the class lists each method
-/// with its class (None for `class` itself) and its original. A program may replace a method in a subclass or in our class.
-pub(crate) fn overrides(class: &Bound<'_, PyType>) -> PyResult<bool> {
-    let methods = class.attribute(intern!(class.py(), "_quick_methods"))?;
-    for method in methods.items()? {
-        let (owner, name, original): (
-            Option<Bound<'_, PyAny>>,
-            Bound<'_, PyString>,
-            Bound<'_, PyAny>,
-        ) = method?.extract()?;
-        if !owner.as_ref().unwrap_or(class).attribute(name)?.is(&original) {
-            return Ok(true);
-        }
-    }
-    Ok(false)
-}
-
-/// Sets an attribute of a link; one of the `methods` that the quick paths stand for turns these off for good.
-pub(crate) fn set_attr(
-    link: &Bound<'_, PyAny>,
-    name: &Bound<'_, PyString>,
-    value: &Bound<'_, PyAny>,
-    methods: &[&str],
-    quick: &AtomicBool,
-) -> PyResult<()> {
-    if methods.contains(&name.to_str()?) {
-        quick.store(false, Relaxed);
-    }
-    link.set_generic_attribute(name, Some(value))
 }

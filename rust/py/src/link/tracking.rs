@@ -3,6 +3,8 @@
 //! Rare updates (flight modes, home) are left to Python's `_update`, which is called for the few message
 //! types that need it.
 
+use std::sync::atomic::Ordering::Relaxed;
+
 use mavwire_core::telemetry::RADIO;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -19,8 +21,20 @@ use crate::message::info::PARAM_VALUE;
 use crate::message::object::{Message, flags, instance_dict};
 use crate::python::calling::Calling;
 
-/// `link.post_message(message)`: takes a message into the link's state, once.
+/// Takes a message into the link's state, once. A log notes its number of the link, and that it was the last one.
 pub(crate) fn post(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
+    let link_number = link.get().state().end_record(message.get());
+    account(link, message)?;
+    if let Some(number) = link_number {
+        message.get().link.store(number, Relaxed);
+        message.get().set(flags::LINK);
+        link.get().state().last_fresh = None;
+        link.get().replace(Some(message.clone().unbind()), |state| &mut state.last);
+    }
+    Ok(())
+}
+
+fn account(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()> {
     let this = message.get();
     if this.has(flags::POSTED) || (this.has(flags::DICT) && is_posted(message)?) {
         return Ok(());
