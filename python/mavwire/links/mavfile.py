@@ -71,7 +71,7 @@ def _attributes(link: mavfile) -> dict[str, Any]:
 link_dict = property(_attributes)
 
 
-class mavfile(Target, Tracking, Commands, Signing, Link):
+class mavfile(Link, Target, Tracking, Commands, Signing):
     """One link. `fd` is a descriptor to wait on, or None; `address` names the other end."""
 
     __dict__ = link_dict

@@ -7,6 +7,10 @@
 //!
 //! The checksum covers every byte between STX and itself, then `crc_extra`; the signature block follows it.
 
+mod bytes;
+
+pub use bytes::FrameBytes;
+
 use crate::x25;
 use mavwire_schema::WireVersion;
 

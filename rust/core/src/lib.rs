@@ -18,6 +18,7 @@ pub mod dump_line;
 pub mod frame;
 pub mod kind_hash;
 pub mod log;
+pub mod parser;
 pub mod peer_slots;
 pub mod pyfloat;
 pub mod registry;

@@ -16,7 +16,6 @@ mod dataflash;
 mod dialect;
 mod dump;
 mod link;
-mod log;
 mod message;
 mod port;
 mod protocol;

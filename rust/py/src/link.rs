@@ -8,7 +8,6 @@ pub(crate) mod live_failure;
 pub(crate) mod live_link;
 mod live_methods;
 pub(crate) mod live_receive;
-pub(crate) mod live_source;
 pub(crate) mod log_index_build;
 pub(crate) mod log_link;
 mod log_methods;

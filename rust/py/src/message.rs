@@ -6,7 +6,6 @@ pub(crate) mod descriptors;
 pub(crate) mod dict;
 pub(crate) mod encode;
 pub(crate) mod extra;
-pub(crate) mod frame_bytes;
 pub(crate) mod info;
 pub(crate) mod meta;
 pub(crate) mod object;

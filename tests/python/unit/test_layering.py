@@ -56,7 +56,6 @@ EXTENSION_FOLDERS = (
     "dialect",
     "protocol",
     "port",
-    "log",
     "link",
     "tables",
     "dataflash",

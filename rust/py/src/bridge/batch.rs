@@ -12,10 +12,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyIterator, PyList};
 
 use crate::dialect::registry::Dialect;
-use crate::message::frame_bytes::FrameBytes;
 use crate::python::calling::{Calling, import};
 use crate::tables::columns::{LogColumns, Query};
 use crate::tables::table::columns_error;
+use mavwire_core::frame::FrameBytes;
 
 /// Frames in the order they came. Iterating gives messages.
 #[pyclass(frozen, module = "mavwire._native")]

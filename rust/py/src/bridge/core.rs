@@ -18,9 +18,9 @@ use crate::bridge::batch::FrameBatch;
 use crate::bridge::options::{LinkOption, RecordingOption, SettingsOption, seconds};
 use crate::bridge::stats;
 use crate::dialect::registry::Dialect;
-use crate::message::frame_bytes::FrameBytes;
 use crate::message::object::Message;
 use crate::python::lists::{bytes, optional_list};
+use mavwire_core::frame::FrameBytes;
 
 create_exception!(
     mavwire._native,

@@ -10,8 +10,8 @@ use pyo3::types::{PyDict, PyList, PyString};
 use super::clock::Seconds;
 use super::shape::Names;
 use super::value;
-use crate::message::frame_bytes::FrameBytes;
 use crate::sync::lock::Lock;
+use mavwire_core::frame::FrameBytes;
 
 /// Where a message's values are.
 #[derive(Clone, Copy)]

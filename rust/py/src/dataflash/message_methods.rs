@@ -10,10 +10,10 @@ use pyo3::{PyTraverseError, PyVisit};
 use super::clock::Seconds;
 use super::message::{DFMessage, Origin, Written};
 use super::{render, shape};
-use crate::message::frame_bytes::FrameBytes;
 use crate::python::calling::{Calling, import, truth};
 use crate::python::lists::collected;
 use crate::sync::lock::Lock;
+use mavwire_core::frame::FrameBytes;
 
 /// A function of the package's for messages.
 fn helper<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {

@@ -10,7 +10,7 @@ use super::clock::MicrosClock;
 use super::message::DFMessage;
 use super::shape::Names;
 use super::source::{self, Source};
-use crate::message::frame_bytes::FrameBytes;
+use mavwire_core::frame::FrameBytes;
 
 /// Keys of instances that are remembered for a type; more are spelled anew each time.
 const MAX_KEYS: usize = 4096;

@@ -17,10 +17,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 
 use crate::message::create;
-use crate::message::frame_bytes::FrameBytes;
 use crate::message::info::{Info, MessageInfo};
 use crate::message::object::{Message, Origin};
 use crate::python::calling::Calling;
+use mavwire_core::frame::FrameBytes;
 
 create_exception!(
     mavwire._native,

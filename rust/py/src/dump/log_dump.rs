@@ -9,6 +9,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use mavwire_core::frame::Header;
+use mavwire_core::parser::Step;
 use mavwire_core::registry::Registry;
 use mavwire_core::telemetry::{StatusTexts, TextFields};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -16,13 +17,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::link::log_link::LogLink;
-use crate::message::frame_bytes::FrameBytes;
 use crate::message::object::payload_of;
-use crate::protocol::parse::{self, Step};
+use crate::protocol::parse;
 use crate::python::calling::Calling;
 use crate::python::lists::list;
 use crate::sync::gil_yield::GilYield;
 use mavwire_core::dump_line::{Column, Item, Labels, Line, Style, write_line};
+use mavwire_core::frame::FrameBytes;
 
 /// Bytes collected before they are written.
 const CHUNK: usize = 256 * 1024;
@@ -131,10 +132,11 @@ impl Types {
 
 impl<'a, 'py> Dump<'a, 'py> {
     fn new(log: &'a Bound<'py, LogLink>, options: Options<'py>) -> PyResult<Self> {
-        if log.as_super().get().state().first_byte || !LogLink::is_quick(log) {
+        let link = log.as_super().get();
+        if link.state().first_byte || !link.is_quick() || !link.state().reads_log() {
             return Err(PyRuntimeError::new_err("the log is not ready to be dumped"));
         }
-        let mav = LogLink::mav(log)?;
+        let mav = link.mav(log.py())?;
         parse::obey_ignore_checksum(&mav)?;
         let registry = mav.get().dialect.get().registry.clone();
         let count = registry.dialect().messages.len();
@@ -231,7 +233,7 @@ impl<'a, 'py> Dump<'a, 'py> {
         };
         state.percent = reader.percent();
         let native = mav.get();
-        let (step, _) = reader.next(&mut native.parser(), native.dialect.get(), true)?;
+        let (step, _) = reader.next(&mut native.parser(), &native.dialect.get().registry, true)?;
         if matches!(step, Step::Nothing) {
             return Ok(None);
         }

@@ -9,13 +9,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use crate::link::live_failure::Failure;
-use crate::link::live_source::{LiveSource, Transport};
 use crate::link::peers::to_python;
 use crate::link::state::Link;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::calling::Calling;
 use crate::sync::lock::{Guard, Lock};
 use crate::sync::slot::Slot;
+use mavwire_io::live_source::{LiveSource, Transport};
 
 /// Where the classes of ports are defined that are read natively.
 const PLAIN_PORTS: [&str; 3] = ["socket", "_io", "serial.serialposix"];
@@ -91,15 +91,7 @@ impl LiveLink {
         is_targeted: bool,
     ) -> PyResult<()> {
         let py = slf.py();
-        let shown = slf.get().source().peers.shown(py, address);
-        let shown = match shown {
-            Some(shown) => shown,
-            None => {
-                let shown = to_python(py, address)?;
-                slf.get().source().peers.show(address, &shown);
-                shown
-            }
-        };
+        let shown = to_python(py, address)?;
         slf.set_attribute(intern!(py, "last_address"), &shown)?;
         if sent_message {
             slf.invoke_method1(intern!(py, "_heard"), (shown, is_targeted))?;

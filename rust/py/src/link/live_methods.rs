@@ -6,13 +6,13 @@ use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 
 use crate::link::live_failure::Failure;
 use crate::link::live_link::LiveLink;
-use crate::link::live_source::{LiveSource, Transport};
 use crate::link::peers::{from_python, to_python};
 use crate::link::state::Link;
 use crate::protocol::mavlink::MAVLink;
 use crate::python::own_methods::OwnMethods;
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
+use mavwire_io::live_source::{LiveSource, Transport};
 
 #[pymethods]
 impl LiveLink {
@@ -25,7 +25,7 @@ impl LiveLink {
         _kwargs: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyClassInitializer<Self>> {
         let link = Self {
-            source: Lock::new(LiveSource::new()),
+            source: Lock::new(LiveSource::default()),
             failure: Failure::none(),
             plain_port: Slot::new(),
         };

@@ -3,24 +3,25 @@
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
+use mavwire_core::parser::Step;
 use mavwire_io::address::Address;
 use mavwire_io::readiness;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
 use crate::link::live_link::LiveLink;
-use crate::link::live_source::Arrived;
 use crate::link::plain::{Interest, Plain, PlainFrame, makes_plain_messages};
 use crate::link::replaced;
 use crate::link::state::Link;
 use crate::link::tracking;
 use crate::message::create;
-use crate::message::frame_bytes::FrameBytes;
 use crate::message::object::{Message, Origin, flags, payload_of};
 use crate::protocol::mavlink::MAVLink;
-use crate::protocol::parse::{self, Session, Step};
+use crate::protocol::parse::{self, Session};
 use crate::python::calling::Calling;
 use crate::sync::shared;
+use mavwire_core::frame::FrameBytes;
+use mavwire_io::live_source::Arrived;
 
 /// Reads per call without a message coming out of them: a peer that sends garbage faster than it is read must not keep a
 /// caller from looking at its timeout.
@@ -161,7 +162,7 @@ fn scan<'py>(slf: &Bound<'py, LiveLink>, mav: &Bound<'py, MAVLink>, now: f64) ->
     let has_hooks = state.has_hooks(py);
     let mut parser = native.parser();
     let robust = native.robust_parsing.load(Relaxed);
-    let (step, used) = source.next(&mut parser, native.dialect.get(), robust);
+    let (step, used) = source.next(&mut parser, &native.dialect.get().registry, robust);
     shared::add(&native.counters.bytes_received, used as u64);
     let Step::Frame { bytes, header, entry: Some(entry) } = step else {
         return match step {

@@ -7,6 +7,7 @@ use mavwire_schema::WireVersion;
 use pyo3::prelude::*;
 
 use crate::link::log_link::LogLink;
+use crate::link::log_receive;
 use crate::python::calling::Calling;
 use crate::python::file_error::of_reading;
 use crate::sync::gil_yield::GilYield;
@@ -20,9 +21,9 @@ pub(crate) fn build(
     log: &Bound<'_, LogLink>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<LogIndex> {
-    let size = LogLink::reader(log, |reader| Ok(reader.size))?.unwrap_or(0);
+    let size = log.as_super().get().with_reader(|reader| Ok(reader.size))?.unwrap_or(0);
     detect_version(log, size)?;
-    let mav = LogLink::mav(log)?;
+    let mav = log.as_super().get().mav(log.py())?;
     let registry = mav.get().dialect.get().registry.clone();
     let mut index = LogIndex::new(registry.clone());
     let mut reports = Progress { callback: progress, percent: 0, size };
@@ -33,7 +34,7 @@ pub(crate) fn build(
     let mut offset = 0;
     loop {
         let limit = reports.limit(offset);
-        let stop = LogLink::reader(log, |reader| {
+        let stop = log.as_super().get().with_reader(|reader| {
             index.extend(&mut reader.window, offset, limit, size, finder.as_mut())
         })?;
         offset = match stop {
@@ -65,13 +66,14 @@ fn detect_version(log: &Bound<'_, LogLink>, size: u64) -> PyResult<()> {
     if !log.as_super().get().state().first_byte {
         return Ok(());
     }
-    let first = LogLink::reader(log, |reader| find_record(&mut reader.window, 0, size))?;
+    let first =
+        log.as_super().get().with_reader(|reader| find_record(&mut reader.window, 0, size))?;
     let Some(Some(record)) = first else { return Ok(()) };
     let marker = match record.header.version {
         WireVersion::V1 => STX_V1,
         WireVersion::V2 => STX_V2,
     };
-    LogLink::show_first_byte(log, marker)
+    log_receive::show_first_byte(log.as_super(), marker)
 }
 
 /// Reads the first record of a type and adds it, unless it is cut off.
@@ -90,8 +92,10 @@ fn add_first(
     }
     log.invoke_method1("_index_first", (name, message))?;
     index.add(found, record.offset).map_err(of_reading)?;
-    let instance =
-        LogLink::reader(log, |reader| index.new_instance(&mut reader.window, found, record))?;
+    let instance = log
+        .as_super()
+        .get()
+        .with_reader(|reader| index.new_instance(&mut reader.window, found, record))?;
     if let Some(Some(instance)) = instance {
         log.invoke_method1("_index_instance", (name, instance))?;
     }

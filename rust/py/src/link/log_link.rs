@@ -4,14 +4,10 @@
 //! recorded. See [`crate::link::receive`].
 
 use mavwire_core::log::tlog::Framing;
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::link::log_wanted::{self, Wanted};
 use crate::link::state::Link;
-use crate::log::reader::LogReader;
-use crate::protocol::mavlink::MAVLink;
-use crate::python::file_error::of_reading;
 use crate::sync::lock::Lock;
 use mavwire_io::log_index::LogIndex;
 
@@ -26,33 +22,6 @@ pub(crate) struct LogLink {
 }
 
 impl LogLink {
-    /// Native code can read the log: nothing is recorded, and the parser is ours.
-    pub(crate) fn is_quick(slf: &Bound<'_, Self>) -> bool {
-        let link = slf.as_super().get();
-        let state = link.state();
-        link.is_quick()
-            && state.reader.is_some()
-            && !state.is_recording()
-            && !state.has_own_parser()
-    }
-
-    /// Does something with the reader; `None` while the log is not open for reading.
-    pub(crate) fn reader<T>(
-        slf: &Bound<'_, Self>,
-        act: impl FnOnce(&mut LogReader) -> std::io::Result<T>,
-    ) -> PyResult<Option<T>> {
-        match slf.as_super().get().state().reader.as_mut() {
-            Some(reader) => act(reader).map(Some).map_err(of_reading),
-            None => Ok(None),
-        }
-    }
-
-    pub(crate) fn mav<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, MAVLink>> {
-        let state = slf.as_super().get().state();
-        let mav = state.native_mav.as_ref().map(|mav| mav.bind(slf.py()).clone());
-        mav.ok_or_else(|| PyRuntimeError::new_err("the link has no MAVLink object"))
-    }
-
     pub(super) fn is_indexed(slf: &Bound<'_, Self>) -> bool {
         slf.get().index.lock(slf.py()).is_some()
     }
@@ -88,7 +57,7 @@ impl LogLink {
     }
 
     pub(crate) fn seek_to(slf: &Bound<'_, Self>, offset: u64) -> PyResult<()> {
-        Self::mav(slf)?;
+        slf.as_super().get().mav(slf.py())?;
         Self::visit(slf, &[offset])
     }
 

@@ -13,10 +13,10 @@ use crate::link::log_visits::LogVisits;
 use crate::link::log_wanted::Wanted;
 use crate::link::state::Link;
 use crate::link::tracking;
-use crate::log::reader::{LogReader, seconds};
 use crate::protocol::mavlink::MAVLink;
 use crate::sync::lock::Lock;
 use mavwire_io::log_index::LogIndex;
+use mavwire_io::log_reader::{LogReader, seconds};
 
 #[pymethods]
 impl LogLink {
@@ -59,7 +59,7 @@ impl LogLink {
 
     /// Position in the file.
     fn _tell(slf: &Bound<'_, Self>) -> PyResult<u64> {
-        Ok(Self::reader(slf, |reader| Ok(reader.offset))?.unwrap_or(0))
+        Ok(slf.as_super().get().with_reader(|reader| Ok(reader.offset))?.unwrap_or(0))
     }
 
     /// Continues at the record that begins at `offset`, whatever was read before.
@@ -99,7 +99,7 @@ impl LogLink {
                 tbuf.len()
             )));
         };
-        let time = Self::reader(slf, |reader| reader.believable(stamp))?;
+        let time = slf.as_super().get().with_reader(|reader| reader.believable(stamp))?;
         Ok(time.unwrap_or_else(|| seconds(stamp)))
     }
 
@@ -112,7 +112,7 @@ impl LogLink {
             let state = slf.as_super().get().state();
             return Ok(state.last.as_ref().map(|last| last.bind(py).clone().into_any()));
         };
-        let mav = Self::mav(slf)?;
+        let mav = slf.as_super().get().mav(py)?;
         let name = &mav.get().dialect.get().registry.message(index).name;
         tracking::sender(slf.as_super(), sysid)?.messages.get_item(name)
     }
@@ -139,7 +139,7 @@ impl LogLink {
     #[pyo3(signature = (n = None))]
     fn recv<'py>(slf: &Bound<'py, Self>, n: Option<usize>) -> PyResult<Bound<'py, PyBytes>> {
         let py = slf.py();
-        let bytes = Self::reader(slf, |reader| {
+        let bytes = slf.as_super().get().with_reader(|reader| {
             if !reader.begin_record()? {
                 return Ok(None);
             }
@@ -155,11 +155,13 @@ impl LogLink {
 
     /// A message came out of the record: the next time stamp is due, whether or not `post_message` hears of this one.
     fn _end_record(slf: &Bound<'_, Self>) -> PyResult<()> {
-        Self::reader(slf, |reader| {
-            reader.leave_record();
-            Ok(())
-        })
-        .map(drop)
+        slf.as_super()
+            .get()
+            .with_reader(|reader| {
+                reader.leave_record();
+                Ok(())
+            })
+            .map(drop)
     }
 
     /// The messages of the types called `names` from the start of the log on, those alone; None unless the log is indexed
@@ -169,7 +171,11 @@ impl LogLink {
         names: Vec<Bound<'_, PyString>>,
     ) -> PyResult<Option<LogVisits>> {
         let index = slf.get().index.lock(slf.py());
-        let Some(index) = index.as_ref().filter(|_| Self::is_quick(slf)) else { return Ok(None) };
+        let Some(index) = index.as_ref().filter(|_| {
+            slf.as_super().get().is_quick() && slf.as_super().get().state().reads_log()
+        }) else {
+            return Ok(None);
+        };
         let wanted = Wanted::alone(&names, index)?;
         let names = names.into_iter().map(Bound::unbind).collect();
         Ok(Some(LogVisits::new(slf.clone().unbind(), names, wanted)))

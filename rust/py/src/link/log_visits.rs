@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyString;
 
 use crate::link::log_link::{LogLink, TURN_INTERVAL};
+use crate::link::log_receive;
 use crate::link::log_wanted::Wanted;
 use crate::link::message_source::message_type;
 use crate::message::object::Message;
@@ -54,7 +55,9 @@ impl LogVisits {
             if let Some(rest) = self.wanted.lock(py).advance() {
                 LogLink::visit(log, rest)?;
             }
-            let Some(message) = LogLink::next_keeping(log, false)? else { return Ok(None) };
+            let Some(message) = log_receive::next_without_params(log.as_super())? else {
+                return Ok(None);
+            };
             if self.wants(&message)? {
                 return Ok(Some(message));
             }

@@ -13,7 +13,7 @@ use crate::link::tracking;
 use crate::message::info::Info;
 use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
-use crate::protocol::parse::Parser;
+use crate::protocol::parser::LinkParser;
 use crate::sync::shared;
 
 /// A frame with a good checksum, of a message that has a class.
@@ -25,7 +25,8 @@ pub(crate) struct PlainFrame<'a> {
 
 impl<'a> PlainFrame<'a> {
     /// The frame at the start of `stream`; `None` if it is cut off.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // once for each message of a log
     pub(crate) fn parse(stream: &'a [u8], info: &'static Info) -> Option<Self> {
         let header = Header::parse(stream)?;
         let payload = header.len()..header.len() + usize::from(header.payload_len);
@@ -56,17 +57,18 @@ pub(crate) struct Plain<'py> {
 }
 
 /// Whether the messages that `mav` makes can be plain. Signatures, callbacks and replaced methods need the other way.
-pub(crate) fn makes_plain_messages(mav: &MAVLink, parser: &Parser) -> bool {
+pub(crate) fn makes_plain_messages(mav: &MAVLink, parser: &LinkParser) -> bool {
     !parser.checks_signatures() && !mav.shows_messages()
 }
 
 impl<'py> Plain<'py> {
     /// Accounts for a frame. Returns `None`, with nothing changed, for one from an unknown system or from the radio.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // as above
     pub(crate) fn account(
         py: Python<'py>,
         (senders, reception): (&mut Senders, &mut Reception),
-        (mav, parser): (&MAVLink, &Parser),
+        (mav, parser): (&MAVLink, &LinkParser),
         frame: &PlainFrame<'_>,
         interest: &Interest,
         now: f64,
@@ -95,6 +97,8 @@ impl<'py> Plain<'py> {
     }
 
     /// Makes `message`, which nobody has seen, the newest of its type, and calls Python where necessary.
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // as above
     pub(crate) fn deliver(
         self,
         link: &Bound<'py, Link>,

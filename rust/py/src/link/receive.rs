@@ -11,6 +11,7 @@ use crate::link::filter::Filter;
 use crate::link::live_link::LiveLink;
 use crate::link::live_receive;
 use crate::link::log_link::LogLink;
+use crate::link::log_receive;
 use crate::link::state::Link;
 use crate::python::calling::Calling;
 use crate::sync::gil_yield::GilYield;
@@ -27,23 +28,28 @@ pub(crate) struct Request<'a, 'py> {
 }
 
 /// `link.recv_msg()`
+#[inline(always)]
+#[allow(clippy::inline_always)] // once for each message of a log
 pub(crate) fn recv_msg<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, PyAny>>> {
     if link.get().is_quick() {
-        if let Ok(log) = link.cast::<LogLink>()
-            && LogLink::is_quick(log)
-        {
-            return Ok(LogLink::next_message(log)?.map(Bound::into_any));
+        if let Some(message) = log_receive::next_plain(link, true)? {
+            return Ok(Some(message.into_any()));
+        }
+        if link.get().state().reads_log() {
+            return Ok(log_receive::next_parsed(link)?.map(Bound::into_any));
         }
         if let Ok(live) = link.cast::<LiveLink>()
-            && let Some(outcome) = live_receive::next_message(live)?
+            && let Some(message) = live_receive::next_message(live)?
         {
-            return Ok(outcome.map(Bound::into_any));
+            return Ok(message.map(Bound::into_any));
         }
     }
     Ok(some(link.invoke_method0(intern!(link.py(), "_recv_by_methods"))?))
 }
 
 /// The same by the program's own `recv_msg`, if it has one.
+#[inline(always)]
+#[allow(clippy::inline_always)] // as above
 pub(crate) fn next_message<'py>(link: &Bound<'py, Link>) -> PyResult<Option<Bound<'py, PyAny>>> {
     if link.get().is_quick() {
         recv_msg(link)
@@ -62,15 +68,20 @@ pub(crate) fn recv_match<'py>(
     types: Option<&Bound<'py, PyAny>>,
     request: &Request<'_, 'py>,
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
-    let index = link.cast::<LogLink>().ok().filter(|log| LogLink::is_indexed(log));
-    let filter = Filter::new(types, index.is_some())?;
+    let indexed = match types {
+        Some(types) => {
+            link.cast::<LogLink>().ok().filter(|log| LogLink::is_indexed(log)).zip(Some(types))
+        }
+        None => None,
+    };
+    let filter = Filter::new(types, indexed.is_some())?;
     let deadline = deadline_after(request.timeout);
     if request.is_blocking && live_receive::has_nothing_left(link) {
         wait(link, request.timeout, deadline)?;
     }
     let (mut seen, mut gil_yield): (u64, _) = (0, GilYield::new());
     loop {
-        if let (Some(log), Some(types)) = (index, types) {
+        if let Some((log, types)) = indexed {
             skip_to_type(log, types)?;
         }
         let message = next_message(link)?;
@@ -97,8 +108,8 @@ pub(crate) fn recv_match<'py>(
 
 /// When a timeout in seconds ends; `None` for one that is beyond counting.
 fn deadline_after(timeout: Option<f64>) -> Option<Instant> {
-    let wait = timeout.map(|seconds| Duration::try_from_secs_f64(seconds.max(0.0)));
-    Instant::now().checked_add(wait?.ok()?)
+    let wait = Duration::try_from_secs_f64(timeout?.max(0.0)).ok()?;
+    Instant::now().checked_add(wait)
 }
 
 fn skip_to_type(log: &Bound<'_, LogLink>, types: &Bound<'_, PyAny>) -> PyResult<()> {

@@ -4,16 +4,18 @@
 //! Python code runs while it is held.
 
 use mavwire_core::telemetry::Reception;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyType};
 
 use crate::link::name_budget::{Budget, OWN_NAMES, SharedTables};
 use crate::link::system::{Senders, SystemState};
-use crate::log::reader::LogReader;
 use crate::message::object::{Message, Origin};
 use crate::protocol::mavlink::{MAVLink, overridden};
+use crate::python::file_error::of_reading;
 use crate::python::own_methods::OwnMethods;
 use crate::sync::lock::{Guard, Lock};
+use mavwire_io::log_reader::LogReader;
 
 /// Methods of links that native code stands for.
 pub(super) const QUICK_METHODS: [&str; 7] = [
@@ -71,6 +73,11 @@ impl LinkState {
     /// any time.
     pub(crate) fn has_own_parser(&self) -> bool {
         self.native_mav.as_ref().is_none_or(|mav| mav.get().is_overridden(overridden::PARSER))
+    }
+
+    /// The link is a log that native code can read: nothing is recorded, and the parser is ours.
+    pub(crate) fn reads_log(&self) -> bool {
+        self.reader.is_some() && !self.is_recording() && !self.has_own_parser()
     }
 
     /// Something is written for every message received.
@@ -155,6 +162,23 @@ impl Link {
     ) {
         let old = std::mem::replace(place(&mut self.state()), value);
         drop(old);
+    }
+
+    /// Does something with the reader of a log; `None` while no log is open for reading.
+    pub(crate) fn with_reader<T>(
+        &self,
+        act: impl FnOnce(&mut LogReader) -> std::io::Result<T>,
+    ) -> PyResult<Option<T>> {
+        match self.state().reader.as_mut() {
+            Some(reader) => act(reader).map(Some).map_err(of_reading),
+            None => Ok(None),
+        }
+    }
+
+    /// The `MAVLink` object; `RuntimeError` if there is none of ours.
+    pub(crate) fn mav<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, MAVLink>> {
+        let mav = self.state().native_mav.as_ref().map(|mav| mav.bind(py).clone());
+        mav.ok_or_else(|| PyRuntimeError::new_err("the link has no MAVLink object"))
     }
 
     pub(crate) fn hooks<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {

@@ -9,10 +9,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
 use crate::link::components::Components;
-use crate::message::frame_bytes::FrameBytes;
 use crate::python::calling::Calling;
 use crate::python::instance_dict::generic_dict;
 use crate::sync::slot::Slot;
+use mavwire_core::frame::FrameBytes;
 
 /// Message id of `GPS_RAW_INT`, from which mavutil takes the home position until it has one with a fix.
 const GPS_RAW_INT: u32 = 24;

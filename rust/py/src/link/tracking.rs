@@ -63,6 +63,8 @@ fn account(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()>
 }
 
 /// Keeps a message as the newest of its type: of its component, if these are told apart, and of its system.
+#[inline(always)]
+#[allow(clippy::inline_always)] // nearly always without components
 pub(crate) fn keep_newest(
     link: &Bound<'_, Link>,
     messages: &Bound<'_, PyDict>,

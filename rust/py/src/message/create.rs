@@ -24,11 +24,11 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
 
-use crate::message::frame_bytes::FrameBytes;
 use crate::message::info::Info;
 use crate::message::object::{Message, Origin, flags};
 use crate::python::calling::{Calling, class_name};
 use crate::python::collector::untrack;
+use mavwire_core::frame::FrameBytes;
 
 /// An instance as PyO3 lays it out.
 #[repr(C)]

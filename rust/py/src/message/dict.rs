@@ -7,10 +7,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::message::create::{self, create};
-use crate::message::frame_bytes::FrameBytes;
 use crate::message::meta::{self, Meta};
 use crate::message::object::{Message, Origin, flags, instance_dict};
 use crate::python::calling::{Calling, import};
+use mavwire_core::frame::FrameBytes;
 
 /// `vars(message)`: the dictionary with every attribute in it.
 #[pyfunction]

@@ -11,11 +11,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString};
 
 use crate::message::extra::Extra;
-use crate::message::frame_bytes::FrameBytes;
 use crate::message::info::Info;
 use crate::python::collector;
 use crate::python::instance_dict::generic_dict;
 use crate::sync::shared;
+use mavwire_core::frame::FrameBytes;
 
 /// How a message came to be.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::dialect::registry::Dialect;
-use crate::protocol::parser::Parser;
+use crate::protocol::parser::LinkParser;
 use crate::protocol::sender::{Sender, header_byte};
 use crate::protocol::sending::Sending;
 use crate::protocol::signing::Signing;
@@ -102,7 +102,7 @@ pub(crate) struct MAVLink {
     pub(super) src_component: AtomicI64,
     pub(crate) robust_parsing: AtomicBool,
     pub(crate) counters: Counters,
-    pub(super) parser: Lock<Parser>,
+    pub(super) parser: Lock<LinkParser>,
     pub(crate) file: Slot,
     pub(crate) callback: Callback,
     pub(crate) send_callback: Callback,
@@ -142,7 +142,7 @@ pub(crate) mod overridden {
 
 impl MAVLink {
     #[inline]
-    pub(crate) fn parser(&self) -> Guard<'_, Parser> {
+    pub(crate) fn parser(&self) -> Guard<'_, LinkParser> {
         // SAFETY: links are Python objects, whose methods run attached.
         self.parser.lock(unsafe { Python::assume_attached() })
     }
@@ -157,7 +157,7 @@ impl MAVLink {
     }
 
     /// Forgets the bytes of a frame whose rest will not come: as if they had never been received.
-    pub(crate) fn drop_unread(&self, parser: &mut Parser) {
+    pub(crate) fn drop_unread(&self, parser: &mut LinkParser) {
         if !parser.unread().is_empty() {
             let dropped = parser.clear() as u64;
             // The user may have set it back in the meantime.

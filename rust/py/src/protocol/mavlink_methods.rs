@@ -13,7 +13,7 @@ use crate::dialect::registry::Dialect;
 use crate::message::object::Message;
 use crate::protocol::mavlink::{Callback, Counters, MAVLink, overridden};
 use crate::protocol::parse;
-use crate::protocol::parser::Parser;
+use crate::protocol::parser::LinkParser;
 use crate::protocol::peer_check;
 use crate::protocol::send;
 use crate::protocol::sending::Sending;
@@ -69,7 +69,7 @@ impl MAVLink {
             src_component: AtomicI64::new(0),
             robust_parsing: AtomicBool::new(false),
             counters: Counters::default(),
-            parser: Lock::new(Parser::new()),
+            parser: Lock::new(LinkParser::new()),
             file: Slot::new(),
             callback: Callback::new(),
             send_callback: Callback::new(),

@@ -3,6 +3,7 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use mavwire_core::frame::{self, FrameError, FrameRef, Header, IFLAG_SIGNED};
+use mavwire_core::parser::{Run, Step};
 use mavwire_core::registry::Entry;
 use mavwire_core::x25;
 use pyo3::exceptions::{PyAttributeError, PyIndexError, PyMemoryError, PyRuntimeError};
@@ -11,7 +12,6 @@ use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
 
 use crate::message::create::pooled_frame;
-use crate::message::frame_bytes::FrameBytes;
 use crate::message::object::{Message, Origin, flags, instance_dict};
 use crate::message::special_fields::BAD_PREFIX;
 use crate::protocol::acceptance::Acceptance;
@@ -20,8 +20,7 @@ use crate::protocol::signing::Signing;
 use crate::python::calling::{Calling, class_name};
 use crate::python::lists::bytes_like;
 use crate::sync::shared;
-
-pub(crate) use crate::protocol::parser::{Parser, Run, Step};
+use mavwire_core::frame::FrameBytes;
 
 /// Takes the input; true if a message may be complete now.
 fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
@@ -134,7 +133,7 @@ impl<'a, 'py> Session<'a, 'py> {
         let mut messages = None;
         loop {
             let step = if self.may_batch() {
-                let step = this.parser().take_run(this.dialect.get(), self.robust, run);
+                let step = this.parser().take_run(&this.dialect.get().registry, self.robust, run);
                 let mut delivered = 0;
                 let outcome = self.deliver(run, &mut messages, &mut delivered);
                 let refused = usize::from(outcome.is_err());
@@ -146,7 +145,7 @@ impl<'a, 'py> Session<'a, 'py> {
                 }
                 step
             } else {
-                Some(this.parser().step(this.dialect.get(), self.robust))
+                Some(this.parser().step(&this.dialect.get().registry, self.robust))
             };
             let Some(step) = step else { continue };
             let Some(message) = self.take_step(step)? else { return Ok(messages) };
@@ -161,7 +160,7 @@ impl<'a, 'py> Session<'a, 'py> {
         messages: &mut Option<Bound<'py, PyList>>,
         delivered: &mut usize,
     ) -> PyResult<()> {
-        if run.len() == 0 {
+        if run.is_empty() {
             return Ok(());
         }
         let py = self.mav.py();
@@ -214,7 +213,7 @@ impl<'a, 'py> Session<'a, 'py> {
     /// The next message of what was fed.
     fn next_message(&self) -> PyResult<Option<Bound<'py, Message>>> {
         let this = self.mav.get();
-        let step = this.parser().step(this.dialect.get(), self.robust);
+        let step = this.parser().step(&this.dialect.get().registry, self.robust);
         self.take_step(step)
     }
 

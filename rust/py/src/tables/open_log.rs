@@ -17,14 +17,14 @@ use mavwire_io::records::AtOffset;
 use pyo3::prelude::*;
 
 use crate::dialect::registry::Dialect;
-use crate::log::reader::LogReader;
 use crate::message::create;
-use crate::message::frame_bytes::FrameBytes;
 use crate::message::object::Message;
-use crate::protocol::parser::{Parser, Step};
 use crate::python::lists::optional_list;
 use crate::sync::lock::Lock;
 use crate::tables::table::columns_error;
+use mavwire_core::frame::FrameBytes;
+use mavwire_core::parser::{Parser, Step};
+use mavwire_io::log_reader::LogReader;
 
 /// Messages of a batch, and records that are looked at for one before the user's wish to stop is heeded.
 const BATCH: usize = 128;
@@ -199,7 +199,7 @@ impl Source {
 
     /// The next message of those that pymavlink's reader gives; true at the end of the log.
     fn hop(&mut self, dialect: &Dialect, batch: &mut Batch) -> io::Result<bool> {
-        match self.reader.next(&mut self.parser, dialect, true)?.0 {
+        match self.reader.next(&mut self.parser, &dialect.registry, true)?.0 {
             Step::Frame { bytes, header, entry } => {
                 let (time, link) = (self.reader.time, self.reader.link);
                 if self.filter.wants(&header, entry, time) {

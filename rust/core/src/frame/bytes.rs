@@ -10,24 +10,28 @@ const INLINE: usize = 62;
 
 /// A frame's bytes, owned.
 #[derive(Clone)]
-pub(crate) enum FrameBytes {
-    /// What stands behind the first `len` bytes has no meaning.
+pub enum FrameBytes {
+    /// In the object itself. Only the first `len` bytes have a meaning.
     Inline {
+        /// Bytes of the frame.
         len: u8,
+        /// The frame, and bytes behind it.
         bytes: [u8; INLINE],
     },
+    /// In memory of its own.
     Heap(Box<[u8]>),
 }
 
 impl FrameBytes {
-    pub(crate) const fn empty() -> Self {
+    /// No bytes.
+    pub const fn empty() -> Self {
         Self::Inline { len: 0, bytes: [0; INLINE] }
     }
 
     /// The first `len` bytes of a stream, if they fit and enough bytes follow: a copy of fixed size is quicker.
     #[inline(always)]
     #[allow(clippy::inline_always)] // so that the bytes are copied to where they stay
-    pub(crate) fn inline(stream: &[u8], len: usize) -> Option<Self> {
+    pub fn inline(stream: &[u8], len: usize) -> Option<Self> {
         let bytes = *stream.first_chunk::<INLINE>()?;
         (len <= INLINE).then_some(Self::Inline { len: len as u8, bytes })
     }

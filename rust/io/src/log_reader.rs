@@ -8,23 +8,20 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use mavwire_core::frame::MAX_FRAME_LEN;
+use crate::records::{AtOffset, RecordFinder};
+use crate::window::FileWindow;
+use mavwire_core::frame::{FrameBytes, MAX_FRAME_LEN};
 use mavwire_core::log::tlog::{Ahead, Before, Checked, Framing, MAX_JUMP, Rules, STAMP_LEN, Stamp};
+use mavwire_core::parser::{Parser, Step};
 use mavwire_core::registry::Registry;
 use mavwire_core::scan::Resync;
 use mavwire_core::telemetry::StreamClock;
-use mavwire_io::records::{AtOffset, RecordFinder};
-use mavwire_io::window::FileWindow;
-
-use crate::dialect::registry::Dialect;
-use crate::message::frame_bytes::FrameBytes;
-use crate::protocol::parse::{Parser, Step};
 
 /// After damage, a time stamp further than this from the last good one is not believed.
 const MAX_JUMP_SECONDS: f64 = MAX_JUMP as f64 / 1e6;
 
 /// Seconds of a time stamp, rounded as pymavlink rounds.
-pub(crate) fn seconds(stamp: Stamp) -> f64 {
+pub fn seconds(stamp: Stamp) -> f64 {
     stamp.micros() as f64 * 1.0e-6
 }
 
@@ -34,48 +31,56 @@ fn raw_stamp(clock: &mut StreamClock, registry: &Registry, index: u16, frame: &[
 }
 
 /// Position in a log and what the next record depends on.
-pub(crate) struct LogReader {
-    pub(crate) window: FileWindow,
+pub struct LogReader {
+    /// The file.
+    pub window: FileWindow,
     finder: RecordFinder,
     ahead: Ahead,
     /// Where the next byte is read.
-    pub(crate) offset: u64,
+    pub offset: u64,
     /// Bytes of the file when it was opened.
-    pub(crate) size: u64,
-    pub(crate) framing: Framing,
+    pub size: u64,
+    /// Whether records have time stamps.
+    pub framing: Framing,
     /// The times of a raw stream.
     clock: StreamClock,
     /// A time stamp is read and no message came out of its record yet: perhaps the file ended in between, and has grown
     /// since.
     in_record: bool,
     /// Bytes behind the time stamp were taken.
-    pub(crate) in_frame: bool,
+    pub in_frame: bool,
     /// The message before was BAD_DATA.
     after_damage: bool,
     /// Time of the last message that was not.
-    pub(crate) last_good: Option<f64>,
+    pub last_good: Option<f64>,
     /// What the stamp of that one said if it was not believed, and the time that it was given.
     distrusted: Option<(u64, f64)>,
     /// Number of the link that the record came from.
-    pub(crate) link: u8,
+    pub link: u8,
     /// Time of the record; 0 in a raw stream until its clock shows one.
-    pub(crate) time: f64,
+    pub time: f64,
 }
 
 /// A record that is a good frame of a known message.
-pub(crate) struct Peeked<'a> {
+pub struct Peeked<'a> {
     /// Index of the message type.
-    pub(crate) index: u16,
+    pub index: u16,
     /// Bytes of the frame, and whatever follows it.
-    pub(crate) stream: &'a [u8],
-    pub(crate) len: usize,
-    pub(crate) time: f64,
+    pub stream: &'a [u8],
+    /// Bytes of the frame.
+    pub len: usize,
+    /// Seconds since 1970.
+    pub time: f64,
     /// Number of the link that it came from.
-    pub(crate) link: u8,
+    pub link: u8,
 }
 
 impl LogReader {
-    pub(crate) fn open(path: &Path, framing: Framing, now: f64) -> io::Result<Self> {
+    /// Opens a log. `now` is the time in seconds since 1970.
+    ///
+    /// # Errors
+    /// Those of opening and reading the file.
+    pub fn open(path: &Path, framing: Framing, now: f64) -> io::Result<Self> {
         let window = FileWindow::open(path)?;
         let size = window.len()?;
         let time = if framing == Framing::Stamped { now } else { 0.0 };
@@ -98,7 +103,7 @@ impl LogReader {
     }
 
     /// Goes on at the record that begins at `offset`.
-    pub(crate) fn seek(&mut self, offset: u64) {
+    pub fn seek(&mut self, offset: u64) {
         self.ahead.clear();
         self.offset = offset;
         self.in_record = false;
@@ -106,12 +111,12 @@ impl LogReader {
     }
 
     /// How far the file is read.
-    pub(crate) fn percent(&self) -> f64 {
+    pub fn percent(&self) -> f64 {
         if self.size == 0 { 0.0 } else { 100.0 * self.offset as f64 / self.size as f64 }
     }
 
     /// Up to `wanted` bytes from the position on.
-    pub(crate) fn take(&mut self, wanted: usize) -> io::Result<&[u8]> {
+    pub fn take(&mut self, wanted: usize) -> io::Result<&[u8]> {
         self.ahead.clear();
         let bytes = self.window.at(self.offset, wanted)?;
         let bytes = &bytes[..wanted.min(bytes.len())];
@@ -121,7 +126,7 @@ impl LogReader {
     }
 
     /// Reads the time stamp of the record at the position; false if the file ends before it is complete.
-    pub(crate) fn begin_record(&mut self) -> io::Result<bool> {
+    pub fn begin_record(&mut self) -> io::Result<bool> {
         if self.framing == Framing::Raw || self.in_record {
             return Ok(true);
         }
@@ -137,12 +142,12 @@ impl LogReader {
     }
 
     /// The next time stamp is due.
-    pub(crate) fn leave_record(&mut self) {
+    pub fn leave_record(&mut self) {
         self.in_record = false;
     }
 
     /// A message came out of the record, perhaps BAD_DATA.
-    pub(crate) fn end_record(&mut self, bad: bool) {
+    pub fn end_record(&mut self, bad: bool) {
         self.in_record = false;
         self.after_damage = bad;
         if !bad {
@@ -158,14 +163,14 @@ impl LogReader {
     }
 
     /// Takes the time from a frame of a raw stream.
-    pub(crate) fn hear_raw(&mut self, registry: &Registry, index: u16, frame: &[u8]) {
+    pub fn hear_raw(&mut self, registry: &Registry, index: u16, frame: &[u8]) {
         if self.framing == Framing::Raw {
             self.time = seconds(raw_stamp(&mut self.clock, registry, index, frame));
         }
     }
 
     /// Slides forward to a time stamp near the last good one.
-    pub(crate) fn believable(&mut self, mut stamp: Stamp) -> io::Result<f64> {
+    pub fn believable(&mut self, mut stamp: Stamp) -> io::Result<f64> {
         loop {
             let time = seconds(stamp);
             if self.last_good.is_none_or(|last| (time - last).abs() < MAX_JUMP_SECONDS) {
@@ -179,7 +184,7 @@ impl LogReader {
 
     /// The record at the position if it is a good frame of a known message and nothing makes it a special case.
     #[inline]
-    pub(crate) fn peek(
+    pub fn peek(
         &mut self,
         parser: &Parser,
         registry: &Arc<Registry>,
@@ -220,7 +225,7 @@ impl LogReader {
     }
 
     /// Bytes of a record in front of its frame.
-    pub(crate) fn lead(&self) -> usize {
+    pub fn lead(&self) -> usize {
         self.framing.lead()
     }
 
@@ -233,7 +238,7 @@ impl LogReader {
 
     /// Goes on at the first of the records that begin at `offsets`; the others will be asked for after it.
     #[inline]
-    pub(crate) fn visit(
+    pub fn visit(
         &mut self,
         offsets: &[u64],
         parser: &Parser,
@@ -255,7 +260,7 @@ impl LogReader {
 
     /// Goes over the record that `peek` gave.
     #[inline]
-    pub(crate) fn accept(&mut self, len: usize, time: f64, link: u8) {
+    pub fn accept(&mut self, len: usize, time: f64, link: u8) {
         self.offset += (self.lead() + len) as u64;
         self.ahead.advance();
         (self.time, self.link) = (time, link);
@@ -263,22 +268,22 @@ impl LogReader {
     }
 
     /// The next thing in the log; `Step::Nothing` at its end. Also says how many bytes went through the parser.
-    pub(crate) fn next(
+    pub fn next(
         &mut self,
         parser: &mut Parser,
-        dialect: &Dialect,
+        registry: &Registry,
         robust: bool,
     ) -> io::Result<(Step, usize)> {
         self.ahead.clear();
         if self.framing == Framing::Stamped && parser.resync() == Resync::Rescan {
-            return self.next_good(parser, dialect);
+            return self.next_good(parser, registry);
         }
         let ready = self.begin_record()?;
         if ready && parser.unread().is_empty() {
             let bytes = self.window.at(self.offset, MAX_FRAME_LEN)?;
-            if let Some((step, len)) = parser.look(bytes, dialect) {
+            if let Some((step, len)) = parser.look(bytes, registry) {
                 self.offset += len as u64;
-                self.end_step(&step, &dialect.registry);
+                self.end_step(&step, registry);
                 return Ok((step, len));
             }
         }
@@ -289,15 +294,15 @@ impl LogReader {
             let ended = bytes.is_empty();
             fed += bytes.len();
             parser.push(bytes);
-            let mut step = parser.step(dialect, robust);
+            let mut step = parser.step(registry, robust);
             if ended && matches!(step, Step::Nothing) {
-                step = parser.step_at_end(dialect, robust);
+                step = parser.step_at_end(registry, robust);
             }
             match step {
                 Step::Nothing if ended => return Ok((Step::Nothing, fed)),
                 Step::Nothing => {}
                 step => {
-                    self.end_step(&step, &dialect.registry);
+                    self.end_step(&step, registry);
                     return Ok((step, fed));
                 }
             }
@@ -305,9 +310,9 @@ impl LogReader {
     }
 
     /// The next good record under `Rescan`, or the bytes in front of it; `Step::Nothing` at the end of the log.
-    fn next_good(&mut self, parser: &mut Parser, dialect: &Dialect) -> io::Result<(Step, usize)> {
+    fn next_good(&mut self, parser: &mut Parser, registry: &Registry) -> io::Result<(Step, usize)> {
         self.unread(parser);
-        Ok(match self.next_record(&dialect.registry)? {
+        Ok(match self.next_record(registry)? {
             AtOffset::Record { len, header, entry, .. } => {
                 let len = len - STAMP_LEN;
                 let bytes = FrameBytes::from(self.last(len)?);
@@ -323,7 +328,7 @@ impl LogReader {
 
     /// Goes over the good record at the position, or over bytes that belong to none.
     #[inline]
-    pub(crate) fn next_record(&mut self, registry: &Registry) -> io::Result<AtOffset> {
+    pub fn next_record(&mut self, registry: &Registry) -> io::Result<AtOffset> {
         let found = self.finder.look(&mut self.window, self.offset, registry)?;
         match found {
             AtOffset::Record { len, entry, .. } if self.framing == Framing::Raw => {
@@ -357,7 +362,7 @@ impl LogReader {
 
     /// The `len` bytes in front of the position.
     #[inline]
-    pub(crate) fn last(&mut self, len: usize) -> io::Result<&[u8]> {
+    pub fn last(&mut self, len: usize) -> io::Result<&[u8]> {
         let bytes = self.window.at(self.offset - len as u64, len)?;
         bytes.get(..len).ok_or_else(|| io::ErrorKind::UnexpectedEof.into())
     }

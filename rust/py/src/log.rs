@@ -1,3 +1,0 @@
-//! Telemetry logs, read record by record.
-
-pub(crate) mod reader;
