@@ -229,12 +229,6 @@ def test_packages_above_mavutil_have_an_order(package: str) -> None:
     assert not uses
 
 
-def test_attributes_are_read_where_the_end_of_the_interpreter_does_no_harm() -> None:
-    """Clippy forbids the other methods of PyO3 that `calling.rs` stands for."""
-    for path in rust_sources("py"):
-        assert ".getattr(" not in code_of(path), f"{path} has getattr: use Calling::attribute"
-
-
 @pytest.mark.parametrize("pattern", ["*.rs", "*.py", "*.pyi"])
 def test_files_are_short(pattern: str) -> None:
     generated = ROOT / "python" / "mavwire" / "dialects"

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyIterator, PyList};
 
 use crate::dialect::registry::Dialect;
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 use crate::tables::columns::{LogColumns, Query};
 use crate::tables::table::columns_error;
 use mavwire_core::frame::FrameBytes;
@@ -98,7 +98,7 @@ impl FrameBatch {
         invalid: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
-        let module = import(py, intern!(py, "mavwire.logs.reading"))?;
+        let module = py.import(intern!(py, "mavwire.logs.reading"))?;
         module.invoke_method1(intern!(py, "tables_of_batch"), (slf, units, enums, invalid))
     }
 

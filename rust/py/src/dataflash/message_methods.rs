@@ -10,14 +10,15 @@ use pyo3::{PyTraverseError, PyVisit};
 use super::clock::Seconds;
 use super::message::{DFMessage, Origin, Written};
 use super::{render, shape};
-use crate::python::calling::{Calling, import, truth};
+use crate::python::calling::{Calling, truth};
+use crate::python::instance_dict::generic_getattr;
 use crate::python::lists::collected;
 use crate::sync::lock::Lock;
 use mavwire_core::frame::FrameBytes;
 
 /// A function of the package's for messages.
 fn helper<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-    import(py, intern!(py, "mavwire._dataflash.messages"))?.attribute(name)
+    py.import(intern!(py, "mavwire._dataflash.messages"))?.getattr(name)
 }
 
 #[pymethods]
@@ -32,7 +33,7 @@ impl DFMessage {
     ) -> PyResult<Self> {
         let elements = match elements.cast::<PyList>() {
             Ok(list) => list.clone(),
-            Err(_) => PyList::new(fmt.py(), collected(elements.items()?)?)?,
+            Err(_) => PyList::new(fmt.py(), collected(elements.try_iter()?)?)?,
         };
         let written = Written { elements: Some(elements.unbind()), attributes: None };
         Ok(Self {
@@ -60,7 +61,7 @@ impl DFMessage {
         if let Some(index) = this.names.field(name)? {
             return this.value(py, index);
         }
-        slf.generic_attribute(name).map_err(|error| {
+        generic_getattr(slf, name).map_err(|error| {
             if error.is_instance_of::<PyAttributeError>(py) {
                 return PyAttributeError::new_err(name.clone().unbind());
             }
@@ -188,8 +189,8 @@ impl DFMessage {
         let Some(parent) = &this.parent else {
             return Err(PyAttributeError::new_err("'NoneType' object has no attribute 'messages'"));
         };
-        let messages = parent.bind(py).attribute(intern!(py, "messages"))?;
-        let name = format!("{}[{}]", this.names.layout.name, key.text()?);
+        let messages = parent.bind(py).getattr(intern!(py, "messages"))?;
+        let name = format!("{}[{}]", this.names.layout.name, key.str()?);
         messages.get_item(name).map_err(|_| PyIndexError::new_err(()))
     }
 

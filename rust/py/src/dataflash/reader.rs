@@ -18,6 +18,7 @@ use super::shape::{self, Names};
 use super::source::{BUDGET, Source};
 use super::state::{Kind, Search, State, Taken, closed};
 use crate::python::calling::{Calling, truth};
+use crate::python::instance_dict::generic_setattr;
 use crate::python::lists::list;
 use crate::python::own_methods::OwnMethods;
 use crate::sync::gil_yield::GilYield;
@@ -53,7 +54,7 @@ impl<'py> Types<'py> {
         if let Ok(name) = types.cast::<PyString>() {
             return Ok(Self::One(name.clone()));
         }
-        let Ok(items) = types.items() else {
+        let Ok(items) = types.try_iter() else {
             return Err(PyTypeError::new_err("type must be a name or a collection of names"));
         };
         let names = items.filter_map(|name| name.map(|name| name.cast_into().ok()).transpose());
@@ -70,7 +71,7 @@ impl<'py> Types<'py> {
             return Ok(true);
         }
         for one in names {
-            if one.equals(name.as_any())? {
+            if one.as_any().eq(name)? {
                 return Ok(true);
             }
         }
@@ -152,7 +153,7 @@ impl DataflashReader {
             value => value?,
         };
         let name = &message.get().names.layout.name;
-        let key = format!("{name}[{}]", value.text()?.to_string_lossy());
+        let key = format!("{name}[{}]", value.str()?.to_string_lossy());
         Ok(Some(PyString::new(py, &key)))
     }
 
@@ -239,7 +240,7 @@ impl DataflashReader {
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        slf.set_generic_attribute(name, None)
+        generic_setattr(slf, name, None)
     }
 
     /// Opens a log and returns its layouts: (offset, type, length, name, format, columns) of each.
@@ -449,7 +450,7 @@ impl DataflashReader {
                 None => return Ok(message.into_any()),
                 Some(condition) => {
                     let holds = slf.invoke_method1(intern!(py, "check_condition"), (condition,))?;
-                    if holds.truth()? {
+                    if holds.is_truthy()? {
                         return Ok(message.into_any());
                     }
                 }

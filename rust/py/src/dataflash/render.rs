@@ -10,8 +10,6 @@ use pyo3::types::PyFloat;
 use super::message::DFMessage;
 use super::value::text_of;
 
-use crate::python::calling::Calling;
-
 /// The one NaN that is plainly `nan`; others were made by an autopilot's reckoning and are `qnan`.
 const PLAIN_NAN: u64 = 0x7FF8_0000_0000_0000;
 
@@ -55,7 +53,7 @@ fn write_stored(out: &mut String, message: &DFMessage, py: Python<'_>, index: us
 fn write_object(out: &mut String, value: &Bound<'_, PyAny>) -> PyResult<()> {
     match value.cast_exact::<PyFloat>() {
         Ok(number) => write_float(out, number.value()),
-        Err(_) => out.push_str(&value.text()?.to_string_lossy()),
+        Err(_) => out.push_str(&value.str()?.to_string_lossy()),
     }
     Ok(())
 }

@@ -6,8 +6,6 @@ use mavwire_core::log::dataflash::Layout;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
 
-use crate::python::calling::Calling;
-
 /// A layout and its names.
 pub(crate) struct Names {
     pub(crate) layout: Arc<Layout>,
@@ -28,7 +26,7 @@ impl Names {
         let mut fields = Vec::new();
         for (number, field) in layout.fields.iter().enumerate() {
             let name = PyString::intern(py, &field.name);
-            if class.attribute_opt(&name)?.is_some() {
+            if class.getattr_opt(&name)?.is_some() {
                 fields.push(None);
                 continue;
             }
@@ -63,6 +61,6 @@ pub(crate) struct DataflashShape {
 
 /// The shape of a `DFFormat`, which its attribute `_shape` holds.
 pub(crate) fn of_format(format: &Bound<'_, PyAny>) -> PyResult<Arc<Names>> {
-    let shape = format.attribute(intern!(format.py(), "_shape"))?;
+    let shape = format.getattr(intern!(format.py(), "_shape"))?;
     Ok(Arc::clone(&shape.cast::<DataflashShape>()?.get().names))
 }

@@ -5,7 +5,7 @@ use mavwire_core::log::dataflash::{FieldKind, Value, value};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyFloat, PyInt, PyString};
 
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 
 /// Digits that Python's `int` takes of a text. Longer numbers are damage, and read as floats, mostly infinite.
 const MAX_DIGITS: usize = 4300;
@@ -54,7 +54,7 @@ pub(super) fn from_body<'py>(
 fn array<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<Bound<'py, PyAny>> {
     let numbers: Vec<i16> =
         bytes.as_chunks::<2>().0.iter().map(|pair| i16::from_le_bytes(*pair)).collect();
-    import(py, intern!(py, "array"))?.attribute(intern!(py, "array"))?.invoke1(("h", numbers))
+    py.import(intern!(py, "array"))?.getattr(intern!(py, "array"))?.invoke1(("h", numbers))
 }
 
 /// The value of a field in a line of a text log, of a record type by its name.
@@ -97,7 +97,7 @@ pub(super) fn from_object<'py>(
         FieldKind::Text(len) => Ok(match element.cast::<PyBytes>() {
             Ok(_) if raw_bytes && len == 64 => element.clone(),
             Ok(bytes) => PyString::new(py, &text_of(bytes.as_bytes())).into_any(),
-            Err(_) => element.text()?.into_any(),
+            Err(_) => element.str()?.into_any(),
         }),
         FieldKind::Array => match element.cast::<PyBytes>() {
             Ok(bytes) => array(py, bytes.as_bytes()),

@@ -307,7 +307,7 @@ impl<'a, 'py> Dump<'a, 'py> {
         if let Some(answer) = remembered {
             return Ok(answer);
         }
-        let answer = self.options.wanted.invoke1((item.name(),))?.truth()?;
+        let answer = self.options.wanted.invoke1((item.name(),))?.is_truthy()?;
         match item {
             Item::Known { index, .. } => self.wanted.known[usize::from(*index)] = Some(answer),
             Item::Unknown { msgid, .. } if self.wanted.unknown.len() < MAX_UNKNOWN => {

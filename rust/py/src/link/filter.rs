@@ -40,8 +40,8 @@ impl<'py> Filter<'py> {
         };
         match self {
             Self::All => Ok(true),
-            Self::One(name) => Ok(kind.is(name) || kind.equals(name)?),
-            Self::In(names) => names.includes(&kind),
+            Self::One(name) => Ok(kind.is(name) || kind.eq(name)?),
+            Self::In(names) => names.contains(&kind),
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::message::create::{self, create};
 use crate::message::dict;
 use crate::message::object::{Message, Origin, flags, instance_dict};
 use crate::message::values;
-use crate::python::calling::Calling;
+use crate::python::instance_dict::generic_setattr;
 
 /// Instances kept per message type: they are chosen by whoever sends.
 const MAX_INSTANCES: usize = 4096;
@@ -96,7 +96,7 @@ fn renew_newest<'py>(
     }
     let instances = kept.unwrap_or_else(|| PyDict::new(messages.py()));
     let newest = shallow_copy(message)?;
-    newest.set_generic_attribute(name, Some(&instances))?;
+    generic_setattr(&newest, name, Some(&instances))?;
     Message::written(&newest, flags::DICT);
     messages.set_item(kind, newest)?;
     Ok(Some(instances))
@@ -114,7 +114,7 @@ fn instances_of<'py>(previous: &Bound<'py, PyAny>) -> PyResult<Option<Bound<'py,
     let instances = match previous.cast::<Message>() {
         Ok(message) if !message.get().has(flags::DICT) => None,
         Ok(message) => instance_dict(message)?.get_item(name)?,
-        Err(_) => Some(previous.attribute(name)?),
+        Err(_) => Some(previous.getattr(name)?),
     };
     match instances {
         Some(instances) if !instances.is_none() => Ok(Some(instances.cast_into::<PyDict>()?)),
@@ -142,7 +142,7 @@ fn instance_key<'py>(
 ) -> PyResult<Bound<'py, PyString>> {
     let py = kind.py();
     let make = || -> PyResult<_> {
-        let key = format!("{}[{}]", kind.to_str()?, instance.text()?.to_str()?);
+        let key = format!("{}[{}]", kind.to_str()?, instance.str()?.to_str()?);
         Ok(PyString::new(py, &key))
     };
     let Some(info) = message.get().info.filter(|info| info.name.is(kind)) else { return make() };
@@ -167,17 +167,17 @@ fn instance_of<'py>(message: &Bound<'py, Message>) -> PyResult<Option<Bound<'py,
             return values::field_value(py, definition, this.decoded_payload())
                 .map(|value| Some(value.into_bound(py)));
         }
-        let value = message.attribute(info.names[field].name.bind(py))?;
+        let value = message.getattr(info.names[field].name.bind(py))?;
         return Ok((!value.is_none()).then_some(value));
     }
     if matches!(this.origin, Origin::Bad | Origin::Unknown) {
         return Ok(None);
     }
-    let field = message.attribute(intern!(py, "_instance_field"))?;
+    let field = message.getattr(intern!(py, "_instance_field"))?;
     if field.is_none() {
         return Ok(None);
     }
-    let value = message.attribute_opt(field.cast_into::<PyString>()?)?;
+    let value = message.getattr_opt(field.cast_into::<PyString>()?)?;
     Ok(value.filter(|value| !value.is_none()))
 }
 

@@ -67,7 +67,7 @@ impl LiveLink {
     /// `port` and its descriptor, while it is an open socket, serial port or pipe.
     pub(crate) fn descriptor<'py>(slf: &Bound<'py, Self>) -> Option<(Bound<'py, PyAny>, i32)> {
         let py = slf.py();
-        let port = slf.attribute(intern!(py, "port")).ok()?;
+        let port = slf.getattr(intern!(py, "port")).ok()?;
         if port.is_none() || !Self::is_plain_port(slf, &port) {
             return None;
         }
@@ -92,7 +92,7 @@ impl LiveLink {
     ) -> PyResult<()> {
         let py = slf.py();
         let shown = to_python(py, address)?;
-        slf.set_attribute(intern!(py, "last_address"), &shown)?;
+        slf.setattr(intern!(py, "last_address"), &shown)?;
         if sent_message {
             slf.invoke_method1(intern!(py, "_heard"), (shown, is_targeted))?;
         }

@@ -109,9 +109,9 @@ pub(crate) fn has_nothing_left(link: &Bound<'_, Link>) -> bool {
 /// wait: for idle hooks, or without a descriptor.
 pub(crate) fn wait(slf: &Bound<'_, LiveLink>, remaining: Option<Duration>) -> PyResult<bool> {
     let py = slf.py();
-    let hooks = slf.attribute(intern!(py, "idle_hooks"))?;
+    let hooks = slf.getattr(intern!(py, "idle_hooks"))?;
     let has_hooks = hooks.cast::<PyList>().map_or(true, |hooks| !hooks.is_empty());
-    let fd = slf.attribute(intern!(py, "fd"))?.extract::<i32>().ok();
+    let fd = slf.getattr(intern!(py, "fd"))?.extract::<i32>().ok();
     let Some(fd) = fd.filter(|_| !has_hooks) else { return Ok(false) };
     let slice = remaining.map_or(WAIT_SLICE, |remaining| remaining.min(WAIT_SLICE));
     let writable = slf.get().source().has_unsent;

@@ -10,7 +10,6 @@ use crate::link::log_receive;
 use crate::link::log_wanted::Wanted;
 use crate::link::message_source::message_type;
 use crate::message::object::Message;
-use crate::python::calling::Calling;
 use crate::sync::gil_yield::GilYield;
 use crate::sync::lock::Lock;
 
@@ -34,7 +33,7 @@ impl LogVisits {
             return Ok(true);
         }
         for name in &self.names {
-            if kind.equals(name.bind(message.py()))? {
+            if kind.as_any().eq(name.bind(message.py()))? {
                 return Ok(true);
             }
         }

@@ -4,7 +4,6 @@ use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
-use crate::python::calling::Calling;
 use crate::python::lists::collected;
 use mavwire_io::log_index::LogIndex;
 
@@ -59,8 +58,8 @@ pub(crate) fn names(types: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
         Ok(name) => vec![name.to_string_lossy().into_owned()],
         Err(_) => {
             let text =
-                |name: PyResult<Bound<'_, PyAny>>| Ok(name?.text()?.to_string_lossy().into_owned());
-            collected(types.items()?.map(text))?
+                |name: PyResult<Bound<'_, PyAny>>| Ok(name?.str()?.to_string_lossy().into_owned());
+            collected(types.try_iter()?.map(text))?
         }
     };
     names.extend(ALWAYS_READ.map(str::to_owned));

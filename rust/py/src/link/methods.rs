@@ -11,8 +11,8 @@ use crate::link::system::forget_states;
 use crate::link::tracking;
 use crate::message::object::Message;
 use crate::protocol::mavlink::MAVLink;
-use crate::python::calling::{Calling, truth};
-use crate::python::instance_dict::generic_dict;
+use crate::python::calling::truth;
+use crate::python::instance_dict::{generic_dict, generic_setattr};
 use crate::python::own_methods::OwnMethods;
 
 #[pymethods]
@@ -35,7 +35,7 @@ impl Link {
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        slf.set_generic_attribute(name, None)
+        generic_setattr(slf, name, None)
     }
 
     /// The `MAVLink` object of the current dialect.
@@ -161,7 +161,7 @@ impl Link {
     }
     #[setter(notimestamps)]
     fn set_notimestamps(&self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let value = value.truth()?;
+        let value = value.is_truthy()?;
         self.state().reception.stamps_uptime = value;
         Ok(())
     }

@@ -19,7 +19,7 @@ pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
     let py = link.py();
     let (sender, _) = sender_of(message)?;
     let component = (sender.sysid, sender.compid).into_pyobject(py)?;
-    let states = link.attribute(intern!(py, "param_state"))?.cast_into::<PyDict>()?;
+    let states = link.getattr(intern!(py, "param_state"))?.cast_into::<PyDict>()?;
     let state = match states.get_item(&component)? {
         Some(state) => state,
         None => {
@@ -28,8 +28,8 @@ pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
             state
         }
     };
-    let params = state.attribute(intern!(py, "params"))?.cast_into::<PyDict>()?;
-    let name = field(message, "param_id")?.text()?;
+    let params = state.getattr(intern!(py, "params"))?.cast_into::<PyDict>()?;
+    let name = field(message, "param_id")?.str()?;
     if params.contains(&name)? || has_room(link, &params)? {
         params.set_item(name, field(message, "param_value")?)?;
     } else {
@@ -46,7 +46,7 @@ fn field<'py>(message: &Bound<'py, Message>, name: &str) -> PyResult<Bound<'py, 
     {
         return Ok(field_value(message.py(), field, payload)?.into_bound(message.py()));
     }
-    message.attribute(name)
+    message.getattr(name)
 }
 
 /// Whether another parameter is kept in `params`, which then counts.
@@ -57,5 +57,5 @@ fn has_room(link: &Bound<'_, Link>, params: &Bound<'_, PyDict>) -> PyResult<bool
     if link.get().budget.take_param(MAX_LINK_PARAMS) {
         return Ok(true);
     }
-    Ok(link.attribute(intern!(link.py(), "params"))?.is(params))
+    Ok(link.getattr(intern!(link.py(), "params"))?.is(params))
 }

@@ -129,7 +129,7 @@ fn matches(
     if condition.is_none() && link.get().is_quick() {
         return Ok(true);
     }
-    link.invoke_method1(intern!(link.py(), "_matches"), (message, condition))?.truth()
+    link.invoke_method1(intern!(link.py(), "_matches"), (message, condition))?.is_truthy()
 }
 
 /// Waits until data may be there, `deadline` has come or the idle hooks are due.

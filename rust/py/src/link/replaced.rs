@@ -13,7 +13,7 @@ use pyo3::types::{PyDict, PyString};
 use crate::link::instances;
 use crate::link::name_budget::NameBudget;
 use crate::message::object::Message;
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 use crate::sync::slot::Slot;
 
 /// A function or module that programs may replace.
@@ -66,9 +66,9 @@ fn time_module(py: Python<'_>) -> PyResult<&(Py<PyDict>, Py<PyAny>)> {
         return Ok(found);
     }
     let name = intern!(py, "time");
-    let module = import(py, name)?;
-    let function = module.attribute(name)?;
-    let names = module.attribute(intern!(py, "__dict__"))?.cast_into::<PyDict>()?;
+    let module = py.import(name)?;
+    let function = module.getattr(name)?;
+    let names = module.getattr(intern!(py, "__dict__"))?.cast_into::<PyDict>()?;
     Ok(TIME_MODULE.get_or_init(|| (names.unbind(), function.unbind())))
 }
 
@@ -83,7 +83,7 @@ pub(crate) fn now(py: Python<'_>) -> PyResult<f64> {
     let (names, original) = time_module(py)?;
     let name = intern!(py, "time");
     let function = match TIME.get(py) {
-        Some(replaced) => replaced.attribute(name)?,
+        Some(replaced) => replaced.getattr(name)?,
         None => names.bind(py).get_item(name)?.unwrap_or_else(|| original.bind(py).clone()),
     };
     if function.is(original) { Ok(unix_seconds()) } else { function.invoke1(())?.extract() }

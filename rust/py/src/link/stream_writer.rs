@@ -12,7 +12,6 @@ use pyo3::types::PyBytes;
 use crate::link::live_link::LiveLink;
 use crate::port::ports::{self, close_port};
 use crate::port::stream_queue::StreamQueue;
-use crate::python::calling::Calling;
 use crate::python::lists;
 use crate::sync::exclusive::Exclusive;
 use crate::sync::lock::Lock;
@@ -235,7 +234,7 @@ impl StreamWriter {
         fd: Option<i32>,
     ) -> PyResult<bool> {
         let py = port.py();
-        if port.is_none() || !link.attribute(intern!(py, "port"))?.is(port) {
+        if port.is_none() || !link.getattr(intern!(py, "port"))?.is(port) {
             return Ok(false);
         }
         // No other thread and no signal handler comes in between, as it would where the last reference to a port is dropped.
@@ -243,8 +242,8 @@ impl StreamWriter {
         self.ended.set(Some(port.clone().unbind()));
         self.clear(py, Some(link));
         link.as_super().get().drop_partial();
-        link.set_attribute(intern!(py, "fd"), fd)?;
-        link.set_attribute(intern!(py, "port"), py.None())?;
+        link.setattr(intern!(py, "fd"), fd)?;
+        link.setattr(intern!(py, "port"), py.None())?;
         close_port(port)?;
         Ok(true)
     }

@@ -9,8 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple};
 
 use crate::link::components::Components;
-use crate::python::calling::Calling;
-use crate::python::instance_dict::generic_dict;
+use crate::python::instance_dict::{generic_dict, generic_setattr};
 use crate::sync::slot::Slot;
 use mavwire_core::frame::FrameBytes;
 
@@ -61,8 +60,8 @@ impl SystemState {
     ) -> PyResult<()> {
         let before = generic_dict(slf.as_any())?.get_item(name)?;
         // What cannot be compared, like an array, may have changed.
-        let changed = before.is_none_or(|before| !before.equals(value).unwrap_or(false));
-        slf.set_generic_attribute(name, Some(value))?;
+        let changed = before.is_none_or(|before| !before.eq(value).unwrap_or(false));
+        generic_setattr(slf, name, Some(value))?;
         if changed {
             forget_states();
         }
@@ -70,7 +69,7 @@ impl SystemState {
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        slf.set_generic_attribute(name, None)?;
+        generic_setattr(slf, name, None)?;
         forget_states();
         Ok(())
     }

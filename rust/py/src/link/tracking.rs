@@ -47,7 +47,7 @@ fn account(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyResult<()>
     let now = replaced::now(py)?;
     let seconds = link.get().state().reception.account(counts.then_some(source), uptime, now);
     if this.has(flags::TIMESTAMP_IN_DICT) {
-        message.set_attribute(intern!(py, "_timestamp"), seconds)?;
+        message.setattr(intern!(py, "_timestamp"), seconds)?;
     } else {
         this.set_timestamp(seconds);
     }
@@ -96,7 +96,7 @@ pub(crate) fn call_python(
         _ => {}
     }
     if let Some(hooks) = link.get().hooks(py) {
-        for hook in hooks.items()? {
+        for hook in hooks.try_iter()? {
             hook?.invoke1((link, message))?;
         }
     }
@@ -108,7 +108,7 @@ pub(crate) fn call_python(
 
 fn is_posted(message: &Bound<'_, Message>) -> PyResult<bool> {
     let posted = instance_dict(message)?.get_item(intern!(message.py(), "_posted"))?;
-    posted.map_or(Ok(false), |posted| posted.truth())
+    posted.map_or(Ok(false), |posted| posted.is_truthy())
 }
 
 /// Seconds since boot, if the message says.
@@ -121,7 +121,7 @@ fn uptime_of(message: &Bound<'_, Message>) -> PyResult<Option<f64>> {
     for (field, scale) in [(info.time_boot_ms, 1.0e-3), (info.usec, 1.0e-6)] {
         if let Some(index) = field {
             let value: f64 =
-                message.attribute(info.names[index].name.bind(message.py()))?.extract()?;
+                message.getattr(info.names[index].name.bind(message.py()))?.extract()?;
             return Ok(Some(value * scale));
         }
     }

@@ -7,7 +7,6 @@ use pyo3::types::{PyDict, PyString, PyType};
 
 use crate::message::create;
 use crate::message::descriptors::FieldGetter;
-use crate::python::calling::Calling;
 
 /// A class called `name` in `module`, derived from `base`, with the attributes in `body`.
 ///
@@ -22,10 +21,10 @@ pub(crate) fn message_class<'py>(
     let full_name = CString::new(format!("{module}.{name}"))?;
     let class = create::message_class(&full_name, base)?;
     // The module is part of neither name, for texts that quote the class.
-    class.set_attribute(intern!(name.py(), "__name__"), name)?;
-    class.set_attribute(intern!(name.py(), "__qualname__"), name)?;
+    class.setattr(intern!(name.py(), "__name__"), name)?;
+    class.setattr(intern!(name.py(), "__qualname__"), name)?;
     for (attribute, value) in body {
-        class.set_attribute(attribute.cast::<PyString>()?, &value)?;
+        class.setattr(attribute.cast::<PyString>()?, &value)?;
         if let Ok(getter) = value.cast::<FieldGetter>() {
             getter.get().set_owner(&class);
         }

@@ -26,7 +26,7 @@ use pyo3::types::{PyTuple, PyType};
 
 use crate::message::info::Info;
 use crate::message::object::{Message, Origin, flags};
-use crate::python::calling::{Calling, class_name};
+use crate::python::calling::class_name;
 use crate::python::collector::untrack;
 use mavwire_core::frame::FrameBytes;
 
@@ -184,7 +184,7 @@ fn create_and_measure<'py>(
 ) -> PyResult<Bound<'py, Message>> {
     let object = create_by_pyo3(class, message)?;
     let base = class.py().get_type::<Message>();
-    let number = |name: &str| base.attribute(name)?.extract::<usize>();
+    let number = |name: &str| base.getattr(name)?.extract::<usize>();
     // There must be nothing else that would have to be initialised.
     let as_expected = std::ptr::from_ref(object.get()) as usize - object.as_ptr() as usize
         == offset_of!(Instance, message)

@@ -170,7 +170,7 @@ impl FieldGetter {
         match (&self.class_value, owner) {
             (Some(value), owner) => {
                 let value = value.bind(py);
-                if value.attribute_opt(intern!(py, "__get__"))?.is_some() {
+                if value.getattr_opt(intern!(py, "__get__"))?.is_some() {
                     Ok(value.invoke_method1(intern!(py, "__get__"), (obj, owner))?.unbind())
                 } else {
                     Ok(value.clone().unbind())

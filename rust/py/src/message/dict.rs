@@ -9,7 +9,6 @@ use pyo3::types::{PyBytes, PyDict, PyTuple};
 use crate::message::create::{self, create};
 use crate::message::meta::{self, Meta};
 use crate::message::object::{Message, Origin, flags, instance_dict};
-use crate::python::calling::{Calling, import};
 use mavwire_core::frame::FrameBytes;
 
 /// `vars(message)`: the dictionary with every attribute in it.
@@ -53,14 +52,14 @@ fn complete_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDi
                 if let Some(value) = written.get_item(name)? {
                     complete.set_item(name, value)?;
                 } else if this.origin == Origin::Decoded {
-                    complete.set_item(name, message.attribute(name)?)?;
+                    complete.set_item(name, message.getattr(name)?)?;
                 }
             }
         }
     }
     for name in odd_fields(this.origin) {
         if !written.contains(name)? {
-            complete.set_item(name, message.attribute(name)?)?;
+            complete.set_item(name, message.getattr(name)?)?;
         }
     }
     if let Some(seconds) = this.timestamp() {
@@ -121,7 +120,7 @@ pub(crate) fn copy<'py>(
 pub(crate) fn reduce<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyTuple>> {
     let py = message.py();
     let this = message.get();
-    let restore = import(py, intern!(py, "mavwire._native"))?.attribute(intern!(py, "restore"))?;
+    let restore = py.import(intern!(py, "mavwire._native"))?.getattr(intern!(py, "restore"))?;
     let decoded = this.origin == Origin::Decoded && !this.has(flags::PACKED);
     let frame = decoded.then(|| PyBytes::new(py, &this.frame));
     let timestamp = this.timestamp().filter(|_| decoded);
@@ -152,7 +151,7 @@ pub(crate) fn restore<'py>(
 ) -> PyResult<Bound<'py, Message>> {
     let py = class.py();
     create::require_message_class(class)?;
-    let info = class.attribute(intern!(py, "_info"))?;
+    let info = class.getattr(intern!(py, "_info"))?;
     let info = info.cast::<crate::message::info::MessageInfo>().ok().map(|info| info.get().info);
     let origin = match frame {
         Some(frame) if info.is_some() && mavwire_core::frame::FrameRef::parse(frame).is_ok() => {

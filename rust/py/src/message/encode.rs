@@ -144,7 +144,7 @@ pub(crate) fn encode_by_struct<'py>(
             values.push(item);
         }
     }
-    let layout = message.get_type().attribute(intern!(py, "unpacker"))?;
+    let layout = message.get_type().getattr(intern!(py, "unpacker"))?;
     let packed = layout.invoke_method1(intern!(py, "pack"), PyTuple::new(py, values)?)?;
     Ok(Payload::extended(&info.definition, packed.cast::<PyBytes>()?.as_bytes()))
 }

@@ -105,19 +105,19 @@ impl Meta {
             Self::Payload => payload_object(py, this)?,
             Self::Msgbuf => msgbuf_object(py, this),
             Self::Crc => crc(py, this).into_py_any(py)?,
-            Self::Fieldnames => class.attribute(intern!(py, "fieldnames"))?.unbind(),
+            Self::Fieldnames => class.getattr(intern!(py, "fieldnames"))?.unbind(),
             Self::Type => match (this.info, this.origin) {
                 (Some(info), _) => info.name.clone_ref(py).into_any(),
                 (None, Origin::Bad) => "BAD_DATA".into_py_any(py)?,
                 (None, Origin::Unknown) => unknown_name(this).into_py_any(py)?,
-                (None, _) => class.attribute(intern!(py, "msgname"))?.unbind(),
+                (None, _) => class.getattr(intern!(py, "msgname"))?.unbind(),
             },
             Self::Signed => this.has(flags::SIGNED).into_py_any(py)?,
             Self::LinkId => link_id(this).into_py_any(py)?,
             Self::Instances => py.None(),
-            Self::InstanceField => class.attribute(intern!(py, "instance_field"))?.unbind(),
+            Self::InstanceField => class.getattr(intern!(py, "instance_field"))?.unbind(),
             Self::InstanceOffset if this.info.is_none() => return Ok(None),
-            Self::InstanceOffset => class.attribute(intern!(py, "instance_offset"))?.unbind(),
+            Self::InstanceOffset => class.getattr(intern!(py, "instance_offset"))?.unbind(),
             Self::Posted if this.has(flags::POSTED) => true.into_py_any(py)?,
             Self::Link if this.has(flags::LINK) => {
                 this.link.load(Ordering::Relaxed).into_py_any(py)?
@@ -168,7 +168,7 @@ pub(crate) fn set_packed(slf: &Bound<'_, Message>, frame: &Bound<'_, PyBytes>) -
 fn header_object(message: &Bound<'_, Message>) -> PyResult<Py<PyAny>> {
     let py = message.py();
     let this = message.get();
-    let class = message.attribute(intern!(py, "_header_class"))?;
+    let class = message.getattr(intern!(py, "_header_class"))?;
     let Some(header) = this.header() else {
         let msgid = match (this.info, this.origin) {
             (Some(info), _) => i64::from(info.definition.id),

@@ -10,7 +10,7 @@ use pyo3::types::{PyBytes, PyDict, PyList, PyString};
 use crate::message::info::Info;
 use crate::message::object::{Message, flags};
 use crate::message::values;
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 
 /// The definition, if everything can be read from the frame and the message's class has none of its own `methods`.
 fn pristine(
@@ -23,7 +23,7 @@ fn pristine(
     }
     let (class, native) = (message.get_type(), message.py().get_type::<Message>());
     for &method in methods {
-        if !class.attribute(method)?.is(&native.attribute(method)?) {
+        if !class.getattr(method)?.is(&native.getattr(method)?) {
             return Ok(None);
         }
     }
@@ -43,7 +43,7 @@ pub(crate) fn format_attr<'py>(
     field: &Bound<'py, PyString>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = message.py();
-    let value = message.attribute(field)?;
+    let value = message.getattr(field)?;
     if !value.is_instance_of::<PyBytes>() {
         return Ok(value);
     }
@@ -66,12 +66,12 @@ fn shown<'py>(
 fn fieldnames<'py>(
     message: &Bound<'py, Message>,
 ) -> PyResult<impl Iterator<Item = PyResult<Bound<'py, PyString>>>> {
-    let names = message.attribute(intern!(message.py(), "_fieldnames"))?.items()?;
+    let names = message.getattr(intern!(message.py(), "_fieldnames"))?.try_iter()?;
     Ok(names.map(|name| Ok(name?.cast_into::<PyString>()?)))
 }
 
 fn type_name<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyAny>> {
-    message.attribute(intern!(message.py(), "_type"))
+    message.getattr(intern!(message.py(), "_type"))
 }
 
 pub(crate) fn to_text(message: &Bound<'_, Message>) -> PyResult<Py<PyString>> {
@@ -81,7 +81,7 @@ pub(crate) fn to_text(message: &Bound<'_, Message>) -> PyResult<Py<PyString>> {
         format::write_text(&mut out, &info.definition, message.get().decoded_payload());
         return Ok(PyString::new(py, &out).unbind());
     }
-    out.push_str(&type_name(message)?.text()?.to_string_lossy());
+    out.push_str(&type_name(message)?.str()?.to_string_lossy());
     out.push_str(" {");
     for (i, name) in fieldnames(message)?.enumerate() {
         let name = name?;
@@ -91,7 +91,7 @@ pub(crate) fn to_text(message: &Bound<'_, Message>) -> PyResult<Py<PyString>> {
         out.push_str(&name.to_string_lossy());
         out.push_str(" : ");
         let value = shown(&name, formatted(message, &name)?)?;
-        out.push_str(&value.text()?.to_string_lossy());
+        out.push_str(&value.str()?.to_string_lossy());
     }
     out.push('}');
     Ok(PyString::new(py, &out).unbind())
@@ -129,7 +129,7 @@ pub(crate) fn to_json<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py,
         let name = PyString::new(py, format::SECRET_FIELD);
         dict.set_item(&name, shown(&name, secret)?)?;
     }
-    import(py, intern!(py, "json"))?.invoke_method1(intern!(py, "dumps"), (dict,))
+    py.import(intern!(py, "json"))?.invoke_method1(intern!(py, "dumps"), (dict,))
 }
 
 /// Same type, checksum, sequence number, source and field values. Messages of different dialect modules differ.
@@ -137,17 +137,17 @@ pub(crate) fn equal(message: &Bound<'_, Message>, other: &Bound<'_, PyAny>) -> P
     let py = message.py();
     let Ok(other) = other.cast::<Message>() else { return Ok(false) };
     let base = intern!(py, "_message_base");
-    if !message.attribute(base)?.is(&other.attribute(base)?) {
+    if !message.getattr(base)?.is(&other.getattr(base)?) {
         return Ok(false);
     }
     for method in ["get_type", "get_crc", "get_seq", "get_srcSystem", "get_srcComponent"] {
-        if !message.invoke_method0(method)?.equals(&other.invoke_method0(method)?)? {
+        if !message.invoke_method0(method)?.eq(&other.invoke_method0(method)?)? {
             return Ok(false);
         }
     }
     for name in fieldnames(message)? {
         let name = name?;
-        if !format_attr(message, &name)?.equals(&format_attr(other, &name)?)? {
+        if !format_attr(message, &name)?.eq(&format_attr(other, &name)?)? {
             return Ok(false);
         }
     }

@@ -18,7 +18,7 @@ pub(crate) fn accept<'py>(listener: &Bound<'py, PyAny>) -> PyResult<Bound<'py, P
     if !listener.get_type().is(SOCKET.get(py)?) {
         return listener.invoke_method0(intern!(py, "accept"))?.get_item(0);
     }
-    let accept = NATIVE_SOCKET.get(py)?.attribute(intern!(py, "_accept"))?;
+    let accept = NATIVE_SOCKET.get(py)?.getattr(intern!(py, "_accept"))?;
     let (fd, _): (Bound<'py, PyAny>, Bound<'py, PyAny>) = accept.invoke1((listener,))?.extract()?;
     socket_of(listener, &fd).or_else(|error| {
         CLOSE.get(py)?.invoke1((fd,))?;
@@ -34,13 +34,13 @@ fn socket_of<'py>(
     let py = listener.py();
     let (class, native) = (SOCKET.get(py)?, NATIVE_SOCKET.get(py)?);
     let of_listener =
-        |name| native.attribute(name)?.invoke_method1(intern!(py, "__get__"), (listener,));
+        |name| native.getattr(name)?.invoke_method1(intern!(py, "__get__"), (listener,));
     let family = of_listener(intern!(py, "family"))?;
     let kind = of_listener(intern!(py, "type"))?;
     let protocol = of_listener(intern!(py, "proto"))?;
     let port = class.invoke_method1(intern!(py, "__new__"), (class,))?;
-    port.set_attribute(intern!(py, "_io_refs"), 0)?;
-    port.set_attribute(intern!(py, "_closed"), false)?;
-    native.attribute(intern!(py, "__init__"))?.invoke1((&port, family, kind, protocol, fd))?;
+    port.setattr(intern!(py, "_io_refs"), 0)?;
+    port.setattr(intern!(py, "_closed"), false)?;
+    native.getattr(intern!(py, "__init__"))?.invoke1((&port, family, kind, protocol, fd))?;
     Ok(port)
 }

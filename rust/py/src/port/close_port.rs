@@ -21,7 +21,7 @@ const SERIAL_DESCRIPTORS: [&str; 5] =
 /// Closes a port that is no `TlsPort`.
 pub(crate) fn close(port: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = port.py();
-    let module = port.get_type().attribute(intern!(py, "__module__"))?;
+    let module = port.get_type().getattr(intern!(py, "__module__"))?;
     match module.cast::<PyString>().map(|name| name.to_string_lossy()).as_deref() {
         Ok("socket" | "ssl") => close_socket(port),
         Ok("serial.serialposix") => close_serial(port),
@@ -32,25 +32,25 @@ pub(crate) fn close(port: &Bound<'_, PyAny>) -> PyResult<()> {
 /// Closes one of Python's own sockets, TLS or not.
 fn close_socket(port: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = port.py();
-    port.set_attribute(intern!(py, "_closed"), true)?;
-    if port.attribute_opt(intern!(py, "_sslobj"))?.is_some() {
-        port.set_attribute(intern!(py, "_sslobj"), py.None())?;
+    port.setattr(intern!(py, "_closed"), true)?;
+    if port.getattr_opt(intern!(py, "_sslobj"))?.is_some() {
+        port.setattr(intern!(py, "_sslobj"), py.None())?;
     }
-    let close = SOCKET.get(py)?.attribute(intern!(py, "close"))?;
+    let close = SOCKET.get(py)?.getattr(intern!(py, "close"))?;
     unless_of_system(py, close.invoke1((port,)))
 }
 
 fn close_serial(port: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = port.py();
-    port.set_attribute(intern!(py, "is_open"), false)?;
+    port.setattr(intern!(py, "is_open"), false)?;
     // Otherwise its finalizer closes it once more, in Python code whose exceptions nobody gets.
-    port.set_attribute(intern!(py, "__IOBase_closed"), true)?;
+    port.setattr(intern!(py, "__IOBase_closed"), true)?;
     for name in SERIAL_DESCRIPTORS {
         let name = PyString::new(py, name);
-        if let Some(fd) = port.attribute_opt(&name)?
+        if let Some(fd) = port.getattr_opt(&name)?
             && !fd.is_none()
         {
-            port.set_attribute(&name, py.None())?;
+            port.setattr(&name, py.None())?;
             unless_of_system(py, CLOSE.get(py)?.invoke1((fd,)))?;
         }
     }

@@ -19,7 +19,7 @@ use pyo3::types::{PyBytes, PyString, PyTuple};
 use crate::port::answer::own_errors;
 use crate::port::close_port::close;
 use crate::port::tls_port::TlsPort;
-use crate::python::calling::{Calling, Known, import};
+use crate::python::calling::{Calling, Known};
 
 /// The same number on all systems.
 const EPIPE: i32 = 32;
@@ -85,7 +85,7 @@ fn no_signal(py: Python<'_>) -> PyResult<Option<&Py<PyAny>>> {
     if let Some(known) = NO_SIGNAL.get() {
         return Ok(known.as_ref());
     }
-    let found = import(py, intern!(py, "socket"))?.attribute_opt(intern!(py, "MSG_NOSIGNAL"))?;
+    let found = py.import(intern!(py, "socket"))?.getattr_opt(intern!(py, "MSG_NOSIGNAL"))?;
     Ok(NO_SIGNAL.get_or_init(|| found.map(Bound::unbind)).as_ref())
 }
 
@@ -118,7 +118,7 @@ pub(crate) struct DescriptorPort {
 impl DescriptorPort {
     #[new]
     fn new(file: Bound<'_, PyAny>) -> PyResult<Self> {
-        let has_fd = file.attribute_opt(intern!(file.py(), "fd"))?.is_some();
+        let has_fd = file.getattr_opt(intern!(file.py(), "fd"))?.is_some();
         Ok(Self { file: file.unbind(), has_fd })
     }
 
@@ -149,7 +149,7 @@ impl DescriptorPort {
     fn descriptor(&self, py: Python<'_>) -> PyResult<i32> {
         let file = self.file.bind(py);
         let fd = if self.has_fd {
-            file.attribute(intern!(py, "fd"))?.extract()?
+            file.getattr(intern!(py, "fd"))?.extract()?
         } else {
             match file.invoke_method0(intern!(py, "fileno")) {
                 Err(error) if error.is_instance_of::<PyValueError>(py) => None,

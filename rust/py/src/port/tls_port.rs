@@ -10,7 +10,7 @@ use pyo3::types::{PyString, PyTuple};
 
 use crate::port::answer::Answer;
 use crate::port::close_port::close;
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 use crate::sync::thread_lock::ThreadLock;
 
 /// A TLS connection as the non-blocking socket that links read and write. Waiting for the peer is no error of its own kind,
@@ -85,15 +85,15 @@ impl TlsPort {
 
 /// Signal handlers run inside of the methods of TLS sockets, but hardly any names a number of the system.
 fn is_of_system(py: Python<'_>, error: &PyErr) -> bool {
-    let number = error.value(py).attribute_opt(intern!(py, "errno"));
+    let number = error.value(py).getattr_opt(intern!(py, "errno"));
     error.is_instance_of::<PyOSError>(py) && matches!(number, Ok(Some(number)) if !number.is_none())
 }
 
 fn waits_for_peer(py: Python<'_>, error: &PyErr) -> PyResult<bool> {
-    let ssl = import(py, intern!(py, "ssl"))?;
+    let ssl = py.import(intern!(py, "ssl"))?;
     let names = [intern!(py, "SSLWantReadError"), intern!(py, "SSLWantWriteError")];
     for name in names {
-        if error.is_instance(py, &ssl.attribute(name)?) {
+        if error.is_instance(py, &ssl.getattr(name)?) {
             return Ok(true);
         }
     }

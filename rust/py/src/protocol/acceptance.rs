@@ -11,7 +11,7 @@ use pyo3::types::PyByteArray;
 
 use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::protocol::signing::Signing;
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 use crate::sync::shared;
 
 /// Signing timestamps per year, for the log line that pymavlink writes.
@@ -75,7 +75,7 @@ impl Signing {
     ) -> PyResult<Acceptance> {
         let py = mav.py();
         let arguments = (PyByteArray::new(py, bytes), header.sysid, header.compid);
-        if mav.invoke_method1(intern!(py, "check_signature"), arguments)?.truth()? {
+        if mav.invoke_method1(intern!(py, "check_signature"), arguments)?.is_truthy()? {
             shared::add(&self.good, 1);
             self.store_timestamp()?;
             return Ok(Acceptance::Verified);
@@ -89,7 +89,7 @@ impl Signing {
         let Some(callback) = self.allow_unsigned.get(mav.py()) else {
             return Ok(Acceptance::Rejected);
         };
-        if callback.invoke1((mav, msgid))?.truth()? {
+        if callback.invoke1((mav, msgid))?.is_truthy()? {
             shared::add(&self.passed, 1);
             return Ok(Acceptance::Unchecked);
         }
@@ -135,7 +135,7 @@ fn log_verdict(mav: &Bound<'_, MAVLink>, verdict: Verdict) -> PyResult<()> {
 fn log(mav: &Bound<'_, MAVLink>, line: &str) -> PyResult<()> {
     let py = mav.py();
     let name = mav.get().dialect.get().global(py, "__name__")?;
-    let logging = import(py, intern!(py, "logging"))?;
+    let logging = py.import(intern!(py, "logging"))?;
     let logger = logging.invoke_method1(intern!(py, "getLogger"), (name,))?;
     logger.invoke_method1(intern!(py, "info"), (line,))?;
     Ok(())

@@ -69,7 +69,7 @@ impl Callback {
         let Some(function) = self.function.get(py) else { return Ok(()) };
         let mut arguments = vec![message.clone()];
         if let Some(extra) = self.args.get(py) {
-            arguments.extend(collected(extra.items()?)?);
+            arguments.extend(collected(extra.try_iter()?)?);
         }
         let kwargs = self.kwargs.get(py).and_then(|kwargs| kwargs.cast_into::<PyDict>().ok());
         function.invoke(PyTuple::new(py, arguments)?, kwargs.as_ref())?;

@@ -18,7 +18,8 @@ use crate::protocol::peer_check;
 use crate::protocol::send;
 use crate::protocol::sending::Sending;
 use crate::protocol::signing::Signing;
-use crate::python::calling::{Calling, truth};
+use crate::python::calling::truth;
+use crate::python::instance_dict::generic_setattr;
 use crate::python::lists::bytes;
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
@@ -46,19 +47,19 @@ impl MAVLink {
         _kwargs: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let py = cls.py();
-        let dialect = cls.attribute(intern!(py, "_dialect"))?.cast_into::<Dialect>()?.unbind();
+        let dialect = cls.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?.unbind();
         let native = py.get_type::<Self>();
         let mut replaced = 0;
         for name in overridden::METHODS {
-            if !cls.attribute(name)?.is(&native.attribute(name)?) {
+            if !cls.getattr(name)?.is(&native.getattr(name)?) {
                 replaced |= overridden::by_name(name);
             }
         }
         let buf_len = intern!(py, "buf_len");
-        if !cls.attribute(buf_len)?.is(&native.attribute(buf_len)?) {
+        if !cls.getattr(buf_len)?.is(&native.getattr(buf_len)?) {
             warn_not_called(py)?;
         }
-        if !cls.attribute(intern!(py, "_mavlink_base"))?.is(cls) {
+        if !cls.getattr(intern!(py, "_mavlink_base"))?.is(cls) {
             replaced |= overridden::ENCODE;
         }
         Ok(Self {
@@ -87,11 +88,11 @@ impl MAVLink {
         if name_text == overridden::NOT_CALLED {
             warn_not_called(slf.py())?;
         }
-        slf.set_generic_attribute(name, Some(value))
+        generic_setattr(slf, name, Some(value))
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
-        slf.set_generic_attribute(name, None)
+        generic_setattr(slf, name, None)
     }
 
     /// Sequence number of the next frame, 0 to 255.

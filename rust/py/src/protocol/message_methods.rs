@@ -12,7 +12,8 @@ use crate::message::info::MessageInfo;
 use crate::message::object::{Message, flags, flags_for, instance_dict};
 use crate::message::text;
 use crate::protocol::pack;
-use crate::python::calling::{Calling, class_name, import, truth};
+use crate::python::calling::{Calling, class_name, truth};
+use crate::python::instance_dict::generic_setattr;
 
 #[pymethods]
 impl Message {
@@ -27,7 +28,7 @@ impl Message {
         if let Some(prepared) = create::take_prepared() {
             return Ok(prepared);
         }
-        let info = cls.attribute(intern!(cls.py(), "_info"))?;
+        let info = cls.getattr(intern!(cls.py(), "_info"))?;
         Ok(Self::built(info.cast::<MessageInfo>().ok().map(|info| info.get().info)))
     }
 
@@ -37,7 +38,7 @@ impl Message {
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
         Self::written(slf, flags_for(name.to_str()?));
-        slf.set_generic_attribute(name, Some(value))
+        generic_setattr(slf, name, Some(value))
     }
 
     fn __delattr__(slf: &Bound<'_, Self>, name: &Bound<'_, PyString>) -> PyResult<()> {
@@ -46,7 +47,7 @@ impl Message {
         if attributes.contains(name)? {
             return attributes.del_item(name);
         }
-        slf.set_generic_attribute(name, None)
+        generic_setattr(slf, name, None)
     }
 
     /// Takes the attributes of a pickled message.
@@ -90,30 +91,30 @@ impl Message {
 
     /// The whole frame, signature included; empty before packing or decoding.
     fn get_msgbuf<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_msgbuf"))
+        slf.getattr(intern!(slf.py(), "_msgbuf"))
     }
 
     /// The header object.
     fn get_header<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_header"))
+        slf.getattr(intern!(slf.py(), "_header"))
     }
 
     /// After packing the payload as sent; after decoding the frame from byte 6 up to the checksum.
     fn get_payload<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_payload"))
+        slf.getattr(intern!(slf.py(), "_payload"))
     }
 
     /// Checksum of the frame, or None.
     fn get_crc<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_crc"))
+        slf.getattr(intern!(slf.py(), "_crc"))
     }
 
     /// Field names in XML order.
     fn get_fieldnames<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         if slf.get().has(flags::META) {
-            return slf.attribute(intern!(slf.py(), "_fieldnames"));
+            return slf.getattr(intern!(slf.py(), "_fieldnames"));
         }
-        slf.get_type().attribute(intern!(slf.py(), "fieldnames"))
+        slf.get_type().getattr(intern!(slf.py(), "fieldnames"))
     }
 
     /// Message name, "BAD_DATA" or "UNKNOWN_<id>".
@@ -121,7 +122,7 @@ impl Message {
         let py = slf.py();
         match &slf.get().info {
             Some(info) if !slf.get().has(flags::META) => Ok(info.name.bind(py).clone().into_any()),
-            _ => slf.attribute(intern!(py, "_type")),
+            _ => slf.getattr(intern!(py, "_type")),
         }
     }
 
@@ -133,7 +134,7 @@ impl Message {
             Some(info) if !slf.get().has(flags::META) => {
                 Ok(info.definition.id.into_pyobject(py)?.into_any())
             }
-            _ => slf.attribute(intern!(py, "_header"))?.attribute(intern!(py, "msgId")),
+            _ => slf.getattr(intern!(py, "_header"))?.getattr(intern!(py, "msgId")),
         }
     }
 
@@ -156,12 +157,12 @@ impl Message {
 
     /// True only if a signature was checked with a key and was good.
     fn get_signed<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_signed"))
+        slf.getattr(intern!(slf.py(), "_signed"))
     }
 
     /// Link id of a verified signature, else None.
     fn get_link_id<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.attribute(intern!(slf.py(), "_link_id"))
+        slf.getattr(intern!(slf.py(), "_link_id"))
     }
 
     /// A field as text and JSON show it: bytes become text, everything else stays.
@@ -199,8 +200,8 @@ impl Message {
         slf: &Bound<'py, Self>,
         key: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let instances = slf.attribute(intern!(slf.py(), "_instances"))?;
-        if instances.is_none() || !instances.includes(key.as_any())? {
+        let instances = slf.getattr(intern!(slf.py(), "_instances"))?;
+        if instances.is_none() || !instances.contains(key.as_any())? {
             return Err(PyIndexError::new_err(()));
         }
         instances.get_item(key)
@@ -246,7 +247,7 @@ impl Message {
         slf: &Bound<'py, Self>,
         memo: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, Self>> {
-        let deepcopy = import(slf.py(), intern!(slf.py(), "copy"))?.attribute("deepcopy")?;
+        let deepcopy = slf.py().import(intern!(slf.py(), "copy"))?.getattr("deepcopy")?;
         dict::copy(slf, |value| deepcopy.invoke1((value, memo)))
     }
 
@@ -263,7 +264,7 @@ fn header_item<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = slf.py();
     if slf.get().has(flags::META) {
-        return slf.attribute(intern!(py, "_header"))?.attribute(name);
+        return slf.getattr(intern!(py, "_header"))?.getattr(name);
     }
     let value = slf.get().header().map_or(0, read);
     Ok(value.into_pyobject(py)?.into_any())

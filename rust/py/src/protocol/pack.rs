@@ -25,19 +25,19 @@ fn sender_of<'py>(mav: &Bound<'py, PyAny>) -> PyResult<Sender<'py>> {
         return native.get().sender(mav.py());
     }
     let py = mav.py();
-    let signing = mav.attribute(intern!(py, "signing"))?;
-    let sign = signing.attribute(intern!(py, "sign_outgoing"))?.truth()?;
+    let signing = mav.getattr(intern!(py, "signing"))?;
+    let sign = signing.getattr(intern!(py, "sign_outgoing"))?.is_truthy()?;
     Ok(Sender {
-        seq: byte(&mav.attribute(intern!(py, "seq"))?)?,
-        sysid: byte(&mav.attribute(intern!(py, "srcSystem"))?)?,
-        compid: byte(&mav.attribute(intern!(py, "srcComponent"))?)?,
+        seq: byte(&mav.getattr(intern!(py, "seq"))?)?,
+        sysid: byte(&mav.getattr(intern!(py, "srcSystem"))?)?,
+        compid: byte(&mav.getattr(intern!(py, "srcComponent"))?)?,
         signing: if sign { Some(signing.cast_into::<Signing>()?) } else { None },
     })
 }
 
 fn dialect_of<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, Dialect>> {
     let py = message.py();
-    Ok(message.attribute(intern!(py, "_dialect"))?.cast_into::<Dialect>()?)
+    Ok(message.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?)
 }
 
 /// `message.pack(mav, force_mavlink1)`
@@ -85,9 +85,7 @@ fn finish<'py>(
     let py = message.py();
     let msgid = match &message.get().info {
         Some(info) if !message.get().has(flags::META) => info.definition.id,
-        _ => {
-            message.attribute(intern!(py, "_header"))?.attribute(intern!(py, "msgId"))?.extract()?
-        }
+        _ => message.getattr(intern!(py, "_header"))?.getattr(intern!(py, "msgId"))?.extract()?,
     };
     let mut frame = FrameBuffer::default();
     sender_of(mav)?.frame(&mut frame, msgid, payload, crc_extra, version)?;
@@ -112,7 +110,7 @@ fn payload(message: &Bound<'_, Message>, info: &Info) -> PyResult<Payload> {
         let name = info.names[i].stored().bind(py);
         match written.get_item(name) {
             Ok(Some(value)) => Ok(value),
-            _ => message.attribute(name),
+            _ => message.getattr(name),
         }
     };
     let mut payload = Payload::zeroed(&info.definition);
@@ -153,8 +151,8 @@ fn put_in_order(info: &Info, written: &Bound<'_, PyDict>, payload: &mut Payload)
 /// `message.sign_packet(mav)`: appends a signature to the packed frame.
 pub(crate) fn sign_packet(message: &Bound<'_, Message>, mav: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = message.py();
-    let signing = mav.attribute(intern!(py, "signing"))?.cast_into::<Signing>()?;
-    let buffer = message.attribute(intern!(py, "_msgbuf"))?;
+    let signing = mav.getattr(intern!(py, "signing"))?.cast_into::<Signing>()?;
+    let buffer = message.getattr(intern!(py, "_msgbuf"))?;
     let mut frame = lists::bytes(&buffer)?;
     signing.get().sign(&mut frame)?;
     let appended = PyBytes::new(py, &frame[frame.len() - frame::SIGNATURE_LEN..]);

@@ -45,7 +45,7 @@ pub(crate) fn obey_ignore_checksum(mav: &Bound<'_, MAVLink>) -> PyResult<()> {
     let py = mav.py();
     let namespace = mav.get().dialect.get().namespace(py)?;
     let ignore = match namespace.get_item(intern!(py, "MAVLINK_IGNORE_CRC"))? {
-        Some(ignore) => ignore.truth()?,
+        Some(ignore) => ignore.is_truthy()?,
         None => {
             return Err(PyRuntimeError::new_err("the dialect module lost its MAVLINK_IGNORE_CRC"));
         }
@@ -300,7 +300,7 @@ fn decode_by_method<'py>(
                 && error.is_instance(py, &mav.get().dialect.get().global(py, "MAVError")?) =>
         {
             mav.get().counters.receive_errors.fetch_add(1, Relaxed);
-            let reason = error.value(py).attribute(intern!(py, "message"))?;
+            let reason = error.value(py).getattr(intern!(py, "message"))?;
             let class = mav.get().dialect.get().global(py, "MAVLink_bad_data")?;
             Ok(class.invoke1((PyByteArray::new(py, bytes), reason))?.cast_into::<Message>()?)
         }
@@ -401,7 +401,7 @@ fn check_frame(mav: &Bound<'_, MAVLink>, bytes: &[u8]) -> PyResult<(Header, Opti
     let body = &bytes[1..header_len + usize::from(header.payload_len)];
     let calculated = x25::accumulate(x25::checksum(body), &[entry.crc_extra]);
     let received = frame.checksum();
-    if calculated != received && !dialect.global(mav.py(), "MAVLINK_IGNORE_CRC")?.truth()? {
+    if calculated != received && !dialect.global(mav.py(), "MAVLINK_IGNORE_CRC")?.is_truthy()? {
         return fail(mav, FrameError::BadChecksum { msgid: header.msgid, received, calculated });
     }
     Ok((header, Some(entry)))

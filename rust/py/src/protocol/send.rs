@@ -88,7 +88,7 @@ fn write(
 fn may_have_sent(file: &Bound<'_, PyAny>) -> bool {
     // Asked of the class: a file of the program's own may have any attribute.
     file.get_type()
-        .attribute_opt(intern!(file.py(), "_raises_behind_frames"))
+        .getattr_opt(intern!(file.py(), "_raises_behind_frames"))
         .is_ok_and(|flag| flag.is_some())
 }
 
@@ -123,7 +123,7 @@ fn send_arguments(
     if let Ok(native) = mav.cast::<MAVLink>()
         && !native.get().is_overridden(overridden::SEND | overridden::ENCODE)
         && !native.get().send_callback.is_set()
-        && send_directly(native, info, force_mavlink1.truth()?, values)?
+        && send_directly(native, info, force_mavlink1.is_truthy()?, values)?
     {
         return Ok(());
     }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::protocol::signing::Signing;
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 
 /// The source of outgoing frames, and how they are signed.
 pub(crate) struct Sender<'py> {
@@ -51,7 +51,7 @@ pub(crate) fn byte(value: &Bound<'_, PyAny>) -> PyResult<u8> {
         Ok(byte) => Ok(byte),
         Err(_) => {
             let py = value.py();
-            let module = import(py, intern!(py, "struct"))?;
+            let module = py.import(intern!(py, "struct"))?;
             let packed = module.invoke_method1(intern!(py, "pack"), ("<B", value))?;
             Ok(packed.cast::<PyBytes>()?.as_bytes()[0])
         }

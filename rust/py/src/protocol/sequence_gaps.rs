@@ -8,7 +8,6 @@ use pyo3::types::{PyList, PyString};
 
 use crate::message::info::Info;
 use crate::message::object::Message;
-use crate::python::calling::Calling;
 use crate::sync::lock::Lock;
 
 /// Messages from one component, all of them or those of one type.
@@ -90,7 +89,7 @@ impl SequenceGaps {
     fn read<'py>(&self, messages: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyList>> {
         let py = messages.py();
         let others = PyList::empty(py);
-        for msg in messages.items()? {
+        for msg in messages.try_iter()? {
             let msg = msg?;
             if !msg.cast::<Message>().is_ok_and(|msg| self.0.lock(py).count(msg.get())) {
                 others.append(msg)?;

@@ -5,7 +5,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::message::object::Message;
-use crate::python::calling::Calling;
 use crate::sync::lock::Lock;
 
 /// A message and the text that begins with it.
@@ -46,7 +45,7 @@ impl StatusTexts {
 /// The text of a STATUSTEXT whose definition has no parts, as in MAVLink 1, or that was not received.
 fn whole_text<'py>(message: &Bound<'py, Message>) -> PyResult<Vec<Text<'py>>> {
     let is_text = message.get().info.is_some_and(|info| info.definition.name == "STATUSTEXT");
-    let text = if is_text { message.as_any().attribute_opt("_text_raw")? } else { None };
+    let text = if is_text { message.as_any().getattr_opt("_text_raw")? } else { None };
     let Some(text) = text else { return Ok(Vec::new()) };
     Ok(vec![(message.clone().unbind(), text.cast_into()?)])
 }

@@ -31,7 +31,7 @@ pub(crate) fn list<'py, T: FromPyObjectOwned<'py>>(object: &Bound<'py, PyAny>) -
     if object.len().is_ok_and(|len| len > MAX_ITEMS) {
         return Err(too_long());
     }
-    collected(object.items()?.map(|item| item?.extract().map_err(Into::into)))
+    collected(object.try_iter()?.map(|item| item?.extract().map_err(Into::into)))
 }
 
 /// What an iterator over objects of a program yields, if that is not too much.

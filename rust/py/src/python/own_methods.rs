@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyType};
 
-use crate::python::calling::Calling;
+use crate::python::instance_dict::generic_setattr;
 
 /// Of one object: whether its methods `names` are mavwire's own. Then native code need not call them.
 pub(crate) struct OwnMethods {
@@ -26,13 +26,13 @@ impl OwnMethods {
         class: &Bound<'_, PyType>,
     ) -> PyResult<Self> {
         let intact = AtomicBool::new(true);
-        for method in class.attribute(intern!(class.py(), "_quick_methods"))?.items()? {
+        for method in class.getattr(intern!(class.py(), "_quick_methods"))?.try_iter()? {
             let (owner, name, original): (
                 Option<Bound<'_, PyAny>>,
                 Bound<'_, PyString>,
                 Bound<'_, PyAny>,
             ) = method?.extract()?;
-            if !owner.as_ref().unwrap_or(class).attribute(name)?.is(&original) {
+            if !owner.as_ref().unwrap_or(class).getattr(name)?.is(&original) {
                 intact.store(false, Relaxed);
             }
         }
@@ -55,6 +55,6 @@ impl OwnMethods {
         if self.names.contains(&name.to_str()?) {
             self.intact.store(false, Relaxed);
         }
-        object.set_generic_attribute(name, Some(value))
+        generic_setattr(object, name, Some(value))
     }
 }

@@ -85,10 +85,10 @@ impl Exclusive {
         let py = slf.py();
         let number = thread_number::reserve();
         let Some(turn) = slf.get().take_as(number) else { return Ok(false) };
-        if !is_due.invoke1(())?.truth()? {
+        if !is_due.invoke1(())?.is_truthy()? {
             return Ok(false);
         }
-        let go_on = slf.attribute(intern!(py, "_go_on"))?;
+        let go_on = slf.getattr(intern!(py, "_go_on"))?;
         start_thread.invoke1((go_on, (number, act)))?;
         std::mem::forget(turn);
         Ok(true)

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 
 /// The turns that one run gives to others.
 ///
@@ -44,7 +44,7 @@ impl GilYield {
 
 /// How long a thread waits until it asks for the interpreter.
 fn switch_interval(py: Python<'_>) -> PyResult<Duration> {
-    let sys = import(py, intern!(py, "sys"))?;
+    let sys = py.import(intern!(py, "sys"))?;
     let seconds: f64 = sys.invoke_method0(intern!(py, "getswitchinterval"))?.extract()?;
     Ok(Duration::try_from_secs_f64(seconds).unwrap_or_default())
 }

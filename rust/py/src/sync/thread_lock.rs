@@ -206,7 +206,7 @@ impl ThreadLock {
 /// Whether only this thread still runs Python code.
 fn is_ending(py: Python<'_>) -> bool {
     let answer = IS_FINALIZING.get(py).and_then(|is_finalizing| is_finalizing.invoke1(()));
-    answer.and_then(|answer| answer.truth()).unwrap_or(false)
+    answer.and_then(|answer| answer.is_truthy()).unwrap_or(false)
 }
 
 /// While it lives, nobody else holds the lock, unless somebody passed.

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 
 static NEXT: AtomicU64 = AtomicU64::new(1);
 /// The threads before this one ran in the process that this one was forked from, ...
@@ -41,8 +41,8 @@ fn forked() {
 /// Has `forked` called in every process that is forked from this one.
 pub(crate) fn follow_forks(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
-    let os = import(py, intern!(py, "os"))?;
-    let Some(register) = os.attribute_opt(intern!(py, "register_at_fork"))? else {
+    let os = py.import(intern!(py, "os"))?;
+    let Some(register) = os.getattr_opt(intern!(py, "register_at_fork"))? else {
         return Ok(()); // a system that does not fork
     };
     let options = PyDict::new(py);

@@ -23,7 +23,7 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyIterator, PyString, PyTuple};
 
-use crate::python::calling::{Calling, import};
+use crate::python::calling::Calling;
 use crate::python::file_error::file_error;
 use crate::python::lists::list;
 use crate::tables::column_view::ColumnView;
@@ -84,7 +84,7 @@ impl RecordBatches {
         if let Ok(index) = self.schema.index_of(name) {
             return Ok(index);
         }
-        let text = import(py, intern!(py, "mavwire._text"))?;
+        let text = py.import(intern!(py, "mavwire._text"))?;
         let hint = text.invoke_method1(intern!(py, "did_you_mean"), (name, self.names()))?;
         let name = PyString::new(py, name).repr()?;
         Err(PyKeyError::new_err(format!("the table has no column {name}{hint}")))
@@ -240,7 +240,7 @@ impl RecordBatches {
     #[staticmethod]
     fn common(tables: &Bound<'_, PyIterator>) -> PyResult<Self> {
         let mut common = CommonSchema::default();
-        for pair in tables.items()? {
+        for pair in tables.try_iter()? {
             let (path, table): (PathBuf, PyRef<'_, Self>) = pair?.extract()?;
             common.add(&table.schema, path);
         }
@@ -304,7 +304,7 @@ impl RecordBatches {
         let (py, this) = (slf.py(), slf.get());
         let bytes = py.detach(|| ipc_bytes(&this.schema, &this.batches));
         let bytes = bytes.map_err(|error| columns_error(error.into()))?;
-        let restore = slf.get_type().attribute("from_ipc")?;
+        let restore = slf.get_type().getattr("from_ipc")?;
         (restore, (pyo3::types::PyBytes::new(py, &bytes),)).into_pyobject(py)
     }
 
@@ -343,7 +343,7 @@ impl TableBatches {
     /// The batches of the next table; None behind the last one.
     fn step(&self) -> PyResult<Option<Vec<RecordBatch>>> {
         Python::attach(|py| {
-            let Some(table) = self.tables.bind(py).items()?.next().transpose()? else {
+            let Some(table) = self.tables.bind(py).try_iter()?.next().transpose()? else {
                 return Ok(None);
             };
             Ok(Some(table.cast::<RecordBatches>()?.get().batches.clone()))

@@ -6,7 +6,6 @@ use pyo3::prelude::*;
 use crate::message::info::{Info, Place as FieldPlace};
 use crate::message::object::Message;
 use crate::message::values::scalar;
-use crate::python::calling::Calling;
 use crate::sync::lock::Lock;
 
 /// Metres: the mean radius of the Earth.
@@ -117,7 +116,7 @@ impl Track {
     fn add(&self, lat: f64, lon: f64, stamp: Bound<'_, PyAny>) -> PyResult<()> {
         let state = || self.0.lock(stamp.py());
         let before = state().stamp.replace(stamp.clone().unbind());
-        let is_same = before.map_or(Ok(false), |before| before.bind(stamp.py()).equals(&stamp))?;
+        let is_same = before.map_or(Ok(false), |before| before.bind(stamp.py()).eq(&stamp))?;
         if !is_same {
             state().add(lat, lon);
         }
@@ -129,7 +128,7 @@ impl Track {
         let py = message.py();
         let plain = message.cast::<Message>().ok().and_then(|message| self.plain(message));
         let Some(((info, places), payload)) = plain else {
-            let [lat, lon, fix, stamp] = FIELDS.map(|name| message.attribute(name));
+            let [lat, lon, fix, stamp] = FIELDS.map(|name| message.getattr(name));
             return self.go_on(lat?.extract()?, lon?.extract()?, fix?.extract()?, || stamp);
         };
         let [lat, lon, fix, stamp] = places.map(|index| info.places[index]);
