@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::link::name_budget::NameBudget;
-use crate::message::create::create;
+use crate::message::create;
 use crate::message::dict;
 use crate::message::object::{Message, Origin, flags, instance_dict};
 use crate::message::values;
@@ -145,8 +145,14 @@ fn instance_of<'py>(message: &Bound<'py, Message>) -> PyResult<Option<Bound<'py,
 }
 
 fn shallow_copy<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, Message>> {
-    if message.get().has(flags::DICT) {
+    let this = message.get();
+    if this.has(flags::DICT) {
         return dict::copy(message, |value| Ok(value.clone()));
     }
-    create(&message.get_type(), message.get().duplicate(message.py()))
+    let (class, copy) = (message.get_type(), this.duplicate(message.py()));
+    if this.has(flags::POOLED) {
+        create::pooled(&class, copy)
+    } else {
+        create::create(&class, copy)
+    }
 }

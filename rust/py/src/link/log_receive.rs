@@ -72,7 +72,13 @@ pub(crate) fn next_plain<'py>(
         return Ok(None);
     }
     let percent = reader.percent();
-    let Some(record) = reader.peek(&parser, &dialect.registry)? else { return Ok(None) };
+    // Looked at where it is: moving it would have to wait for it.
+    let peeked = reader.peek(&parser, &dialect.registry);
+    let record = match peeked {
+        Ok(Some(ref record)) => record,
+        Ok(None) => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
     let Some(class) = dialect.known_class(record.index) else { return Ok(None) };
     let Some(frame) = PlainFrame::parse(record.stream, class.info) else { return Ok(None) };
     state.reception.record_time = Some(record.time);
