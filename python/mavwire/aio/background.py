@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import errno
-import threading
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, TypeVar, cast
 
+from mavwire._threads import NoThreadError, start_thread
+
 T = TypeVar("T")
-
-
-class NoThreadError(OSError):
-    """There is no thread to be had now."""
+NAME = "mavwire.aio"
 
 
 async def in_background(function: Callable[[], T], discard: Callable[[T], Any] | None = None) -> T:
@@ -32,7 +29,7 @@ async def in_background(function: Callable[[], T], discard: Callable[[T], Any] |
             future.set_result((result, error))
         elif error is None:
             try:
-                _start(lambda: drop(result))
+                start_thread(lambda: drop(result), NAME)
             except NoThreadError:
                 drop(result)
 
@@ -54,7 +51,7 @@ async def in_background(function: Callable[[], T], discard: Callable[[T], Any] |
             if error is None:
                 drop(result)
 
-    _start(call)
+    start_thread(call, NAME)
     try:
         result, error = await future
     except asyncio.CancelledError:
@@ -76,12 +73,3 @@ async def close_in_background(close: Callable[[], object]) -> None:
         await in_background(close)
     except NoThreadError:
         close()
-
-
-def _start(function: Callable[[], Any]) -> None:
-    """Run `function` in a thread of its own. NoThreadError."""
-    thread = threading.Thread(target=function, name="mavwire.aio", daemon=True)
-    try:
-        thread.start()
-    except RuntimeError as error:
-        raise NoThreadError(errno.EAGAIN, str(error)) from error

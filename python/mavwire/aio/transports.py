@@ -11,9 +11,10 @@ import os
 from collections.abc import Callable
 from typing import Any
 
+from mavwire._threads import NoThreadError
 from mavwire.links.stream import DescriptorPort, StreamWriter
 
-from .background import NoThreadError, in_background
+from .background import in_background
 from .outgoing import QueueSender, SocketSender
 from .watching import descriptor_of
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
+from aiohttp import web
 
-from .serving import Handler, HttpServer
+from .web_server import WebServer
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -100,25 +100,18 @@ def _escaped(text: str) -> str:
     return text.replace("\\", r"\\").replace('"', r"\"").replace("\n", r"\n")
 
 
-class _Handler(Handler):
-    def get(self) -> None:
-        path = self.path.partition("?")[0]
-        if path not in ("/metrics", "/stats"):
-            self.send_error(404)
-            return
-        try:
-            stats = self.server.owner.bridge.stats()
-        except RuntimeError:
-            self.send_error(503, "the bridge has stopped")
-            return
-        if path == "/stats":
-            self.answer("application/json", json.dumps(stats).encode())
-        else:
-            self.answer("text/plain; version=0.0.4; charset=utf-8", prometheus(stats).encode())
+class MetricsServer(WebServer):
+    """Answers `/metrics` and `/stats` on a thread, until it is closed. OSError if the port is taken."""
 
-
-class MetricsServer(HttpServer):
-    """Answers `/metrics` and `/stats` on threads, until it is closed. OSError if the port is taken."""
-
-    handler = _Handler
     purpose = "metrics"
+
+    async def get(self, request: web.BaseRequest) -> web.Response:
+        if request.path not in ("/metrics", "/stats"):
+            raise web.HTTPNotFound
+        stats = self.bridge.stats()
+        if request.path == "/stats":
+            return web.json_response(stats)
+        return web.Response(
+            text=prometheus(stats),
+            headers={"Content-Type": "text/plain; version=0.0.4; charset=utf-8"},
+        )

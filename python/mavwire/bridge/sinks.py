@@ -14,9 +14,10 @@ import time
 from contextlib import ExitStack, suppress
 from urllib.parse import SplitResult, unquote, urlsplit
 
+from mavwire._threads import start_thread
+
 from .errors import ConfigError
 from .inspection import plain
-from .serving import start
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -76,12 +77,11 @@ class Sink:
         self._closing = threading.Event()
         self._publisher = publisher
         self._prefix = prefix
-        self._thread = threading.Thread(target=self._run, name="mavwire-sink", daemon=True)
         with ExitStack() as undo:
             undo.callback(publisher.close)
             self._batches = bridge.frames()
             undo.callback(self._batches.close)
-            start(self._thread)
+            self._thread = start_thread(self._run, "mavwire-sink")
             undo.pop_all()
         self._listed = bridge.sinks
         self._listed.append(self)

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mavwire.bridge import Bridge, Config
-    from mavwire.bridge.serving import HttpServer
     from mavwire.bridge.sidecars import Listen, SinkOptions
     from mavwire.bridge.sinks import Sink
+    from mavwire.bridge.web_server import WebServer
     from mavwire.cli._bridge_warnings import DropWarnings
 
 # How long the program sleeps at a time when there is nothing to show.
@@ -138,7 +138,7 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
     try:
         # Ctrl-C is the usual way to end it.
         with suppress(KeyboardInterrupt), ExitStack() as stack:
-            beside: list[HttpServer | Sink] = []
+            beside: list[WebServer | Sink] = []
             for server in _servers(bridge, config):
                 beside.append(stack.enter_context(server))
             for options in config.sinks:  # which the bridge closes, all of them together
@@ -227,20 +227,21 @@ def _add_names(config: Config, names: tuple[str, ...]) -> None:
     ]
 
 
-def _servers(bridge: Bridge, config: Config) -> Iterator[HttpServer]:
-    """The HTTP servers that are asked for, opened one by one."""
-    from mavwire.bridge.metrics import MetricsServer
+def _servers(bridge: Bridge, config: Config) -> Iterator[WebServer]:
+    """The web servers that are asked for, opened one by one."""
+    try:
+        if config.metrics is not None:
+            from mavwire.bridge.metrics import MetricsServer
 
-    if config.metrics is not None:
-        yield _served(MetricsServer, bridge, config.metrics)
-    if config.http is not None:
-        from mavwire.bridge.inspector import Inspector
+            yield _served(MetricsServer, bridge, config.metrics)
+        if config.http is not None:
+            from mavwire.bridge.inspector import Inspector
 
-        try:
             yield _served(Inspector, bridge, config.http)
-        except ImportError:
-            reason = "needs wsproto: pip install 'mavwire[ws]'"
-            raise CommandError(f"{config.http.place}: {reason}") from None
+    except ImportError as error:
+        first = config.metrics or config.http
+        assert first is not None
+        raise CommandError(f"{first.place}: {error}: pip install 'mavwire[web]'") from None
 
 
 def _sink(bridge: Bridge, options: SinkOptions) -> Sink:
@@ -252,7 +253,7 @@ def _sink(bridge: Bridge, options: SinkOptions) -> Sink:
         return open_sink(bridge, options.address, password=password, names=names)
     except ImportError as error:
         word = options.address.partition(":")[0].lower()
-        extra = {"mqtts": "mqtt"}.get(word, word)
+        extra = {"mqtts": "mqtt", "ws": "web"}.get(word, word)
         raise CommandError(f"{options.place}: {error}: pip install 'mavwire[{extra}]'") from None
     except ConfigError as error:
         raise CommandError(f"{options.place}: {error}", 2) from None
@@ -260,14 +261,14 @@ def _sink(bridge: Bridge, options: SinkOptions) -> Sink:
         raise CommandError(f"{options.place}: {describe_link_error(error)}") from None
 
 
-def _served(server: type[HttpServer], bridge: Bridge, where: Listen) -> HttpServer:
+def _served(server: type[WebServer], bridge: Bridge, where: Listen) -> WebServer:
     try:
         return server(bridge, where.host, where.port, names=where.names)
     except OSError as error:
         raise CommandError(f"{where.place}: {error.strerror or error}") from None
 
 
-def _announcement(bridge: Bridge, beside: list[HttpServer | Sink]) -> str:
+def _announcement(bridge: Bridge, beside: list[WebServer | Sink]) -> str:
     stats = bridge.stats()
     links = dict.fromkeys(one["endpoint"] for one in stats["links"] if one["endpoint"])
     text = f"routing between {', '.join(links)}"

@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import socket
+import sys
 import threading
 import urllib.request
 from contextlib import ExitStack, suppress
@@ -238,7 +239,7 @@ def test_the_command_serves_the_page_where_it_says() -> None:
 
 
 def test_a_file_says_what_runs_beside_the_bridge(tmp_path: Path) -> None:
-    pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
+    pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install 'mavwire[web]'")
     config = tmp_path / "bridge.toml"
     config.write_text(f"""
 json = 3600
@@ -297,6 +298,22 @@ def test_start_up_errors_are_one_line(
         assert ended.code == code
     told = capsys.readouterr().err
     assert wrong in told and "Traceback" not in told
+
+
+@pytest.mark.parametrize(
+    "options", [["--metrics", ":0"], ["--http", ":0"], ["--sink", "ws://127.0.0.1:0"]]
+)
+def test_without_aiohttp_it_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], options: list[str]
+) -> None:
+    from mavwire import cli
+
+    for name in ("metrics", "inspector", "web_sink", "web_server"):
+        monkeypatch.delitem(sys.modules, f"mavwire.bridge.{name}", raising=False)
+    monkeypatch.setitem(sys.modules, "aiohttp", None)
+    assert cli.main(["bridge", UDP, *options]) == 1
+    error = capsys.readouterr().err
+    assert options[0] in error and "pip install 'mavwire[web]'" in error
 
 
 def test_a_port_that_is_taken_and_a_wrong_line_are_named(

@@ -338,6 +338,7 @@ def test_what_a_sink_has_no_use_for_is_an_error(
 
 
 def test_a_sink_of_a_bridge_that_does_not_run() -> None:
+    pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install 'mavwire[web]'")
     pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
     with port_for_a_server() as port:
         with pytest.raises(BridgeError, match="not running"):

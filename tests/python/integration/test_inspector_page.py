@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
+pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install 'mavwire[web]'")
 
 from integration.browser import browse, executable
 from mavwire import Bridge

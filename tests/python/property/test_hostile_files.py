@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mavwire import Bridge, mavutil
-from mavwire.bridge import ConfigError, load_config, serving
+from mavwire.bridge import ConfigError, load_config
 from mavwire.bridge.border import AUTOMATION_OPTIONS, BORDER_OPTIONS
 from mavwire.bridge.main_conf import _KEYS
 from mavwire.CSVReader import CSVReader
@@ -206,26 +206,24 @@ CONVERSATIONS = st.lists(PIECES, max_size=6).map(
 @pytest.fixture(scope="module")
 def server() -> Iterator[tuple[int, list[BaseException]]]:
     """Port of an inspector, and what its handlers raised that is no end of a connection."""
-    pytest.importorskip("wsproto")
+    pytest.importorskip("aiohttp")
+    from aiohttp import web
     from mavwire.bridge.inspector import Inspector
-    from wsproto.utilities import ProtocolError
 
     raised: list[BaseException] = []
 
-    def keep(_self: object, _request: object, _address: object) -> None:
-        import sys
+    class Watched(Inspector):
+        async def get(self, request: web.BaseRequest) -> web.StreamResponse:
+            try:
+                return await super().get(request)
+            except (OSError, web.HTTPException):
+                raise
+            except Exception as error:
+                raised.append(error)
+                raise
 
-        error = sys.exception() if hasattr(sys, "exception") else sys.exc_info()[1]
-        if error is not None and not isinstance(
-            error, (OSError, EOFError, ProtocolError, ValueError)
-        ):
-            raised.append(error)
-
-    before = serving._Server.handle_error
-    serving._Server.handle_error = keep  # type: ignore[method-assign, assignment]
-    with Bridge(["udpin:127.0.0.1:0"]) as bridge, Inspector(bridge, "127.0.0.1", 0) as inspector:
+    with Bridge(["udpin:127.0.0.1:0"]) as bridge, Watched(bridge, "127.0.0.1", 0) as inspector:
         yield inspector.port, raised
-    serving._Server.handle_error = before  # type: ignore[method-assign]
 
 
 def answer(port: int, data: bytes) -> bytes:

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import json
 import os
 import socket
 import sys
 import threading
-import urllib.error
-import urllib.request
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,7 +15,6 @@ from typing import Any
 import pytest
 from mavwire import Bridge, open_log
 from mavwire.bridge import BridgeError, ConfigError, FrameBatches, Recording
-from mavwire.bridge.metrics import MetricsServer, prometheus
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.dialects.v20 import minimal
 from unit.bridge_tools import (
@@ -430,46 +426,6 @@ assert (told["records"], told["bytes"], told["dropped"]) == (4, 4 * 29, 7), told
 assert [msg.get_seq() for msg in open_log(told["path"])] == [0, 1, 2, 99]
 """
     run_alone(program)
-
-
-def test_counters_over_http() -> None:
-    with Bridge([UDP]) as bridge, MetricsServer(bridge, "127.0.0.1", 0) as server:
-        bridge.send(heartbeat(sysid=7))
-        wait_until("it", lambda: bridge.stats()["components"])
-
-        def fetch(path: str) -> str:
-            url = f"http://127.0.0.1:{server.port}{path}"
-            with urllib.request.urlopen(url, timeout=LIMIT) as answer:
-                return str(answer.read().decode())
-
-        assert json.loads(fetch("/stats"))["components"][0]["system"] == 7
-        text = fetch("/metrics")
-        assert 'mavwire_bridge_component_frames_total{system="7",component="1"} 1' in text
-        assert 'mavwire_bridge_link_received_total{link="program",peer=""} 1' in text
-        with pytest.raises(urllib.error.HTTPError, match="404"):
-            fetch("/etc/passwd")
-        url = f"http://127.0.0.1:{server.port}/stats"
-        for name, value in (("Host", "evil.example"), ("Origin", "http://evil.example")):
-            foreign = urllib.request.Request(url, headers={name: value})
-            with pytest.raises(urllib.error.HTTPError, match="403"):
-                urllib.request.urlopen(foreign, timeout=LIMIT)
-        with socket.create_connection(("127.0.0.1", server.port), LIMIT) as hostile:
-            hostile.sendall(b"\x00\xff" * 1000 + b"\r\n\r\n")
-        bridge.stop()
-        with pytest.raises(urllib.error.HTTPError, match="503"):
-            fetch("/metrics")
-
-
-def test_the_text_of_metrics_is_well_formed() -> None:
-    with Bridge() as bridge:
-        bridge.add(UDP, name='a "quoted"\nname\\')
-        text = prometheus(bridge.stats())
-    assert '{link="a \\"quoted\\"\\nname\\\\",peer=""} 0' in text
-    names = [line.split()[2] for line in text.splitlines() if line.startswith("# TYPE")]
-    assert len(names) == len(set(names)) > 20
-    for line in text.splitlines():
-        assert line.startswith("#") or any(line.startswith(name) for name in names)
-        assert line.startswith("#") or float(line.rpartition(" ")[2]) >= 0
 
 
 def test_a_bridge_that_is_forgotten_ends() -> None:

@@ -14,18 +14,18 @@ from typing import Any
 
 import pytest
 
+pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install 'mavwire[web]'")
 pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
 
 from mavwire import Bridge, open_log
-from mavwire.bridge import Recording, serving
+from mavwire.bridge import Recording, web_server
 from mavwire.bridge.inspection import MAX_COMPONENTS, View, plain
 from mavwire.bridge.inspector import MAX_UNSEEN, TABLES_INTERVAL, Inspector
-from mavwire.bridge.web_socket import MAX_REQUEST, WebSocket
+from mavwire.bridge.web_server import MAX_REQUEST
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, UDP, udp_peer, wait_until
 from unit.link_tools import heartbeat, pack
 from unit.web_tools import PageClient, WebSocketClient
-from wsproto import ConnectionType, WSConnection
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 
@@ -231,7 +231,7 @@ def test_idle_connections_of_one_host_do_not_shut_others_out(
     monkeypatch: pytest.MonkeyPatch, inspector: Inspector
 ) -> None:
     """Neither do pages, which are counted apart."""
-    monkeypatch.setattr(serving, "MAX_CONNECTIONS", 4)
+    monkeypatch.setattr(web_server, "MAX_CONNECTIONS", 4)
     with ExitStack() as stack:
         pages = [stack.enter_context(PageClient(inspector.port, "/ws")) for _ in range(3)]
         assert [page.status for page in pages] == [101] * 3
@@ -245,30 +245,10 @@ def test_idle_connections_of_one_host_do_not_shut_others_out(
         assert other.recv(15) == b"HTTP/1.1 200 OK"
 
 
-def test_a_page_of_a_program_with_many_descriptors() -> None:
-    resource = pytest.importorskip("resource", reason="descriptors are not numbered here")
-    fcntl = pytest.importorskip("fcntl")
-    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
-    if limits[1] != resource.RLIM_INFINITY and limits[1] < 2000:
-        pytest.skip("there may not be so many")
-    resource.setrlimit(resource.RLIMIT_NOFILE, (max(limits[0], 2000), limits[1]))
-    one, other = socket.socketpair()
-    try:
-        high = socket.socket(fileno=fcntl.fcntl(one, fcntl.F_DUPFD, 1500))
-        with high:
-            assert WebSocket(high, WSConnection(ConnectionType.SERVER)).hear(0) == []
-            other.close()
-            assert WebSocket(high, WSConnection(ConnectionType.SERVER)).hear(LIMIT) is None
-    finally:
-        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
-        one.close()
-        other.close()
-
-
 def test_a_request_that_never_ends_is_given_up(
     monkeypatch: pytest.MonkeyPatch, inspector: Inspector
 ) -> None:
-    monkeypatch.setattr(serving.Handler, "timeout", 0.5)
+    monkeypatch.setattr(web_server, "REQUEST_TIME", 0.5)
     with socket.create_connection(("127.0.0.1", inspector.port), LIMIT) as drip:
         drip.settimeout(0.05)
 
@@ -296,7 +276,7 @@ def test_no_name_server_is_asked(monkeypatch: pytest.MonkeyPatch, bridge: Bridge
     [
         "nonsense", "[]", "{}", '{"open": 7}', '{"open": [[1, 2]]}', '{"open": [[1, 2, -1]]}',
         '{"open": [[1, 2, true]]}', '{"seen": -1}', '{"seen": "a"}',
-        '{"open": [["a", {}, []]]}', "[" * 5000, "x" * (MAX_REQUEST + 1),
+        '{"open": [["a", {}, []]]}', "[" * 5000,
     ],
 )  # fmt: skip
 def test_nonsense_ends_the_conversation_and_nothing_else(inspector: Inspector, said: str) -> None:
@@ -304,6 +284,12 @@ def test_nonsense_ends_the_conversation_and_nothing_else(inspector: Inspector, s
         page.send(said)
         assert page.closed() == 1007
     assert fetch(inspector.port, "/")[1]
+
+
+def test_a_request_that_is_too_long_ends_the_conversation(inspector: Inspector) -> None:
+    with PageClient(inspector.port, "/ws") as page:
+        page.send("x" * (MAX_REQUEST + 1))
+        assert page.closed() == 1009
 
 
 def test_it_ends_with_the_bridge_and_when_it_is_closed(bridge: Bridge) -> None:

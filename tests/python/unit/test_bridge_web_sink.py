@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install 'mavwire[web]'")
 pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'mavwire[ws]'")
 
 from mavwire import Bridge, mavutil
@@ -130,30 +131,30 @@ def test_what_waits_is_bounded_and_the_newest_of_each_kind() -> None:
     fill = "x" * (MAX_WAITING // 8)
     for n in range(20):
         texts = {name: json.dumps(f"{name}{n}{fill}").encode() for name in "AB"}
-        batch = [_Item(f"1/1/{name}", text) for name, text in texts.items()]
+        batch = [_Item(("1", "1", name), text) for name, text in texts.items()]
         for one in (reader, raw):
-            one.offer([_Item("out", b"frames %d" % n, 300), *batch])
+            one.offer([_Item(("out",), b"frames %d" % n, 300), *batch])
     got = list(reader.messages())
     assert all(len(text) <= MAX_TEXT + 2 * len(fill) for text in got)
     told = [message for text in got for message in json.loads(text)]
     assert [message.strip("x") for message in told[-2:]] == ["A19", "B19"]
     assert len(told) + reader.dropped == 40 and sum(map(len, told)) <= MAX_WAITING
     assert list(raw.messages()) == [b"frames %d" % n for n in range(20)]
-    reader.offer([_Item(f"1/1/{n}", json.dumps(fill).encode()) for n in range(6)])
+    reader.offer([_Item(("1", "1", str(n)), json.dumps(fill).encode()) for n in range(6)])
     assert [len(json.loads(text)) for text in reader.messages()] == [4, 2]
     # More kinds than there is room for.
     for n in range(20):
-        reader.offer([_Item(f"1/1/{n}", json.dumps(fill).encode())])
+        reader.offer([_Item(("1", "1", str(n)), json.dumps(fill).encode())])
     assert 0 < len("".join(map(str, reader.messages()))) <= 2 * MAX_WAITING
     # A newer one that does not fit leaves no older one in its place.
     lengths = (9, MAX_WAITING * 3 // 4, MAX_WAITING // 3)
     for key, length in zip("KKA", lengths, strict=True):
-        reader.offer([_Item(f"1/1/{key}", json.dumps(key * length).encode())])
+        reader.offer([_Item(("1", "1", key), json.dumps(key * length).encode())])
     [text] = reader.messages()
     assert [message[0] for message in json.loads(text)] == ["A"]
     # One that is longer than what may wait.
     for frames in (300, 20):
-        raw.offer([_Item("out", bytes(MAX_WAITING + 1), frames)])
+        raw.offer([_Item(("out",), bytes(MAX_WAITING + 1), frames)])
     assert [len(data) for data in raw.messages()] == [MAX_WAITING + 1]
     assert raw.dropped == 300, "frames, not batches"
 
