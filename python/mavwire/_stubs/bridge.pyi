@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any, final
 
 from mavwire._native import Dialect, LogColumns, Message
-from mavwire.bridge.options import Link, Recording, Settings
+from mavwire.bridge.options import EndpointOptions, Recording, Settings
 from mavwire.logs.query import Query
 from mavwire.logs.table import Table
 
@@ -20,7 +20,7 @@ class BridgeCore:
     ) -> BridgeCore:
         """Starts one without links. OSError for the recording."""
 
-    def add(self, link: Link) -> None:
+    def add(self, link: EndpointOptions) -> None:
         """Adds a link. OSError with its name if it cannot be opened, BridgeError."""
 
     def remove(self, name: str) -> None:

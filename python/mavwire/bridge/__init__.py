@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 from .bridge import Bridge, Kind
-from .config import load_config
-from .description import Config
+from .config import Config
+from .config_file import load_config
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches
-from .options import Endpoint, Link, Recording
+from .options import Endpoint, EndpointOptions, Recording
 
 __all__ = [
     "Bridge",
@@ -19,9 +19,9 @@ __all__ = [
     "Config",
     "ConfigError",
     "Endpoint",
+    "EndpointOptions",
     "FrameBatches",
     "Kind",
-    "Link",
     "Recording",
     "load_config",
     "parse_endpoint",

@@ -13,7 +13,7 @@ from .checks import listed, seconds, text, whole
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches
-from .options import Endpoint, Link, Recording, Settings, link_from, numbered
+from .options import Endpoint, EndpointOptions, Recording, Settings, endpoint_options, numbered
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from mavwire._native import BridgeCore
 
-    from .description import Config
+    from .config import Config
     from .sinks import Sink
 
 
@@ -52,7 +52,7 @@ def _stop_all() -> None:
 class Bridge:
     """A MAVLink router. Frames that arrive over one link leave over those that they are meant for.
 
-    `links` are endpoints (`"udpin:0.0.0.0:14550"`) or `Link` objects; `record` a directory for
+    `links` are endpoints (`"udpin:0.0.0.0:14550"`) or `EndpointOptions`; `record` a directory for
     telemetry logs or a `Recording`. `dedup`: copies that arrive over another link within so many
     seconds are dropped, 0 for none. `max_age`: how long a system is known at a link after it was
     heard. `sniffer_sysid`: links where this system is heard get every frame. `dialect`: where the
@@ -64,7 +64,7 @@ class Bridge:
 
     def __init__(
         self,
-        links: Iterable[str | Endpoint | Link] = (),
+        links: Iterable[str | Endpoint | EndpointOptions] = (),
         *,
         record: str | os.PathLike[str] | Recording | None = None,
         dedup: float = 0.5,
@@ -94,7 +94,7 @@ class Bridge:
     @classmethod
     def from_config(cls, path: str | os.PathLike[str]) -> Self:
         """A bridge as a file says: mavlink-router's format, or TOML. ConfigError, OSError."""
-        from .config import load_config
+        from .config_file import load_config
 
         return cls.from_options(load_config(path))
 
@@ -162,7 +162,7 @@ class Bridge:
 
     # -- links
 
-    def add(self, endpoint: str | Endpoint | Link, **options: Any) -> str:
+    def add(self, endpoint: str | Endpoint | EndpointOptions, **options: Any) -> str:
         """Add a link, with the options of docs/bridge.md; returns its name.
 
         ConfigError for an option, BridgeError for a name that is taken, OSError if it cannot be
@@ -184,13 +184,15 @@ class Bridge:
             raise BridgeError(f'there is no link called "{name}"')
         self._links = [link for link in self._links if link.name != name]
 
-    def _link(self, endpoint: str | Endpoint | Link, options: dict[str, Any]) -> Link:
-        if isinstance(endpoint, Link):
+    def _link(
+        self, endpoint: str | Endpoint | EndpointOptions, options: dict[str, Any]
+    ) -> EndpointOptions:
+        if isinstance(endpoint, EndpointOptions):
             link = endpoint
         else:
             if not isinstance(endpoint, Endpoint):
                 endpoint = parse_endpoint(text("a link", endpoint))
-            link = link_from(endpoint, options, self._message_id)
+            link = endpoint_options(endpoint, options, self._message_id)
         if link.group is not None and link.group not in self._groups:
             self._groups.append(link.group)
         return dataclasses.replace(link, group_number=numbered(self._groups, link.group))
@@ -304,7 +306,7 @@ class Bridge:
         return int(msgid)
 
 
-def _add(core: BridgeCore, link: Link) -> None:
+def _add(core: BridgeCore, link: EndpointOptions) -> None:
     try:
         core.add(link)
     except OSError as error:

@@ -1,158 +1,32 @@
-"""Configuration files: TOML, or the format of mavlink-router's main.conf. No file is executed."""
+"""A bridge as a configuration file describes it."""
 
 from __future__ import annotations
 
-import os
-import re
-
-from .checks import only_known, seconds, text
-from .description import Config
-from .endpoints import parse_endpoint
-from .errors import ConfigError
-from .options import Recording, Settings
-from .sidecars import Listen, SinkOptions, listen_from, sink_from
-from .toml_lines import MAX_DOTS, key_lines, too_dotted
+from dataclasses import dataclass, field
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-# No configuration is longer; a path that leads to something else by mistake is not read whole.
-MAX_SIZE = 1 << 20
+    from .options import Endpoint, Recording
+    from .sidecars import Listen, SinkOptions
 
 
-def load_config(path: str | os.PathLike[str]) -> Config:
-    """Read a file: TOML if its name ends so, else mavlink-router's format.
+@dataclass
+class Config:
+    """A bridge as a file describes it. `warnings` are lines about what has no effect here."""
 
-    ConfigError (a ValueError) names the file and the line; OSError if it cannot be read.
-    """
-    name = os.fspath(path)
-    with open(name, "rb") as file:
-        data = file.read(MAX_SIZE + 1)
-    if len(data) > MAX_SIZE:
-        raise ConfigError(f"{name}: longer than {MAX_SIZE} bytes")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{name}: not text, at byte {error.start}") from None
-    if name.lower().endswith(".toml"):
-        return _toml(name, text)
-    from .main_conf import parse_main_conf
-
-    return parse_main_conf(name, text)
-
-
-def _toml(name: str, text: str) -> Config:
-    return _Toml(name, text).config()
-
-
-class _Toml:
-    """A TOML file that is read; what it says of a wrong option starts with where that stands."""
-
-    def __init__(self, name: str, text: str) -> None:
-        self._name = name
-        self._content = _content(name, text)
-        self._lines = key_lines(text)
-
-    def config(self) -> Config:
-        content, config = self._content, Config(path=self._name)
-        known = (
-            "dedup", "max_age", "sniffer_sysid", "dialect", "record", "json", "http", "metrics",
-            "sink", "link",
-        )  # fmt: skip
-        try:
-            only_known(content, known)
-            for option in ("dedup", "max_age", "sniffer_sysid"):
-                if option in content:
-                    config.settings[option] = content[option]
-            Settings(**config.settings)
-            config.dialect = content.get("dialect", "all")
-            if not isinstance(config.dialect, str):
-                reason = f"dialect must be a text, not {config.dialect!r}"
-                raise ConfigError(reason, "dialect")
-            if "json" in content:
-                config.json = seconds("json", content["json"], least=1e-3)
-            for option in ("link", "sink"):
-                if not isinstance(content.get(option, []), list):
-                    raise ConfigError(f"say [[{option}]], not [{option}]", option)
-        except ConfigError as error:
-            raise error.at(self._place(error.option)) from None
-        config.places = {("", option): self._place(option) for option in content}
-        if "record" in content:
-            config.recording = self._recording(content["record"])
-        config.http = self._listen("http")
-        config.metrics = self._listen("metrics")
-        config.sinks = [self._sink(*item) for item in enumerate(content.get("sink", []))]
-        for number, link in enumerate(content.get("link", [])):
-            self._add(config, number, link)
-        return config
-
-    def _place(self, *path: str | int) -> str:
-        """File and line of a key, or of what it is in."""
-        ends = range(len(path), 0, -1)
-        line = next((self._lines[path[:n]] for n in ends if path[:n] in self._lines), None)
-        return self._name if line is None else f"{self._name}:{line}"
-
-    def _recording(self, record: Any) -> Recording:
-        try:
-            if not isinstance(record, dict) or "directory" not in record:
-                raise ConfigError("it needs a directory")
-            only_known(record, ("directory", "max_bytes", "max_age", "flush_interval"))
-            return Recording(**record)
-        except ConfigError as error:
-            raise error.at(f"{self._place('record', error.option)}: record") from None
-
-    def _listen(self, name: str) -> Listen | None:
-        try:
-            place = f"{self._place(name, 'listen')}: {name}"
-            return listen_from(self._content[name], place) if name in self._content else None
-        except ConfigError as error:
-            raise error.at(f"{self._place(name, error.option)}: {name}") from None
-
-    def _sink(self, number: int, table: Any) -> SinkOptions:
-        title = f"sink {number + 1}"
-        try:
-            return sink_from(table, f"{self._place('sink', number, 'address')}: {title}")
-        except ConfigError as error:
-            raise error.at(f"{self._place('sink', number, error.option)}: {title}") from None
-
-    def _add(self, config: Config, number: int, link: Any) -> None:
-        title = f"link {number + 1}"
-        if not isinstance(link, dict) or "endpoint" not in link:
-            place = self._place("link", number)
-            reason = "it needs an endpoint, such as 'udpin:0.0.0.0:14550'"
-            raise ConfigError(f"{place}: {title}: {reason}")
-        options = {key: value for key, value in link.items() if key != "endpoint"}
-        if isinstance(options.get("name"), str):
-            title += f" ({options['name']!r})"
-        places = {key: f"{self._place('link', number, key)}: {title}" for key in link}
-        try:
-            endpoint = parse_endpoint(text("endpoint", link["endpoint"]))
-        except ConfigError as error:
-            raise error.at(places["endpoint"]) from None
-        where = f"{self._place('link', number)}: {title}"
-        config.links.append((where, endpoint, options))
-        config.places.update(((where, key), place) for key, place in places.items())
-
-
-def _line(error: ValueError, text: str) -> int:
-    """Where a text is no TOML: what `tomllib` says, or the last line, where it only says that the text ended."""
-    told = re.search(r"\(at line (\d+), ", str(error))
-    return int(told[1]) if told else text.rstrip().count("\n") + 1
-
-
-def _content(name: str, text: str) -> dict[str, Any]:
-    import tomllib
-
-    if (line := too_dotted(text)) is not None:
-        raise ConfigError(
-            f"{name}:{line}: a key of more than {MAX_DOTS} dots; no option has so many parts"
-        )
-    try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise ConfigError(f"{name}: nested too deeply") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{name}:{_line(error, text)}: {error}") from None
-    except ValueError:  # what int() says is nothing that a user can act upon
-        raise ConfigError(f"{name}: a number has thousands of digits") from None
+    links: list[tuple[str, Endpoint, dict[str, Any]]] = field(default_factory=list)
+    """Place in the file, endpoint, options."""
+    places: dict[tuple[str, str], str] = field(default_factory=dict)
+    """Place of a link ("" for the bridge itself) and name of an option -> place of the option."""
+    settings: dict[str, Any] = field(default_factory=dict)
+    recording: Recording | None = None
+    dialect: str = "all"
+    json: float | None = None
+    """Seconds between two lines of counters that `mavwire bridge` prints."""
+    http: Listen | None = None
+    metrics: Listen | None = None
+    sinks: list[SinkOptions] = field(default_factory=list)
+    path: str = ""
+    warnings: list[str] = field(default_factory=list)

@@ -14,7 +14,7 @@ import time
 
 from aiohttp import web
 
-from .inspection import View
+from .inspector_view import View
 from .web_server import INTERVAL, PATIENCE, WebServer, closed_after, is_loopback
 
 TYPE_CHECKING = False

@@ -9,7 +9,7 @@ from functools import partial
 from mavwire._text import did_you_mean
 
 from .checks import whole
-from .description import Config
+from .config import Config
 from .errors import ConfigError
 from .options import DEFAULT_BAUD, Endpoint, Recording
 

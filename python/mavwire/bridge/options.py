@@ -32,7 +32,7 @@ _LISTS = ("messages", "systems", "components")
 
 @dataclass(frozen=True)
 class Endpoint:
-    """Where a link leads. `address` is a host, or the path of a serial port."""
+    """Where a bridge listens, connects or sends. `address` is a host, or the path of a serial port."""
 
     kind: str
     address: str
@@ -98,8 +98,8 @@ class Recording:
 
 
 @dataclass(frozen=True)
-class Link:
-    """A link of a bridge; `link_from` makes one of the options that users write."""
+class EndpointOptions:
+    """An endpoint with its options; `endpoint_options` makes one of what users write."""
 
     name: str
     endpoint: Endpoint
@@ -121,10 +121,10 @@ class Link:
     retry: float | None = 8.0
 
 
-def link_from(
+def endpoint_options(
     endpoint: Endpoint, options: Mapping[str, Any], message_id: Callable[[object], int]
-) -> Link:
-    """A link with the options of docs/bridge.md. ConfigError names the one that is wrong.
+) -> EndpointOptions:
+    """An endpoint with the options of docs/bridge.md. ConfigError names the one that is wrong.
 
     `message_id` turns a name or number of a message into its id, or raises ConfigError.
     """
@@ -145,7 +145,7 @@ def link_from(
             raise ConfigError(f"silent and {name} exclude each other: nothing leaves there", name)
     urgent = options.get("urgent")
     bytes_per_second = rate("bytes_per_second", options.get("bytes_per_second"))
-    return Link(
+    return EndpointOptions(
         name=text("name", options.get("name", str(endpoint))),
         endpoint=endpoint,
         group=None if options.get("group") is None else text("group", options["group"]),
@@ -159,10 +159,14 @@ def link_from(
         message_rate=rate("rate", options.get("rate")),
         message_rates=_rates(options.get("rates"), message_id),
         urgent=_urgent(message_ids("urgent", [] if urgent is None else urgent), bytes_per_second),
-        queue=whole("queue_bytes", options.get("queue_bytes", Link.queue), 1 << 30, least=1024),
-        datagram=whole("datagram_bytes", options.get("datagram_bytes", Link.datagram), 65_507),
+        queue=whole(
+            "queue_bytes", options.get("queue_bytes", EndpointOptions.queue), 1 << 30, least=1024
+        ),
+        datagram=whole(
+            "datagram_bytes", options.get("datagram_bytes", EndpointOptions.datagram), 65_507
+        ),
         peer_timeout=seconds("peer_timeout", options.get("peer_timeout", 60.0), least=1e-3),
-        retry=_retry(options.get("retry", Link.retry)),
+        retry=_retry(options.get("retry", EndpointOptions.retry)),
     )
 
 

@@ -17,7 +17,7 @@ from urllib.parse import SplitResult, unquote, urlsplit
 from mavwire._threads import start_thread
 
 from .errors import ConfigError
-from .inspection import plain
+from .inspector_view import plain
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from mavwire import Bridge
-from mavwire.bridge import ConfigError, Link, load_config
+from mavwire.bridge import ConfigError, EndpointOptions, load_config
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import (
     LIMIT,
@@ -245,7 +245,7 @@ def test_a_file_says_it_too_and_no_key_is_shown(tmp_path: Path) -> None:
     )
     bridge = Bridge.from_options(load_config(file))
     (link,) = bridge._links
-    assert isinstance(link, Link) and (link.border.key, link.urgent) == (KEY, [76])
+    assert isinstance(link, EndpointOptions) and (link.border.key, link.urgent) == (KEY, [76])
     assert link.automation.heartbeat == 1.0
     assert repr(KEY) not in repr(link) and KEY.hex() not in repr(link)
 

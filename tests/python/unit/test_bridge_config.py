@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mavwire import Bridge
 from mavwire.bridge import Config, ConfigError, Endpoint, load_config, parse_endpoint
-from mavwire.bridge.config import MAX_SIZE
+from mavwire.bridge.config_file import MAX_SIZE
 from mavwire.bridge.sidecars import Listen
 from mavwire.bridge.toml_lines import key_lines, too_dotted
 
@@ -469,7 +469,7 @@ def test_lines_of_hostile_toml_end(text: str) -> None:
 
 @given(st.text(max_size=200))
 def test_any_text_is_a_configuration_or_a_clear_error(text: str) -> None:
-    from mavwire.bridge.config import _toml
+    from mavwire.bridge.config_file import _toml
     from mavwire.bridge.main_conf import parse_main_conf
 
     for parse in (_toml, parse_main_conf):

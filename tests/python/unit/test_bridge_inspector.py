@@ -19,8 +19,8 @@ pytest.importorskip("wsproto", reason="wsproto is not installed: pip install 'ma
 
 from mavwire import Bridge, open_log
 from mavwire.bridge import Recording, web_server
-from mavwire.bridge.inspection import MAX_COMPONENTS, View, plain
 from mavwire.bridge.inspector import MAX_UNSEEN, TABLES_INTERVAL, Inspector
+from mavwire.bridge.inspector_view import MAX_COMPONENTS, View, plain
 from mavwire.bridge.web_server import MAX_REQUEST
 from mavwire.dialects.v20 import all as mavlink
 from unit.bridge_tools import LIMIT, UDP, udp_peer, wait_until

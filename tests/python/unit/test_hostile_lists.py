@@ -109,7 +109,7 @@ def test_frames_messages_and_systems_of_a_bridge(core: Any) -> None:
     ],
 )
 def test_options_of_a_link(core: Any, part: str | None, name: str, item: object) -> None:
-    link = options.Link("a", options.Endpoint("udpin", "127.0.0.1"))
+    link = options.EndpointOptions("a", options.Endpoint("udpin", "127.0.0.1"))
 
     def add(value: Any) -> None:
         if part is None:

@@ -100,7 +100,7 @@ impl BridgeCore {
         Ok(Self { dialect, bridge })
     }
 
-    /// Adds a link: `mavwire.bridge.options.Link`.
+    /// Adds a link: `mavwire.bridge.options.EndpointOptions`.
     fn add(&self, py: Python<'_>, link: LinkOption) -> PyResult<()> {
         let spec = link.into_spec()?;
         let open = interruptibly(py, move || spec.open())?.map_err(to_python)?;

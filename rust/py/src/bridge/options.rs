@@ -177,7 +177,7 @@ impl EndpointOption {
     }
 }
 
-/// `mavwire.bridge.options.Link`, with its group as a number.
+/// `mavwire.bridge.options.EndpointOptions`, with its group as a number.
 #[derive(FromPyObject)]
 pub(crate) struct LinkOption {
     name: String,
