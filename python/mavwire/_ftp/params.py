@@ -13,9 +13,9 @@ from . import log
 MAGIC = 0x671B
 MAGIC_WITH_DEFAULTS = 0x671C
 MAX_NAME = 16
-_HEADER = struct.Struct("<HHH")
+HEADER = struct.Struct("<HHH")
 # Type of a value in the file -> its format.
-_VALUES = {
+VALUES = {
     1: struct.Struct("<b"),
     2: struct.Struct("<h"),
     3: struct.Struct("<i"),
@@ -59,9 +59,9 @@ def ftp_param_decode(data: bytes | bytearray) -> ParamData | None:
 
 
 def _decode(data: memoryview) -> ParamData:
-    if len(data) < _HEADER.size:
+    if len(data) < HEADER.size:
         raise _Wrong(f"Not enough data do decode, only {len(data)} bytes")
-    magic, num_params, total_params = _HEADER.unpack_from(data)
+    magic, num_params, total_params = HEADER.unpack_from(data)
     if magic not in (MAGIC, MAGIC_WITH_DEFAULTS):
         raise _Wrong(f"bad magic 0x{magic:x} expected 0x{MAGIC:x}")
     if num_params > total_params:
@@ -69,7 +69,7 @@ def _decode(data: memoryview) -> ParamData:
     found = ParamData()
     if magic == MAGIC_WITH_DEFAULTS:
         found.defaults = []
-    at, name = _HEADER.size, b""
+    at, name = HEADER.size, b""
     while (at := _skip_padding(data, at)) < len(data):
         at, name = _record(data, at, name, found)
     if len(found.params) != num_params:
@@ -90,7 +90,7 @@ def _record(data: memoryview, at: int, before: bytes, found: ParamData) -> tuple
         raise _Wrong("truncated parameter header")
     kind, flags = data[at] & 15, data[at] >> 4
     common, fresh = data[at + 1] & 15, (data[at + 1] >> 4) + 1
-    form = _VALUES.get(kind)
+    form = VALUES.get(kind)
     if form is None:
         raise _Wrong(f"bad type 0x{kind:x}")
     values = 2 if found.defaults is not None and flags & 1 else 1

@@ -14,7 +14,6 @@ from .commands import POLL_SECONDS, Args, Commands, PathError, encode, refusing,
 from .download import Download
 from .local import Destination, LocalFile, Memory, last_name, local_name, open_source
 from .result import FtpError, MAVFTPReturn
-from .settings import MAVFTPSettings
 from .upload import Upload
 
 CLOSE_SECONDS = 1.5
@@ -27,23 +26,15 @@ Callback = Callable[[Any], Any] | None
 class Transfers(Commands):
     """One transfer at a time, in either direction."""
 
-    def __init__(
-        self,
-        master: Any,
-        target_system: int,
-        target_component: int,
-        settings: MAVFTPSettings | None = None,
-    ) -> None:
-        self._transfer: Download | Upload | None = None
-        self._destination: Destination | None = None
-        self._source: IO[bytes] | None = None
-        self._callback: Callback = None
-        self._progress: Callback = None
-        self._path = ""
-        self.get_result: bytes | None = None
-        self.remote_file_size = 0
-        self.done = False
-        super().__init__(master, target_system, target_component, settings)
+    _transfer: Download | Upload | None = None
+    _destination: Destination | None = None
+    _source: IO[bytes] | None = None
+    _callback: Callback = None
+    _progress: Callback = None
+    _path = ""
+    get_result: bytes | None = None
+    remote_file_size = 0
+    done = False
 
     @refusing("OpenFileRO")
     def cmd_get(

@@ -8,15 +8,15 @@ from contextlib import suppress
 
 from mavwire.links.reconnecting import Backoff
 
+Done = Callable[[], None]
+Failed = Callable[[BaseException], None]
+
 
 class Reconnecting:
     """Calls `reopen` until it succeeds. Any error but OSError is a defect, and ends it."""
 
     def __init__(
-        self,
-        loop: asyncio.AbstractEventLoop,
-        reopen: Callable[[], Awaitable[None]],
-        delay: float,
+        self, loop: asyncio.AbstractEventLoop, reopen: Callable[[], Awaitable[None]], delay: float
     ) -> None:
         self._loop = loop
         self._reopen = reopen
@@ -24,12 +24,7 @@ class Reconnecting:
         self._backoff = Backoff()
         self._task: asyncio.Task[None] | None = None
 
-    def start(
-        self,
-        at_once: bool,
-        done: Callable[[], None],
-        failed: Callable[[BaseException], None],
-    ) -> None:
+    def start(self, at_once: bool, done: Done, failed: Failed) -> None:
         """Begin, without a pause if `at_once`: a peer that has nothing else to do than to hang up gets pauses too."""
         if at_once:
             self._backoff.reset()
@@ -42,12 +37,7 @@ class Reconnecting:
             with suppress(asyncio.CancelledError):
                 await self._task
 
-    async def _run(
-        self,
-        at_once: bool,
-        done: Callable[[], None],
-        failed: Callable[[BaseException], None],
-    ) -> None:
+    async def _run(self, at_once: bool, done: Done, failed: Failed) -> None:
         while True:
             if not at_once:
                 await asyncio.sleep(self._backoff.next_pause(self._delay))

@@ -10,6 +10,7 @@ import threading
 from contextlib import suppress
 from typing import Any
 
+from mavwire._threads import NoThreadError, start_thread
 from mavwire.links.signing_time import UNITS_PER_SECOND
 from mavwire.links.timestamp_store import ahead, store_of
 
@@ -39,11 +40,8 @@ class AheadStore:
         if timestamp > self._stored:
             self._save(timestamp)
         elif self._stored - timestamp < LEAST and not self._is_saving():
-            self._thread = threading.Thread(
-                target=self._save_beside, args=(timestamp,), name="mavwire.aio", daemon=True
-            )
-            with suppress(RuntimeError):  # there is none to be had; the next call tries again
-                self._thread.start()
+            with suppress(NoThreadError):  # the next call tries again
+                self._thread = start_thread(lambda: self._save_beside(timestamp), "mavwire.aio")
 
     def _is_saving(self) -> bool:
         return self._thread is not None and self._thread.is_alive()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 import weakref
 from contextlib import suppress
-from queue import SimpleQueue
+
+from mavwire._threads import start_thread
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -25,9 +26,11 @@ class FrameBatches:
 
     def __init__(self, tap: BridgeTap, max_batch: int, max_latency: float) -> None:
         self._tap = tap
+        weakref.finalize(self, tap.close).atexit = False  # a thread may wait for it
         self._max_batch = max_batch
         self._max_latency = max_latency
-        self._fetcher: _Fetcher | None = None
+        # One of asyncio's own threads would be waited for at the end of `asyncio.run`.
+        self._fetcher: threading.Thread | None = None
         self._fetching: Future[FrameBatch | None] | None = None
         self._awaited: asyncio.Future[FrameBatch | None] | None = None
 
@@ -61,7 +64,8 @@ class FrameBatches:
 
         while True:
             fetching = self._fetching
-            if fetching is None or not (fetching.done() or self._has_fetcher()):
+            # A forked child has no fetcher, whatever it was doing.
+            if fetching is None or not (fetching.done() or self._is_fetching()):
                 fetching, self._awaited = self._fetch(), None
                 self._fetching = fetching
             if not fetching.done():
@@ -84,55 +88,28 @@ class FrameBatches:
             self._awaited = asyncio.wrap_future(fetching)
         return self._awaited
 
-    def _has_fetcher(self) -> bool:
-        """A forked child has none, whatever it was doing."""
+    def _is_fetching(self) -> bool:
         return self._fetcher is not None and self._fetcher.is_alive()
 
     def _fetch(self) -> Future[FrameBatch | None]:
-        if not self._has_fetcher():
-            self._fetcher = _Fetcher(self._tap, self._max_batch, self._max_latency)
-            weakref.finalize(self, self._fetcher.end).atexit = False
-        assert self._fetcher is not None
-        return self._fetcher.fetch()
+        """The next batch, once it is there: of a thread, since an event loop must not wait for it."""
+        from concurrent.futures import Future
+
+        tap, limits = self._tap, (self._max_batch, self._max_latency)
+        fetching: Future[FrameBatch | None] = Future()
+        fetching.set_running_or_notify_cancel()  # so that cancelling a wait for it leaves it alone
+
+        def fetch() -> None:
+            try:
+                fetching.set_result(tap.next(*limits, None))
+            except BaseException as error:
+                fetching.set_exception(error)
+
+        self._fetcher = start_thread(fetch, "mavwire-frames")
+        return fetching
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *exception: object) -> None:
         self.close()
-
-
-class _Fetcher(threading.Thread):
-    """Waits for batches, where an event loop must not. One of asyncio's own threads would be missing elsewhere, and
-    be waited for at the end of `asyncio.run`.
-    """
-
-    def __init__(self, tap: BridgeTap, max_batch: int, max_latency: float) -> None:
-        super().__init__(name="mavwire-frames", daemon=True)
-        self._tap = tap
-        self._max_batch = max_batch
-        self._max_latency = max_latency
-        self._wanted: SimpleQueue[Future[FrameBatch | None] | None] = SimpleQueue()
-        self.start()
-
-    def fetch(self) -> Future[FrameBatch | None]:
-        """The next batch, once it is there."""
-        from concurrent.futures import Future
-
-        wanted: Future[FrameBatch | None] = Future()
-        wanted.set_running_or_notify_cancel()  # so that cancelling a wait for it leaves it alone
-        self._wanted.put(wanted)
-        return wanted
-
-    def run(self) -> None:
-        """Fetch what is asked for, one after the other."""
-        while (wanted := self._wanted.get()) is not None:
-            try:
-                wanted.set_result(self._tap.next(self._max_batch, self._max_latency, None))
-            except BaseException as error:
-                wanted.set_exception(error)
-
-    def end(self) -> None:
-        """Nobody asks any more."""
-        self._wanted.put(None)
-        self._tap.close()

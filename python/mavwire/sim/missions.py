@@ -15,7 +15,7 @@ from mavwire.dialects.v20 import all as mavlink
 from .geo import Place
 from .personality.base import Role
 from .personality.common import FENCE_COMMANDS, RALLY_COMMANDS
-from .plans import MAX_ITEMS, MISSION_FRAMES, Item, Plan
+from .plans import MAX_ITEMS, MISSION_FRAMES, Item, Plan, scale_of
 from .service import Address, Handler, Service, sender
 
 if TYPE_CHECKING:
@@ -239,7 +239,8 @@ class Missions(Service):
                 )
             )
         else:
-            x, y = item.x / item.scale, item.y / item.scale
+            scale = scale_of(item.frame)
+            x, y = item.x / scale, item.y / scale
             self.vehicle.send(
                 mavlink.MAVLink_mission_item_message(
                     *head, *params, x, y, item.z, plan.mission_type

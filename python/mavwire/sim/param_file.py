@@ -7,20 +7,18 @@ new, those letters, and the value. Zeros before an entry keep it within one bloc
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from mavwire._ftp.params import HEADER, MAGIC, MAGIC_WITH_DEFAULTS, VALUES
 from mavwire.dialects.v20 import all as mavlink
 
-MAGIC = 0x671B
-MAGIC_WITH_DEFAULTS = 0x671C
 DEFAULT_FLAG = 0x10
 _TYPES = {
-    mavlink.MAV_PARAM_TYPE_INT8: (1, "<b"),
-    mavlink.MAV_PARAM_TYPE_INT16: (2, "<h"),
-    mavlink.MAV_PARAM_TYPE_INT32: (3, "<i"),
-    mavlink.MAV_PARAM_TYPE_REAL32: (4, "<f"),
+    mavlink.MAV_PARAM_TYPE_INT8: 1,
+    mavlink.MAV_PARAM_TYPE_INT16: 2,
+    mavlink.MAV_PARAM_TYPE_INT32: 3,
+    mavlink.MAV_PARAM_TYPE_REAL32: 4,
 }
 
 
@@ -37,7 +35,7 @@ def pack(entries: Iterable[Entry], total: int, block: int, with_defaults: bool =
     """The file, laid out for reads of `block` bytes."""
     entries = list(entries)
     magic = MAGIC_WITH_DEFAULTS if with_defaults else MAGIC
-    packed = bytearray(struct.pack("<3H", magic, len(entries), total))
+    packed = bytearray(HEADER.pack(magic, len(entries), total))
     before = ""
     for entry in entries:
         data = _entry(entry, before, with_defaults)
@@ -52,13 +50,14 @@ def pack(entries: Iterable[Entry], total: int, block: int, with_defaults: bool =
 def _entry(entry: Entry, before: str, with_defaults: bool) -> bytes:
     common = min(_shared(before, entry.name), 15, len(entry.name) - 1)
     fresh = entry.name[common:].encode()
-    number, form = _TYPES[entry.type]
+    number = _TYPES[entry.type]
+    form = VALUES[number]
     real = entry.type == mavlink.MAV_PARAM_TYPE_REAL32
     value, default = (v if real else int(v) for v in (entry.value, entry.default))
-    data = struct.pack(form, value)
+    data = form.pack(value)
     if with_defaults and default != value:
         number |= DEFAULT_FLAG
-        data += struct.pack(form, default)
+        data += form.pack(default)
     return bytes((number, common | len(fresh) - 1 << 4)) + fresh + data
 
 

@@ -46,15 +46,9 @@ class Item:
         """From a MISSION_ITEM or a MISSION_ITEM_INT."""
         x, y = msg.x, msg.y
         if msg.get_type() == "MISSION_ITEM":
-            scale = E7 if msg.frame in GLOBAL else E4 if msg.frame == LOCAL_NED else 1.0
-            x, y = _integer(x * scale), _integer(y * scale)
+            x, y = (_integer(value * scale_of(msg.frame)) for value in (x, y))
         params = (msg.param1, msg.param2, msg.param3, msg.param4)
         return cls(msg.command, msg.frame, *params, x, y, msg.z, msg.autocontinue)
-
-    @property
-    def scale(self) -> float:
-        """What `x` and `y` are multiplied with on the wire."""
-        return E7 if self.frame in GLOBAL else E4 if self.frame == LOCAL_NED else 1.0
 
     def place(self, home: Place, here: Place) -> Place:
         """Where it is; 0, 0 means here."""
@@ -68,6 +62,11 @@ class Item:
         if self.frame == LOCAL_NED:
             return Local(self.x / E4, self.y / E4, -self.z)
         return origin.local(self.place(home, here))
+
+
+def scale_of(frame: int) -> float:
+    """What `x` and `y` are multiplied with on the wire."""
+    return E7 if frame in GLOBAL else E4 if frame == LOCAL_NED else 1.0
 
 
 def _integer(value: float) -> int:
