@@ -75,11 +75,6 @@ class WebServer:
         return f"{self.purpose} on port {self.port}"
 
     @property
-    def is_local(self) -> bool:
-        """Whether only this machine reaches it."""
-        return is_loopback(self._host)
-
-    @property
     def shown_address(self) -> str:
         """Host and port as in a URL that others can open."""
         address = _address(self._host)
@@ -152,7 +147,9 @@ class WebServer:
         name = re.sub(r":[0-9]*$", "", host.lower()).strip("[]")
         if is_loopback(name) or name in self._names:
             return True
-        return not self.is_local and (_address(name) is not None or name in _own_names(self._host))
+        if is_loopback(self._host):
+            return False
+        return _address(name) is not None or name in _own_names(self._host)
 
     def welcomes(self, origin: str, host: str) -> bool:
         """Whether a page from `origin` may ask who was asked for as `host`: ours may, over a proxy with TLS too."""

@@ -41,16 +41,11 @@ def _take_off(vehicle: Vehicle, command: Command) -> None:
         vehicle.autopilot.take_off(None)
 
 
-def _land(vehicle: Vehicle, command: Command) -> None:
-    vehicle.autopilot.set_role(Role.LAND)
+def _enter(role: Role) -> Action:
+    def enter(vehicle: Vehicle, command: Command) -> None:
+        vehicle.autopilot.set_role(role)
 
-
-def _return(vehicle: Vehicle, command: Command) -> None:
-    vehicle.autopilot.set_role(Role.RETURN)
-
-
-def _hold(vehicle: Vehicle, command: Command) -> None:
-    vehicle.autopilot.set_role(Role.HOLD)
+    return enter
 
 
 def _set_mode(vehicle: Vehicle, command: Command) -> int | None:
@@ -198,9 +193,7 @@ def _set_interval(vehicle: Vehicle, command: Command) -> int | None:
 
 
 def _get_interval(vehicle: Vehicle, command: Command) -> None:
-    number = command.integer(1)
-    interval = vehicle.streams.interval(number)
-    vehicle.send(mavlink.MAVLink_message_interval_message(number & 0xFFFF, interval))
+    vehicle.answers.request(mavlink.MAVLINK_MSG_ID_MESSAGE_INTERVAL, command.integer(1))
 
 
 def _request_message(vehicle: Vehicle, command: Command) -> int | None:
@@ -225,9 +218,9 @@ def _home_position(vehicle: Vehicle, command: Command) -> int | None:
 ACTIONS: dict[int, Action] = {
     mavlink.MAV_CMD_COMPONENT_ARM_DISARM: _arm,
     mavlink.MAV_CMD_NAV_TAKEOFF: _take_off,
-    mavlink.MAV_CMD_NAV_LAND: _land,
-    mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH: _return,
-    mavlink.MAV_CMD_NAV_LOITER_UNLIM: _hold,
+    mavlink.MAV_CMD_NAV_LAND: _enter(Role.LAND),
+    mavlink.MAV_CMD_NAV_RETURN_TO_LAUNCH: _enter(Role.RETURN),
+    mavlink.MAV_CMD_NAV_LOITER_UNLIM: _enter(Role.HOLD),
     mavlink.MAV_CMD_DO_SET_MODE: _set_mode,
     mavlink.MAV_CMD_DO_SET_STANDARD_MODE: _set_standard_mode,
     mavlink.MAV_CMD_DO_CHANGE_SPEED: _change_speed,

@@ -11,7 +11,7 @@ from mavwire.dialects.v20 import all as mavlink
 
 from .autopilot import RefusedError
 from .geo import Local, Place, within_world
-from .plans import GLOBAL, LOCAL_NED
+from .plans import LOCAL_NED, scale_of
 from .service import Address, Handler, Service, sender
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class Command:
         if msg.get_type() == "COMMAND_LONG":
             place = (msg.param5, msg.param6, msg.param7)
             return cls(msg.command, params, *place, None, sender(msg))
-        scale = 1e7 if msg.frame in GLOBAL else 1e4 if msg.frame == LOCAL_NED else 1.0
+        scale = scale_of(msg.frame)
         place = (msg.x / scale, msg.y / scale, msg.z)
         return cls(msg.command, params, *place, msg.frame, sender(msg))
 

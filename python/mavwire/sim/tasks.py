@@ -35,13 +35,15 @@ class Task:
         return REST
 
 
-class Hold(Task):
+class _AtPlace(Task):
+    def __init__(self, target: Local) -> None:
+        self.target: Local = target
+
+
+class Hold(_AtPlace):
     """Stays where it was when it began."""
 
     name = "hold"
-
-    def __init__(self, at: Local) -> None:
-        self.target: Local = at
 
     def demand(self, copter: Copter, tuning: Tuning, dt: float) -> Demand:
         return REST if copter.landed else fly_to(copter, self.target, tuning)
@@ -77,14 +79,11 @@ class Goto(Task):
         return fly_to(copter, self.target, tuning, self.speed, self.yaw, self.face)
 
 
-class Takeoff(Task):
+class Takeoff(_AtPlace):
     """Climbs to a height above the point where it stands."""
 
     name = "takeoff"
     landed_state = TAKING_OFF
-
-    def __init__(self, target: Local) -> None:
-        self.target: Local = target
 
     def demand(self, copter: Copter, tuning: Tuning, dt: float) -> Demand:
         self.done = self.target.up - copter.up < 0.3
@@ -96,14 +95,11 @@ class Takeoff(Task):
         return demand
 
 
-class Land(Task):
+class Land(_AtPlace):
     """Comes down, on the spot or at a target; slowly near the ground."""
 
     name = "land"
     landed_state = LANDING
-
-    def __init__(self, target: Local) -> None:
-        self.target: Local = target
 
     def demand(self, copter: Copter, tuning: Tuning, dt: float) -> Demand:
         self.done = copter.landed
