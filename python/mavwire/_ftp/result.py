@@ -72,26 +72,17 @@ class DirectoryEntry:
     size_b: int
 
 
+@dataclass(eq=False, repr=False)
 class MAVFTPReturn:
     """How an operation ended: `error_code` is an FtpError, 0 when all went well."""
 
-    def __init__(
-        self,
-        operation_name: str,
-        error_code: int,
-        system_error: int = 0,
-        invalid_error_code: int = 0,
-        invalid_opcode: int = 0,
-        invalid_payload_size: int = 0,
-        directory_listing: list[DirectoryEntry] | None = None,
-    ) -> None:
-        self.operation_name = operation_name
-        self.error_code = error_code
-        self.system_error = system_error
-        self.invalid_error_code = invalid_error_code
-        self.invalid_opcode = invalid_opcode
-        self.invalid_payload_size = invalid_payload_size
-        self.directory_listing = directory_listing
+    operation_name: str
+    error_code: int
+    system_error: int = 0
+    invalid_error_code: int = 0
+    invalid_opcode: int = 0
+    invalid_payload_size: int = 0
+    directory_listing: list[DirectoryEntry] | None = None
 
     def __repr__(self) -> str:
         return f"MAVFTPReturn({self.operation_name!r}, {self.error_code!r})"

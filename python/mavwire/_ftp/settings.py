@@ -26,10 +26,8 @@ class MAVFTPSetting:
     """A setting: its name, type, default and value."""
 
     def __init__(self, name: str, s_type: type, default: Number) -> None:
-        self.name = name
-        self.type = s_type
-        self.default = default
-        self.value = default
+        self.name, self.type = name, s_type
+        self.default = self.value = default
 
 
 class MAVFTPSettings:

@@ -13,7 +13,7 @@ from .checks import listed, seconds, text, whole
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
 from .frames import FrameBatches
-from .options import Endpoint, EndpointOptions, Recording, Settings, endpoint_options, numbered
+from .options import Endpoint, EndpointOptions, Recording, Settings, endpoint_options
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -193,9 +193,11 @@ class Bridge:
             if not isinstance(endpoint, Endpoint):
                 endpoint = parse_endpoint(text("a link", endpoint))
             link = endpoint_options(endpoint, options, self._message_id)
-        if link.group is not None and link.group not in self._groups:
+        if link.group is None:
+            return link
+        if link.group not in self._groups:
             self._groups.append(link.group)
-        return dataclasses.replace(link, group_number=numbered(self._groups, link.group))
+        return dataclasses.replace(link, group_number=self._groups.index(link.group))
 
     # -- frames
 

@@ -18,7 +18,7 @@ from .errors import ConfigError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Mapping
     from typing import Any
 
 KINDS = ("udpout", "udpin", "udpbcast", "tcp", "tcpin", "serial")
@@ -232,8 +232,3 @@ def _named(option: str, message_id: Callable[[object], int], value: object) -> i
 def _retry(value: object) -> float | None:
     """The longest pause between two attempts; 0 or None for no second connection."""
     return None if not value else seconds("retry", value, least=1e-3)
-
-
-def numbered(groups: Iterable[str], group: str | None) -> int | None:
-    """The number that stands for a group's name: its place among the names so far."""
-    return None if group is None else list(groups).index(group)

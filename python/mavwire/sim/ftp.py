@@ -10,7 +10,7 @@ import struct
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from mavwire._ftp.wire import HEADER, MAX_PAYLOAD
 from mavwire.dialects.v20 import all as mavlink
@@ -20,6 +20,8 @@ from .service import Address, Handler, Service, sender
 
 if TYPE_CHECKING:
     from .vehicle import Vehicle
+
+T = TypeVar("T")
 
 MAX_SESSIONS = 4
 BURST_PACKETS = 500
@@ -195,9 +197,7 @@ class Ftp(Service):
     # -- reading
 
     def _list(self, packet: Packet, to: Address) -> Packet:
-        entries = self.files.listing(packet.text)
-        if entries is None:
-            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        entries = _found(self.files.listing(packet.text))
         if packet.offset >= len(entries):
             raise FtpError(mavlink.MAV_FTP_ERR_EOF)
         data = b""
@@ -208,9 +208,7 @@ class Ftp(Service):
         return _reply(packet, data)
 
     def _open(self, packet: Packet, to: Address) -> Packet:
-        data = self.files.read(packet.text, MAX_PAYLOAD)
-        if data is None:
-            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        data = _found(self.files.read(packet.text, MAX_PAYLOAD))
         number = self._add_session(packet, Session(packet.text, bytearray(data)))
         return _reply(packet, struct.pack("<I", len(data)), session=number)
 
@@ -262,9 +260,7 @@ class Ftp(Service):
         return not end
 
     def _crc(self, packet: Packet, to: Address) -> Packet:
-        data = self.files.read(packet.text, MAX_PAYLOAD)
-        if data is None:
-            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        data = _found(self.files.read(packet.text, MAX_PAYLOAD))
         return _reply(packet, struct.pack("<I", _crc32(data)))
 
     # -- writing
@@ -310,9 +306,7 @@ class Ftp(Service):
         return _reply(packet)
 
     def _truncate(self, packet: Packet, to: Address) -> Packet:
-        data = self.files.contents.get("/" + packet.text.strip("/"))
-        if data is None:
-            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        data = _found(self.files.contents.get("/" + packet.text.strip("/")))
         if packet.offset > MAX_FILE:
             raise FtpError(mavlink.MAV_FTP_ERR_FAIL)
         self.files.write(packet.text, data[: packet.offset].ljust(packet.offset, b"\0"))
@@ -320,15 +314,19 @@ class Ftp(Service):
 
     def _rename(self, packet: Packet, to: Address) -> Packet:
         old, _, new = packet.data[: packet.size].decode("utf-8", "replace").partition("\0")
-        data = self.files.contents.get("/" + old.strip("/"))
-        if data is None:
-            raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+        data = _found(self.files.contents.get("/" + old.strip("/")))
         new = new.rstrip("\0")
         if self.files.exists(new) or not self.files.writable(new):
             raise FtpError(mavlink.MAV_FTP_ERR_FILEEXISTS)
         self.files.remove(old)
         self.files.write(new, data)
         return _reply(packet)
+
+
+def _found(data: T | None) -> T:
+    if data is None:
+        raise FtpError(mavlink.MAV_FTP_ERR_FILENOTFOUND)
+    return data
 
 
 def _reply(
