@@ -147,26 +147,18 @@ class Commands:
     @refusing("RemoveFile")
     def cmd_rm(self, args: Args) -> MAVFTPReturn:
         """Remove a file."""
-        if len(args) != 1:
-            return usage("RemoveFile", "rm [FILENAME]")
-        log.info("Removing file %s", args[0])
-        return self._do(OP_RemoveFile, encode(args[0]))
+        return self._do_to_path(OP_RemoveFile, args, "rm [FILENAME]", "Removing file")
 
     @refusing("RemoveDirectory")
     def cmd_rmdir(self, args: Args) -> MAVFTPReturn:
         """Remove a directory."""
-        if len(args) != 1:
-            return usage("RemoveDirectory", "rmdir [DIRECTORYNAME]")
-        log.info("Removing directory %s", args[0])
-        return self._do(OP_RemoveDirectory, encode(args[0]))
+        text = "rmdir [DIRECTORYNAME]"
+        return self._do_to_path(OP_RemoveDirectory, args, text, "Removing directory")
 
     @refusing("CreateDirectory")
     def cmd_mkdir(self, args: Args) -> MAVFTPReturn:
         """Create a directory."""
-        if len(args) != 1:
-            return usage("CreateDirectory", "mkdir NAME")
-        log.info("Creating directory %s", args[0])
-        return self._do(OP_CreateDirectory, encode(args[0]))
+        return self._do_to_path(OP_CreateDirectory, args, "mkdir NAME", "Creating directory")
 
     @refusing("Rename")
     def cmd_rename(self, args: Args) -> MAVFTPReturn:
@@ -211,6 +203,13 @@ class Commands:
                 return op
             pending.resend_after(self.ftp_settings.read_retry_time)
         return None
+
+    def _do_to_path(self, opcode: int, args: Args, text: str, doing: str) -> MAVFTPReturn:
+        """`_do` with one path; `text` is the usage."""
+        if len(args) != 1:
+            return usage(OPERATIONS[opcode], text)
+        log.info("%s %s", doing, args[0])
+        return self._do(opcode, encode(args[0]))
 
     def _do(self, opcode: int, data: bytes) -> MAVFTPReturn:
         """A request whose answer is only how it ended."""

@@ -216,8 +216,7 @@ class Link(Parameters):
     @property
     def target_system(self) -> int:
         """The system that is addressed: the first vehicle that was heard, unless it is set."""
-        target: int = self.sync.target_system
-        return target
+        return int(self.sync.target_system)
 
     @target_system.setter
     def target_system(self, value: int) -> None:
@@ -226,8 +225,7 @@ class Link(Parameters):
     @property
     def target_component(self) -> int:
         """The component that is addressed; 0 is all of them."""
-        target: int = self.sync.target_component
-        return target
+        return int(self.sync.target_component)
 
     @target_component.setter
     def target_component(self, value: int) -> None:
@@ -236,8 +234,7 @@ class Link(Parameters):
     @property
     def flightmode(self) -> str:
         """The target's flight mode by name."""
-        mode: str = self.sync.flightmode
-        return mode
+        return str(self.sync.flightmode)
 
     @property
     def connected(self) -> bool:

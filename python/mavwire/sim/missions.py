@@ -120,10 +120,10 @@ class Missions(Service):
         """Request the next item, now and again until it comes."""
         upload.due = self.vehicle.ticks + RETRY_TICKS
         args = (*upload.partner, upload.wanted, upload.plan.mission_type)
+        message: Any = mavlink.MAVLink_mission_request_message
         if self.vehicle.personality.mission_request_int:
-            self.vehicle.send(mavlink.MAVLink_mission_request_int_message(*args))
-        else:
-            self.vehicle.send(mavlink.MAVLink_mission_request_message(*args))
+            message = mavlink.MAVLink_mission_request_int_message
+        self.vehicle.send(message(*args))
 
     def step(self) -> None:
         """Repeat a request that was not answered; give up in the end."""
@@ -232,20 +232,12 @@ class Missions(Service):
         current = int(plan.mission_type == MISSION and msg.seq == plan.current)
         head = (*sender(msg), msg.seq, item.frame, item.command, current, item.autocontinue)
         params = (item.param1, item.param2, item.param3, item.param4)
-        if msg.get_type() == "MISSION_REQUEST_INT":
-            self.vehicle.send(
-                mavlink.MAVLink_mission_item_int_message(
-                    *head, *params, item.x, item.y, item.z, plan.mission_type
-                )
-            )
-        else:
-            scale = scale_of(item.frame)
-            x, y = item.x / scale, item.y / scale
-            self.vehicle.send(
-                mavlink.MAVLink_mission_item_message(
-                    *head, *params, x, y, item.z, plan.mission_type
-                )
-            )
+        place: tuple[float, float] = item.x, item.y
+        message: Any = mavlink.MAVLink_mission_item_int_message
+        if msg.get_type() == "MISSION_REQUEST":
+            place = item.x / scale_of(item.frame), item.y / scale_of(item.frame)
+            message = mavlink.MAVLink_mission_item_message
+        self.vehicle.send(message(*head, *params, *place, item.z, plan.mission_type))
 
     def _item(self, plan: Plan, seq: int) -> Item | None:
         """An item of a plan; an ArduPilot always has its home, even without a mission."""
