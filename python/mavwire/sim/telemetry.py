@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire.dialects.v20 import all as mavlink
 
 from .geo import bearing, distance, e7
+from .personality.common import values
 from .physics import GRAVITY, Copter
 
 if TYPE_CHECKING:
@@ -18,23 +19,19 @@ NAN = math.nan
 UNKNOWN_16 = 65535
 MAVLINK_VERSION = 3
 # MAV_SYS_STATUS_SENSOR: what a healthy copter has, GPS and arming checks apart.
-SENSORS = (
-    mavlink.MAV_SYS_STATUS_SENSOR_3D_GYRO
-    | mavlink.MAV_SYS_STATUS_SENSOR_3D_ACCEL
-    | mavlink.MAV_SYS_STATUS_SENSOR_3D_MAG
-    | mavlink.MAV_SYS_STATUS_SENSOR_ABSOLUTE_PRESSURE
-    | mavlink.MAV_SYS_STATUS_SENSOR_ANGULAR_RATE_CONTROL
-    | mavlink.MAV_SYS_STATUS_SENSOR_ATTITUDE_STABILIZATION
-    | mavlink.MAV_SYS_STATUS_SENSOR_YAW_POSITION
-    | mavlink.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
-    | mavlink.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
-    | mavlink.MAV_SYS_STATUS_AHRS
-    | mavlink.MAV_SYS_STATUS_SENSOR_BATTERY
+SENSORS = sum(
+    values(
+        "MAV_SYS_STATUS_",
+        "SENSOR_3D_GYRO SENSOR_3D_ACCEL SENSOR_3D_MAG SENSOR_ABSOLUTE_PRESSURE "
+        "SENSOR_ANGULAR_RATE_CONTROL SENSOR_ATTITUDE_STABILIZATION SENSOR_YAW_POSITION "
+        "SENSOR_MOTOR_OUTPUTS SENSOR_RC_RECEIVER AHRS SENSOR_BATTERY",
+    )
 )
-POSITION_SENSORS = (
-    mavlink.MAV_SYS_STATUS_SENSOR_GPS
-    | mavlink.MAV_SYS_STATUS_SENSOR_Z_ALTITUDE_CONTROL
-    | mavlink.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
+POSITION_SENSORS = sum(
+    values(
+        "MAV_SYS_STATUS_",
+        "SENSOR_GPS SENSOR_Z_ALTITUDE_CONTROL SENSOR_XY_POSITION_CONTROL",
+    )
 )
 PREARM = mavlink.MAV_SYS_STATUS_PREARM_CHECK
 # No fence is breached; without this, ground stations say that one is, even where there is none.

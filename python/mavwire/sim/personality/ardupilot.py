@@ -21,6 +21,7 @@ from .common import (
     MANUAL_INPUT,
     MISSION_COMMANDS,
     STABILIZE,
+    mav_commands,
 )
 
 if TYPE_CHECKING:
@@ -116,21 +117,14 @@ class ArduPilot(Personality):
     )
     version = (4, 5, 7)
     version_text = "ArduCopter V4.5.7 (mavwire)"
-    commands = COMMANDS | {
-        mavlink.MAV_CMD_CONDITION_YAW,
-        mavlink.MAV_CMD_DO_PAUSE_CONTINUE,
-        mavlink.MAV_CMD_DO_SET_SERVO,
-        mavlink.MAV_CMD_DO_SET_RELAY,
-        mavlink.MAV_CMD_DO_MOTOR_TEST,
-        mavlink.MAV_CMD_DO_FENCE_ENABLE,
-    }
-    mission_commands = MISSION_COMMANDS | {
-        mavlink.MAV_CMD_NAV_SPLINE_WAYPOINT,
-        mavlink.MAV_CMD_NAV_LOITER_TURNS,
-        mavlink.MAV_CMD_CONDITION_DISTANCE,
-        mavlink.MAV_CMD_CONDITION_YAW,
-        mavlink.MAV_CMD_DO_SET_RELAY,
-    }
+    commands = COMMANDS | mav_commands("""
+        CONDITION_YAW DO_PAUSE_CONTINUE DO_SET_SERVO DO_SET_RELAY DO_MOTOR_TEST
+        DO_FENCE_ENABLE
+    """)
+    mission_commands = MISSION_COMMANDS | mav_commands("""
+        NAV_SPLINE_WAYPOINT NAV_LOITER_TURNS CONDITION_DISTANCE CONDITION_YAW
+        DO_SET_RELAY
+    """)
     streams: ClassVar = {"HEARTBEAT": 1.0}
     stream_groups: ClassVar = {
         mavlink.MAV_DATA_STREAM_RAW_SENSORS: ("RAW_IMU", "SCALED_IMU2", "SCALED_PRESSURE"),
