@@ -12,10 +12,8 @@ import os
 import secrets
 import time
 
-from aiohttp import web
-
 from .inspector_view import View
-from .web_server import INTERVAL, PATIENCE, WebServer, closed_after, is_loopback
+from .web_server import INTERVAL, PATIENCE, WebServer, closed_after, is_loopback, web
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

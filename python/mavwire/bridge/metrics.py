@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from aiohttp import web
-
-from .web_server import WebServer
+from .web_server import WebServer, web
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

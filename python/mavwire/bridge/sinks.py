@@ -14,6 +14,7 @@ import time
 from contextlib import ExitStack, suppress
 from urllib.parse import SplitResult, unquote, urlsplit
 
+from mavwire._extras import extra
 from mavwire._threads import start_thread
 
 from .errors import ConfigError
@@ -257,8 +258,9 @@ class _Mqtt:
     def __init__(
         self, host: str, port: int, secure: bool, user: str | None, password: str | None
     ) -> None:
-        from paho.mqtt.client import Client
-        from paho.mqtt.enums import CallbackAPIVersion
+        with extra("mqtt"):
+            from paho.mqtt.client import Client
+            from paho.mqtt.enums import CallbackAPIVersion
 
         self._client = Client(CallbackAPIVersion.VERSION2)
         self._client.reconnect_delay_set(1, 8)
@@ -311,7 +313,8 @@ def _limit_send_buffer(client: Any, data: Any, connection: Any) -> None:
 
 
 def _zenoh(endpoint: str) -> Publisher:
-    import zenoh
+    with extra("zenoh"):
+        import zenoh
 
     config = zenoh.Config()
     if endpoint:

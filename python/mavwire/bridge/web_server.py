@@ -14,9 +14,11 @@ from collections import Counter
 from contextlib import ExitStack, closing
 from urllib.parse import urlsplit
 
-from aiohttp import WSMsgType, web
-
+from mavwire._extras import extra
 from mavwire._threads import start_thread
+
+with extra("web"):
+    from aiohttp import WSMsgType, web
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -14,9 +14,7 @@ from contextlib import suppress
 from typing import NamedTuple
 from urllib.parse import quote
 
-from aiohttp import web
-
-from .web_server import INTERVAL, WebServer
+from .web_server import INTERVAL, WebServer, web
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -241,7 +241,7 @@ def _servers(bridge: Bridge, config: Config) -> Iterator[WebServer]:
     except ImportError as error:
         first = config.metrics or config.http
         assert first is not None
-        raise CommandError(f"{first.place}: {error}: pip install 'mavwire[web]'") from None
+        raise CommandError(f"{first.place}: {error}") from None
 
 
 def _sink(bridge: Bridge, options: SinkOptions) -> Sink:
@@ -252,9 +252,7 @@ def _sink(bridge: Bridge, options: SinkOptions) -> Sink:
         password, names = options.password, options.names
         return open_sink(bridge, options.address, password=password, names=names)
     except ImportError as error:
-        word = options.address.partition(":")[0].lower()
-        extra = {"mqtts": "mqtt", "ws": "web"}.get(word, word)
-        raise CommandError(f"{options.place}: {error}: pip install 'mavwire[{extra}]'") from None
+        raise CommandError(f"{options.place}: {error}") from None
     except ConfigError as error:
         raise CommandError(f"{options.place}: {error}", 2) from None
     except OSError as error:

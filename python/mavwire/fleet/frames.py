@@ -6,8 +6,8 @@ import os
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from mavwire._extras import extra
 from mavwire.logs.common_columns import common_columns, description_of
-from mavwire.logs.extras import extra
 from mavwire.logs.query import names_of
 from mavwire.logs.selection import has_message
 from mavwire.logs.sources import open_dataflash

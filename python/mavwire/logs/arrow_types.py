@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .extras import extra
+from mavwire._extras import extra
 
 OWN = ("Timestamp(µs", "Dictionary(Int32, Utf8)")
 OTHERS = ("Timestamp(", "Dictionary(", "Utf8View", "LargeUtf8", "BinaryView", "LargeBinary")

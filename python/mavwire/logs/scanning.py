@@ -9,9 +9,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from mavwire._extras import extra
+
 from .common_columns import Surveys, empty_of
 from .dialect import portable, restored
-from .extras import extra
 from .pushdown import narrow
 from .query import Query
 from .reading import BATCH_ROWS, batches_of, check_readable, logs_of, native_dialect

@@ -9,10 +9,10 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any, overload
 
+from mavwire._extras import extra
 from mavwire._native import RecordBatches, write_table
 
 from .arrow_types import conformed, foreign
-from .extras import extra
 from .formats import COMPRESSIONS, FORMATS, TABLE_FORMATS, TEXT_SUFFIXES, TEXTS
 from .targets import file_to_write
 

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from mavwire._extras import extra
 from mavwire._native import jump_text
 from mavwire._text import cannot_write, did_you_mean
-from mavwire.logs.extras import extra
 from mavwire.logs.no_records import lacking
 from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write

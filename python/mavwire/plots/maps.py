@@ -6,8 +6,8 @@ import os
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from mavwire._extras import extra
 from mavwire._text import cannot_write
-from mavwire.logs.extras import extra
 from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
 
