@@ -23,7 +23,9 @@ BUDGET = ROOT / "benches" / "instruction_budget.json"
 TOLERANCE = 0.03
 RUST = ("scan", "scan-rescan", "route", "decode", "encode", "verify", "text", "json")
 BRIDGE = ("forward", "border")
-PYTHON = ("parse", "noise", "recv_match", "filter", "fields", "pack", "send", "verify")
+PYTHON = (
+    "parse", "noise", "recv_match", "instances", "filter", "fields", "pack", "send", "verify",
+)  # fmt: skip
 TABLES = ("columns", "columns-bin", "parquet")
 # How many messages the short and the long run have, and how far memory is moved in the runs.
 LENGTHS = {

@@ -19,8 +19,8 @@ KEY = bytes(32)
 BLOCK = 500  # frames that are made once and then repeated
 
 
-def block(mavlink: Any, signed: bool = False) -> list[bytes]:
-    """Frames of a fixed mix of telemetry."""
+def block(mavlink: Any, signed: bool = False, instances: bool = False) -> list[bytes]:
+    """Frames of a fixed mix of telemetry; with `instances` one in five is of a type that has instances."""
     mav = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
     if signed:
         mav.signing.secret_key, mav.signing.sign_outgoing = KEY, True
@@ -33,6 +33,8 @@ def block(mavlink: Any, signed: bool = False) -> list[bytes]:
         mavlink.MAVLink_sys_status_message(1, 1, 1, 300, 16_000, 1800, 80, 0, 0, 0, 0, 0, 0),
         mavlink.MAVLink_statustext_message(6, b"Leg finished, turning"),
     ]
+    if instances:
+        kinds[-1] = mavlink.MAVLink_servo_output_raw_message(1000, 0, *range(1500, 1508))
     frames = []
     for number in range(BLOCK):
         frames.append(bytes(kinds[number % len(kinds)].pack(mav)))
@@ -71,11 +73,11 @@ def noise(mavlink: Any, count: int) -> None:
         data = b""
 
 
-def log(mavlink: Any, messages: int, **how: Any) -> None:
+def log(mavlink: Any, messages: int, instances: bool = False, **how: Any) -> None:
     """Read a telemetry log."""
     from mavwire import mavutil
 
-    records = b"".join(bytes(8) + frame for frame in block(mavlink)) * (messages // BLOCK)
+    records = b"".join(bytes(8) + frame for frame in block(mavlink, instances=instances)) * (messages // BLOCK)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flight.tlog"
         path.write_bytes(records)
@@ -146,8 +148,8 @@ def run(case: str, messages: int) -> None:
             receive(receiver, [piece])
     elif case == "noise":
         noise(mavlink, messages)
-    elif case == "recv_match":
-        log(mavlink, messages)
+    elif case in ("recv_match", "instances"):
+        log(mavlink, messages, instances=case == "instances")
     elif case == "filter":
         log(mavlink, messages, type=["VFR_HUD"])
     elif case in ("columns", "columns-bin", "parquet"):
