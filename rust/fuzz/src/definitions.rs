@@ -2,13 +2,14 @@
 
 use mavwire_core::registry::Registry;
 use mavwire_schema::{
-    ParseOptions, Reason, SchemaError, WireVersion, decode_blob, encode_blob, parse_definitions,
-    resolve,
+    Layout, ParseOptions, Reason, Rules, SchemaError, WireVersion, check_schema, decode_blob,
+    encode_blob, parse_definitions, resolve, standalone,
 };
 
 /// Any text as a definition file.
 pub fn xml(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
+    generator(text);
     let definitions = match parse_definitions("my.xml", text, &ParseOptions::default()) {
         Ok(definitions) => definitions,
         Err(error) => return check(&error),
@@ -39,6 +40,24 @@ pub fn xml(data: &[u8]) {
         let found = registry.dialect().messages.iter().filter(|m| registry.lookup(m.id).is_some());
         assert_eq!(found.count(), count);
     }
+}
+
+/// What the generator does with any text.
+fn generator(text: &str) {
+    let parse = |text: &str, rules| {
+        parse_definitions("my.xml", text, &ParseOptions { rules, ..ParseOptions::default() })
+    };
+    let Ok(tolerated) = parse(text, Rules::Mavparse) else { return };
+    for message in &tolerated.messages {
+        let layout = Layout::of(message);
+        assert_eq!(
+            (layout.order.len(), layout.offsets.len()),
+            (message.fields.len(), message.fields.len())
+        );
+    }
+    check_schema("my.xml", text, true).expect("well-formed");
+    let standalone = standalone("my.xml", text, &[]).expect("well-formed");
+    assert_eq!(parse(&standalone, Rules::Module).is_ok(), parse(text, Rules::Module).is_ok());
 }
 
 fn check(error: &SchemaError) {

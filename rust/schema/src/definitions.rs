@@ -176,27 +176,38 @@ impl FieldDef {
 #[repr(u8)]
 pub enum FieldType {
     /// `char`
+    #[serde(rename = "char")]
     Char = 0,
     /// `uint8_t`
+    #[serde(rename = "uint8_t")]
     #[default]
     U8 = 1,
     /// `int8_t`
+    #[serde(rename = "int8_t")]
     I8 = 2,
     /// `uint16_t`
+    #[serde(rename = "uint16_t")]
     U16 = 3,
     /// `int16_t`
+    #[serde(rename = "int16_t")]
     I16 = 4,
     /// `uint32_t`
+    #[serde(rename = "uint32_t")]
     U32 = 5,
     /// `int32_t`
+    #[serde(rename = "int32_t")]
     I32 = 6,
     /// `uint64_t`
+    #[serde(rename = "uint64_t")]
     U64 = 7,
     /// `int64_t`
+    #[serde(rename = "int64_t")]
     I64 = 8,
     /// `float`
+    #[serde(rename = "float")]
     F32 = 9,
     /// `double`
+    #[serde(rename = "double")]
     F64 = 10,
 }
 

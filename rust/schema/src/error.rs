@@ -75,12 +75,10 @@ impl fmt::Display for SchemaError {
     }
 }
 
-/// `name` with `.xml`, so that errors name a file whether the caller gave a path or a dialect's name.
+/// `name` with `.xml` if it has no suffix, so that errors name a file whether the caller gave a path or a dialect's name.
 fn file_name(name: &str) -> String {
-    match name.get(name.len().saturating_sub(4)..) {
-        Some(suffix) if suffix.eq_ignore_ascii_case(".xml") => name.to_owned(),
-        _ => format!("{name}.xml"),
-    }
+    let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    if file.contains('.') { name.to_owned() } else { format!("{name}.xml") }
 }
 
 /// `text` as an error shows it: a hostile attribute may have megabytes.
@@ -100,7 +98,9 @@ const EXCERPT_LEN: usize = 80;
 pub enum Reason {
     #[error("{size} bytes of XML; at most {limit} are read")]
     TooLarge { size: usize, limit: usize },
-    #[error("document types and entities are refused")]
+    #[error("the file is empty")]
+    Empty,
+    #[error("a document type declaration (<!DOCTYPE>) has no place in definitions: remove it")]
     DocumentType,
     #[error("elements nested deeper than {limit} levels")]
     TooDeep { limit: usize },
@@ -122,6 +122,10 @@ pub enum Reason {
     ReservedName { name: String, why: &'static str },
     #[error("{what} '{text}' is not a number from {min} to {max}")]
     InvalidNumber { what: &'static str, text: String, min: i128, max: i128 },
+    #[error("value '{0}' is not a number of 64 bits: write it as 10, 0x0A, 0b1010, 2**3 or 1<<3")]
+    InvalidValue(String),
+    #[error("{0}")]
+    Schema(String),
     #[error("{what} '{text}' is neither true nor false")]
     InvalidBoolean { what: &'static str, text: String },
     #[error("unknown type '{0}'")]

@@ -4,6 +4,8 @@
 //! Base fields are ordered by element size, largest first, with equal sizes as written; extension fields follow as
 //! written and take no part in `crc_extra`. (MAVLink guide, "Serialization": field reordering, `CRC_EXTRA` calculation.)
 
+use serde::Serialize;
+
 use crate::definitions::{FieldDef, MessageDef};
 use crate::dialect::{Field, Message};
 use crate::error::Reason;
@@ -30,10 +32,16 @@ pub(crate) fn lay_out(
     is_bitmask: &dyn Fn(&str) -> bool,
 ) -> Result<Message, Reason> {
     check_fields(&definition)?;
-    let order = wire_order(&definition.fields);
-    let crc_extra = crc_extra(&definition, &order);
+    let Layout { order, offsets, crc_extra } = Layout::of(&definition);
     let instance_field = instance_field(&definition.fields, &order);
-    let fields = place(definition.fields, &order, version, is_bitmask);
+    let described = definition.fields.into_iter().map(|field| describe(field, version, is_bitmask));
+    let mut fields: Vec<Field> = described
+        .zip(&offsets)
+        .map(|(field, &offset)| Field { offset: offset as u8, ..field })
+        .collect();
+    for (wire_index, &index) in order.iter().enumerate() {
+        fields[index].wire_index = wire_index as u8;
+    }
     let base_fields = fields.iter().filter(|field| !field.is_extension);
     Ok(Message {
         id: definition.id,
@@ -52,6 +60,34 @@ pub(crate) fn lay_out(
         deprecated: definition.status.deprecated,
         description: definition.description,
     })
+}
+
+/// Where the fields of a message travel, whether or not a frame can carry them.
+#[derive(Debug, Clone, Serialize)]
+pub struct Layout {
+    /// Indices of the fields in wire order.
+    pub order: Vec<usize>,
+    /// Payload offset of each field, in XML order.
+    pub offsets: Vec<usize>,
+    /// Checksum seed.
+    pub crc_extra: u8,
+}
+
+impl Layout {
+    /// The layout of a message.
+    pub fn of(message: &MessageDef) -> Self {
+        let order = wire_order(&message.fields);
+        let base = order.iter().map(|&index| &message.fields[index]).filter(|f| !f.is_extension);
+        let words = base.map(|field| (field.field_type.name(), &*field.name, field.array_length));
+        let crc_extra = crc_extra(&message.name, words);
+        let mut offsets = vec![0; order.len()];
+        let mut end = 0;
+        for &index in &order {
+            offsets[index] = end;
+            end += message.fields[index].wire_len();
+        }
+        Self { order, offsets, crc_extra }
+    }
 }
 
 /// Payload offset of the one-byte field `name`.
@@ -78,26 +114,6 @@ fn instance_field(fields: &[FieldDef], order: &[usize]) -> Option<u8> {
     order.iter().rev().find(|&&index| fields[index].is_instance).map(|&index| index as u8)
 }
 
-/// The fields, in the order given, with their places on the wire.
-fn place(
-    definitions: Vec<FieldDef>,
-    order: &[usize],
-    version: u8,
-    is_bitmask: &dyn Fn(&str) -> bool,
-) -> Vec<Field> {
-    let mut places = vec![(0, 0); definitions.len()];
-    let mut offset = 0;
-    for (wire_index, &index) in order.iter().enumerate() {
-        places[index] = (offset as u8, wire_index as u8);
-        offset += definitions[index].wire_len();
-    }
-    let described = definitions.into_iter().map(|field| describe(field, version, is_bitmask));
-    described
-        .zip(places)
-        .map(|(field, (offset, wire_index))| Field { offset, wire_index, ..field })
-        .collect()
-}
-
 /// A field as defined, not yet placed.
 fn describe(definition: FieldDef, version: u8, is_bitmask: &dyn Fn(&str) -> bool) -> Field {
     let implied = definition.enum_name.as_deref().filter(|name| is_bitmask(name));
@@ -118,14 +134,14 @@ fn describe(definition: FieldDef, version: u8, is_bitmask: &dyn Fn(&str) -> bool
     }
 }
 
-/// The seed: CRC-16/MCRF4XX over the name and each base field's type, name and array length, folded to one byte.
-fn crc_extra(message: &MessageDef, order: &[usize]) -> u8 {
-    let mut crc = word(0xFFFF, &message.name);
-    let in_wire_order = order.iter().map(|&index| &message.fields[index]);
-    for field in in_wire_order.filter(|field| !field.is_extension) {
-        crc = word(word(crc, field.field_type.name()), &field.name);
-        if field.array_length > 0 {
-            crc = accumulate(crc, field.array_length);
+/// The seed: CRC-16/MCRF4XX over a message's name and each base field's type, name and array length in wire order, folded
+/// to one byte.
+pub fn crc_extra<'a>(name: &str, fields: impl IntoIterator<Item = (&'a str, &'a str, u8)>) -> u8 {
+    let mut crc = word(0xFFFF, name);
+    for (field_type, name, array_length) in fields {
+        crc = word(word(crc, field_type), name);
+        if array_length > 0 {
+            crc = accumulate(crc, array_length);
         }
     }
     (crc ^ (crc >> 8)) as u8

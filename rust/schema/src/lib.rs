@@ -11,6 +11,7 @@
 
 #![forbid(unsafe_code)]
 
+mod check;
 mod definitions;
 mod dialect;
 mod error;
@@ -24,7 +25,9 @@ mod merge;
 mod number;
 mod parse;
 mod resolve;
+mod standalone;
 
+pub use check::check_schema;
 pub use definitions::{
     CommandParam, Definitions, Deprecation, EnumDef, EnumEntryDef, FieldDef, FieldType, MessageDef,
     Status,
@@ -32,6 +35,8 @@ pub use definitions::{
 pub use dialect::{Dialect, Enum, EnumEntry, Field, Message, WireVersion};
 pub use error::{Reason, SchemaError};
 pub use invalid::InvalidRule;
+pub use layout::{Layout, crc_extra};
 pub use library::{Library, decode_blob, encode_blob};
-pub use parse::{ParseOptions, dialect_name, parse_definitions, reserved};
+pub use parse::{ParseOptions, Rules, dialect_name, field_type, parse_definitions, reserved};
 pub use resolve::resolve;
+pub use standalone::standalone;

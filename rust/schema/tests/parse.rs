@@ -162,7 +162,7 @@ fn values_are_never_evaluated() {
     ] {
         let error = parse(&entries(&format!("<entry value=\"{text}\" name=\"A\"/>")));
         let error = error.expect_err(text);
-        assert!(matches!(error.reason(), Reason::InvalidNumber { what: "value", .. }), "{text}");
+        assert!(matches!(error.reason(), Reason::InvalidValue(_)), "{text}");
     }
 }
 

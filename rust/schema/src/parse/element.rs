@@ -5,24 +5,44 @@ use roxmltree::Node;
 use crate::definitions::{Deprecation, Status};
 use crate::error::{Reason, SchemaError, excerpt};
 use crate::limits::MAX_NAME_LEN;
+use crate::parse::{ParseOptions, Rules};
 
 /// A file being read: its name, its line starts, and what to keep.
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     name: &'a str,
     text: &'a str,
     line_starts: Vec<usize>,
     keep_descriptions: bool,
+    rules: Rules,
 }
 
 impl<'a> Source<'a> {
-    pub(super) fn new(name: &'a str, text: &'a str, keep_descriptions: bool) -> Self {
+    pub(crate) fn new(name: &'a str, text: &'a str, options: &ParseOptions) -> Self {
         let breaks = text.bytes().enumerate().filter(|&(_, byte)| byte == b'\n');
         let line_starts = std::iter::once(0).chain(breaks.map(|(at, _)| at + 1)).collect();
-        Self { name, text, line_starts, keep_descriptions }
+        let ParseOptions { keep_descriptions, rules, .. } = *options;
+        Self { name, text, line_starts, keep_descriptions, rules }
     }
 
     pub(super) fn name(&self) -> &'a str {
         self.name
+    }
+
+    pub(super) fn text(&self) -> &'a str {
+        self.text
+    }
+
+    /// The result, or `value` in place of an error that `mavparse` does not see.
+    pub(super) fn tolerate<T>(
+        &self,
+        node: Node<'_, '_>,
+        result: Result<T, Reason>,
+        value: T,
+    ) -> Result<T, SchemaError> {
+        match result {
+            Err(_) if self.rules == Rules::Mavparse => Ok(value),
+            result => result.map_err(|reason| self.error(node, reason)),
+        }
     }
 
     /// Line of an element, from 1.
@@ -34,7 +54,7 @@ impl<'a> Source<'a> {
         self.line_starts.partition_point(|&start| start <= position) as u32
     }
 
-    pub(super) fn error(&self, node: Node<'_, '_>, reason: Reason) -> SchemaError {
+    pub(crate) fn error(&self, node: Node<'_, '_>, reason: Reason) -> SchemaError {
         self.error_at(node.range().start, reason)
     }
 
@@ -45,9 +65,17 @@ impl<'a> Source<'a> {
         SchemaError::at(self.name, line, column as u32, reason)
     }
 
-    pub(super) fn unexpected(&self, node: Node<'_, '_>, parent: &'static str) -> SchemaError {
+    /// Refuses an element that has no place in `parent`.
+    pub(super) fn unexpected(
+        &self,
+        node: Node<'_, '_>,
+        parent: &'static str,
+    ) -> Result<(), SchemaError> {
+        if self.rules != Rules::Dialect {
+            return Ok(());
+        }
         let element = excerpt(node.tag_name().name());
-        self.error(node, Reason::UnexpectedElement { element, parent })
+        Err(self.error(node, Reason::UnexpectedElement { element, parent }))
     }
 
     /// The element's own text where descriptions are kept, else nothing.
@@ -61,7 +89,8 @@ impl<'a> Source<'a> {
         let first_is_digit = name.starts_with(|first: char| first.is_ascii_digit());
         let is_word = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
         if name.is_empty() || first_is_digit || !is_word || name.len() > MAX_NAME_LEN {
-            return Err(self.error(node, Reason::InvalidName(excerpt(name))));
+            let invalid = Err(Reason::InvalidName(excerpt(name)));
+            return self.tolerate(node, invalid, name.to_owned());
         }
         Ok(name.to_owned())
     }
@@ -73,7 +102,7 @@ impl<'a> Source<'a> {
         check: fn(&str) -> Result<(), Reason>,
     ) -> Result<String, SchemaError> {
         let name = self.identifier(node)?;
-        check(&name).map_err(|reason| self.error(node, reason))?;
+        self.tolerate(node, check(&name), ())?;
         Ok(name)
     }
 
@@ -84,21 +113,6 @@ impl<'a> Source<'a> {
     ) -> Result<&'n str, SchemaError> {
         node.attribute(attribute)
             .ok_or_else(|| self.error(node, Reason::MissingAttribute(attribute)))
-    }
-
-    /// A boolean attribute; absent is false.
-    pub(super) fn boolean(
-        &self,
-        node: Node<'_, '_>,
-        what: &'static str,
-    ) -> Result<bool, SchemaError> {
-        match node.attribute(what).map(str::trim) {
-            None | Some("" | "false" | "0" | "False") => Ok(false),
-            Some("true" | "1" | "True") => Ok(true),
-            Some(text) => {
-                Err(self.error(node, Reason::InvalidBoolean { what, text: excerpt(text) }))
-            }
-        }
     }
 
     /// Reads `<wip>`, `<deprecated>` and `<superseded>`; false where `node` is none of them.
@@ -121,8 +135,17 @@ impl<'a> Source<'a> {
     }
 }
 
+/// A boolean attribute; absent is false.
+pub(super) fn boolean(node: Node<'_, '_>, what: &'static str) -> Result<bool, Reason> {
+    match node.attribute(what).map(str::trim) {
+        None | Some("" | "false" | "0" | "False") => Ok(false),
+        Some("true" | "1" | "True") => Ok(true),
+        Some(text) => Err(Reason::InvalidBoolean { what, text: excerpt(text) }),
+    }
+}
+
 /// The element's own text, without that of elements in it.
-pub(super) fn own_text(node: Node<'_, '_>) -> String {
+pub(crate) fn own_text(node: Node<'_, '_>) -> String {
     node.children().filter(Node::is_text).filter_map(|child| child.text()).collect()
 }
 

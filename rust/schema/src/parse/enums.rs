@@ -2,11 +2,11 @@
 
 use roxmltree::Node;
 
-use super::element::{Source, optional};
+use super::element::{Source, boolean, optional};
 use super::reserved;
 use crate::definitions::{CommandParam, EnumDef, EnumEntryDef};
 use crate::error::{Reason, SchemaError, excerpt};
-use crate::number::{MAX_VALUE, MIN_VALUE, parse_decimal, parse_value};
+use crate::number::{parse_decimal, parse_value};
 
 /// Parameters of a command.
 const MAX_PARAMS: u32 = 7;
@@ -18,7 +18,8 @@ pub(super) fn read_enums(
 ) -> Result<(), SchemaError> {
     for child in enums.children().filter(Node::is_element) {
         if child.tag_name().name() != "enum" {
-            return Err(source.unexpected(child, "enums"));
+            source.unexpected(child, "enums")?;
+            continue;
         }
         into.push(read_enum(source, child)?);
     }
@@ -30,7 +31,7 @@ fn read_enum(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumDef, SchemaE
     let within = |error: SchemaError| error.within(format!("enum {name}"));
     let mut definition = EnumDef {
         line: source.line(node),
-        bitmask: source.boolean(node, "bitmask").map_err(within)?,
+        bitmask: source.tolerate(node, boolean(node, "bitmask"), false).map_err(within)?,
         ..EnumDef::default()
     };
     for child in node.children().filter(Node::is_element) {
@@ -38,7 +39,7 @@ fn read_enum(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumDef, SchemaE
             "description" => definition.description += &source.description(child),
             "entry" => definition.entries.push(read_entry(source, child).map_err(within)?),
             _ if source.status(child, &mut definition.status) => {}
-            _ => return Err(within(source.unexpected(child, "enum"))),
+            _ => source.unexpected(child, "enum").map_err(within)?,
         }
     }
     definition.name = name;
@@ -51,8 +52,11 @@ fn read_entry(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumEntryDef, S
     let mut entry = EnumEntryDef {
         line: source.line(node),
         value: read_value(source, node).map_err(within)?,
-        has_location: source.boolean(node, "hasLocation").map_err(within)?,
-        is_destination: source.boolean(node, "isDestination").map_err(within)?,
+        has_location: boolean(node, "hasLocation")
+            .map_err(|reason| within(source.error(node, reason)))?,
+        is_destination: source
+            .tolerate(node, boolean(node, "isDestination"), false)
+            .map_err(within)?,
         ..EnumEntryDef::default()
     };
     for child in node.children().filter(Node::is_element) {
@@ -60,7 +64,7 @@ fn read_entry(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumEntryDef, S
             "description" => entry.description += &source.description(child),
             "param" => entry.params.push(read_param(source, child).map_err(within)?),
             _ if source.status(child, &mut entry.status) => {}
-            _ => return Err(within(source.unexpected(child, "entry"))),
+            _ => source.unexpected(child, "entry").map_err(within)?,
         }
     }
     entry.name = name;
@@ -69,20 +73,19 @@ fn read_entry(source: &Source<'_>, node: Node<'_, '_>) -> Result<EnumEntryDef, S
 
 fn read_value(source: &Source<'_>, node: Node<'_, '_>) -> Result<Option<i128>, SchemaError> {
     let Some(text) = node.attribute("value") else { return Ok(None) };
-    let value = parse_value(text).ok_or_else(|| {
-        let text = excerpt(text);
-        let reason = Reason::InvalidNumber { what: "value", text, min: MIN_VALUE, max: MAX_VALUE };
-        source.error(node, reason)
-    })?;
-    Ok(Some(value))
+    let error = || source.error(node, Reason::InvalidValue(excerpt(text)));
+    parse_value(text).ok_or_else(error).map(Some)
 }
 
 fn read_param(source: &Source<'_>, node: Node<'_, '_>) -> Result<CommandParam, SchemaError> {
     let text = source.required(node, "index")?;
-    let index = parse_decimal(text, MAX_PARAMS).filter(|&index| index > 0).ok_or_else(|| {
+    let reason = || {
         let (text, max) = (excerpt(text), MAX_PARAMS.into());
-        source.error(node, Reason::InvalidNumber { what: "param index", text, min: 1, max })
-    })?;
+        Reason::InvalidNumber { what: "param index", text, min: 1, max }
+    };
+    let index = parse_decimal(text, u8::MAX.into()).ok_or_else(|| source.error(node, reason()))?;
+    let known = (1..=MAX_PARAMS).contains(&index).then_some(index).ok_or_else(reason);
+    let index = source.tolerate(node, known, index)?;
     Ok(CommandParam {
         index: index as u8,
         label: optional(node, "label"),
@@ -93,7 +96,7 @@ fn read_param(source: &Source<'_>, node: Node<'_, '_>) -> Result<CommandParam, S
         max_value: optional(node, "maxValue"),
         increment: optional(node, "increment"),
         default: optional(node, "default"),
-        reserved: source.boolean(node, "reserved")?,
+        reserved: source.tolerate(node, boolean(node, "reserved"), true)?,
         description: source.description(node),
     })
 }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use super::element::{Source, optional};
+use super::element::{Source, boolean, optional};
 use super::reserved;
 use crate::definitions::{FieldDef, FieldType, MessageDef};
 use crate::error::{Reason, SchemaError, excerpt};
@@ -22,7 +22,8 @@ pub(super) fn read_messages(
 ) -> Result<(), SchemaError> {
     for child in messages.children().filter(Node::is_element) {
         if child.tag_name().name() != "message" {
-            return Err(source.unexpected(child, "messages"));
+            source.unexpected(child, "messages")?;
+            continue;
         }
         into.push(read_message(source, child)?);
     }
@@ -39,7 +40,7 @@ fn read_message(source: &Source<'_>, node: Node<'_, '_>) -> Result<MessageDef, S
     let within = |error: SchemaError| error.within(format!("message {name}"));
     message.id = read_id(source, node).map_err(within)?;
     read_content(source, node, &mut message).map_err(within)?;
-    check_fields(&message).map_err(|reason| within(source.error(node, reason)))?;
+    source.tolerate(node, check_fields(&message), ()).map_err(within)?;
     Ok(message)
 }
 
@@ -65,13 +66,14 @@ fn read_content(
             "field" => {
                 let field = read_field(source, child, is_extension)?;
                 if !names.insert(field.name.clone()) {
-                    let error = source.error(child, Reason::DuplicateField);
-                    return Err(error.within(format!("field {}", field.name)));
+                    source
+                        .tolerate(child, Err(Reason::DuplicateField), ())
+                        .map_err(|error| error.within(format!("field {}", field.name)))?;
                 }
                 message.fields.push(field);
             }
             _ if source.status(child, &mut message.status) => {}
-            _ => return Err(source.unexpected(child, "message")),
+            _ => source.unexpected(child, "message")?,
         }
         if message.fields.len() > MAX_FIELDS {
             let reason = Reason::TooMany { what: "fields", limit: MAX_FIELDS };
@@ -90,13 +92,17 @@ fn read_field(
     let within = |error: SchemaError| error.within(format!("field {name}"));
     let type_text = source.required(node, "type").map_err(within)?;
     let (field_type, array_length) =
-        read_type(type_text).map_err(|reason| within(source.error(node, reason)))?;
-    let is_instance = source.boolean(node, "instance").map_err(within)?;
+        field_type(type_text).map_err(|reason| within(source.error(node, reason)))?;
+    if array_length == 0 && type_text.contains('[') {
+        let empty = Err(Reason::ArrayLength("0".to_owned()));
+        source.tolerate(node, empty, ()).map_err(within)?;
+    }
+    let is_instance = source.tolerate(node, boolean(node, "instance"), true).map_err(within)?;
     if let Some(child) = node.children().find(|child| {
         // A description element inside a field is in the schema, though nothing reads it.
         child.is_element() && child.tag_name().name() != "description"
     }) {
-        return Err(within(source.unexpected(child, "field")));
+        source.unexpected(child, "field").map_err(within)?;
     }
     Ok(FieldDef {
         field_type,
@@ -120,7 +126,10 @@ fn read_field(
 }
 
 /// Element type and array length (0 for a scalar) of `uint8_t`, `char[10]` or `array[4]`, the old spelling of `int8_t[4]`.
-fn read_type(text: &str) -> Result<(FieldType, u8), Reason> {
+///
+/// # Errors
+/// [`Reason::UnknownType`] and [`Reason::ArrayLength`].
+pub fn field_type(text: &str) -> Result<(FieldType, u8), Reason> {
     if text == VERSION_TYPE {
         return Ok((FieldType::U8, 0));
     }
@@ -131,8 +140,6 @@ fn read_type(text: &str) -> Result<(FieldType, u8), Reason> {
     let field_type =
         if base == "array" { FieldType::I8 } else { parse_type(base).ok_or_else(unknown)? };
     let digits = rest.strip_suffix(']').ok_or_else(unknown)?;
-    match parse_decimal(digits, u8::MAX.into()) {
-        Some(length) if length > 0 => Ok((field_type, length as u8)),
-        _ => Err(Reason::ArrayLength(excerpt(digits))),
-    }
+    let length = parse_decimal(digits, u8::MAX.into());
+    Ok((field_type, length.ok_or_else(|| Reason::ArrayLength(excerpt(digits)))? as u8))
 }

@@ -15,7 +15,8 @@ use crate::limits::{
     MAX_ENUM_ENTRIES, MAX_FILES, MAX_MESSAGES, MAX_NODES, MAX_PATH_LEN, MAX_TEXT_LEN,
 };
 use crate::number::parse_decimal;
-use element::{Source, own_text};
+pub(crate) use element::{Source, own_text};
+pub use messages::field_type;
 
 /// What to keep of a text, and how much text to accept.
 #[derive(Debug, Clone)]
@@ -24,11 +25,25 @@ pub struct ParseOptions {
     pub keep_descriptions: bool,
     /// Longest text in bytes.
     pub max_text_len: usize,
+    /// Whose rules the text has to keep.
+    pub rules: Rules,
+}
+
+/// What a file may hold.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Rules {
+    /// What a dialect can be made of.
+    #[default]
+    Dialect,
+    /// The same, but unknown elements are passed over, as [`standalone`](crate::standalone) leaves them out.
+    Module,
+    /// What pymavlink's `mavparse` takes too: unknown elements, any names, messages that fit no frame.
+    Mavparse,
 }
 
 impl Default for ParseOptions {
     fn default() -> Self {
-        Self { keep_descriptions: true, max_text_len: MAX_TEXT_LEN }
+        Self { keep_descriptions: true, max_text_len: MAX_TEXT_LEN, rules: Rules::Dialect }
     }
 }
 
@@ -46,12 +61,19 @@ pub fn parse_definitions(
         let reason = Reason::TooLarge { size: text.len(), limit: options.max_text_len };
         return Err(SchemaError::new(name, reason));
     }
-    let source = Source::new(name, text, options.keep_descriptions);
+    let source = Source::new(name, text, options);
+    read_root(&source, read_xml(&source)?.root_element())
+}
+
+/// The tree of a text, within the limits.
+pub(crate) fn read_xml<'a>(source: &Source<'a>) -> Result<Document<'a>, SchemaError> {
+    let text = source.text();
+    if text.trim_start_matches('\u{feff}').trim().is_empty() {
+        return Err(source.error_at(0, Reason::Empty));
+    }
     guard::check(text).map_err(|(position, reason)| source.error_at(position, reason))?;
     let parsing = ParsingOptions { nodes_limit: MAX_NODES, ..ParsingOptions::default() };
-    let document =
-        Document::parse_with_options(text, parsing).map_err(|error| xml_error(name, &error))?;
-    read_root(&source, document.root_element())
+    Document::parse_with_options(text, parsing).map_err(|error| xml_error(source.name(), &error))
 }
 
 /// The XML reader's complaint. Its texts end with the position, which the error carries already.
@@ -81,37 +103,39 @@ fn read_root(source: &Source<'_>, root: Node<'_, '_>) -> Result<Definitions, Sch
     for child in root.children().filter(Node::is_element) {
         match child.tag_name().name() {
             "include" => definitions.includes.push(include(source, child)?),
-            "version" => definitions.version = Some(number(source, child, "version")?),
-            "dialect" => definitions.dialect = Some(number(source, child, "dialect")?),
+            "version" => {
+                let version = number(child, "version");
+                definitions.version = Some(version.map_err(|reason| source.error(child, reason))?);
+            }
+            "dialect" => {
+                let dialect = number(child, "dialect").map(Some);
+                definitions.dialect = source.tolerate(child, dialect, None)?;
+            }
             "enums" => enums::read_enums(source, child, &mut definitions.enums)?,
             "messages" => messages::read_messages(source, child, &mut definitions.messages)?,
-            _ => return Err(source.unexpected(child, "mavlink")),
+            _ => source.unexpected(child, "mavlink")?,
         }
-        check_counts(source, child, &definitions)?;
     }
+    check_counts(source, root, &definitions)?;
     Ok(definitions)
 }
 
 /// The path of an include.
 fn include(source: &Source<'_>, node: Node<'_, '_>) -> Result<String, SchemaError> {
     let path = own_text(node).trim().to_owned();
-    if path.is_empty() || path.len() > MAX_PATH_LEN {
-        return Err(source.error(node, Reason::InvalidPath(excerpt(&path))));
-    }
+    let invalid = path.is_empty() || path.len() > MAX_PATH_LEN;
+    let checked = if invalid { Err(Reason::InvalidPath(excerpt(&path))) } else { Ok(()) };
+    source.tolerate(node, checked, ())?;
     Ok(path)
 }
 
 /// A number that is an element's text, as small as `T` demands.
-fn number<T: TryFrom<u32>>(
-    source: &Source<'_>,
-    node: Node<'_, '_>,
-    what: &'static str,
-) -> Result<T, SchemaError> {
+fn number<T: TryFrom<u32>>(node: Node<'_, '_>, what: &'static str) -> Result<T, Reason> {
     let text = own_text(node);
     let max = if size_of::<T>() == 1 { u32::from(u8::MAX) } else { u32::from(u16::MAX) };
     parse_decimal(&text, max).and_then(|value| T::try_from(value).ok()).ok_or_else(|| {
         let text = excerpt(&text);
-        source.error(node, Reason::InvalidNumber { what, text, min: 0, max: max.into() })
+        Reason::InvalidNumber { what, text, min: 0, max: max.into() }
     })
 }
 
