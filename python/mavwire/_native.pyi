@@ -68,6 +68,7 @@ __all__ = [
     "DataflashShape",
     "DataflashTables",
     "DefinitionError",
+    "DefinitionFile",
     "DescriptorPort",
     "Dialect",
     "Exclusive",
@@ -103,6 +104,7 @@ __all__ = [
     "begins_as_text_log",
     "build",
     "close_port",
+    "crc_extra",
     "csv_safe",
     "date_text",
     "decompress",
@@ -110,6 +112,7 @@ __all__ = [
     "draft_stem",
     "dump_log",
     "empty_table",
+    "field_type",
     "forget_states",
     "head_to_utf8",
     "instance_dict",
@@ -123,7 +126,6 @@ __all__ = [
     "receive_batch",
     "recordable",
     "replace_function",
-    "reserved_name",
     "restore",
     "send_values",
     "telemetry_kind",
@@ -144,6 +146,26 @@ __version__: Final[str]
 
 class DefinitionError(ValueError):
     """A definition that is wrong or hostile; the text names file, line and reason."""
+
+@final
+class DefinitionFile:
+    """The text of a definition file, and the name for errors.
+
+    Methods raise DefinitionError. Errors of syntax have the `lineno` and `offset` of an ExpatError.
+    """
+
+    def __new__(cls, name: str, text: str) -> DefinitionFile: ...
+    def parse(self) -> str:
+        """`Definitions` by the rules of `mavparse` and the `Layout` of each message, as JSON."""
+
+    def schema_problems(self, strict_units: bool) -> list[str]:
+        """What is wrong by the MAVLink XML schema."""
+
+    def module_problem(self) -> str | None:
+        """The first reason why no module can be made of the file."""
+
+    def standalone(self, includes: list[str]) -> str:
+        """The text for a generated module to carry, with its includes by these names."""
 
 @final
 class Dialect:
@@ -625,9 +647,6 @@ def send_values(mav: Any, info: MessageInfo, force_mavlink1: object, /, *values:
 def is_device(name: str) -> bool:
     """Whether Windows treats the name of a file or folder as a device, such as `nul` or `COM1.txt`."""
 
-def reserved_name(name: str, is_field: bool) -> str | None:
-    """Why a field, or else an enum entry, cannot have this name; None where it can."""
-
 def message_class(module: str, name: str, base: type, body: dict[str, Any]) -> type[Any]:
     """A class of messages with the attributes in `body`, like `type(name, (base,), body)`.
 
@@ -641,6 +660,15 @@ def restore(
     cls: type[Message], frame: bytes | None, flags: int, timestamp: float | None, link: int
 ) -> Message:
     """Rebuilds a pickled message. ValueError if `frame` is no frame of the class."""
+
+def field_type(text: str) -> tuple[str, int, int, str]:
+    """`(type, elements, bytes of one, struct code)` of a field's type; 0 elements for a scalar.
+
+    Raises DefinitionError.
+    """
+
+def crc_extra(name: str, fields: list[tuple[str, str, int]]) -> int:
+    """The checksum seed of a message with these base fields in wire order: type, name and length."""
 
 def describe(main: str, sources: dict[str, str]) -> dict[str, Any]:
     """All descriptions of a dialect, out of XML texts by base name. Raises DefinitionError.

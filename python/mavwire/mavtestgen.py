@@ -14,7 +14,7 @@ from ._arguments import PlainParser
 from ._atomic_file import replace_text
 from ._text import guarded_output
 from .generator import mavparse
-from .generator._validate import module_problems
+from .generator._sources import module_problems
 
 _RANGES = {
     f"{sign}int{bits}_t": (0 if sign else -(1 << bits - 1), 1 << bits)
@@ -37,8 +37,7 @@ def generate(definitions: Sequence[str], output: str, wire_protocol: str = "2.0"
     a complete one alone.
     """
     files = [mavparse.MAVXML(name, wire_protocol) for name in definitions]
-    problems = [problem for file in files for problem in module_problems(file)]
-    if problems:
+    if problems := module_problems(files):
         raise mavparse.MAVParseError("\n".join(problems))
     lines = [
         f"    mav.{message.name_lower}_send({_arguments(message)})\n"

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
 from xml.parsers.expat import ExpatError
+
+from mavwire._native import DefinitionError
 
 
 class MAVParseError(Exception):
@@ -39,3 +43,13 @@ class MAVSyntaxError(MAVParseError, ExpatError):
         self.code = getattr(inner_exception, "code", 0)
         self.lineno = getattr(inner_exception, "lineno", 0)
         self.offset = getattr(inner_exception, "offset", 0)
+
+
+@contextmanager
+def parse_errors() -> Iterator[None]:
+    """Raise errors of the native reader as those of ``mavparse``."""
+    try:
+        yield
+    except DefinitionError as error:
+        kind = MAVSyntaxError if hasattr(error, "lineno") else MAVParseError
+        raise kind(str(error), error) from None

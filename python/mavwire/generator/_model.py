@@ -2,28 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from typing import Protocol
 
-from mavwire.generator._errors import MAVParseError
-
-TYPE_SIZES = {
-    "char": 1,
-    "uint8_t": 1,
-    "int8_t": 1,
-    "uint16_t": 2,
-    "int16_t": 2,
-    "uint32_t": 4,
-    "int32_t": 4,
-    "uint64_t": 8,
-    "int64_t": 8,
-    "float": 4,
-    "double": 8,
-}
-"""Bytes of one element of each field type."""
-
-_ARRAY = re.compile(r"(\w+)\[([0-9]{1,6})\]", re.ASCII)
-_MAX_PAYLOAD = 255
+from mavwire._native import field_type
+from mavwire.generator._errors import parse_errors
 
 _INTEGER_TEST_VALUES = {1: (5, 67, 0xFF), 2: (17235, 52, None), 4: (963497464, 52, None)}
 _INTEGER_TEST_VALUES[8] = (93372036854775807, 63, None)
@@ -74,9 +56,9 @@ class MAVField:
         self.invalid = invalid
         self.omit_arg = type == "uint8_t_mavlink_version"
         self.const_value: int | None = xml.version if self.omit_arg else None
-        self.type, self.array_length = _split_type("uint8_t" if self.omit_arg else type)
+        with parse_errors():
+            self.type, self.array_length, self.type_length, _ = field_type(type)
         self.type_upper = self.type.upper()
-        self.type_length = TYPE_SIZES[self.type]
         self.wire_length = self.type_length * max(1, self.array_length)
 
     def gen_test_value(self, i: int) -> object:
@@ -100,19 +82,6 @@ class MAVField:
             self.test_value = "".join(text)
         else:
             self.test_value = [self.gen_test_value(i) for i in range(self.array_length)]
-
-
-def _split_type(written: str) -> tuple[str, int]:
-    """``("uint8_t", 4)`` for ``uint8_t[4]``; ``array[4]`` means ``int8_t[4]``."""
-    array = _ARRAY.fullmatch(written)
-    name, length = (array[1], int(array[2])) if array else (written, 0)
-    if array and name == "array":
-        name = "int8_t"
-    if name not in TYPE_SIZES:
-        raise MAVParseError(f"unknown type '{written}'")
-    if length > _MAX_PAYLOAD:
-        raise MAVParseError(f"type '{written}': an array has at most {_MAX_PAYLOAD} elements")
-    return name, length
 
 
 class MAVType:

@@ -1,10 +1,8 @@
-"""A set of definition files as canonical XML text that stands alone, for a generated module to
-carry.
+"""A set of definition files as XML text that stands alone, for a generated module to carry.
 
-Canonical: no comments, two spaces of indentation, values of enum entries as decimal numbers,
-includes by unique base name. Everything else is as the user wrote it, descriptions included. The
-core reads this text exactly as it reads a file, so a generated module and a file loaded at run time
-cannot differ.
+The text has no comments and no elements that definitions do not know, and includes are by unique base
+name. Everything else is as the user wrote it, descriptions included. The core reads this text
+exactly as it reads a file, so a generated module and a file loaded at run time cannot differ.
 """
 
 from __future__ import annotations
@@ -13,17 +11,12 @@ import os
 import re
 from collections.abc import Collection
 
-from mavwire.generator._enum_value import enum_value
-from mavwire.generator._schema import SHAPES
-from mavwire.generator._xml_reader import Element, base_name
-from mavwire.generator.mavparse import MAVXML
-
-# Not of `xml.sax.saxutils`, which loads the whole of `urllib`.
-_TEXT_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"})
-_ATTRIBUTE_ESCAPES = _TEXT_ESCAPES | str.maketrans({'"': "&quot;", "\n": "&#10;", "\t": "&#9;"})
+from mavwire._native import DefinitionFile
+from mavwire.generator._errors import parse_errors
+from mavwire.generator.mavparse import MAVXML, base_name
 
 
-def canonical_sources(xml: list[MAVXML]) -> tuple[dict[str, str], str]:
+def standalone_sources(xml: list[MAVXML]) -> tuple[dict[str, str], str]:
     """``(sources, main)``: base name to text for each file, and the name to start from.
 
     Files that no other file includes are starting points; where there are several, a file that
@@ -52,49 +45,30 @@ def _starting_points(xml: list[MAVXML]) -> list[str]:
 def included_paths(file: MAVXML) -> list[str]:
     """Absolute paths of a file's includes, which are relative to the file's folder."""
     folder = os.path.dirname(os.path.abspath(file.filename))
-    return [os.path.abspath(os.path.join(folder, written.strip())) for written in file.include]
+    return [os.path.abspath(os.path.join(folder, written)) for written in file.include]
 
 
 def _unused(name: str, taken: Collection[str]) -> str:
-    name = re.sub(r"\W", "_", name, flags=re.ASCII)
+    name = _word(name)
     candidate, number = name, 2
     while candidate in taken:
         candidate, number = f"{name}_{number}", number + 1
     return candidate
 
 
+def _word(name: str) -> str:
+    return re.sub(r"\W", "_", name, flags=re.ASCII)
+
+
 def _file_text(file: MAVXML, names: dict[str, str]) -> str:
-    lines = ["<mavlink>"]
-    for path in included_paths(file):
-        name = names.get(path) or base_name(path)
-        lines.append(f"  <include>{_escaped(name)}</include>")
-    for child in file.root.children:
-        if child.tag in SHAPES and child.tag != "include":
-            _write(child, lines, depth=1)
-    return "\n".join([*lines, "</mavlink>", ""])
+    includes = [names.get(path) or _word(base_name(path)) for path in included_paths(file)]
+    with parse_errors():
+        return DefinitionFile(file.filename, file.text).standalone(includes)
 
 
-def _write(element: Element, lines: list[str], depth: int) -> None:
-    indent = "  " * depth
-    attributes = "".join(f" {n}={_quoted(element, n, v)}" for n, v in element.attributes.items())
-    known = [child for child in element.children if child.tag in SHAPES]
-    start = f"{indent}<{element.tag}{attributes}"
-    text = element.text if SHAPES[element.tag].content else ""
-    if not known:
-        end = f">{_escaped(text)}</{element.tag}>" if text else "/>"
-        lines.append(start + end)
-        return
-    lines.append(f"{start}>{_escaped(text.strip())}")
-    for child in known:
-        _write(child, lines, depth + 1)
-    lines.append(f"{indent}</{element.tag}>")
-
-
-def _quoted(element: Element, name: str, value: str) -> str:
-    if element.tag == "entry" and name == "value":
-        value = str(enum_value(value))
-    return f'"{_escaped(value, _ATTRIBUTE_ESCAPES)}"'
-
-
-def _escaped(text: str, escapes: dict[int, str] = _TEXT_ESCAPES) -> str:
-    return text.translate(escapes)
+def module_problems(xml: list[MAVXML]) -> list[str]:
+    """Why no Python module can be made of files: names that it needs for itself, payloads that fit no
+    frame.
+    """
+    found = (DefinitionFile(file.filename, file.text).module_problem() for file in xml)
+    return [problem for problem in found if problem]

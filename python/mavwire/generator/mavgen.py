@@ -16,15 +16,11 @@ import sys
 from collections.abc import Sequence
 from typing import Any, Protocol, TypeAlias
 
+from mavwire._native import DefinitionFile
 from mavwire.generator import mavparse
-from mavwire.generator._errors import MAVParseError
-from mavwire.generator._sources import included_paths
-from mavwire.generator._validate import (
-    module_problems,
-    reserved_word_problems,
-    schema_problems,
-)
-from mavwire.generator._xml_reader import base_name, read_xml
+from mavwire.generator._errors import MAVParseError, parse_errors
+from mavwire.generator._reading import read_text
+from mavwire.generator._sources import included_paths, module_problems
 
 DEFAULT_WIRE_PROTOCOL = mavparse.PROTOCOL_1_0
 DEFAULT_LANGUAGE = "Python"
@@ -113,8 +109,7 @@ def mavgen(opts: _Options, args: Sequence[_Path]) -> bool:
             "pip install pymavlink, and run this again"
         )
         return False
-    problems = [problem for file in xml for problem in module_problems(file)]
-    problems += _name_problems(opts.output)
+    problems = module_problems(xml) + _name_problems(opts.output)
     for problem in problems:
         print(f"ERROR: {problem}")
     if problems:
@@ -190,7 +185,7 @@ def _read_files(opts: _Options, args: Sequence[str]) -> tuple[list[mavparse.MAVX
                 sys.exit(f"ERROR: {file.filename}: includes are nested deeper than {depth} levels")
             known.add(path)
             if _is_built_in(path):
-                built_in.add(base_name(path))
+                built_in.add(mavparse.base_name(path))
             else:
                 level.append(_read_file(opts, path, included_by=file.filename))
         xml += level
@@ -201,7 +196,7 @@ def _is_built_in(path: str) -> bool:
     """Whether an include names a dialect that mavwire has, and no file of the user's."""
     from mavwire.dialects import names
 
-    return not os.path.isfile(path) and base_name(path) in names()
+    return not os.path.isfile(path) and mavparse.base_name(path) in names()
 
 
 def _read_file(opts: _Options, filename: str, included_by: str | None = None) -> mavparse.MAVXML:
@@ -235,9 +230,8 @@ def _enum_names(dialects: set[str]) -> set[str]:
 
 
 def _validate(filename: str, strict_units: bool) -> None:
-    root = read_xml(filename)
-    problems = schema_problems(root, filename, strict_units=strict_units)
-    problems = problems or reserved_word_problems(root, filename)
+    with parse_errors():
+        problems = DefinitionFile(filename, read_text(filename)).schema_problems(strict_units)
     if problems:
         sys.exit("\n".join(f"ERROR: {problem}" for problem in problems))
 

@@ -11,24 +11,11 @@ import errno
 import os
 
 from mavwire._atomic_file import replace_text
+from mavwire._native import field_type
 from mavwire.generator._errors import MAVParseError
 from mavwire.generator._model import MAVField, MAVType
-from mavwire.generator._sources import canonical_sources
+from mavwire.generator._sources import standalone_sources
 from mavwire.generator.mavparse import MAVXML
-
-_STRUCT_CODES = {
-    "char": "c",
-    "uint8_t": "B",
-    "int8_t": "b",
-    "uint16_t": "H",
-    "int16_t": "h",
-    "uint32_t": "I",
-    "int32_t": "i",
-    "uint64_t": "Q",
-    "int64_t": "q",
-    "float": "f",
-    "double": "d",
-}
 
 _MODULE = '''\
 """A MAVLink dialect: message classes, enums and constants, usable as ``from <module> import *``.
@@ -69,7 +56,7 @@ def generate(basename: str | os.PathLike[str], xml: list[MAVXML]) -> None:
     if not xml:
         raise MAVParseError("no definition files given")
     wire_protocol = xml[0].wire_protocol_version
-    sources, main = canonical_sources(xml)
+    sources, main = standalone_sources(xml)
     _check_loads(name, wire_protocol, sources, main)
     _replace_file(filename, module_text(name, wire_protocol, sources, main))
     print(f"Generated {filename} OK")
@@ -116,13 +103,13 @@ def _replace_file(filename: str, text: str) -> None:
 def mavfmt(field: MAVField) -> str:
     """The ``struct`` format of a field, without byte order: ``H``, ``4f``, ``10s``."""
     if field.array_length == 0:
-        return _STRUCT_CODES[field.type]
-    return f"{field.array_length}{'s' if field.type == 'char' else _STRUCT_CODES[field.type]}"
+        return native_mavfmt(field)
+    return f"{field.array_length}{'s' if field.type == 'char' else native_mavfmt(field)}"
 
 
 def native_mavfmt(field: MAVField) -> str:
     """The ``struct`` letter of one element of a field."""
-    return _STRUCT_CODES[field.type]
+    return field_type(field.type)[3]
 
 
 def mavpytype(field: MAVField) -> str:

@@ -8,17 +8,14 @@ of the wire layout: base fields are sorted by element size, extension fields kee
 
 from __future__ import annotations
 
+import json
 import os
 import time
 
-from mavwire.generator._build import read_enums, read_messages
-from mavwire.generator._errors import MAVParseError, MAVSyntaxError
-from mavwire.generator._layout import (
-    FLAG_HAVE_TARGET_COMPONENT,
-    FLAG_HAVE_TARGET_SYSTEM,
-    lay_out,
-    message_checksum,
-)
+from mavwire._native import DefinitionFile, crc_extra
+from mavwire.generator import _build
+from mavwire.generator._build import FLAG_HAVE_TARGET_COMPONENT, FLAG_HAVE_TARGET_SYSTEM
+from mavwire.generator._errors import MAVParseError, MAVSyntaxError, parse_errors
 from mavwire.generator._model import (
     MAVDeprecated,
     MAVEnum,
@@ -27,7 +24,7 @@ from mavwire.generator._model import (
     MAVField,
     MAVType,
 )
-from mavwire.generator._xml_reader import Element, base_name, read_xml
+from mavwire.generator._reading import read_text
 
 __all__ = [
     "FLAG_HAVE_TARGET_COMPONENT",
@@ -56,6 +53,7 @@ PROTOCOL_2_0 = "2.0"
 
 _PROTOCOL_MARKERS = {PROTOCOL_1_0: 0xFE, PROTOCOL_2_0: 0xFD}
 _DEFAULT_VERSION = 2
+_MAX_V1_MESSAGE_ID = 0xFF
 
 
 class MAVXML:
@@ -81,7 +79,7 @@ class MAVXML:
         self.crc_struct = self.command_24bit = self.allow_extensions = (
             wire_protocol_version == PROTOCOL_2_0
         )
-        self._read(read_xml(filename))
+        self._read()
         self._index_messages()
 
     def __str__(self) -> str:
@@ -90,33 +88,20 @@ class MAVXML:
             f"({len(self.message)} message, {len(self.enum)} enums)"
         )
 
-    def _read(self, root: Element) -> None:
-        if root.tag != "mavlink":
-            raise MAVParseError(
-                f"expected the root element <mavlink>, found <{root.tag}> "
-                f"at {self.filename}:{root.line}"
-            )
-        self.root = root
-        self.version = self._read_version(root)
-        self.include = [element.text for element in root.all("include")]
-        self.enum: list[MAVEnum] = read_enums(root, self.filename)
-        self.message: list[MAVType] = read_messages(root, self)
-
-    def _read_version(self, root: Element) -> int:
-        version = root.first("version")
-        if version is None:
-            return _DEFAULT_VERSION
-        text = version.text.strip()
-        if not (text.isascii() and text.isdigit() and int(text[:4]) <= 0xFF):
-            raise MAVParseError(
-                f"<version> must be a number from 0 to 255, found '{text[:40]}' "
-                f"at {self.filename}:{version.line}"
-            )
-        return int(text)
+    def _read(self) -> None:
+        self.text = read_text(self.filename)
+        with parse_errors():
+            data, layouts = json.loads(DefinitionFile(self.filename, self.text).parse())
+        self.version: int = _DEFAULT_VERSION if data["version"] is None else data["version"]
+        self.include: list[str] = data["includes"]
+        self.enum = [_build.enum(one, self.filename) for one in data["enums"]]
+        self.message = [
+            _build.message(one, layout, self)
+            for one, layout in zip(data["messages"], layouts, strict=True)
+            if one["id"] <= _MAX_V1_MESSAGE_ID or self.command_24bit
+        ]
 
     def _index_messages(self) -> None:
-        for message in self.message:
-            lay_out(message)
         self.message_lengths = {m.id: m.wire_length for m in self.message}
         self.message_min_lengths = {m.id: m.wire_min_length for m in self.message}
         self.message_flags = {m.id: m.message_flags for m in self.message}
@@ -125,6 +110,17 @@ class MAVXML:
         self.message_crcs = {m.id: m.crc_extra for m in self.message}
         self.message_names = {m.id: m.name for m in self.message}
         self.largest_payload = max((m.wire_length for m in self.message), default=0)
+
+
+def base_name(filename: str) -> str:
+    """A definition file's name without folder and suffix: the name of its dialect."""
+    return os.path.splitext(os.path.basename(filename))[0]
+
+
+def message_checksum(msg: MAVType) -> int:
+    """``crc_extra``: names and types of the base fields in wire order, folded to 8 bits."""
+    base = msg.ordered_fields[: msg.base_fields()]
+    return crc_extra(msg.name, [(field.type, field.name, field.array_length) for field in base])
 
 
 def merge_enums(xml: list[MAVXML]) -> None:

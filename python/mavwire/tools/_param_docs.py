@@ -7,14 +7,15 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+from xml.parsers import expat
 
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError
 from mavwire.generator._errors import MAVParseError
-from mavwire.generator._xml_reader import Element, read_xml
+from mavwire.generator._reading import read_text
 
-# The largest published file has 120,000.
-MAX_ELEMENTS = 1_000_000
 # Of 32, the highest is the sign.
 BITS = 31
 # Other names of vehicles, and those of the files.
@@ -28,28 +29,25 @@ class ParameterDocs:
 
     def __init__(self, path: str) -> None:
         try:
-            root = read_xml(path, max_elements=MAX_ELEMENTS)
+            root = _read(path)
         except MAVParseError as error:
             raise CommandError(f"--param-docs: {error}") from error
         self._bits: dict[str, dict[int, str]] = {}
         self._values: dict[str, dict[str, str]] = {}
         for part in ("vehicles", "libraries"):
-            for group in root.all(part):
-                for parameters in group.all("parameters"):
-                    for parameter in parameters.all("param"):
-                        self._take(parameter)
+            for parameter in root.iterfind(f"{part}/parameters/param"):
+                self._take(parameter)
 
     def _take(self, parameter: Element) -> None:
         """Keep one definition; libraries come last, and theirs count."""
-        name = parameter.attributes.get("name", "").rpartition(":")[2]
+        name = parameter.get("name", "").rpartition(":")[2]
         self._bits.pop(name, None)
         self._values.pop(name, None)
         if bits := _bits(parameter):
             self._bits[name] = bits
-        values = parameter.first("values")
-        if values is not None:
-            codes = values.all("value")
-            self._values[name] = {one.attributes.get("code", ""): one.text for one in codes}
+        if (values := parameter.find("values")) is not None:
+            codes = values.iterfind("value")
+            self._values[name] = {one.get("code", ""): one.text or "" for one in codes}
 
     def meaning(self, name: str, value: float) -> str | None:
         """What a value means; None where no definition says."""
@@ -61,15 +59,25 @@ class ParameterDocs:
         return None if meaning is None else printable(meaning)
 
 
+def _read(path: str) -> Element:
+    text = read_text(path)
+    if "<!DOCTYPE" in text:  # entities, which it declares, grow without bound
+        raise MAVParseError(f"{path}: a document type declaration (<!DOCTYPE>) has no place here")
+    try:
+        return ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        line, column = error.position
+        reason = expat.ErrorString(error.code)
+        raise MAVParseError(f"{path}:{line}:{column + 1}: not well-formed XML: {reason}") from None
+
+
 def _bits(parameter: Element) -> dict[int, str]:
     """The names of the bits, `0:All,1:Barometer`; nothing where one of them has no number."""
-    text = next(
-        (one.text for one in parameter.all("field") if one.attributes.get("name") == "Bitmask"), ""
-    )
+    text = parameter.findtext("field[@name='Bitmask']", "")
     pairs = [one.split(":", 1) for one in text.split(",") if one.strip()]
-    bitmask = parameter.first("bitmask")
+    bitmask = parameter.find("bitmask")
     if not pairs and bitmask is not None:
-        pairs = [[one.attributes.get("code", ""), one.text] for one in bitmask.all("bit")]
+        pairs = [[one.get("code", ""), one.text or ""] for one in bitmask.iterfind("bit")]
     if all(len(pair) == 2 and pair[0].strip().isdecimal() for pair in pairs):
         return {int(number): name for number, name in pairs}
     return {}

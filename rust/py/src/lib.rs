@@ -41,9 +41,11 @@ mod _native {
     #[pymodule_export]
     use crate::dataflash::shape::DataflashShape;
     #[pymodule_export]
+    use crate::dialect::definition_file::{DefinitionFile, crc_extra, field_type};
+    #[pymodule_export]
     use crate::dialect::describe::describe;
     #[pymodule_export]
-    use crate::dialect::registry::{DefinitionError, Dialect, reserved_name};
+    use crate::dialect::registry::{DefinitionError, Dialect};
     #[pymodule_export]
     use crate::dump::log_dump::dump_log;
     #[pymodule_export]

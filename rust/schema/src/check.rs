@@ -33,8 +33,6 @@ message | id!:id name!:name | wip/superseded/deprecated? description? field+ ext
 field | type!:type name!:name print_format enum display units:units multiplier:multiplier instance:boolean invalid \
 increment:float minValue:float maxValue:float default:default | description? | any";
 
-const MULTIPLIERS: [&str; 3] = ["1E-2", "2E-3", "360/255"];
-
 /// Time, frequency; distance, area, speed, acceleration; temperature, angle, rotation; electricity, magnetism, energy,
 /// power, force, mass, pressure; ratio, data, flow, volume.
 const UNITS: &str = "s ds cs ms us ns Hz MHz \
@@ -181,11 +179,11 @@ impl Shape {
         if let Some(child) = children.next() {
             let order: Vec<_> = self.children.iter().map(|group| in_brackets(group.0)).collect();
             let order = match order.join(", ") {
-                order if order.is_empty() => "no elements".to_owned(),
-                order => format!("in this order, {order}"),
+                order if order.is_empty() => " no elements".to_owned(),
+                order => format!(", in this order, {order}"),
             };
             let found = excerpt(child.tag_name().name());
-            let problem = format!("<{found}> is not expected here: <{tag}> holds {order}");
+            let problem = format!("<{found}> is not expected here: <{tag}> holds{order}");
             return Some((child, problem));
         }
         let needs_field = "<extensions/> needs at least one <field> after it".to_owned();
@@ -222,7 +220,7 @@ fn fits(rule: &str, text: &str) -> bool {
         "month" => is_month(text),
         "id" => parse_decimal(text, MAX_MESSAGE_ID).is_some(),
         "type" => !text.starts_with("array") && field_type(text).is_ok(),
-        "multiplier" => MULTIPLIERS.contains(&text),
+        "multiplier" => matches!(text, "1E-2" | "2E-3" | "360/255"),
         "units" => UNITS.split(' ').any(|unit| unit == text),
         _ => true,
     }
@@ -240,7 +238,7 @@ fn description(rule: &str) -> String {
         "month" => "a month such as 2024-01",
         "id" => return format!("a number from 0 to {MAX_MESSAGE_ID}"),
         "type" => "a type such as uint8_t or float[4]",
-        "multiplier" => return MULTIPLIERS.join(", "),
+        "multiplier" => "1E-2, 2E-3 or 360/255",
         _ => "a unit of the MAVLink schema",
     }
     .to_owned()

@@ -52,7 +52,7 @@ def plain(value):
     if isinstance(value, (list, tuple, type({}.values()))):
         return [plain(v) for v in value]
     if hasattr(value, "__dict__"):
-        names = sorted(set(vars(value)) - {"parse_time", "root"})
+        names = sorted(set(vars(value)) - {"parse_time", "text"})
         return [type(value).__name__, {n: plain(vars(value)[n]) for n in names}]
     return value
 

@@ -109,8 +109,8 @@ def test_the_generator_names_the_line_of_a_name_it_refuses(
 ) -> None:
     options = mavgen.Opts(str(tmp_path / "made"), wire_protocol="2.0")
     for names, problem in (
-        ({"field": "to_dict"}, "4: message Q: 'to_dict' is a method of messages"),
-        ({"entry": "enums"}, "2: enum E: 'enums' is a name that dialect modules"),
+        ({"field": "to_dict"}, "5:1: message Q: 'to_dict' is a method of messages"),
+        ({"entry": "enums"}, "3:1: enum E: 'enums' is a name that dialect modules"),
     ):
         path = definitions(tmp_path, **names)
         assert not mavgen.mavgen(options, [str(path)])

@@ -8,7 +8,7 @@ use mavwire_core::frame::{FrameRef, Header};
 use mavwire_core::registry::Registry;
 use mavwire_schema::{
     Definitions, InvalidRule, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion,
-    dialect_name, parse_definitions, reserved, resolve,
+    dialect_name, parse_definitions, resolve,
 };
 use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
@@ -60,13 +60,6 @@ pub(crate) fn lookup(
         Some(text) => parse_definitions(path, text, &ParseOptions::default()),
         None => builtin::definitions(path),
     }
-}
-
-/// Why a field, or else an enum entry, cannot have this name; None where it can.
-#[pyfunction]
-pub(crate) fn reserved_name(name: &str, is_field: bool) -> Option<String> {
-    let check = if is_field { reserved::check_field } else { reserved::check_entry };
-    check(name).err().map(|reason| reason.to_string())
 }
 
 fn wire_version(text: &str) -> PyResult<WireVersion> {

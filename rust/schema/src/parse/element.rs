@@ -119,7 +119,9 @@ impl<'a> Source<'a> {
     pub(super) fn status(&self, node: Node<'_, '_>, status: &mut Status) -> bool {
         match node.tag_name().name() {
             "wip" => status.wip = true,
-            "deprecated" => status.deprecated = Some(Box::new(self.deprecation(node))),
+            "deprecated" => {
+                status.deprecated.get_or_insert_with(|| Box::new(self.deprecation(node)));
+            }
             "superseded" => status.superseded = Some(Box::new(self.deprecation(node))),
             _ => return false,
         }

@@ -4,7 +4,7 @@
 mod element;
 mod enums;
 mod messages;
-pub mod reserved;
+mod reserved;
 
 use roxmltree::{Document, Node, ParsingOptions};
 

@@ -56,10 +56,7 @@ const MODULE_NAMES: [&str; 20] = [
 const MODULE_PREFIXES: [&str; 4] = ["__", "MAVLink", "MAVLINK_MSG_ID_", "MAVLINK_TYPE_"];
 
 /// Whether a field may have this name.
-///
-/// # Errors
-/// [`Reason::ReservedName`] where it may not.
-pub fn check_field(name: &str) -> Result<(), Reason> {
+pub(super) fn check_field(name: &str) -> Result<(), Reason> {
     let why = if KEYWORDS.contains(&name) || PARAMETERS.contains(&name) {
         "a reserved word"
     } else if METHODS.contains(&name) {
@@ -73,10 +70,7 @@ pub fn check_field(name: &str) -> Result<(), Reason> {
 }
 
 /// Whether an enum entry may have this name.
-///
-/// # Errors
-/// [`Reason::ReservedName`] where it may not.
-pub fn check_entry(name: &str) -> Result<(), Reason> {
+pub(super) fn check_entry(name: &str) -> Result<(), Reason> {
     let why = if KEYWORDS.contains(&name) {
         "a reserved word"
     } else if MODULE_NAMES.contains(&name)

@@ -1,0 +1,83 @@
+//! A definition file for the generator, which works on one file at a time and before anything is known to be right.
+
+use mavwire_schema::{
+    Layout, ParseOptions, Reason, Rules, SchemaError, check_schema, parse_definitions, standalone,
+};
+use pyo3::prelude::*;
+
+use crate::dialect::registry::{DefinitionError, schema_error};
+use crate::python::calling::Calling;
+
+/// The text of a file, and the name for errors. Errors of syntax have the `lineno` and `offset` of an `ExpatError`.
+#[pyclass(frozen, module = "mavwire._native")]
+pub(crate) struct DefinitionFile {
+    name: String,
+    text: String,
+}
+
+#[pymethods]
+impl DefinitionFile {
+    #[new]
+    fn new(name: String, text: String) -> Self {
+        Self { name, text }
+    }
+
+    /// `Definitions` by the rules of `mavparse` and the `Layout` of each message, as JSON.
+    fn parse(&self, py: Python<'_>) -> PyResult<String> {
+        let options = ParseOptions { rules: Rules::Mavparse, ..ParseOptions::default() };
+        let definitions = parse_definitions(&self.name, &self.text, &options);
+        let definitions = definitions.map_err(|error| with_position(py, &error))?;
+        let layouts: Vec<_> = definitions.messages.iter().map(Layout::of).collect();
+        let json = serde_json::to_string(&(definitions, layouts));
+        json.map_err(|error| DefinitionError::new_err(error.to_string()))
+    }
+
+    /// What is wrong by the MAVLink XML schema.
+    fn schema_problems(&self, py: Python<'_>, strict_units: bool) -> PyResult<Vec<String>> {
+        let problems = check_schema(&self.name, &self.text, strict_units);
+        let problems = problems.map_err(|error| with_position(py, &error))?;
+        Ok(problems.iter().map(ToString::to_string).collect())
+    }
+
+    /// The first reason why no module can be made of the file.
+    fn module_problem(&self) -> Option<String> {
+        let options = ParseOptions { rules: Rules::Module, ..ParseOptions::default() };
+        let definitions = parse_definitions(&self.name, &self.text, &options);
+        definitions.err().map(|error| error.to_string())
+    }
+
+    /// The text for a generated module to carry, with its includes by these names.
+    fn standalone(&self, py: Python<'_>, includes: Vec<String>) -> PyResult<String> {
+        let text = standalone(&self.name, &self.text, &includes);
+        text.map_err(|error| with_position(py, &error))
+    }
+}
+
+fn with_position(py: Python<'_>, error: &SchemaError) -> PyErr {
+    let raised = schema_error(error);
+    if matches!(error.reason(), Reason::Xml(_) | Reason::Empty | Reason::DocumentType) {
+        let value = raised.value(py);
+        let set = value.set_attribute("lineno", error.line());
+        if let Err(failure) =
+            set.and(value.set_attribute("offset", error.column().saturating_sub(1)))
+        {
+            return failure;
+        }
+    }
+    raised
+}
+
+/// `(type, elements, bytes of one, struct code)` of a field's type as definitions write it; 0 elements for a scalar.
+#[pyfunction]
+pub(crate) fn field_type(text: &str) -> PyResult<(&'static str, u8, usize, char)> {
+    let (kind, length) = mavwire_schema::field_type(text)
+        .map_err(|reason| DefinitionError::new_err(reason.to_string()))?;
+    Ok((kind.name(), length, kind.size(), kind.struct_code()))
+}
+
+/// The checksum seed of a message with these base fields in wire order: type, name and array length.
+#[pyfunction]
+pub(crate) fn crc_extra(name: &str, fields: Vec<(String, String, u8)>) -> u8 {
+    let fields = fields.iter().map(|(kind, name, length)| (&**kind, &**name, *length));
+    mavwire_schema::crc_extra(name, fields)
+}
