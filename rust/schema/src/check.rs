@@ -128,78 +128,73 @@ impl Shape {
     }
 
     fn problems<'a, 'i>(&self, node: Node<'a, 'i>, strict_units: bool) -> Vec<Problem<'a, 'i>> {
-        let mut problems = self.attribute_problems(node, strict_units);
-        problems.extend(self.child_problem(node));
-        problems.extend(self.text_problem(node).map(|problem| (node, problem)));
-        problems
+        let attributes = self.attribute_problems(node, strict_units).into_iter();
+        let text = self.text_problem(node).map(|problem| (node, problem));
+        attributes
+            .map(|problem| (node, problem))
+            .chain(self.child_problem(node))
+            .chain(text)
+            .collect()
     }
 
-    fn attribute_problems<'a, 'i>(
-        &self,
-        node: Node<'a, 'i>,
-        strict_units: bool,
-    ) -> Vec<Problem<'a, 'i>> {
+    fn attribute_problems(&self, node: Node<'_, '_>, strict_units: bool) -> Vec<String> {
         let tag = self.tag;
-        let required = self.attributes.iter().filter(|(_, is_required, _)| *is_required);
-        let missing = required.filter(|(name, ..)| node.attribute(*name).is_none());
-        let missing = missing.map(|(name, ..)| format!("<{tag}> needs the attribute '{name}'"));
+        let missing =
+            self.attributes.iter().filter(|known| known.1 && !node.has_attribute(known.0));
+        let missing = missing.map(|known| format!("<{tag}> needs the attribute '{}'", known.0));
         let wrong = node.attributes().filter_map(|attribute| {
             let (name, value) = (attribute.name(), attribute.value());
             let Some((.., rule)) = self.attributes.iter().find(|known| known.0 == name) else {
                 return Some(format!("<{tag}> has no attribute '{}'", excerpt(name)));
             };
-            let is_checked = strict_units || *rule != "units";
-            (is_checked && !fits(rule, value)).then(|| {
-                let value = excerpt(value);
-                format!("<{tag}> attribute '{name}': '{value}' is not {}", description(rule))
-            })
+            let (is_kept, asked) = judge(rule, value);
+            let is_wrong = !is_kept && (strict_units || *rule != "units");
+            let value = || excerpt(value);
+            is_wrong.then(|| format!("<{tag}> attribute '{name}': '{}' is not {asked}", value()))
         });
-        missing.chain(wrong).map(|problem| (node, problem)).collect()
+        missing.chain(wrong).collect()
     }
 
     fn child_problem<'a, 'i>(&self, node: Node<'a, 'i>) -> Option<Problem<'a, 'i>> {
         let mut children = node.children().filter(Node::is_element).peekable();
-        let tag = self.tag;
-        let mut last = "";
+        let (tag, mut last) = (self.tag, "");
         for &(tags, least, most) in &self.children {
             let mut count = 0;
-            while let Some(child) = children.next_if(|child| {
-                count < most && tags.split('/').any(|tag| tag == child.tag_name().name())
-            }) {
+            let has = |child: &Node<'_, '_>| tags.split('/').any(|tag| child.has_tag_name(tag));
+            while let Some(child) = children.next_if(|child| count < most && has(child)) {
                 last = child.tag_name().name();
                 count += 1;
             }
-            if count < least && children.peek().is_none() {
-                return Some((node, format!("<{tag}> needs {}", in_brackets(tags))));
-            }
             if count < least {
-                break;
+                let needs = || (node, format!("<{tag}> needs {}", in_brackets(tags)));
+                return children
+                    .next()
+                    .map(|child| self.misplaced(child))
+                    .or_else(|| Some(needs()));
             }
-        }
-        if let Some(child) = children.next() {
-            let order: Vec<_> = self.children.iter().map(|group| in_brackets(group.0)).collect();
-            let order = match order.join(", ") {
-                order if order.is_empty() => " no elements".to_owned(),
-                order => format!(", in this order, {order}"),
-            };
-            let found = excerpt(child.tag_name().name());
-            let problem = format!("<{found}> is not expected here: <{tag}> holds{order}");
-            return Some((child, problem));
         }
         let needs_field = "<extensions/> needs at least one <field> after it".to_owned();
-        (last == "extensions").then_some((node, needs_field))
+        let incomplete = (last == "extensions").then_some((node, needs_field));
+        children.next().map(|child| self.misplaced(child)).or(incomplete)
+    }
+
+    fn misplaced<'a, 'i>(&self, child: Node<'a, 'i>) -> Problem<'a, 'i> {
+        let order: Vec<_> = self.children.iter().map(|group| in_brackets(group.0)).collect();
+        let order = match order.join(", ") {
+            order if order.is_empty() => " no elements".to_owned(),
+            order => format!(", in this order, {order}"),
+        };
+        let found = excerpt(child.tag_name().name());
+        (child, format!("<{found}> is not expected here: <{}> holds{order}", self.tag))
     }
 
     fn text_problem(&self, node: Node<'_, '_>) -> Option<String> {
         let (tag, text) = (self.tag, own_text(node));
         let shown = excerpt(text.trim());
-        match self.text {
-            None if !shown.is_empty() => Some(format!("<{tag}> holds text: '{shown}'")),
-            Some(rule) if !fits(rule, &text) => {
-                Some(format!("<{tag}>: '{shown}' is not {}", description(rule)))
-            }
-            _ => None,
-        }
+        let Some((is_kept, asked)) = self.text.map(|rule| judge(rule, &text)) else {
+            return (!shown.is_empty()).then(|| format!("<{tag}> holds text: '{shown}'"));
+        };
+        (!is_kept).then(|| format!("<{tag}>: '{shown}' is not {asked}"))
     }
 }
 
@@ -207,41 +202,30 @@ fn in_brackets(tags: &str) -> String {
     format!("<{}>", tags.replace('/', "> or <"))
 }
 
-/// Whether an attribute or an element's text keeps a rule of [`SHAPES`].
-fn fits(rule: &str, text: &str) -> bool {
+/// Whether an attribute or an element's text keeps a rule of [`SHAPES`], and what the rule asks for.
+fn judge(rule: &str, text: &str) -> (bool, &'static str) {
     let trimmed = text.trim();
+    let is_word = || text.chars().all(|c| c.is_alphanumeric() || c == '_');
     match rule {
-        "name" => !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '_'),
-        "boolean" => matches!(trimmed, "true" | "false" | "0" | "1"),
-        "byte" => parse_decimal(text, u8::MAX.into()).is_some(),
-        "float" => matches!(trimmed, "NaN" | "INF" | "-INF") || is_float(trimmed),
-        "value" => is_value(text),
-        "default" => text == "NaN" || is_value(text) || text.contains('.') && is_float(text),
-        "month" => is_month(text),
-        "id" => parse_decimal(text, MAX_MESSAGE_ID).is_some(),
-        "type" => !text.starts_with("array") && field_type(text).is_ok(),
-        "multiplier" => matches!(text, "1E-2" | "2E-3" | "360/255"),
-        "units" => UNITS.split(' ').any(|unit| unit == text),
-        _ => true,
+        "name" => (!text.is_empty() && is_word(), "a name of letters, digits and underscores"),
+        "boolean" => (matches!(trimmed, "true" | "false" | "0" | "1"), "true or false"),
+        "byte" => (parse_decimal(text, u8::MAX.into()).is_some(), "a number from 0 to 255"),
+        "float" => (matches!(trimmed, "NaN" | "INF" | "-INF") || is_float(trimmed), "a number"),
+        "value" => (is_value(text), "a number such as 10, 0x0A, 0b1010 or 2**3"),
+        "default" => (
+            text == "NaN" || is_value(text) || text.contains('.') && is_float(text),
+            "a number or NaN",
+        ),
+        "month" => (is_month(text), "a month such as 2024-01"),
+        "id" => (parse_decimal(text, MAX_MESSAGE_ID).is_some(), "a number from 0 to 16777215"),
+        "type" => (
+            !text.starts_with("array") && field_type(text).is_ok(),
+            "a type such as uint8_t or float[4]",
+        ),
+        "multiplier" => (matches!(text, "1E-2" | "2E-3" | "360/255"), "1E-2, 2E-3 or 360/255"),
+        "units" => (UNITS.split(' ').any(|unit| unit == text), "a unit of the MAVLink schema"),
+        _ => (true, "any text"),
     }
-}
-
-/// What a rule asks for.
-fn description(rule: &str) -> String {
-    match rule {
-        "name" => "a name of letters, digits and underscores",
-        "boolean" => "true or false",
-        "byte" => "a number from 0 to 255",
-        "float" => "a number",
-        "value" => "a number such as 10, 0x0A, 0b1010 or 2**3",
-        "default" => "a number or NaN",
-        "month" => "a month such as 2024-01",
-        "id" => return format!("a number from 0 to {MAX_MESSAGE_ID}"),
-        "type" => "a type such as uint8_t or float[4]",
-        "multiplier" => "1E-2, 2E-3 or 360/255",
-        _ => "a unit of the MAVLink schema",
-    }
-    .to_owned()
 }
 
 fn is_float(text: &str) -> bool {
@@ -259,11 +243,9 @@ fn is_value(text: &str) -> bool {
 }
 
 fn is_month(text: &str) -> bool {
-    let month = text.strip_prefix("20").and_then(|rest| rest.split_once('-'));
-    month.is_some_and(|(year, month)| {
-        year.len() == 2
-            && parse_decimal(year, 99).is_some()
-            && month.len() == 2
-            && parse_decimal(month, 12).is_some_and(|month| month > 0)
-    })
+    let Some((year, month)) = text.strip_prefix("20").and_then(|rest| rest.split_once('-')) else {
+        return false;
+    };
+    let number = |digits: &str| parse_decimal(digits, 99).filter(|_| digits.len() == 2);
+    number(year).is_some() && number(month).is_some_and(|month| (1..=12).contains(&month))
 }

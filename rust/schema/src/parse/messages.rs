@@ -94,8 +94,7 @@ fn read_field(
     let (field_type, array_length) =
         field_type(type_text).map_err(|reason| within(source.error(node, reason)))?;
     if array_length == 0 && type_text.contains('[') {
-        let empty = Err(Reason::ArrayLength("0".to_owned()));
-        source.tolerate(node, empty, ()).map_err(within)?;
+        source.tolerate(node, Err(Reason::ArrayLength("0".into())), ()).map_err(within)?;
     }
     let is_instance = source.tolerate(node, boolean(node, "instance"), true).map_err(within)?;
     if let Some(child) = node.children().find(|child| {
