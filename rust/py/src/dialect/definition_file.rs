@@ -6,7 +6,6 @@ use mavwire_schema::{
 use pyo3::prelude::*;
 
 use crate::dialect::registry::{DefinitionError, schema_error};
-use crate::python::calling::Calling;
 
 /// The text of a file, and the name for errors. Errors of syntax have the `lineno` and `offset` of an `ExpatError`.
 #[pyclass(frozen, module = "mavwire._native")]
@@ -57,10 +56,8 @@ fn with_position(py: Python<'_>, error: &SchemaError) -> PyErr {
     let raised = schema_error(error);
     if matches!(error.reason(), Reason::Xml(_) | Reason::Empty | Reason::DocumentType) {
         let value = raised.value(py);
-        let set = value.set_attribute("lineno", error.line());
-        if let Err(failure) =
-            set.and(value.set_attribute("offset", error.column().saturating_sub(1)))
-        {
+        let set = value.setattr("lineno", error.line());
+        if let Err(failure) = set.and(value.setattr("offset", error.column().saturating_sub(1))) {
             return failure;
         }
     }
