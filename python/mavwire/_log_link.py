@@ -49,11 +49,13 @@ def open_link(path: str, **options: Any) -> Any:
     as an empty telemetry log.
     """
     from mavwire import mavutil
+    from mavwire._native import LogKind
     from mavwire.links.recognise import log_kind
 
     if ":" in path and os.path.lexists(path) and not os.path.isabs(path):
         path = os.path.join(os.curdir, path)  # it is a log, even if it is called tcp:HOST:PORT.tlog
-    if os.path.isfile(path) and not os.path.getsize(path) and log_kind(path, True) == "dataflash":
+    is_empty = os.path.isfile(path) and not os.path.getsize(path)
+    if is_empty and log_kind(path, True) is LogKind.DATAFLASH:
         return mavutil.mavmmaplog(path)
     if not options.get("notimestamps"):
         _foresee_version(path)
@@ -64,28 +66,14 @@ def _foresee_version(path: str) -> None:
     """Choose MAVLink 2 for a telemetry log that begins with a frame of it before the definitions of
     version 1 are loaded, which the log would replace as soon as it is opened.
     """
+    from mavwire._native import LogKind
     from mavwire.links import state
     from mavwire.links.mavfile import MARKER_V2
-    from mavwire.links.recognise import STAMP_LEN, TLOG_PROBE, looks_like_tlog, read_head
+    from mavwire.links.recognise import STAMP_LEN, kind_of
 
-    if not state.is_postponed() or not os.path.isfile(path):
+    if not state.is_postponed() or kind_of(path) is not LogKind.TLOG:
         return
-    head = read_head(path, TLOG_PROBE)
-    if looks_like_tlog(head) and head[STAMP_LEN] == MARKER_V2:
-        state.set_wire_protocol("2.0")
-
-
-def dataflash_reader(path: str) -> Callable[[str], Any] | None:
-    """What reads a dataflash log that mavutil would not take for one by its name."""
-    from mavwire._native import begins_as_text_log
-    from mavwire.links.recognise import TEXT_LOG_PROBE, log_kind, read_head
-    from mavwire.logs.sources import is_dataflash
-
-    if not is_dataflash(path):
-        return None
-    is_binary = not begins_as_text_log(read_head(path, TEXT_LOG_PROBE))
-    if log_kind(path, readonly=True) == ("dataflash" if is_binary else "text"):
-        return None
-    from mavwire.DFReader import DFReader_binary, DFReader_text
-
-    return DFReader_binary if is_binary else DFReader_text
+    with open(path, "rb") as file:
+        file.seek(STAMP_LEN)
+        if file.read(1) == bytes((MARKER_V2,)):
+            state.set_wire_protocol("2.0")

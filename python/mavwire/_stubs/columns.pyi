@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, Protocol, TypeAlias, final
+from typing import Any, Final, Protocol, TypeAlias, final
 
 from mavwire._native import Dialect
 from typing_extensions import Buffer
@@ -13,6 +13,7 @@ __all__ = [
     "Converter",
     "DataflashTables",
     "LogColumns",
+    "LogKind",
     "LogRewrite",
     "RecordBatches",
     "align_tables",
@@ -21,10 +22,10 @@ __all__ = [
     "decompress",
     "draft_stem",
     "empty_table",
+    "head_to_utf8",
+    "identify",
     "jump_text",
-    "log_head",
     "log_summary",
-    "telemetry_kind",
     "write_table",
 ]
 
@@ -208,10 +209,6 @@ class DataflashTables:
         run, by `columns`.
         """
 
-    @staticmethod
-    def recognises(log: _Log) -> bool:
-        """Whether a file begins as a dataflash log does."""
-
     @property
     def is_binary(self) -> bool:
         """Whether it is a binary log; else it is text."""
@@ -306,14 +303,34 @@ def decompress(path: str | PathLike[str], out: str | PathLike[str]) -> str | Non
     `out` appears when it is complete, with everything in front of what is wrong.
     """
 
-def log_head(log: _Log, size: int) -> bytes:
-    """The first `size` bytes of a log; of a compressed log that is cut off, those that are whole."""
+@final
+class LogKind:
+    """A kind of log, or of another file."""
 
-def telemetry_kind(path: str | PathLike[str]) -> Literal["tlog", "raw"] | None:
-    """Whether a telemetry log has time stamps or is a raw stream; None where it is in doubt that it is one."""
+    CUT: Final[LogKind]
+    """Nothing, or less than the first record of a log."""
+    TLOG: Final[LogKind]
+    """Telemetry: records of time stamp and frame."""
+    RAW: Final[LogKind]
+    """Telemetry: frames alone."""
+    DATAFLASH: Final[LogKind]
+    DATAFLASH_TEXT: Final[LogKind]
+    HEADERLESS: Final[LogKind]
+    """Records of a binary dataflash log that are not described as far as was looked."""
+    GZIP: Final[LogKind]
+    ZSTD: Final[LogKind]
+    ZIP: Final[LogKind]
+    PROGRAM: Final[LogKind]
+    ULOG: Final[LogKind]
+    PNG: Final[LogKind]
+    PCAP: Final[LogKind]
+    SQLITE: Final[LogKind]
+    UNKNOWN: Final[LogKind]
+    def __hash__(self) -> int: ...
+    def __int__(self) -> int: ...
 
-def begins_as_text_log(head: bytes) -> bool:
-    """Whether a dataflash text log begins like this, in UTF-8 or UTF-16."""
+def identify(log: _Log, unpack: bool = False) -> LogKind:
+    """What kind of log a file is; with `unpack`, what is in it if it is compressed."""
 
 def head_to_utf8(head: bytes) -> bytes:
     """The start of a text log as UTF-8 with line feeds; other bytes as they are."""

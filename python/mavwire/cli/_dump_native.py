@@ -53,11 +53,12 @@ def open_without_index(args: Namespace) -> Any:
     memory that grows with the log. None where something else may come out than with one.
     """
     from mavwire import mavutil
+    from mavwire._native import LogKind
     from mavwire.links.recognise import log_kind
 
     if args.types is not None or ":" in args.log or not options_fit(args):
         return None
-    if not os.path.isfile(args.log) or log_kind(args.log, readonly=True) != "tlog":
+    if not os.path.isfile(args.log) or log_kind(args.log, readonly=True) is not LogKind.TLOG:
         return None
     log = mavutil.mavlogfile(args.log)
     # From the first good record on, the reader's state is the same whatever was read before.

@@ -7,14 +7,19 @@ what it was read from.
 from __future__ import annotations
 
 import os
+from types import SimpleNamespace
 
+from mavwire._native import LogKind, LogScan, identify
 from mavwire.cli._errors import tell
+from mavwire.links.recognise import TELEMETRY
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from types import ModuleType
 
-TELEMETRY = ("tlog", "raw")
+# Which messages are looked for. The class for it in `mavwire.logs` takes time to load.
+_EVERYTHING = SimpleNamespace(types=None, unknown=None, systems=None, start=None, end=None)
+DAMAGED = "a telemetry log with damage before each record; run `mavwire repair` on it, and read the result"
 COMPRESSED = "a compressed log, which info, convert and mavwire.read take as it is; unpack it first"
 
 
@@ -28,14 +33,16 @@ def warn_if_foreign(command: str, path: str, name: str | None = None) -> bool:
     from mavwire.links import state
 
     try:
-        if _has_messages(path):
+        kind = identify(path)
+        if _has_messages(path, kind):
             return False
         said, is_foreign = _lacking(path, state.mavlink)
-        if not said:
-            said, is_foreign = _other_reader(path), True
     except OSError:  # gone since it was read
         return False
-    _say(command, said, path, name)
+    if not said and kind in TELEMETRY | {LogKind.GZIP, LogKind.ZSTD}:
+        said, is_foreign = DAMAGED if kind in TELEMETRY else COMPRESSED, True
+    if said:
+        _say(command, said, path, name)
     return is_foreign
 
 
@@ -72,64 +79,11 @@ def _lacking(path: str, dialect: str | ModuleType) -> tuple[str, bool]:
         return str(error), True
 
 
-def _has_messages(path: str) -> bool:
-    """Whether mavutil finds a message in a file, of which it knows by its name what it is."""
-    from mavwire.links.recognise import DATAFLASH_HEAD, FMT_LEN, log_kind, read_head
-
-    kind = log_kind(path, readonly=True)
-    if kind in TELEMETRY:
-        return _has_telemetry(path)
-    head = read_head(path, FMT_LEN)
-    if len(head) == FMT_LEN and head.startswith(DATAFLASH_HEAD):
-        return True
-    # Readers refuse an empty log, and find what chance made in one that is not described.
-    if not head or _is_undescribed(path):
-        return False
-    from mavwire.DFReader import DFReader_binary, DFReader_text
-
-    with (DFReader_text if kind == "text" else DFReader_binary)(path) as log:
-        return log.recv_msg() is not None
-
-
-def _is_undescribed(path: str) -> bool:
-    """Whether a file is a dataflash log without its first part, which nothing describes further on."""
-    from mavwire.logs.format_error import LogFormatError
-    from mavwire.logs.sources import is_headerless, open_dataflash
-
-    if not is_headerless(path):
-        return False
-    try:
-        open_dataflash(path, path)
-    except LogFormatError:
-        return True
-    return False
-
-
-def _has_telemetry(path: str) -> bool:
-    from mavwire.links.recognise import TLOG_PROBE, looks_like_tlog, read_head
-
-    if looks_like_tlog(read_head(path, TLOG_PROBE)):
-        return True
+def _has_messages(path: str, kind: LogKind) -> bool:
+    """Whether mavutil is sure to find a message in a file."""
+    if kind not in TELEMETRY:
+        return kind is LogKind.DATAFLASH
     from mavwire.links import state
-    from mavwire.logs.format_error import LogFormatError
-    from mavwire.logs.sources import is_dataflash
-    from mavwire.logs.telemetry import TelemetryLog
 
-    if is_dataflash(path):  # in which chance makes a message or two
-        return False
-    try:
-        with TelemetryLog(path, dialect=state.mavlink, resync="skip") as log:
-            return not log.compressed and next(iter(log), None) is not None
-    except LogFormatError:
-        return False
-
-
-def _other_reader(path: str) -> str:
-    """What to do with a log that has records, none of which mavutil finds."""
-    from mavwire.logs.sources import is_compressed, is_dataflash
-
-    if is_compressed(path):
-        return COMPRESSED
-    if is_dataflash(path):
-        return "a dataflash log; call it .BIN, or .log if it is a text, to have it read as one"
-    return "a telemetry log with damage before each record; run `mavwire repair` on it, and read the result"
+    native = state.mavlink.MAVLink(None)._dialect
+    return next(LogScan(path, native, False, _EVERYTHING), None) is not None

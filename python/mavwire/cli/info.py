@@ -342,11 +342,11 @@ def read(path: str, dialect: str | None = None) -> Summary:
 
 def _count(path: str, dialect: str | None) -> Summary | None:
     """What is in a telemetry or dataflash log; None for another file, which mavutil may know."""
-    from mavwire.links.recognise import log_kind
+    from mavwire.links.recognise import TELEMETRY, log_kind
     from mavwire.logs import TelemetryLog, open_log
     from mavwire.logs.sources import is_dataflash
 
-    if log_kind(path, readonly=True) not in ("tlog", "raw") and not is_dataflash(path):
+    if log_kind(path, readonly=True) not in TELEMETRY and not is_dataflash(path):
         return None
     log = open_log(path, dialect=dialect or "all")
     size = os.path.getsize(path)

@@ -12,9 +12,11 @@ import tempfile
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
+from mavwire._native import identify
+from mavwire._text import naming
 from mavwire.logs.format_error import COMPRESSED, LogFormatError
 from mavwire.logs.reading import absolute, check_readable, paths_of
-from mavwire.logs.sources import head_of, is_dataflash
+from mavwire.logs.sources import is_dataflash
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -140,9 +142,10 @@ HEAD = 256 << 10
 """First bytes of a log, which tell what it is."""
 
 
-def _head(path: str, options: Mapping[str, Any] | None) -> bytes:
+def _head(path: str, options: Mapping[str, Any] | None) -> Source:
+    """A local log, or the first bytes of another one."""
     if not is_url(path):
-        return head_of(path, HEAD)
+        return path
     fs, inner = file_system(path, options)
     return bytes(fs.cat_file(inner, start=0, end=min(HEAD, fs.size(inner) or HEAD)))
 
@@ -155,7 +158,9 @@ def begins_as_dataflash(path: str, options: Mapping[str, Any] | None = None) -> 
 def check_divisible(path: str, options: Mapping[str, Any] | None = None) -> None:
     """Raise LogFormatError for a log of which nothing but ranges from its start can be read."""
     head = _head(path, options)
-    if head.startswith(COMPRESSED):
+    with naming(path):
+        kind = identify(head)
+    if kind in COMPRESSED:
         what = "a compressed log, which can be read from its start alone"
     elif is_dataflash(head):
         what = "a dataflash log, whose first bytes say what its records are (FMT)"

@@ -9,8 +9,12 @@ from __future__ import annotations
 import math
 import os
 
+from mavwire._native import LogKind
+
 from . import state
 from .recognise import (
+    DATAFLASH,
+    TELEMETRY,
     check_usable,
     is_log_name,
     is_serial_name,
@@ -204,8 +208,8 @@ def _opened(reader: Any) -> Any:
     return reader
 
 
-def _telemetry_log(device: str, kind: str, o: Options) -> Any:
-    is_raw = o.notimestamps or kind == "raw"
+def _telemetry_log(device: str, kind: LogKind, o: Options) -> Any:
+    is_raw = o.notimestamps or kind is LogKind.RAW
     if not (o.write or o.append or is_raw):
         # The index depends on the policy, so that it has to be known before it is made.
         resync = {} if o.resync is None else {"resync": o.resync}
@@ -220,11 +224,11 @@ def _telemetry_log(device: str, kind: str, o: Options) -> Any:
     return log
 
 
-def _log(device: str, kind: str, o: Options) -> Any:
-    if kind in ("tlog", "raw"):
+def _log(device: str, kind: LogKind, o: Options) -> Any:
+    if kind in TELEMETRY:
         return _telemetry_log(device, kind, o)
     module = _reader("DFReader")
-    reader = module.DFReader_text if kind == "text" else module.DFReader_binary
+    reader = module.DFReader_text if kind is LogKind.DATAFLASH_TEXT else module.DFReader_binary
     return _opened(reader(device, **o.reader))
 
 
@@ -271,8 +275,8 @@ def _connect_unprefixed(device: str, o: Options) -> Any:
     kind = log_kind(device, readonly)
     if kind is None and ":" in device and not is_log_name(device):
         return _udp(device, o)
-    if kind != "dataflash":
+    if kind not in DATAFLASH:
         check_usable(device, creating=o.write)
     if kind is None and o.write and not mode_of(device) and not is_serial_name(device):
-        kind = "tlog"
+        kind = LogKind.TLOG
     return _serial(device, o) if kind is None else _log(device, kind, o)

@@ -1,6 +1,6 @@
 """What a device string means when it has no prefix: which kind of log, or which kind of port.
 
-A log is recognised by what it holds before its name is looked at, because ground stations name
+A log is recognised by its content before its name is looked at, because ground stations name
 telemetry logs as they please, and a wrong reader finds nothing in a good file.
 """
 
@@ -10,34 +10,29 @@ import errno
 import os
 import stat
 
-from mavwire._native import head_to_utf8
+from mavwire._native import LogKind, identify
 
 from .readiness import from_handler
 
 LOG_SUFFIXES = ("mavlink", "log", "raw", "tlog")
 DATAFLASH_SUFFIXES = (".bin", ".px4log")
-# What the record takes that describes a type in a dataflash log.
-FMT_LEN = 89
-# The head of the FMT record that describes FMT itself, which dataflash logs begin with.
-DATAFLASH_HEAD = b"\xa3\x95\x80"
-TEXT_LOG_PROBE = 8000
-# Records of a telemetry log that have to follow each other for the file to be one.
-TLOG_RECORDS = 3
+TELEMETRY = frozenset((LogKind.TLOG, LogKind.RAW))
+DATAFLASH = frozenset((LogKind.DATAFLASH, LogKind.DATAFLASH_TEXT, LogKind.HEADERLESS))
 STAMP_LEN = 8
-TLOG_PROBE = TLOG_RECORDS * (STAMP_LEN + 280) + 9
 # Bytes of a frame that say how long it is.
 LENGTH_HEAD = 3
 
 
-def read_head(path: str, size: int) -> bytes:
-    """The first bytes of a regular file; empty if it cannot be read."""
+def kind_of(path: str) -> LogKind:
+    """What a regular file is; `CUT`, as an empty one, if it cannot be read or there is none."""
+    if not stat.S_ISREG(mode_of(path)):
+        return LogKind.CUT
     try:
-        with open(path, "rb") as file:
-            return file.read(size)
+        return identify(path)
     except OSError as error:
         if from_handler(error):
             raise
-        return b""
+        return LogKind.CUT
 
 
 def mode_of(path: str) -> int:
@@ -58,56 +53,21 @@ def frame_length(head: bytes) -> int:
     return 6 + payload_len + 2 if marker == 0xFE else 0
 
 
-def looks_like_tlog(head: bytes) -> bool:
-    """Whether `head` begins with whole records: a timestamp and a frame, several times over."""
-    ofs = 0
-    for _ in range(TLOG_RECORDS):
-        if len(head) < ofs + STAMP_LEN + 8:
-            break
-        length = frame_length(head[ofs + STAMP_LEN :])
-        if not length:
-            return False
-        ofs += STAMP_LEN + length
-    return 0 < ofs <= len(head)
-
-
-def _telemetry_kind(device: str, head: bytes) -> str | None:
-    """Either "tlog", or "raw" where records are frames alone; None for a file that is no telemetry log beyond
-    doubt.
-    """
-    if looks_like_tlog(head):
-        return "tlog"
-    if not head or head.startswith((DATAFLASH_HEAD, b"FMT,")):
-        return None
-    from mavwire._native import telemetry_kind
-
-    try:
-        return telemetry_kind(device)
-    except OSError as error:
-        if from_handler(error):
-            raise
-        return None
-
-
-def log_kind(device: str, readonly: bool) -> str | None:
-    """The kind of a log, "dataflash", "text", "tlog" or "raw"; None for what is not a log file.
+def log_kind(device: str, readonly: bool) -> LogKind | None:
+    """As what mavutil reads a log: `TLOG`, `RAW`, `DATAFLASH` or `DATAFLASH_TEXT`; None for what is
+    no log file. Where the content tells nothing, the name decides as in pymavlink.
 
     Files that are to be written, or read as raw streams, are not recognised by content.
     """
+    kind = kind_of(device)
+    if kind is LogKind.TLOG or (readonly and kind in TELEMETRY | DATAFLASH):
+        return LogKind.DATAFLASH if kind is LogKind.HEADERLESS else kind
     lower = device.lower()
-    exists = stat.S_ISREG(mode_of(device))
-    head = read_head(device, TEXT_LOG_PROBE) if exists else b""
-    if readonly and (kind := _telemetry_kind(device, head)):
-        return kind
-    if looks_like_tlog(head):
-        return "tlog"
     if lower.endswith(DATAFLASH_SUFFIXES):
-        return "dataflash"
-    if lower.endswith(".log") and b"FMT," in head_to_utf8(head):
-        return "text"
-    if exists and readonly and head.startswith(DATAFLASH_HEAD):
-        return "dataflash"
-    return "tlog" if exists else None
+        return LogKind.DATAFLASH
+    if lower.endswith(".log") and kind is LogKind.DATAFLASH_TEXT:
+        return kind
+    return LogKind.TLOG if stat.S_ISREG(mode_of(device)) else None
 
 
 def is_log_name(device: str) -> bool:
@@ -138,7 +98,7 @@ def missing_log(device: str) -> bool:
 def is_program(device: str) -> bool:
     """Whether a file is a program by name and mode and no log by content."""
     named = device.endswith(".elf") or ("/bin/" in device and os.access(device, os.X_OK))
-    return named and not looks_like_tlog(read_head(device, TLOG_PROBE))
+    return named and kind_of(device) not in TELEMETRY | DATAFLASH
 
 
 def is_pipe_or_socket(device: str) -> bool:

@@ -9,12 +9,13 @@ import os
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import DataflashTables
+from mavwire._native import DataflashTables, LogKind, identify
+from mavwire.links.recognise import DATAFLASH
 
 from .base import Log
 from .format_error import no_record
 from .query import Query, names_of, no_record_type
-from .sources import file_status, is_compressed, is_headerless, open_dataflash, read_dataflash
+from .sources import file_status, is_compressed, open_dataflash, read_dataflash
 from .table import Table
 
 if TYPE_CHECKING:
@@ -36,9 +37,10 @@ class DataflashLog(Log):
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = os.fsdecode(path)
         self._surveyed: tuple[tuple[int, int], DataflashTables] | None = None
-        if not DataflashTables.recognises(self.path):
+        kind = identify(self.path, unpack=True)
+        if kind not in DATAFLASH:
             raise no_record("dataflash", self.path)
-        if is_headerless(self.path):
+        if kind is LogKind.HEADERLESS:
             self._tables()  # which says so if there is no description further on either
 
     def __repr__(self) -> str:

@@ -6,18 +6,11 @@ import os
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from mavwire._native import Converter, DataflashTables, LogColumns, decompress, log_head
+from mavwire._native import Converter, DataflashTables, LogColumns, LogKind, decompress, identify
 from mavwire._text import naming
+from mavwire.links.recognise import DATAFLASH
 
-from .format_error import (
-    COMPRESSED,
-    HEAD_SIZE,
-    begins_described,
-    is_foreign,
-    no_record,
-    not_telemetry,
-    undescribed,
-)
+from .format_error import COMPRESSED, no_record, not_telemetry, undescribed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -41,7 +34,7 @@ def is_dataflash(source: Source) -> bool:
     read.
     """
     try:
-        return DataflashTables.recognises(source)
+        return identify(source, unpack=True) in DATAFLASH
     except OSError:
         return False
 
@@ -65,21 +58,13 @@ def read_dataflash(source: Source, path: str, query: Query) -> Opened | None:
 
 
 def _check_described(tables: DataflashTables, source: Source, path: str) -> None:
-    if not describes(tables) and is_headerless(source):
+    if not describes(tables) and identify(source, unpack=True) is LogKind.HEADERLESS:
         raise undescribed(path)
 
 
 def describes(tables: DataflashTables) -> bool:
     """Whether a dataflash log says what any of its records are, beyond those that say so."""
     return not set(tables.names) <= {"FMT"}
-
-
-def is_headerless(source: Source) -> bool:
-    """Whether a dataflash log lacks its first part, or has something else in its place."""
-    from mavwire.links.recognise import FMT_LEN
-
-    head = log_head(source, HEAD_SIZE)
-    return len(head) >= FMT_LEN and not begins_described(head)
 
 
 def columns_from(
@@ -120,19 +105,10 @@ def file_status(path: str) -> tuple[int, int]:
     return status.st_size, status.st_mtime_ns
 
 
-def head_of(source: Source, size: int) -> bytes:
-    """The first bytes of a log."""
-    if isinstance(source, bytes):
-        return source[:size]
-    path, start, end = (source, 0, size) if isinstance(source, str) else source[:3]
-    with naming(path), open(path, "rb") as file:
-        file.seek(start)
-        return file.read(min(size, end - start))
-
-
 def is_compressed(path: str) -> bool:
-    """Whether a file begins as gzip or zstd does."""
-    return head_of(path, 4).startswith(COMPRESSED)
+    """Whether a file is compressed with gzip or zstd."""
+    with naming(path):
+        return identify(path) in COMPRESSED
 
 
 @contextmanager
@@ -164,7 +140,7 @@ def plain_copy(path: str, warn: Callable[[str], object] = lambda damage: None) -
         damage = decompress(path, copy)
         if damage is not None:
             if not os.path.getsize(copy):
-                raise not_telemetry(path, head_of(path, 4), damage)
+                raise not_telemetry(path, identify(path), damage)
             warn(damage)
         yield copy
 
@@ -173,19 +149,16 @@ def check_run(source: Source, path: str, position: int, bad_bytes: int, damage: 
     """Raise LogFormatError where a run over a file found no record, and it is no log that is empty or
     cut off in its first.
     """
-    from mavwire.links.recognise import FMT_LEN
-
-    if bad_bytes != position or not (position or damage):
-        return
-    if not is_dataflash(source):
+    if bad_bytes == position and (position or damage):
         check_has_records(source, path, damage)
-    elif position >= FMT_LEN:
-        raise no_record("dataflash", path)
 
 
 def check_has_records(source: Source, path: str, damage: str | None) -> None:
     """Raise LogFormatError for a file in which no record was found, unless it is a log that is cut
     off in its first one, compressed or not; `damage` is what is wrong with a compressed file.
     """
-    if damage or is_foreign(log_head(source, HEAD_SIZE)):
-        raise not_telemetry(path, head_of(source, HEAD_SIZE), damage)
+    kind = identify(source, unpack=True)
+    if kind in DATAFLASH:
+        raise no_record("dataflash", path)
+    if damage or kind is not LogKind.CUT:
+        raise not_telemetry(path, identify(source) if damage else kind, damage)

@@ -12,13 +12,15 @@ from datetime import datetime
 from itertools import islice
 from types import ModuleType
 
-from mavwire._native import LogScan
+from mavwire._native import LogKind, LogScan, identify
+from mavwire._text import naming
+from mavwire.links.recognise import TELEMETRY
 
 from .base import Log
 from .dialect import dialect_module, portable, restored
-from .format_error import COMPRESSED, HEAD_SIZE, is_foreign, not_telemetry, other_format
+from .format_error import COMPRESSED, not_telemetry
 from .selection import Selection, has_message, no_message
-from .sources import check_has_records, file_status, head_of
+from .sources import check_has_records, file_status
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -215,40 +217,29 @@ class TelemetryLog(Log):
         from .reading import check_readable
 
         check_readable(self.path)
-        head, (size, _) = head_of(self.path, HEAD_SIZE), file_status(self.path)
-        if not head:
-            return
-        self.compressed = head.startswith(COMPRESSED)
+        with naming(self.path):
+            kind = identify(self.path)
+        self.compressed = kind in COMPRESSED
         if self.compressed:
             found, damage = self._first_records()
             if not found:
                 check_has_records(self.path, self.path, damage)
-        elif is_foreign(head) and (
-            not self._is_full(size)
-            if other_format(head) is not None
-            else size <= FOREIGN_PROBE and not self._has_record()
-        ):
-            raise not_telemetry(self.path, head)
+        elif kind not in TELEMETRY | {LogKind.CUT} and not self._may_have_records(kind):
+            raise not_telemetry(self.path, kind)
+
+    def _may_have_records(self, kind: LogKind) -> bool:
+        """Whether there are records in a file that does not begin as a log, or it is too long to say.
+        Other formats have one now and then by chance.
+        """
+        if kind not in (LogKind.UNKNOWN, LogKind.PCAP):
+            return False
+        return file_status(self.path)[0] > FOREIGN_PROBE or self._has_record()
 
     def _has_record(self) -> bool:
         """Whether a record is found anywhere."""
         native = self.dialect.MAVLink(None)._dialect
         scan = LogScan(self.path, native, self.resync == "rescan", Selection())
         return next(scan, None) is not None
-
-    def _is_full(self, size: int) -> bool:
-        """Whether most of what a file of another format begins with is records, as of a log in a ZIP
-        archive that does not compress. Noise has a record now and then.
-        """
-        from mavwire._native import LogColumns
-
-        from .query import Query
-
-        start = self.path, 0, min(size, FOREIGN_PROBE)
-        run = LogColumns(start, self.dialect.MAVLink(None)._dialect, Query(types=[]))
-        for _ in run:
-            pass
-        return 2 * run.bad_bytes < run.position
 
     def _first_records(self) -> tuple[bool, str | None]:
         """Whether the log begins with records, once it is decompressed; else what is wrong with it."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._text import in_words
 from mavwire.expression import evaluate_expression
-from mavwire.links.recognise import log_kind
+from mavwire.links.recognise import DATAFLASH, log_kind
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
 
@@ -125,7 +125,7 @@ def is_telemetry(path: str) -> bool:
 
     check_readable(path)
     csv = path.lower().endswith(".csv")
-    return not csv and log_kind(path, readonly=True) not in ("dataflash", "text")
+    return not csv and log_kind(path, readonly=True) not in DATAFLASH
 
 
 def message_types(path: str, dialect: str | os.PathLike[str]) -> set[str] | None:
@@ -304,12 +304,11 @@ def vehicle_messages(
     path: str, types: list[str], system: int | None, dialect: str | os.PathLike[str]
 ) -> Iterator[tuple[Any, Any]]:
     """The vehicle's messages of some types as mavutil gives them, with the link."""
-    from mavwire._log_link import dataflash_reader, definitions, open_link
+    from mavwire._log_link import definitions, open_link
     from mavwire.logs.dialect import dialect_module
 
     dialect_module(dialect)  # a ValueError names one that there is not
-    reader = dataflash_reader(path) or open_link
-    with definitions(os.fspath(dialect)), closing(reader(os.fspath(path))) as link:
+    with definitions(os.fspath(dialect)), closing(open_link(os.fspath(path))) as link:
         telemetry = hasattr(link, "mav")
         if telemetry and system is not None:
             link.sysid = system

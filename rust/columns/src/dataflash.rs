@@ -5,7 +5,6 @@
 //! both in one pass where that gives the same. Values are those of `DFReader`.
 
 mod decoder;
-mod headerless;
 mod layout;
 mod lines;
 mod reader;
@@ -20,5 +19,5 @@ pub use decoder::Wanted;
 pub use layout::{TableLayout, table_layout};
 pub use reader::Reader;
 pub use summary::summary;
-pub use survey::{Form, Open, Survey, begins_as_text, recognise};
+pub use survey::{Form, Open, Survey};
 pub use whole::{Plan, Whole, read_whole};

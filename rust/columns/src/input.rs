@@ -2,11 +2,10 @@
 
 use std::io::{self, Read};
 
+use mavwire_core::log::kind::{self, Kind, Verdict};
 use mavwire_core::registry::Registry;
 
-use crate::dataflash::Form;
 use crate::gzip::Members;
-use crate::head;
 use crate::pool;
 use crate::scan::{Framing, STRETCH};
 use crate::text_encoding::to_utf8;
@@ -48,8 +47,7 @@ impl Steps {
     }
 }
 
-/// Decompresses gzip and zstd, recognised by their first bytes, and converts text logs of other encodings to UTF-8. A zstd
-/// file may begin with a skippable frame (`0x184D2A5?`), as files of pzstd do.
+/// Decompresses gzip and zstd, recognised by their first bytes, and converts text logs of other encodings to UTF-8.
 ///
 /// # Errors
 /// What reading says.
@@ -57,13 +55,45 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
     let mut magic = Vec::with_capacity(MAGIC);
     source.by_ref().take(MAGIC as u64).read_to_end(&mut magic)?;
     let whole = io::Cursor::new(magic.clone()).chain(source);
-    Ok(to_utf8(match *magic {
-        [0x1F, 0x8B, 8, _] => Box::new(Members::new(whole)),
-        [0x28, 0xB5, 0x2F, 0xFD] | [0x50..=0x5F, 0x2A, 0x4D, 0x18] => {
-            Box::new(zstd::stream::read::Decoder::new(whole)?)
-        }
+    Ok(to_utf8(match kind::compression(&magic) {
+        Some(Kind::Gzip) => Box::new(Members::new(whole)),
+        Some(_) => Box::new(zstd::stream::read::Decoder::new(whole)?),
         _ => Box::new(whole),
     }))
+}
+
+/// As much of the start of a log as tells its kind. What was read before an error is given in its place.
+fn head_of(mut source: impl Read) -> io::Result<Vec<u8>> {
+    let mut head = Vec::with_capacity(kind::WINDOW);
+    let read = source.by_ref().take(kind::WINDOW as u64).read_to_end(&mut head);
+    match read {
+        Err(error) if head.is_empty() => Err(error),
+        Ok(kind::WINDOW) if !kind::identify(&head).is_log() => {
+            // What cannot be read further on is found missing when the log is read.
+            let _ = source.take((kind::MOST - kind::WINDOW) as u64).read_to_end(&mut head);
+            Ok(head)
+        }
+        _ => Ok(head),
+    }
+}
+
+/// What kind of log a source is, as it stands.
+///
+/// # Errors
+/// What reading says.
+pub fn identify(source: Box<dyn Read + Send>) -> io::Result<Kind> {
+    Ok(kind::identify(&head_of(to_utf8(source))?))
+}
+
+/// What kind of log is in a source, which may be compressed. What is damaged further on is still what it is.
+///
+/// # Errors
+/// What reading the file says.
+pub fn identify_content(source: Box<dyn Read + Send>) -> io::Result<Kind> {
+    match decompressed(source).and_then(head_of) {
+        Err(error) if error.raw_os_error().is_some() => Err(error),
+        read => Ok(kind::identify(&read.unwrap_or_default())),
+    }
 }
 
 /// How a telemetry log is framed that is not compressed, by its first bytes.
@@ -71,20 +101,7 @@ pub fn decompressed(mut source: Box<dyn Read + Send>) -> io::Result<Box<dyn Read
 /// # Errors
 /// What reading says.
 pub fn framing_of(source: Box<dyn Read + Send>, registry: &Registry) -> io::Result<Framing> {
-    Ok(Framing::of(head::telling(&head::read(source)?), registry))
-}
-
-/// The framing of an uncompressed telemetry log, by its first bytes. `None` if it is not certain that they are messages of a
-/// dialect that comes with mavwire.
-///
-/// # Errors
-/// The file cannot be read.
-pub fn telemetry_framing(source: Box<dyn Read + Send>) -> io::Result<Option<Framing>> {
-    let head = head::read(source)?;
-    let telling = head::telling(&head);
-    let framing = Framing::of(telling, &head::TELEMETRY);
-    let is_sure = Form::of(telling).is_none() && framing.is_sure(telling, &head::TELEMETRY);
-    Ok(is_sure.then_some(framing))
+    Ok(Verdict::of(&head_of(source)?).framing(registry))
 }
 
 /// A block that was read, behind its headroom.
@@ -193,17 +210,17 @@ impl Blocks {
     /// # Errors
     /// What reading says.
     pub fn with_framing(self, registry: &Registry) -> io::Result<(Self, Framing)> {
-        self.with_head(|head| Framing::of(head, registry))
+        self.with_verdict(|verdict| verdict.framing(registry))
     }
 
-    /// Lets `look` see the bytes that tell what kind of log it is: the first ones, but for what damage put in front.
+    /// Lets `look` see what kind of log it is.
     ///
     /// # Errors
     /// What reading says.
-    pub fn with_head<T>(mut self, look: impl FnOnce(&[u8]) -> T) -> io::Result<(Self, T)> {
+    pub fn with_verdict<T>(mut self, look: impl FnOnce(Verdict<'_>) -> T) -> io::Result<(Self, T)> {
         let filled = self.next.read(&mut self.source, self.block);
         self.ahead = Some(Ok(self.judge(filled)?));
-        let seen = look(head::telling(self.next.unread()));
+        let seen = look(Verdict::of(self.next.unread()));
         Ok((self, seen))
     }
 
@@ -305,7 +322,8 @@ mod tests {
     #[test]
     fn what_no_block_reaches_takes_no_memory() {
         let source = Box::new(io::Cursor::new(vec![7; 100]));
-        let (blocks, len) = Blocks::of_size(source, BLOCK).with_head(<[u8]>::len).expect("bytes");
+        let blocks = Blocks::of_size(source, BLOCK).with_verdict(|verdict| verdict.telling.len());
+        let (blocks, len) = blocks.expect("bytes");
         assert_eq!((len, blocks.next.bytes.len()), (100, HEADROOM + 100));
         assert!(blocks.is_whole() && blocks.next.bytes.capacity() <= HEADROOM + BLOCK);
     }

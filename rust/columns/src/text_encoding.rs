@@ -5,7 +5,7 @@
 
 use std::io::{self, Cursor, Read};
 
-use crate::dataflash::begins_as_text;
+use mavwire_core::log::kind::begins_as_text;
 
 /// The encoding is recognised by so many bytes at the start of a log.
 const PROBE: usize = 16_000;

@@ -5,11 +5,9 @@ use std::sync::Arc;
 
 use mavwire_columns::arrow::array::{Array, AsArray, RecordBatch};
 use mavwire_columns::arrow::datatypes::TimestampMicrosecondType;
-use mavwire_columns::dataflash::{
-    Form, Plan, Reader, Survey, Wanted, Whole, read_whole, recognise, summary,
-};
+use mavwire_columns::dataflash::{Form, Plan, Reader, Survey, Wanted, Whole, read_whole, summary};
 use mavwire_columns::error::Error;
-use mavwire_columns::input::Steps;
+use mavwire_columns::input::{Steps, identify_content};
 use mavwire_columns::layout::Options;
 use mavwire_columns::reader::{Decode, Limits};
 use mavwire_columns::text_encoding::head_to_utf8;
@@ -75,7 +73,8 @@ pub(crate) fn in_any_steps(
         return None;
     }
     let survey = on_threads(true, || surveyed(Steps::default(), &bytes));
-    assert_eq!(recognise(source(&bytes)).expect("memory does not fail"), survey.is_some());
+    let kind = identify_content(source(&bytes)).expect("memory does not fail");
+    assert_eq!(kind.is_dataflash(), survey.is_some());
     let survey = survey?;
     let (found, bad) = on_threads(true, || tables_of(&survey, &bytes, &options, Limits::NONE));
     let stepped = on_threads(false, || surveyed(steps, &bytes));

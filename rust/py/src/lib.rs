@@ -117,9 +117,9 @@ mod _native {
     #[pymodule_export]
     use crate::tables::dates::{date_text, jump_text};
     #[pymodule_export]
-    use crate::tables::decompress::{
-        begins_as_text_log, decompress, draft_stem, head_to_utf8, log_head, telemetry_kind,
-    };
+    use crate::tables::decompress::{decompress, draft_stem, head_to_utf8};
+    #[pymodule_export]
+    use crate::tables::identify::{LogKind, identify};
     #[pymodule_export]
     use crate::tables::open_log::LogScan;
     #[pymodule_export]

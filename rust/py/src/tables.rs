@@ -8,6 +8,7 @@ pub(crate) mod convert_output;
 pub(crate) mod dataflash;
 pub(crate) mod dates;
 pub(crate) mod decompress;
+pub(crate) mod identify;
 pub(crate) mod open_log;
 pub(crate) mod rewrite;
 pub(crate) mod source;

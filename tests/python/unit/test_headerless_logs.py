@@ -10,7 +10,7 @@ from pathlib import Path
 import mavwire
 import pytest
 from dataflash_writer import FMT, HEAD, Log, flight, fmt
-from mavwire import cli, fleet
+from mavwire import cli, fleet, mavutil
 from mavwire.logs.conversion import convert
 from mavwire.logs.format_error import LogFormatError
 from mavwire.logs.rewriting import cut
@@ -46,7 +46,10 @@ def lacking(tmp_path: Path) -> Path:
 
 
 def test_it_holds_what_telemetry_would_be_taken_for(lacking: Path) -> None:
-    assert len(list(TelemetryLog(lacking))) == 1
+    with mavutil.mavmmaplog(str(lacking), resync="rescan") as log:
+        assert any(msg.get_msgId() >= 0 for msg in iter(log.recv_msg, None))
+    with pytest.raises(LogFormatError, match="a dataflash log, not a telemetry log"):
+        TelemetryLog(lacking)
 
 
 @pytest.mark.parametrize("name", ["cut.BIN", "cut.dat", "cut.tlog", "cut.BIN.gz"])

@@ -12,6 +12,7 @@ from typing import Any
 import mavwire
 import pytest
 from mavwire import cli, mavutil, traffic
+from mavwire._native import LogKind
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.fleet.cuts import find_cuts
 from mavwire.links.recognise import log_kind
@@ -186,9 +187,11 @@ def test_what_is_written_is_not_recognised(tmp_path: Path) -> None:
     with mavutil.mavlink_connection(str(path), write=True, append=True) as log:
         assert not log.notimestamps
     shutil.copy(path, tmp_path / "b.tlog")
-    assert [log_kind(str(tmp_path / name), True) for name in ("a.tlog", "b.tlog")] == ["raw"] * 2
+    assert [log_kind(str(tmp_path / name), True) for name in ("a.tlog", "b.tlog")] == [
+        LogKind.RAW
+    ] * 2
     path.write_bytes(b"no log " * 3000)
-    assert log_kind(str(path), True) == "tlog"
+    assert log_kind(str(path), True) is LogKind.TLOG
 
 
 def test_a_plot_of_a_stream_whose_clock_begins_later(tmp_path: Path) -> None:

@@ -196,7 +196,7 @@ def test_a_merge_tells_of_each_log_its_own_damage(flight, tmp_path):
     damaged.write_bytes(gzip.compress(flight.read_bytes())[:-30_000])
     whole.write_bytes(gzip.compress(b"x" * 999))
     cut_off.write_bytes(gzip.compress(flight.read_bytes())[:11])
-    for logs, said in (([damaged, whole], f"a gzip file, not a telemetry log; .*: '{whole}'"),
+    for logs, said in (([damaged, whole], f"no telemetry record found; .*: '{whole}'"),
                        ([flight, cut_off], r"as far as it can be read \(.*\); .*c.tlog.gz")):  # fmt: skip
         with pytest.raises(mavwire.logs.LogFormatError, match=said):
             merge(logs, tmp_path / "out.tlog")

@@ -41,7 +41,9 @@ def log(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 
 def test_messages(log):
     assert DFReader_is_text_log(str(log))
-    assert mavwire.links.recognise.log_kind(str(log), True) == "text"
+    assert (
+        mavwire.links.recognise.log_kind(str(log), True) is mavwire._native.LogKind.DATAFLASH_TEXT
+    )
     for opened in (DFReader_text(str(log)), mavutil.mavlink_connection(str(log))):
         with opened as reader:
             assert isinstance(reader, DFReader_text)

@@ -7,30 +7,15 @@ use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::{Delimiter, TextDefinitions};
 use mavwire_core::log::dataflash::{Clock, Definitions, Field, FieldKind, Layout, Units};
+use mavwire_core::log::kind::{Kind, Verdict};
 
-use super::headerless;
 use super::run::Run;
 use crate::error::Error;
-use crate::head::{self, TELEMETRY};
 use crate::input::{Blocks, Steps, decompressed};
-use crate::scan::Framing;
 
 /// Opens the log from its start; a log is read more than once.
 pub type Open<'a> = &'a (dyn Fn() -> io::Result<Box<dyn Read + Send>> + 'a);
 
-/// Bytes of a text log that show what it is and how values are separated.
-const PROBE: usize = 8000;
-/// Bytes of it among which a description stands.
-const TEXT_START: usize = 1000;
-/// Of so many of these one at most is no text: damage, or a mark of the encoding. A log that begins with a description is
-/// one whatever follows.
-const TEXT_SHARE: usize = 2;
-/// How binary logs begin.
-const BINARY: &[u8] = b"\xA3\x95\x80";
-/// What describes a record in a text log.
-const TEXT: &[u8] = b"FMT,";
-/// Descriptions in the head of a binary log that lacks its first bytes.
-const ENOUGH_LAYOUTS: usize = 3;
 /// Descriptions of one name that have rows in its table, as many as a type has: whoever makes a log chooses the names.
 const MAX_OF_NAME: usize = 16;
 /// Bytes of a row of theirs, if there are several: each row has the columns of all of them.
@@ -52,46 +37,16 @@ pub enum Form {
     Text(TextDefinitions),
 }
 
-/// Whether a log that begins like this ends before that is over.
-fn is_cut_off_in(log: &[u8], start: &[u8]) -> bool {
-    !log.is_empty() && log.len() < start.len() && start.starts_with(log)
-}
-
-/// Whether a text log begins with these bytes: with a description, or with text in which one is.
-pub fn begins_as_text(head: &[u8]) -> bool {
-    let start = &head[..head.len().min(TEXT_START)];
-    let is_other = |byte: &&u8| !matches!(byte, b' '..=b'~' | b'\t' | b'\r' | b'\n');
-    let others = start.iter().filter(is_other).count();
-    start.starts_with(TEXT)
-        || memchr::memmem::find(start, TEXT).is_some() && others * TEXT_SHARE <= start.len()
-}
-
 impl Form {
-    /// The form of a log that begins with these bytes, perhaps one of which nothing can be read; `None` for something else,
-    /// such as a telemetry log of a flight on which a dataflash log was downloaded: its messages carry descriptions whole.
-    pub fn of(head: &[u8]) -> Option<Self> {
-        if head.starts_with(BINARY) || is_cut_off_in(head, BINARY) {
-            return Some(Self::Binary(Box::default()));
+    /// The form of a log, perhaps one of which nothing can be read; `None` for something else.
+    pub fn of(verdict: Verdict<'_>) -> Option<Self> {
+        match verdict.kind {
+            Kind::Dataflash | Kind::Headerless => Some(Self::Binary(Box::default())),
+            Kind::DataflashText => {
+                Some(Self::Text(TextDefinitions::new(Delimiter::of(verdict.telling))))
+            }
+            _ => None,
         }
-        if is_cut_off_in(head, TEXT) {
-            return Some(Self::Text(TextDefinitions::new(Delimiter::of(head))));
-        }
-        let described = Self::without_start(head);
-        let form = described.or_else(|| {
-            headerless::is_in(head, &TELEMETRY).then(|| Self::Binary(Box::default()))
-        })?;
-        (!Framing::is_in(head, &TELEMETRY)).then_some(form)
-    }
-
-    /// The same by descriptions anywhere in the head.
-    fn without_start(head: &[u8]) -> Option<Self> {
-        let mut definitions = Definitions::new();
-        definitions.collect(head, 0);
-        if definitions.layouts().len() > ENOUGH_LAYOUTS {
-            return Some(Self::Binary(Box::default()));
-        }
-        let head = &head[..head.len().min(PROBE)];
-        begins_as_text(head).then(|| Self::Text(TextDefinitions::new(Delimiter::of(head))))
     }
 
     /// The layouts of the records.
@@ -235,18 +190,6 @@ impl Survey {
     }
 }
 
-/// Whether a source, perhaps compressed, begins as a dataflash log does.
-///
-/// # Errors
-/// What reading says.
-pub fn recognise(source: Box<dyn Read + Send>) -> io::Result<bool> {
-    match head::read(decompressed(source)?) {
-        Err(error) if error.raw_os_error().is_some() => Err(error),
-        // What is damaged further on is still what it is.
-        read => Ok(Form::of(head::telling(&read.unwrap_or_default())).is_some()),
-    }
-}
-
 pub(super) fn begin(open: Open<'_>, steps: Steps) -> io::Result<(Blocks, Option<Form>)> {
-    Blocks::of_size(decompressed(open()?)?, steps.block).with_head(Form::of)
+    Blocks::of_size(decompressed(open()?)?, steps.block).with_verdict(Form::of)
 }

@@ -15,6 +15,7 @@ use pyo3::types::PyDict;
 
 use crate::tables::columns::{LogColumns, Query, Stopped, Teller, count_row, summary_dict, table};
 use crate::tables::convert::Converter;
+use crate::tables::identify::kind_in;
 use crate::tables::source::Source;
 use crate::tables::table::{RecordBatches, columns_error};
 
@@ -29,7 +30,7 @@ pub(crate) struct DataflashTables {
 type Tables = Vec<(String, RecordBatches)>;
 
 fn is_dataflash(log: &Source) -> io::Result<bool> {
-    Ok(log.framing().is_none() && dataflash::recognise(log.open()?)?)
+    Ok(kind_in(log)?.is_dataflash())
 }
 
 fn wanted(query: &Query) -> Wanted {
@@ -80,12 +81,6 @@ impl DataflashTables {
             let tables = rows.map(|(batches, _)| batches.into_iter().map(table).collect());
             (Self { log, survey: Arc::new(survey) }, tables)
         }))
-    }
-
-    /// Whether a file begins as a dataflash log does.
-    #[staticmethod]
-    fn recognises(py: Python<'_>, log: Source) -> PyResult<bool> {
-        Ok(py.detach(|| is_dataflash(&log))?)
     }
 
     /// Whether it is a binary log; else it is text.

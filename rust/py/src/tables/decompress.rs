@@ -1,5 +1,5 @@
-//! `decompress`: a compressed file as a plain one, for readers that go to and fro in a log; `log_head`: the start of one; and
-//! what files are called until they are complete.
+//! `decompress`: a compressed file as a plain one, for readers that go to and fro in a log; and what files are called until they
+//! are complete.
 
 use std::borrow::Cow;
 use std::ffi::OsString;
@@ -7,15 +7,12 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use mavwire_columns::Error;
-use mavwire_columns::dataflash::begins_as_text;
-use mavwire_columns::input::{self, Blocks, decompressed};
-use mavwire_columns::scan::Framing;
+use mavwire_columns::input::Blocks;
 use mavwire_columns::text_encoding;
 use mavwire_io::files::{self, Draft};
 use pyo3::prelude::*;
 
 use crate::tables::columns::{Stopped, Teller};
-use crate::tables::source::Source;
 
 /// Writes what a file holds that is compressed with gzip or zstd to `out`, which appears when it is complete. Returns what
 /// is wrong with the compressed file, of which everything before that was written; None for nothing.
@@ -35,32 +32,6 @@ pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> PyResul
         Ok(blocks.damage().map(str::to_owned))
     });
     done.map_err(Stopped::into_err)
-}
-
-/// The first `size` bytes of a log; of a compressed log that is cut off, those that are whole.
-#[pyfunction]
-pub(crate) fn log_head(py: Python<'_>, log: Source, size: usize) -> PyResult<Cow<'static, [u8]>> {
-    let head = py.detach(|| {
-        let blocks = Blocks::of_size(decompressed(log.open()?)?, size);
-        blocks.with_head(<[u8]>::to_vec)
-    });
-    Ok(Cow::Owned(head?.1))
-}
-
-/// Whether a telemetry log has time stamps or is a raw stream; None where it is in doubt that it is one.
-#[pyfunction]
-pub(crate) fn telemetry_kind(py: Python<'_>, path: PathBuf) -> PyResult<Option<&'static str>> {
-    let framing = py.detach(|| input::telemetry_framing(files::open(&path)?))?;
-    Ok(framing.map(|framing| match framing {
-        Framing::Stamped => "tlog",
-        Framing::Raw => "raw",
-    }))
-}
-
-/// Whether a dataflash text log begins like this, in UTF-8 or UTF-16.
-#[pyfunction]
-pub(crate) fn begins_as_text_log(head: &[u8]) -> bool {
-    begins_as_text(&text_encoding::head_to_utf8(head))
 }
 
 /// The start of a text log as UTF-8 with line feeds; other bytes as they are.

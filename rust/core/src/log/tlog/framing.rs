@@ -10,6 +10,9 @@ use crate::registry::Registry;
 /// So many good records in a row occur in no other kind of file.
 const SURE_RECORDS: usize = 3;
 
+/// And so does one byte in so many that is in a good record: of 64 KiB of noise one in hundreds has a record at all.
+const SURE_SHARE: usize = 16;
+
 /// At most one of so many dates goes back.
 const DATES_BACK: usize = 8;
 
@@ -47,31 +50,17 @@ impl Framing {
         if for_raw > for_stamped { Self::Raw } else { Self::Stamped }
     }
 
-    /// Whether these bytes have [`SURE_RECORDS`] good records in a row in either form.
-    pub fn is_in(head: &[u8], registry: &Registry) -> bool {
-        [Self::Stamped, Self::Raw].into_iter().any(|framing| framing.has_row(head, registry))
-    }
-
-    /// Whether the records are of this form for certain. Fewer records are enough if the bytes hold nothing else.
-    pub fn is_sure(self, head: &[u8], registry: &Registry) -> bool {
-        let bytes = || self.records(head, registry).map(|one| one.len()).sum::<usize>();
-        self.has_row(head, registry) || !head.is_empty() && bytes() == head.len()
-    }
-
-    fn has_row(self, head: &[u8], registry: &Registry) -> bool {
-        let (mut end, mut in_a_row) = (0, 0);
-        self.records(head, registry).any(|record| {
+    /// The form of a telemetry log that begins with these bytes; `None` where it is in doubt that they are one.
+    pub fn sure(head: &[u8], registry: &Registry) -> Option<Self> {
+        let framing = Self::of(head, registry);
+        let (mut bytes, mut end, mut in_a_row) = (0, 0, 0);
+        let is_sure = framing.records(head, registry).any(|record| {
             in_a_row = if record.start == end { in_a_row + 1 } else { 1 };
+            bytes += record.len();
             end = record.end;
-            in_a_row == SURE_RECORDS
-        })
-    }
-
-    /// The length of all good records, in the form that has more of them.
-    pub fn bytes_in(head: &[u8], registry: &Registry) -> usize {
-        let bytes =
-            |framing: Self| framing.records(head, registry).map(|one| one.len()).sum::<usize>();
-        bytes(Self::Stamped).max(bytes(Self::Raw))
+            in_a_row == SURE_RECORDS || bytes * SURE_SHARE >= head.len()
+        });
+        is_sure.then_some(framing)
     }
 
     /// The ranges of good records of known messages.
