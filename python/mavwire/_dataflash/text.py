@@ -32,9 +32,12 @@ def _plain(filename: str, until: ExitStack) -> str:
         head = file.read(PROBE)
     if _native.head_to_utf8(head) == head:
         return filename
-    from mavwire.logs.sources import plain_copy
+    import tempfile  # which takes time to load
 
-    return until.enter_context(plain_copy(os.fsdecode(filename)))
+    made = tempfile.TemporaryDirectory(prefix="mavwire-", ignore_cleanup_errors=True)
+    copy = os.path.join(until.enter_context(made), "log")
+    _native.decompress(os.fsdecode(filename), copy)
+    return copy
 
 
 class DFReader_text(DFReader):

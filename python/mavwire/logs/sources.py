@@ -120,15 +120,6 @@ def decompressed(path: str, warn: Callable[[str], object] = lambda damage: None)
     if not is_compressed(path):
         yield path
         return
-    with plain_copy(path, warn) as copy:
-        yield copy
-
-
-@contextmanager
-def plain_copy(path: str, warn: Callable[[str], object] = lambda damage: None) -> Iterator[str]:
-    """For the time being a file of what is in a compressed log, as far as that is whole, or of a text log
-    in UTF-8 with line feeds; `warn` and LogFormatError as of `decompressed`.
-    """
     import tempfile  # which costs as much as all else here
 
     name = os.path.basename(path)
