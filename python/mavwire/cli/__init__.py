@@ -23,14 +23,17 @@ if TYPE_CHECKING:
     from typing import Any
 
 COMMANDS = {
-    "info": ("mavwire.cli.info", "what is in a log: types, rates, systems, losses"),
-    "dump": ("mavwire.cli.dump", "print the messages of a log as text, JSON or CSV"),
-    "convert": ("mavwire.cli.convert", "logs to Parquet, CSV, JSON lines, Arrow or MCAP files"),
-    "cut": ("mavwire.cli.cut", "some records of a telemetry log as a log of their own"),
-    "repair": ("mavwire.cli.repair", "the good records of a damaged telemetry log"),
-    "anonymize": ("mavwire.cli.anonymize", "a telemetry log without places and identifiers"),
-    "plot": ("mavwire.cli.plot", "fields and formulas over time, as an image or a page"),
-    "map": ("mavwire.cli.map", "where a vehicle was, as a page, KML or GPX"),
+    "info": ("mavwire.cli.logs.info", "what is in a log: types, rates, systems, losses"),
+    "dump": ("mavwire.cli.logs.dump", "print the messages of a log as text, JSON or CSV"),
+    "convert": (
+        "mavwire.cli.logs.convert",
+        "logs to Parquet, CSV, JSON lines, Arrow or MCAP files",
+    ),
+    "cut": ("mavwire.cli.logs.cut", "some records of a telemetry log as a log of their own"),
+    "repair": ("mavwire.cli.logs.repair", "the good records of a damaged telemetry log"),
+    "anonymize": ("mavwire.cli.logs.anonymize", "a telemetry log without places and identifiers"),
+    "plot": ("mavwire.cli.plots.plot", "fields and formulas over time, as an image or a page"),
+    "map": ("mavwire.cli.plots.map", "where a vehicle was, as a page, KML or GPX"),
     "parms": ("mavwire.tools.mavparms", "the parameters in logs, or how they changed"),
     "flightmodes": ("mavwire.tools.mavflightmodes", "flight modes and the time in each"),
     "mission": ("mavwire.tools.mavmission", "the mission in a log as a waypoint file"),
@@ -79,17 +82,23 @@ COMMANDS = {
         "batches of fast samples as a dataflash log",
     ),
     "extract_parms": ("mavwire.tools.extract_parms", "parameters that are not at their defaults"),
-    "tools": ("mavwire.cli.tools", "give these the names of pymavlink's scripts"),
-    "sim": ("mavwire.cli.sim", "fly simulated vehicles for a ground station or a test"),
-    "bridge": ("mavwire.cli.bridge", "route MAVLink between serial ports, UDP and TCP; record it"),
-    "replay": ("mavwire.cli.replay", "send the frames of a log again, at their pace or faster"),
-    "gen": ("mavwire.cli.gen", "generate a Python dialect module from XML definitions"),
+    "tools": ("mavwire.cli.dev.tools", "give these the names of pymavlink's scripts"),
+    "sim": ("mavwire.cli.vehicle.sim", "fly simulated vehicles for a ground station or a test"),
+    "bridge": (
+        "mavwire.cli.bridge.bridge",
+        "route MAVLink between serial ports, UDP and TCP; record it",
+    ),
+    "replay": (
+        "mavwire.cli.bridge.replay",
+        "send the frames of a log again, at their pace or faster",
+    ),
+    "gen": ("mavwire.cli.dev.gen", "generate a Python dialect module from XML definitions"),
     "definitions": (
-        "mavwire.cli.definitions",
+        "mavwire.cli.dev.definitions",
         "show a message, enum or command; store upstream descriptions",
     ),
-    "run": ("mavwire.cli.run", "run a program that imports pymavlink on mavwire"),
-    "alias": ("mavwire.cli.alias", "let mavwire answer 'import pymavlink' in this environment"),
+    "run": ("mavwire.cli.dev.run", "run a program that imports pymavlink on mavwire"),
+    "alias": ("mavwire.cli.dev.alias", "let mavwire answer 'import pymavlink' in this environment"),
 }
 """Name -> the module and one line of help."""
 

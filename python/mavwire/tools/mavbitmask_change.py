@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from mavwire.cli._dump_format import local_time
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._telemetry import require_telemetry
+from mavwire.cli.logs._dump_format import local_time
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_dialect, add_no_timestamps, add_planner
-from mavwire.cli.plot import is_log
+from mavwire.cli.plots.plot import is_log
 from mavwire.expression import evaluate_expression
 from mavwire.plots.expressions import STATE_NAMES, as_number, parse, why_nothing
 from mavwire.plots.graphs import SIZE, Graph, Style, check, draw

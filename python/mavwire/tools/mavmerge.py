@@ -70,7 +70,7 @@ def _plain(path: str, stack: ExitStack) -> str:
 def _merge_exactly(args: Namespace) -> int:
     from functools import partial
 
-    from mavwire.cli._rewriting import run
+    from mavwire.cli.logs._rewriting import run
     from mavwire.logs.rewriting import merge as merge_logs
 
     if args.output is None:

@@ -16,7 +16,7 @@ from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_planner
 from mavwire.cli._telemetry import require_telemetry
-from mavwire.cli.replay import factor
+from mavwire.cli.bridge.replay import factor
 from mavwire.links.recording import SETUP_SIGNING
 
 TYPE_CHECKING = False

@@ -387,7 +387,7 @@ def test_replay_names_what_it_cannot_reach(
 
 
 def test_replay_keeps_the_pace_of_the_log() -> None:
-    from mavwire.cli.replay import replay
+    from mavwire.cli.bridge.replay import replay
 
     now, sent = 0.0, []
 

@@ -15,10 +15,10 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
-from mavwire.cli import _bridge_warnings
-from mavwire.cli._bridge_status import component_rows, link_errors, link_rows
-from mavwire.cli.bridge import _watch, listen_address, size
-from mavwire.cli.replay import factor
+from mavwire.cli.bridge import _bridge_warnings
+from mavwire.cli.bridge._bridge_status import component_rows, link_errors, link_rows
+from mavwire.cli.bridge.bridge import _watch, listen_address, size
+from mavwire.cli.bridge.replay import factor
 from unit.bridge_tools import LIMIT
 from unit.terminal_tools import read_terminal
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from mavwire import Bridge
     from mavwire.bridge.sinks import Sink
-    from mavwire.cli._bridge_warnings import DropWarnings
+    from mavwire.cli.bridge._bridge_warnings import DropWarnings
 
 LINK = {
     "name": "gcs", "peer": None, "state": "up", "error": None, "received": 100, "sent": 50,
@@ -66,7 +66,7 @@ def test_rows_show_what_is_wrong() -> None:
 def test_brackets_in_names_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
     from mavwire import Bridge
-    from mavwire.cli._bridge_status import StatusTable
+    from mavwire.cli.bridge._bridge_status import StatusTable
 
     names = ["[fd00::2]:14550", "[/x] radio"]
     with Bridge() as bridge:
@@ -80,7 +80,7 @@ def test_brackets_in_names_are_shown(capsys: pytest.CaptureFixture[str]) -> None
 def test_the_table_is_drawn_where_rich_is(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
     from mavwire import Bridge
-    from mavwire.cli._bridge_status import StatusTable
+    from mavwire.cli.bridge._bridge_status import StatusTable
 
     with Bridge(["udpin:127.0.0.1:0"]) as bridge:
         lost = {"name": "mqtt://h/x", "failed": 2, "dropped": 5, "error": "no answer"}
@@ -98,7 +98,7 @@ def test_signals_are_given_back_where_the_terminal_is_gone(
 ) -> None:
     live = pytest.importorskip("rich.live", reason="rich is not installed: mavwire[cli]").Live
     from mavwire import Bridge
-    from mavwire.cli import _bridge_status
+    from mavwire.cli.bridge import _bridge_status
 
     given_back: list[int] = []
 
@@ -145,7 +145,7 @@ def test_warnings_beside_the_table_go_where_standard_error_goes(
 ) -> None:
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
     from mavwire import Bridge
-    from mavwire.cli._bridge_status import StatusTable
+    from mavwire.cli.bridge._bridge_status import StatusTable
 
     monkeypatch.setenv("TERM", "xterm")
     ours, theirs = os.openpty()
@@ -191,7 +191,7 @@ def test_a_terminal_of_another_size_and_one_left_for_a_while_are_cleared(disturb
 def table(width: int, rows: list[list[str]]) -> str:
     """The table of links on a terminal."""
     pytest.importorskip("rich", reason="rich is not installed: pip install 'mavwire[cli]'")
-    from mavwire.cli._bridge_status import LINK_COLUMNS, _table
+    from mavwire.cli.bridge._bridge_status import LINK_COLUMNS, _table
     from rich.console import Console, Group
 
     out = io.StringIO()

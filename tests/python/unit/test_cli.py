@@ -250,15 +250,6 @@ def test_an_error_of_a_program_that_is_run_passes_through(tmp_path: Path) -> Non
     assert result.stderr.splitlines()[-1] == "BrokenPipeError: [Errno 32] Broken pipe"
 
 
-def test_help_after_a_subcommand_was_loaded(capsys: pytest.CaptureFixture[str]) -> None:
-    """`mavwire.cli.map` is then a name of the package, in the place of the builtin."""
-    import mavwire.cli.map
-
-    assert mavwire.cli.map.__name__ in str(vars(cli)["map"])
-    assert cli.main(["--help"]) == 0
-    assert "playback" in capsys.readouterr().out
-
-
 def test_the_garbage_collector_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also in a process of our own, for what its end calls; another's is never changed."""
     seen: list[tuple[int, int, int]] = []

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from dataflash_writer import sample
 from mavwire import cli, traffic
-from mavwire.cli import _dump_mat
+from mavwire.cli.logs import _dump_mat
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from unit.link_tools import record
 

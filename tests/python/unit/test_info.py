@@ -17,7 +17,7 @@ import mavwire
 import pytest
 from dataflash_writer import Log, sample
 from mavwire import cli, traffic
-from mavwire.cli import info
+from mavwire.cli.logs import info
 from unit.link_tools import T0, heartbeat, record
 
 

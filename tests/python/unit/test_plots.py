@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from dataflash_writer import Log, sample
 from mavwire import cli, mavutil, plots, traffic
-from mavwire.cli.plot import is_log
+from mavwire.cli.plots.plot import is_log
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.expression import ExpressionError
 from mavwire.plots.expressions import parse

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 from mavwire import cli, mavutil
-from mavwire.cli import sim as command
-from mavwire.cli._sim_status import StatusLine, describe
+from mavwire.cli.vehicle import sim as command
+from mavwire.cli.vehicle._sim_status import StatusLine, describe
 from mavwire.dialects.v20 import all as mavlink
 from mavwire.sim import Runner, Vehicle, serve
 from unit.link_tools import KEY, free_port, heartbeat

@@ -14,7 +14,7 @@ from pathlib import Path
 import mavwire
 import pytest
 from mavwire import cli, traffic
-from mavwire.cli import tools
+from mavwire.cli.dev import tools
 
 PACKAGE_FOLDER = str(Path(mavwire.__file__).parent.parent)
 

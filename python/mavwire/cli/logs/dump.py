@@ -13,8 +13,6 @@ from contextlib import ExitStack, contextmanager, redirect_stdout
 
 from mavwire._native import StatusTexts
 from mavwire._text import is_terminal, shown_to
-from mavwire.cli import _dump_format, _dump_native
-from mavwire.cli._dump_select import Selection, unknown_types
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._reading import (
@@ -26,6 +24,8 @@ from mavwire.cli._reading import (
 )
 from mavwire.cli._shared_arguments import add_user_functions
 from mavwire.cli._telemetry import record_of
+from mavwire.cli.logs import _dump_format, _dump_native
+from mavwire.cli.logs._dump_select import Selection, unknown_types
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
     from typing import Any
 
-    from mavwire.cli._dump_mat import Tables
+    from mavwire.cli.logs._dump_mat import Tables
 
 DEFAULT_DIALECT = "ardupilotmega"
 
@@ -156,7 +156,7 @@ def _check_possible(args: Namespace, log: Any) -> None:
 def _tables(args: Namespace, stack: ExitStack) -> Tables | None:
     if args.format != "mat":
         return None
-    from mavwire.cli._dump_mat import mat_file
+    from mavwire.cli.logs._dump_mat import mat_file
 
     return stack.enter_context(mat_file(args))
 

@@ -8,8 +8,8 @@ from contextlib import ExitStack
 
 from mavwire._signals import handled
 from mavwire._text import drawn_on, guard_streams, is_terminal, printable
-from mavwire.cli._bridge_warnings import full_name, losses
 from mavwire.cli._errors import CommandError
+from mavwire.cli.bridge._bridge_warnings import full_name, losses
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

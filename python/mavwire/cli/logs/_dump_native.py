@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from types import SimpleNamespace
 
-from mavwire.cli._dump_format import Csv, local_time
+from mavwire.cli.logs._dump_format import Csv, local_time
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-    from mavwire.cli._dump_select import Selection
+    from mavwire.cli.logs._dump_select import Selection
 
 # Options whose meaning depends on more than the message itself.
 SLOW_OPTIONS = (

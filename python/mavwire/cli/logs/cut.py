@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from mavwire.cli._rewriting import add_common, run, split, systems_of, time_of
+from mavwire.cli.logs._rewriting import add_common, run, split, systems_of, time_of
 
 if TYPE_CHECKING:
     import argparse

@@ -11,7 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._rewriting import add_common, run
+from mavwire.cli.logs._rewriting import add_common, run
 
 if TYPE_CHECKING:
     import argparse

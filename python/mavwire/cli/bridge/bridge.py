@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError, describe_link_error, tell
-from mavwire.cli.sim import duration
+from mavwire.cli.vehicle.sim import duration
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from mavwire.bridge.sidecars import Listen, SinkOptions
     from mavwire.bridge.sinks import Sink
     from mavwire.bridge.web_server import WebServer
-    from mavwire.cli._bridge_warnings import DropWarnings
+    from mavwire.cli.bridge._bridge_warnings import DropWarnings
 
 # How long the program sleeps at a time when there is nothing to show.
 PAUSE = 0.5
@@ -125,7 +125,7 @@ def main(args: Namespace) -> int:
 
 def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
     # Not once it is announced: a Ctrl-C while a class is made by `exec` ends Python with SIGINT, caught or not.
-    from mavwire.cli._bridge_warnings import DropWarnings
+    from mavwire.cli.bridge._bridge_warnings import DropWarnings
 
     warn = DropWarnings(bridge)
     try:
@@ -299,7 +299,7 @@ def _watch(bridge: Bridge, warn: DropWarnings, args: Namespace) -> None:
 
 def _shower(bridge: Bridge, args: Namespace) -> Any:
     if args.status:
-        from mavwire.cli._bridge_status import StatusTable
+        from mavwire.cli.bridge._bridge_status import StatusTable
 
         return StatusTable(bridge)
     if args.json is not None:

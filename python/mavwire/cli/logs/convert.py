@@ -19,7 +19,7 @@ from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
-from mavwire.cli._rewriting import split, systems_of, time_of
+from mavwire.cli.logs._rewriting import split, systems_of, time_of
 
 if TYPE_CHECKING:
     from typing import Any

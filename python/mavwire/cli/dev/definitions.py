@@ -66,8 +66,8 @@ def _clear(folder: Path) -> None:
 def show(name: str, dialect: str) -> str:
     """What the dialect has under this name, as text."""
     from mavwire import mavutil
-    from mavwire.cli._definition_text import describe
     from mavwire.cli._reading import definitions
+    from mavwire.cli.dev._definition_text import describe
 
     with definitions(dialect, "2.0"):
         return describe(mavutil.mavlink, name)

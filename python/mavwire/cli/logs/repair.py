@@ -10,7 +10,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from mavwire.cli._rewriting import add_common, run
+from mavwire.cli.logs._rewriting import add_common, run
 
 if TYPE_CHECKING:
     import argparse

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_link_error, tell
 from mavwire.cli._foreign import warn_without_records
-from mavwire.cli._rewriting import split
+from mavwire.cli.logs._rewriting import split
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -127,7 +127,7 @@ def main(args: Namespace) -> int:
 
 
 def _run(runner: Runner, args: Namespace) -> None:
-    from mavwire.cli._sim_status import StatusLine
+    from mavwire.cli.vehicle._sim_status import StatusLine
 
     line = StatusLine(runner, enabled=not args.quiet)
     end = None if args.duration is None else time.monotonic() + args.duration

@@ -1,0 +1,1 @@
+"""Commands that route and send frames."""

@@ -1,0 +1,1 @@
+"""Commands for developers: dialects, the alias and the names of scripts."""

@@ -1,0 +1,1 @@
+"""Commands about one vehicle: simulate it, and its parameters, mission and compass."""
