@@ -90,15 +90,13 @@ def generated() -> dict[str, str]:
 
 def command_page() -> str:
     """What `mavwire help COMMAND` says, for each."""
-    from importlib import import_module
-
     from mavwire import cli
     from mavwire.cli import _parsers
 
     os.environ["COLUMNS"] = "100"
     lines = ["# Commands\n", "What `mavwire help COMMAND` prints.\n"]
-    for name, (module, summary) in cli.COMMANDS.items():
-        text = _parsers.parser_of(name, import_module(module)).format_help()
+    for name, (_, _, summary) in cli.COMMANDS.items():
+        text = _parsers.parser_of(name, cli.module_of(name)).format_help()
         lines += [f"## {name}\n", f"{summary[0].upper()}{summary[1:]}.\n", "```text", text.rstrip(), "```\n"]  # fmt: skip
     return "\n".join(lines)
 

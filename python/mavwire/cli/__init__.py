@@ -1,6 +1,8 @@
 """The ``mavwire`` command: one table of subcommands, each imported only when it is chosen.
 
-A subcommand is a module with ``add_arguments(parser)`` and ``main(args) -> int``. One that hands
+A subcommand is a module of its name, in a folder by what people do with it: ``logs`` reads, converts and mends logs,
+``plots`` draws them, ``vehicle`` is about one vehicle, ``bridge`` sends frames on, ``dev`` is for developers. It has
+``add_arguments(parser)`` and ``main(args) -> int``. One that hands
 its arguments on to another program has ``PASS_THROUGH = True``: its parser then only makes the help
 text, and ``main`` gets the list of arguments as they were written.
 """
@@ -10,6 +12,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+from importlib import import_module
 from io import TextIOWrapper
 
 from mavwire._command_line import understood
@@ -20,93 +23,88 @@ from mavwire.cli._errors import CommandError, describe_os_error, tell
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from types import ModuleType
     from typing import Any
 
 COMMANDS = {
-    "info": ("mavwire.cli.logs.info", "what is in a log: types, rates, systems, losses"),
-    "dump": ("mavwire.cli.logs.dump", "print the messages of a log as text, JSON or CSV"),
-    "convert": (
-        "mavwire.cli.logs.convert",
-        "logs to Parquet, CSV, JSON lines, Arrow or MCAP files",
-    ),
-    "cut": ("mavwire.cli.logs.cut", "some records of a telemetry log as a log of their own"),
-    "repair": ("mavwire.cli.logs.repair", "the good records of a damaged telemetry log"),
-    "anonymize": ("mavwire.cli.logs.anonymize", "a telemetry log without places and identifiers"),
-    "plot": ("mavwire.cli.plots.plot", "fields and formulas over time, as an image or a page"),
-    "map": ("mavwire.cli.plots.map", "where a vehicle was, as a page, KML or GPX"),
-    "parms": ("mavwire.tools.mavparms", "the parameters in logs, or how they changed"),
-    "flightmodes": ("mavwire.tools.mavflightmodes", "flight modes and the time in each"),
-    "mission": ("mavwire.tools.mavmission", "the mission in a log as a waypoint file"),
-    "flighttime": ("mavwire.tools.mavflighttime", "how long a vehicle was in the air"),
-    "loss": ("mavwire.tools.mavloss", "messages lost, by sender and by type"),
+    "info": ("logs", "", "what is in a log: types, rates, systems, losses"),
+    "dump": ("logs", "mavlogdump", "print the messages of a log as text, JSON or CSV"),
+    "convert": ("logs", "", "logs to Parquet, CSV, JSON lines, Arrow or MCAP files"),
+    "cut": ("logs", "", "some records of a telemetry log as a log of their own"),
+    "repair": ("logs", "", "the good records of a damaged telemetry log"),
+    "anonymize": ("logs", "", "a telemetry log without places and identifiers"),
+    "plot": ("plots", "", "fields and formulas over time, as an image or a page"),
+    "map": ("plots", "", "where a vehicle was, as a page, KML or GPX"),
+    "parms": ("vehicle", "mavparms", "the parameters in logs, or how they changed"),
+    "flightmodes": ("logs", "mavflightmodes", "flight modes and the time in each"),
+    "mission": ("vehicle", "mavmission", "the mission in a log as a waypoint file"),
+    "flighttime": ("logs", "mavflighttime", "how long a vehicle was in the air"),
+    "loss": ("logs", "mavloss", "messages lost, by sender and by type"),
     "summarize": (
-        "mavwire.tools.mavsummarize",
+        "logs",
+        "mavsummarize",
         "show start time, place, distance and duration of each flight",
     ),
-    "togpx": ("mavwire.tools.mavtogpx", "the way of a vehicle as a GPX track"),
-    "parmdiff": ("mavwire.tools.mavparmdiff", "how two parameter files differ"),
-    "search": ("mavwire.tools.mavsearch", "messages at which a condition holds"),
-    "extract": ("mavwire.tools.mavextract", "the stretches of a log in flight modes"),
-    "msgstats": ("mavwire.tools.mavmsgstats", "which message types fill logs"),
-    "merge": ("mavwire.tools.mavmerge", "two telemetry logs as one"),
-    "tomfile": ("mavwire.tools.mavtomfile", "a log as a MATLAB script"),
-    "bitmask_decoder": (
-        "mavwire.tools.mavlink_bitmask_decoder",
-        "the names of the bits in a value",
-    ),
-    "bitmask_change": ("mavwire.tools.mavbitmask_change", "when the bits of a field changed"),
+    "togpx": ("plots", "mavtogpx", "the way of a vehicle as a GPX track"),
+    "parmdiff": ("vehicle", "mavparmdiff", "how two parameter files differ"),
+    "search": ("logs", "mavsearch", "messages at which a condition holds"),
+    "extract": ("logs", "mavextract", "the stretches of a log in flight modes"),
+    "msgstats": ("logs", "mavmsgstats", "which message types fill logs"),
+    "merge": ("logs", "mavmerge", "two telemetry logs as one"),
+    "tomfile": ("logs", "mavtomfile", "a log as a MATLAB script"),
+    "bitmask_decoder": ("dev", "mavlink_bitmask_decoder", "the names of the bits in a value"),
+    "bitmask_change": ("logs", "mavbitmask_change", "when the bits of a field changed"),
     "sensor_status_change": (
-        "mavwire.tools.mavsensor_status_change",
+        "logs",
+        "mavsensor_status_change",
         "when sensors came, went or failed",
     ),
-    "graph": ("mavwire.tools.mavgraph", "fields and formulas in a window or an image"),
-    "kml": ("mavwire.tools.mavkml", "the way of a vehicle in a PX4 log as KML"),
-    "playback": ("mavwire.tools.mavplayback", "a log as if the vehicle flew again"),
-    "fft": ("mavwire.tools.mavfft", "spectra of the inertial sensors in dataflash logs"),
-    "fft_int": ("mavwire.tools.mavfft_int", "spectra of stretches selected with the mouse"),
-    "fft_isb": ("mavwire.tools.mavfft_isb", "spectra of batches of fast samples"),
-    "fft_pid": ("mavwire.tools.mavfft_pid", "spectra of the terms of PID controllers"),
-    "magfit": ("mavwire.tools.magfit", "compass offsets from what a compass measured"),
+    "graph": ("plots", "mavgraph", "fields and formulas in a window or an image"),
+    "kml": ("plots", "mavkml", "the way of a vehicle in a PX4 log as KML"),
+    "playback": ("vehicle", "mavplayback", "a log as if the vehicle flew again"),
+    "fft": ("plots", "mavfft", "spectra of the inertial sensors in dataflash logs"),
+    "fft_int": ("plots", "mavfft_int", "spectra of stretches selected with the mouse"),
+    "fft_isb": ("plots", "mavfft_isb", "spectra of batches of fast samples"),
+    "fft_pid": ("plots", "mavfft_pid", "spectra of the terms of PID controllers"),
+    "magfit": ("vehicle", "magfit", "compass offsets from what a compass measured"),
     "magfit_WMM": (
-        "mavwire.tools.magfit_WMM",
+        "vehicle",
+        "magfit_WMM",
         "compass calibration by the field of the Earth at the place",
     ),
-    "gpslock": ("mavwire.tools.mavgpslock", "when GPS got and lost its fix"),
-    "sigloss": ("mavwire.tools.mavsigloss", "when nothing was received for some time"),
-    "gps_CEP": ("mavwire.tools.mavgps_CEP", "how far the positions of still receivers scatter"),
-    "ftpdecode": ("mavwire.tools.mavftpdecode", "the files that were sent by FTP"),
-    "split_sysid": ("mavwire.tools.mavsplit_sysid", "a log as one log for each system"),
-    "isb_extract": ("mavwire.tools.isb_extract", "batches of fast samples as CSV"),
+    "gpslock": ("logs", "mavgpslock", "when GPS got and lost its fix"),
+    "sigloss": ("logs", "mavsigloss", "when nothing was received for some time"),
+    "gps_CEP": ("logs", "mavgps_CEP", "how far the positions of still receivers scatter"),
+    "ftpdecode": ("logs", "mavftpdecode", "the files that were sent by FTP"),
+    "split_sysid": ("logs", "mavsplit_sysid", "a log as one log for each system"),
+    "isb_extract": ("logs", "isb_extract", "batches of fast samples as CSV"),
     "extract_batch_imu": (
-        "mavwire.tools.extract_batch_imu",
+        "logs",
+        "extract_batch_imu",
         "batches of fast samples as a dataflash log",
     ),
-    "extract_parms": ("mavwire.tools.extract_parms", "parameters that are not at their defaults"),
-    "tools": ("mavwire.cli.dev.tools", "give these the names of pymavlink's scripts"),
-    "sim": ("mavwire.cli.vehicle.sim", "fly simulated vehicles for a ground station or a test"),
-    "bridge": (
-        "mavwire.cli.bridge.bridge",
-        "route MAVLink between serial ports, UDP and TCP; record it",
-    ),
-    "replay": (
-        "mavwire.cli.bridge.replay",
-        "send the frames of a log again, at their pace or faster",
-    ),
-    "gen": ("mavwire.cli.dev.gen", "generate a Python dialect module from XML definitions"),
-    "definitions": (
-        "mavwire.cli.dev.definitions",
-        "show a message, enum or command; store upstream descriptions",
-    ),
-    "run": ("mavwire.cli.dev.run", "run a program that imports pymavlink on mavwire"),
-    "alias": ("mavwire.cli.dev.alias", "let mavwire answer 'import pymavlink' in this environment"),
+    "extract_parms": ("vehicle", "extract_parms", "parameters that are not at their defaults"),
+    "tools": ("dev", "", "give these the names of pymavlink's scripts"),
+    "sim": ("vehicle", "", "fly simulated vehicles for a ground station or a test"),
+    "bridge": ("bridge", "", "route MAVLink between serial ports, UDP and TCP; record it"),
+    "replay": ("bridge", "", "send the frames of a log again, at their pace or faster"),
+    "gen": ("dev", "mavgen", "generate a Python dialect module from XML definitions"),
+    "definitions": ("dev", "", "show a message, enum or command; store upstream descriptions"),
+    "run": ("dev", "", "run a program that imports pymavlink on mavwire"),
+    "alias": ("dev", "", "let mavwire answer 'import pymavlink' in this environment"),
 }
-"""Name -> the module and one line of help."""
+"""Name -> its folder, the name of pymavlink's script if it stands for one, and a line of help."""
 
 # Objects that are made before the garbage collector looks for circles among them. With 700, as Python has it,
 # that is a tenth of a run over a short log, of which hardly anything is garbage.
 YOUNG_OBJECTS = 50_000
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
+
+
+def module_of(name: str) -> ModuleType:
+    """The module of a command."""
+    return import_module(f"{__name__}.{COMMANDS[name][0]}.{name}")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -117,10 +115,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         name = arguments.pop(0) if arguments else "--help"
         arguments = ["--help"] if name in COMMANDS else []
     try:
-        # As `importlib` does, which takes longer to import.
-        command: Any = (
-            __import__(COMMANDS[name][0], fromlist=["main"]) if name in COMMANDS else None
-        )
+        command: Any = module_of(name) if name in COMMANDS else None
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
@@ -220,8 +215,8 @@ def _discard_output() -> None:
 
 
 def _overview() -> str:
-    width = max(len(name) for name in COMMANDS)  # `map` is a subcommand here once it is loaded
-    lines = [f"  {name:<{width}}  {text}" for name, (_, text) in COMMANDS.items()]
+    width = max(map(len, COMMANDS))
+    lines = [f"  {name:<{width}}  {text}" for name, (_, _, text) in COMMANDS.items()]
     return "\n".join(
         [
             "usage: mavwire COMMAND ...",

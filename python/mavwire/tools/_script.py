@@ -1,15 +1,12 @@
-"""Tools as programs under the names of pymavlink's scripts: `python -m mavwire.tools.mavparms`."""
+"""A command under the name of pymavlink's script, by which it is run."""
 
 from __future__ import annotations
 
-import os
-import sys
-from typing import NoReturn
+if __name__ == "__main__":
+    import sys
 
+    from mavwire.cli import COMMANDS, main
 
-def run(file: str) -> NoReturn:
-    """Run the tool whose module this file is, with the arguments of the process, and end it."""
-    from mavwire.cli import main
-    from mavwire.cli.dev.tools import scripts
-
-    sys.exit(main([scripts()[os.path.basename(file)], *sys.argv[1:]]))
+    script = __spec__.name.rpartition(".")[2]
+    name = next(name for name, (_, other, _) in COMMANDS.items() if other == script)
+    sys.exit(main([name, *sys.argv[1:]]))

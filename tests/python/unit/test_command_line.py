@@ -58,7 +58,7 @@ def by_argparse(name: str, command: Any, words: list[str]) -> dict[str, Any] | N
 
 @pytest.mark.parametrize("name", sorted(cli.COMMANDS))
 def test_each_command_means_the_same(name: str) -> None:
-    command: Any = importlib.import_module(cli.COMMANDS[name][0])
+    command: Any = cli.module_of(name)
     for line in LINES:
         found = understood(command.add_arguments, line.split())
         if found is not None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from mavwire import cli
-from mavwire.tools import _param_docs
+from mavwire.cli.vehicle import _param_docs
 
 DOCS = """<?xml version="1.0" encoding="utf-8"?>
 <paramfile><vehicles><parameters name="ArduCopter">

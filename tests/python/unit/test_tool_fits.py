@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 from compass_logs import CENTRE, compass_log, sphere
 from mavwire import cli
+from mavwire.cli._batches import Spectrum, batches
+from mavwire.cli._figures import open_figures
+from mavwire.cli.plots import fft_int
+from mavwire.cli.vehicle import magfit
 from mavwire.dialects.v20 import ardupilotmega as mavlink
-from mavwire.tools import magfit, mavfft_int
-from mavwire.tools._batches import Spectrum, batches
-from mavwire.tools._figures import open_figures
 from tool_runs import Log, flight_log
 
 
@@ -301,7 +302,7 @@ def test_spectrum_of_a_selection(
     path = log.write(tmp_path / "fast.bin")
     image = tmp_path / "out.png"
     figures = open_figures(str(image))
-    monkeypatch.setattr(mavfft_int, "open_figures", lambda name: figures)
+    monkeypatch.setattr(fft_int, "open_figures", lambda name: figures)
     arguments = ["fft_int", path, "--from", "0.2", "--to", "0.4", "--image", str(image)]
     assert cli.main(arguments) == 0
     assert image.stat().st_size > 1000

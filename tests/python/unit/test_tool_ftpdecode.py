@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mavwire import cli
+from mavwire.cli.logs.ftpdecode import transfers
 from mavwire.dialects.v20 import common as mavlink
 from mavwire.mavftp_op import (
     FTP_OP,
@@ -16,7 +17,6 @@ from mavwire.mavftp_op import (
     OP_OpenFileRO,
     OP_TerminateSession,
 )
-from mavwire.tools.mavftpdecode import transfers
 from tool_runs import Log
 
 if TYPE_CHECKING:

@@ -15,8 +15,9 @@ from typing import Any
 import dataflash_writer
 import pytest
 from mavwire import cli
+from mavwire.cli.logs import tomfile
+from mavwire.cli.plots import kml, togpx
 from mavwire.dialects.v20 import ardupilotmega as mavlink
-from mavwire.tools import mavkml, mavtogpx, mavtomfile
 from tool_runs import Log, flight_log, heartbeat, random_log
 
 
@@ -328,7 +329,7 @@ def test_a_track_that_is_interrupted_leaves_the_file(
         signal.raise_signal(signal.SIGTERM)
         raise AssertionError("it would have ended at once")
 
-    monkeypatch.setattr(mavtogpx, "_points", told)
+    monkeypatch.setattr(togpx, "_points", told)
     log = flight_log(tmp_path / "flight.tlog")
     track = tmp_path / "flight.tlog.gpx"
     track.write_text("precious")
@@ -357,8 +358,8 @@ def test_lines_that_do_not_fit_on_the_disk_leave_the_file(
     resource = pytest.importorskip("resource")
     log, output = flight_log(tmp_path / "flight.tlog"), tmp_path / "mav.kml"
     output.write_text("precious")
-    monkeypatch.setattr(mavkml, "_lines", lambda *_: [mavkml.Line("GPOS", 0)])
-    monkeypatch.setattr(mavkml, "document", lambda *_: "x" * 10_000)
+    monkeypatch.setattr(kml, "_lines", lambda *_: [kml.Line("GPOS", 0)])
+    monkeypatch.setattr(kml, "document", lambda *_: "x" * 10_000)
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (5_000, limits[1]))
     try:
@@ -376,12 +377,12 @@ def test_a_layout_of_columns_is_made_once_for_each_format(
     """A format may be given anew within a log; a row of a CSV file has its own cells that are numbers."""
     made: list[Any] = []
 
-    class Layout(mavtomfile.Layout):
+    class Layout(tomfile.Layout):
         def __init__(self, msg: Any) -> None:
             made.append(msg.get_type())
             super().__init__(msg)
 
-    monkeypatch.setattr(mavtomfile, "Layout", Layout)
+    monkeypatch.setattr(tomfile, "Layout", Layout)
     log, rows = tmp_path / "a.log", tmp_path / "b.csv"
     log.write_text(
         "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"

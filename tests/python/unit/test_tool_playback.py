@@ -10,9 +10,9 @@ from typing import Any
 import encoder
 import pytest
 from mavwire import cli, mavutil
+from mavwire.cli.vehicle import playback
+from mavwire.cli.vehicle._player import LONGEST_GAP, Flight, Player
 from mavwire.fgFDM import fgFDM
-from mavwire.tools import mavplayback
-from mavwire.tools._player import LONGEST_GAP, Flight, Player
 from tool_runs import Log, attitude, flight_log, gps, heartbeat, position
 
 
@@ -161,7 +161,7 @@ class Toolkit:
 def test_a_window_plays_to_the_end(log: Path) -> None:
     clock, root = Clock(), Root()
     player = Player(messages(log), lambda _: None, lambda _: None, Flight(), 1.0, clock)
-    mavplayback.window(player, Toolkit, root, "flight.tlog")
+    playback.window(player, Toolkit, root, "flight.tlog")
     assert root.options["title"] == "mavwire playback: flight.tlog"
     while root.waiting:
         milliseconds, call = root.waiting.pop()
@@ -197,5 +197,5 @@ def test_any_endpoint_is_an_output(
 
     monkeypatch.setattr(mavutil, "mavlink_connection", connect)
     with ExitStack() as stack:
-        mavplayback._links([endpoint], 57600, stack)
+        playback._links([endpoint], 57600, stack)
     assert opened == [name]

@@ -13,10 +13,10 @@ import pytest
 from mavwire import cli, mavutil, traffic
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions
+from mavwire.cli.logs.flightmodes import Clock, _duration
+from mavwire.cli.logs.loss import Losses
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.links import state
-from mavwire.tools.mavflightmodes import Clock, _duration
-from mavwire.tools.mavloss import Losses
 from tool_runs import Log, attitude, flight_log, heartbeat, random_log
 
 READERS = (

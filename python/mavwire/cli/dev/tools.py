@@ -12,15 +12,13 @@ import sys
 import sysconfig
 
 from mavwire._atomic_file import replace_text
+from mavwire.cli import COMMANDS
 from mavwire.cli._errors import tell
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from argparse import ArgumentParser, Namespace
 
-PACKAGE = "mavwire.tools."
-# Tools that are not in the folder of tools, and their scripts.
-ELSEWHERE = {"dump": "mavlogdump.py", "gen": "mavgen.py"}
 MARK = '# Written by "mavwire tools --install"; "mavwire tools --uninstall" removes it.'
 # A mark further down is not that of a script which was written here.
 MARK_WITHIN = 8192
@@ -53,14 +51,7 @@ def main(args: Namespace) -> int:
 
 def scripts() -> dict[str, str]:
     """Name of the script -> name of the subcommand."""
-    from mavwire.cli import COMMANDS
-
-    tools = {
-        f"{module.removeprefix(PACKAGE)}.py": verb
-        for verb, (module, _) in COMMANDS.items()
-        if module.startswith(PACKAGE)
-    }
-    return tools | {script: verb for verb, script in ELSEWHERE.items()}
+    return {f"{script}.py": name for name, (_, script, _) in COMMANDS.items() if script}
 
 
 def _install(folder: str) -> int:

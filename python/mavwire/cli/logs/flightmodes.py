@@ -1,0 +1,133 @@
+"""When the flight mode changed, and the time spent in each mode (mavflightmodes.py)."""
+
+from __future__ import annotations
+
+import sys
+import time
+from math import floor
+
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_logs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+    from mavwire.cli._reading import Reading
+
+TYPES = ("SYS_STATUS", "HEARTBEAT", "MODE")
+UNKNOWN = "UNKNOWN"
+TWO_DIGITS = [f"{number:02}" for number in range(60)]
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavflightmodes.py's options."""
+    add_logs(parser)
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    with definitions():
+        for path in args.logs:
+            print(f"Processing log {path}")
+            with reading("flightmodes", path) as log:
+                _print_modes(log)
+    return 0
+
+
+def _print_modes(log: Reading) -> None:
+    """A line for each message whose sender is in another mode than the vehicle was at the last."""
+    modes, clock = Modes(), Clock()
+    link = log.link
+    systems = getattr(link, "sysid_state", None)
+    shown = UNKNOWN
+    # Of what the log knows nothing is asked but modes, which the heartbeats among these tell.
+    for msg in log.messages(TYPES, alone=True):
+        sender = link if systems is None else systems[msg.get_srcSystem()]
+        if sender.flightmode == shown:
+            continue
+        target = link if systems is None else systems[link.sysid]
+        shown, stamp, percent = target.flightmode, msg._timestamp, link.percent
+        where = f"(MAV.timestamp={int(stamp)} {int(percent)}%)"
+        # Which `print` would write in two pieces.
+        sys.stdout.write(f"{clock.text(stamp)} MAV.flightmode={shown:<12} {where}\n")
+        modes.add(shown, stamp, percent)
+    modes.finish()
+    print("\nTime per mode:")
+    print("\n".join(modes.table()))
+
+
+class Clock:
+    """`time.ctime`, which takes half of what a line takes: so it is asked once for each minute."""
+
+    def __init__(self) -> None:
+        self._minute: int | None = None
+        self._before = self._behind = ""
+
+    def text(self, stamp: float) -> str:
+        """The local time at `stamp`."""
+        minute, second = divmod(floor(stamp), 60)
+        if minute != self._minute:
+            text = time.ctime(60 * minute)
+            self._minute, self._before, self._behind = minute, text[:17], text[19:]
+            if text[17:19] != "00":  # of places whose time had seconds of its own
+                self._minute = None
+                return time.ctime(stamp)
+        return f"{self._before}{TWO_DIGITS[second]}{self._behind}"
+
+
+class Modes:
+    """Seconds in each mode.
+
+    The last mode has no end. It is taken to last as long as the rest of the file would if all of it
+    were written as fast as the part between the first change and the line before it.
+    """
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._mode: str | None = None
+        self._began = 0.0
+        self._percent = 0.0
+        self._seconds_per_percent: float | None = None
+
+    def add(self, mode: str, stamp: float, percent: float) -> None:
+        """The vehicle is in `mode` at time `stamp`, `percent` of the file being read."""
+        if self._mode is None:
+            self._mode, self._began = mode, stamp
+        elif mode != self._mode:
+            lasted = stamp - self._began
+            self._count(lasted)
+            if self._seconds_per_percent is None and percent > self._percent:
+                self._seconds_per_percent = lasted / (percent - self._percent)
+            self._mode, self._began = mode, stamp
+        self._percent = percent
+
+    def finish(self) -> None:
+        """The log has ended."""
+        if self._mode is not None:
+            self._count((100.0 - self._percent) * (self._seconds_per_percent or 0.0))
+
+    def _count(self, seconds: float) -> None:
+        assert self._mode is not None
+        self.seconds[self._mode] = self.seconds.get(self._mode, 0.0) + seconds
+
+    def table(self) -> list[str]:
+        """The lines that are printed."""
+        if len(self.seconds) < 2:
+            return [f"{self._mode or ''}  100% of flight time"]
+        total = sum(self.seconds.values())
+        return [
+            f"{mode:<12} {_duration(int(seconds))} {_share(seconds, total):.2f}%"
+            for mode, seconds in self.seconds.items()
+        ]
+
+
+def _duration(seconds: int) -> str:
+    """As a `timedelta` is shown, whose module takes longer to import than a mode takes to print."""
+    days, seconds = divmod(seconds, 86_400)
+    clock = f"{seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02}"
+    return f"{days} day{'' if abs(days) == 1 else 's'}, {clock}" if days else clock
+
+
+def _share(part: float, total: float) -> float:
+    return part * 100.0 / total if total else 0.0

@@ -1,0 +1,112 @@
+"""How long a vehicle was in the air, by its speed over ground (mavflighttime.py)."""
+
+from __future__ import annotations
+
+import time
+
+from mavwire._native import Track
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_condition, add_logs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from typing import Any
+
+    from mavwire.cli._reading import Reading
+
+TYPES = ("GPS_RAW_INT", "GPS")
+FIX_3D = 3
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavflighttime.py's options."""
+    add_logs(parser)
+    add_condition(parser)
+    parser.add_argument(
+        "--groundspeed", type=float, default=3.0,
+        help="metres a second above which it flies (default: %(default)s)",
+    )  # fmt: skip
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    seconds, metres = 0, 0.0
+    with definitions():
+        for path in args.logs:
+            print(f"Processing log {path}")
+            with reading("flighttime", path) as log:
+                flight = Flight(args.groundspeed)
+                flight.read(log, args.condition)
+            seconds += flight.seconds
+            metres += flight.track.metres
+    print(f"Total time in air: {minutes(seconds)}")
+    print(f"Total distance travelled: {metres:.1f} meters")
+    return 0
+
+
+class Fix:
+    """What a GPS message says, in degrees and metres a second. `stamp` changes with every fix."""
+
+    __slots__ = ("fix_type", "groundspeed", "lat", "lon", "stamp")
+
+    def __init__(
+        self, fix_type: int, groundspeed: float, lat: float, lon: float, stamp: int
+    ) -> None:
+        self.fix_type = fix_type
+        self.groundspeed = groundspeed
+        self.lat = lat
+        self.lon = lon
+        self.stamp = stamp
+
+
+def fix_of(msg: Any) -> Fix:
+    """A position of a telemetry or a dataflash log."""
+    if msg.get_type() == "GPS_RAW_INT":
+        lat, lon = msg.lat / 1.0e7, msg.lon / 1.0e7
+        return Fix(msg.fix_type, msg.vel * 0.01, lat, lon, msg.time_usec)
+    stamp = msg.TimeUS if hasattr(msg, "TimeUS") else msg.TimeMS
+    return Fix(msg.Status, msg.Spd, msg.Lat, msg.Lng, stamp)
+
+
+class Flight:
+    """The flights in one log: `seconds` in the air and the `track`."""
+
+    def __init__(self, groundspeed: float) -> None:
+        self.seconds = 0
+        self.track = Track()
+        self._groundspeed = groundspeed
+        self._took_off: int | None = None
+
+    def read(self, log: Reading, condition: str | None) -> None:
+        """Add everything to the end of the log, and tell of each take-off and landing."""
+        now = None
+        for msg in log.messages(TYPES, condition, alone=True):
+            fix = fix_of(msg)
+            if fix.fix_type < FIX_3D:
+                continue
+            now = int(msg._timestamp)
+            self.track.add(fix.lat, fix.lon, fix.stamp)
+            if self._took_off is None and fix.groundspeed > self._groundspeed:
+                self._took_off = now
+                self._tell("In air", now, f"{log.link.percent:.0f}", fix, "")
+            elif self._took_off is not None and fix.groundspeed < self._groundspeed:
+                lasted = now - self._took_off
+                percent = f"{log.link.percent:.1f}"
+                self._tell("On ground", now, percent, fix, f"  time={lasted:.1f} seconds")
+                self.seconds += lasted
+                self._took_off = None
+        if self._took_off is not None and now is not None:
+            self.seconds += now - self._took_off
+        if self.seconds > 0:
+            print(f"Flight time : {minutes(self.seconds)}")
+
+    def _tell(self, what: str, now: int, percent: str, fix: Fix, lasted: str) -> None:
+        clock = time.asctime(time.localtime(now))
+        speed = f"groundspeed {fix.groundspeed:.1f}"
+        print(f"{what} at {clock} (percent {percent}% {speed}{lasted})")
+
+
+def minutes(seconds: int) -> str:
+    """`2:40`"""
+    return f"{seconds // 60}:{seconds % 60:02d}"

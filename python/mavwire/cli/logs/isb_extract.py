@@ -1,0 +1,54 @@
+"""The batches of fast samples in dataflash logs, as a CSV file for each sensor (isb_extract.py)."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import ExitStack
+
+from mavwire.cli._batches import TYPES, Batch, batches
+from mavwire.cli._output import OutputFile, writing
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_condition, add_logs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+NAMES = ("Accel", "Gyro")
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """isb_extract.py's options."""
+    add_logs(parser)
+    add_condition(parser)
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand. The files (Accel0.csv ...) are in the working folder."""
+    files: dict[tuple[int, int], OutputFile] = {}
+    count = 0
+    with definitions(), ExitStack() as stack:
+        for path in args.logs:
+            print(f"Processing log {path}")
+            with reading("isb_extract", path) as log:
+                for batch in batches(log.messages(TYPES, args.condition), _tell_hole):
+                    kind, number = batch.sensor
+                    if batch.sensor not in files:
+                        name = f"{NAMES[kind]}{number}.csv"
+                        files[batch.sensor] = stack.enter_context(
+                            writing(name, args.logs, option="")
+                        )
+                        files[batch.sensor].write(b"SampleUS,X,Y,Z\n")
+                    files[batch.sensor].write(_lines(batch))
+                    count += 1
+    print(f"Extracted {count} fft data sets", file=sys.stderr)
+    return 0
+
+
+def _tell_hole(batch: Batch) -> None:
+    print(f"ISBH({batch.number}) has holes in it")
+
+
+def _lines(batch: Batch) -> bytes:
+    lines = [f"{micros},{x:.5f},{y:.5f},{z:.5f}\n" for micros, x, y, z in batch.rows()]
+    return "".join(lines).encode()

@@ -1,0 +1,45 @@
+"""The messages of logs at which a condition holds (mavsearch.py)."""
+
+from __future__ import annotations
+
+from mavwire.cli._message_types import wanted
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_condition, add_logs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+    from mavwire.cli._reading import Reading
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavsearch.py's options."""
+    add_logs(parser)
+    add_condition(parser)
+    parser.add_argument("--types", help="only these message types, comma separated")
+    parser.add_argument(
+        "--stop", action="store_true", help="of each log, no more than the first of these types"
+    )
+    parser.add_argument(
+        "--stopcondition", action="store_true", help="no more than the first that is found"
+    )
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    with definitions():
+        for path in args.logs:
+            print(f"Loading {path} ...")
+            with reading("search", path) as log:
+                _search(log, args)
+    return 0
+
+
+def _search(log: Reading, args: Namespace) -> None:
+    for msg in log.messages(wanted(args.types, log), alone=args.condition is None):
+        found = log.holds(args.condition)
+        if found:
+            print(msg)
+        if args.stop or (found and args.stopcondition):
+            return

@@ -1,0 +1,52 @@
+"""When nothing was received for longer than some time (mavsigloss.py)."""
+
+from __future__ import annotations
+
+import time
+
+from mavwire.cli._message_types import wanted
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import (
+    add_condition,
+    add_logs,
+    add_no_timestamps,
+    add_planner,
+    add_robust,
+)
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavsigloss.py's options."""
+    add_logs(parser)
+    add_no_timestamps(parser)
+    add_planner(parser)
+    add_robust(parser)
+    parser.add_argument(
+        "--deltat", type=float, default=1.0, help="seconds of silence (default: %(default)s)"
+    )
+    add_condition(parser)
+    parser.add_argument("--types", help="only these message types, comma separated")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    with definitions():
+        for path in args.logs:
+            print(f"Processing log {path}")
+            last = None
+            with reading(
+                "sigloss", path, notimestamps=args.no_timestamps, planner_format=args.planner,
+                robust_parsing=args.robust,
+            ) as log:  # fmt: skip
+                for msg in log.messages(wanted(args.types, log), args.condition):
+                    stamp = msg._timestamp
+                    if not stamp:  # how a dataflash log describes itself, before it has a time
+                        continue
+                    if last is not None and stamp - last > args.deltat:
+                        print(f"Sig lost for {stamp - last:.1f}s at {time.ctime(stamp)}")
+                    last = stamp
+    return 0

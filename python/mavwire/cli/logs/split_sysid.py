@@ -1,0 +1,55 @@
+"""A telemetry log as one log for each system in it (mavsplit_sysid.py)."""
+
+from __future__ import annotations
+
+import os
+from contextlib import ExitStack
+
+from mavwire.cli._message_types import wanted
+from mavwire.cli._output import OutputFile, writing
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
+from mavwire.cli._telemetry import is_damaged, record, require_telemetry
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+
+    from mavwire.cli._reading import Reading
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavsplit_sysid.py's options."""
+    add_logs(parser)
+    add_no_timestamps(parser)
+    add_condition(parser)
+    parser.add_argument("--types", help="only these, separated by commas")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    for path in args.logs:
+        print(f"Processing {path}")
+        with (
+            definitions(),
+            reading("split_sysid", path, notimestamps=args.no_timestamps) as log,
+            ExitStack() as stack,
+        ):
+            require_telemetry(log)
+            _split(log, wanted(args.types or None, log), args, stack)
+    return 0
+
+
+def _split(log: Reading, types: list[str] | None, args: Namespace, stack: ExitStack) -> None:
+    """Write each message to the log of who sent it."""
+    stem = os.path.splitext(log.path)[0]
+    files: dict[int, OutputFile] = {}
+    for msg in log.messages(types, args.condition):
+        if is_damaged(msg):
+            continue
+        sysid = msg.get_srcSystem()
+        if sysid not in files:
+            path = f"{stem}-{sysid}.tlog"
+            print(f"Creating {path}")
+            files[sysid] = stack.enter_context(writing(path, args.logs, option=""))
+        files[sysid].write(record(msg))

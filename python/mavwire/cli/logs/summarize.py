@@ -1,0 +1,153 @@
+"""When and where logs were recorded, how far and how long they went (mavsummarize.py)."""
+
+from __future__ import annotations
+
+import time
+
+from mavwire._native import Track
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_condition, add_dialect, add_logs, add_no_timestamps
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from typing import Any
+
+    from mavwire.cli._reading import Reading
+
+TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
+# Of a HEARTBEAT's base_mode: the vehicle flies by itself, or where it is told to.
+AUTONOMOUS = 4 | 8
+# The type of a HEARTBEAT's sender that does not fly.
+GROUND_STATION = 6
+# 2009, in seconds since 1970: an earlier time is of no clock that was set, such as one since the vehicle's start.
+EARLIEST = 1_230_768_000
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavsummarize.py's options."""
+    add_logs(parser)
+    add_condition(parser)
+    add_no_timestamps(parser)
+    add_dialect(parser)
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    flights, metres, seconds = 0, 0.0, 0.0
+    for path in args.logs:
+        print(f"Processing log {path}")
+        with definitions(args.dialect):
+            summary = _read(path, args)
+        if summary is None:
+            print("ERROR: No messages found.")
+            continue
+        summary.tell()
+        flights += 1
+        metres += summary.track.metres
+        seconds += summary.seconds
+    print("===============================")
+    print(f"Num Flights : {flights}")
+    print(f"Total distance : {metres:0.2f}m")
+    print(f"Total time (mm:ss): {_clock(seconds)}")
+    return 0
+
+
+def _read(path: str, args: Namespace) -> Summary | None:
+    with reading("summarize", path, notimestamps=args.no_timestamps) as log:
+        return summarise(log, args.condition)
+
+
+class Summary:
+    """What is known of a log; times are in seconds. `dated` is the first that is one of a clock."""
+
+    def __init__(
+        self,
+        began: float,
+        dated: float | None,
+        ended: float,
+        sections: int,
+        autonomous: float,
+        track: Track,
+    ) -> None:
+        self.began = began
+        self.dated = dated
+        self.ended = ended
+        self.sections = sections
+        self.autonomous = autonomous
+        self.track = track
+
+    @property
+    def seconds(self) -> float:
+        """From the first message to the last one."""
+        return self.ended - self.began
+
+    def tell(self) -> None:
+        """Print it."""
+        print(self._start())
+        if self.track.start is None:
+            print("Warning: No GPS data found, can't give position summary.")
+        else:
+            print(f"Travelled from {self.track.start} to {self.track.end}")
+            print(f"Total distance : {self.track.metres:0.2f}m")
+        print(f"Total time (mm:ss): {_clock(self.seconds)}")
+        print(f"Autonomous sections: {self.sections}")
+        if self.sections > 0:
+            print(f"Autonomous time (mm:ss): {_clock(self.autonomous)}")
+
+    def _start(self) -> str:
+        if self.dated is None:
+            return (
+                "Warning: No absolute timestamp found in datastream. "
+                "No starting time can be provided for this log."
+            )
+        clock = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(self.dated))
+        return f"Log started at about {clock}"
+
+
+def summarise(log: Reading, condition: str | None) -> Summary | None:
+    """Read a log to its end; None if nothing of interest is in it."""
+    track = Track()
+    follow = track.follow
+    began: float | None = None
+    dated: float | None = None
+    since: float | None = None
+    autonomous, sections = 0.0, 0
+    msg: Any = None
+    for msg in log.messages(TYPES, condition, alone=True):
+        if dated is None:
+            began = msg._timestamp if began is None else began
+            dated = _date(msg)
+        if msg.get_type() == "GPS_RAW_INT":
+            follow(msg)
+        elif msg.type == GROUND_STATION:
+            continue
+        elif not msg.base_mode & AUTONOMOUS:
+            autonomous += msg._timestamp - since if since is not None else 0.0
+            since = None
+        elif since is None:
+            sections += 1
+            since = msg._timestamp
+    if began is None:
+        return None
+    ended = msg._timestamp
+    if since is not None:
+        autonomous += ended - since
+    return Summary(began, dated, ended, sections, autonomous, track)
+
+
+def _date(msg: Any) -> float | None:
+    """When it was, by the log or by GPS; None if neither says. That microseconds are compared with EARLIEST, too, so that
+    20 minutes are enough, is mavsummarize.py's.
+    """
+    now: float = msg._timestamp
+    if now >= EARLIEST:
+        return now
+    if msg.get_type() == "GPS_RAW_INT" and msg.time_usec >= EARLIEST:
+        return float(msg.time_usec * 1.0e-6)
+    return None
+
+
+def _clock(seconds: float) -> str:
+    """As mavsummarize.py writes it: minutes are rounded, not cut off."""
+    return f"{seconds / 60:3.0f}:{seconds % 60:02.0f}"

@@ -1,0 +1,152 @@
+"""Where a vehicle was, as a GPX track beside the log (mavtogpx.py)."""
+
+from __future__ import annotations
+
+import math
+import time
+from functools import lru_cache
+
+from mavwire.cli._message_types import tell_unknown
+from mavwire.cli._output import refuse_log, writing
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_condition, add_logs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Iterator
+    from typing import Any
+
+    from mavwire.cli._reading import Reading
+
+TYPES = ("GPS_RAW_INT", "GPS", "GPS2", "GLOBAL_POSITION_INT", "POS")
+FIX_2D = 2
+HEADER = """<?xml version="1.0" encoding="UTF-8"?>
+<gpx
+  version="1.0"
+  creator="pymavlink"
+  xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+  xmlns="http://www.topografix.com/GPX/1/0"
+  xsi:schemaLocation="http://www.topografix.com/GPX/1/0 \
+http://www.topografix.com/GPX/1/0/gpx.xsd">
+<trk>
+<trkseg>
+"""
+FOOTER = "</trkseg>\n</trk>\n</gpx>\n"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavtogpx.py's options."""
+    add_logs(parser)
+    add_condition(parser)
+    parser.add_argument("--nofixcheck", action="store_true", help="positions without a fix as well")
+    parser.add_argument("--type", nargs="*", dest="types", help="message types to take it from")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    for path in args.logs:
+        refuse_log(f"{path}.gpx", args.logs, option="")
+    with definitions():
+        for path in args.logs:
+            output = f"{path}.gpx"
+            with reading("togpx", path) as log:
+                count = _write(log, args, output)
+            print(f"Created {output} with {count} points")
+    return 0
+
+
+def _write(log: Reading, args: Namespace, path: str) -> int:
+    """Write the track; how many points it has. After an error the file is as it was."""
+    count = 0
+    with writing(path, option="") as file:
+        file.write(HEADER.encode())
+        for point in _points(log, args):
+            file.write(point.encode())
+            count += 1
+        file.write(FOOTER.encode())
+    return count
+
+
+class Point:
+    """A position: degrees, metres, metres a second. Of a message that does not tell them, `course`,
+    `speed` and `fix_type` are None: those of the last one that did stand for them.
+    """
+
+    __slots__ = ("altitude", "course", "fix_type", "lat", "lon", "speed")
+
+    def __init__(
+        self,
+        lat: float,
+        lon: float,
+        altitude: float,
+        course: float | None = None,
+        speed: float | None = None,
+        fix_type: int | None = None,
+    ) -> None:
+        self.lat = lat
+        self.lon = lon
+        self.altitude = altitude
+        self.course = course
+        self.speed = speed
+        self.fix_type = fix_type
+
+    def fill_in(self, last: Point) -> None:
+        """Take what the message does not tell from the point before, of whatever type."""
+        if self.course is None:
+            self.course = last.course
+        if self.speed is None:
+            self.speed = last.speed
+        if self.fix_type is None:
+            self.fix_type = last.fix_type
+
+    def gpx(self, stamp: float) -> str:
+        """One point of a track."""
+        return (
+            f'<trkpt lat="{self.lat}" lon="{self.lon}">\n'
+            f"  <ele>{self.altitude}</ele>\n"
+            f"  <time>{_clock(math.floor(stamp))}</time>\n"
+            f"  <course>{self.course}</course>\n"
+            f"  <speed>{self.speed}</speed>\n"
+            "  <fix>3d</fix>\n"
+            "</trkpt>\n"
+        )
+
+
+@lru_cache(maxsize=1)
+def _clock(second: int) -> str:
+    """The time is local, though it says otherwise: mavtogpx.py's."""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.localtime(second))
+
+
+def _points(log: Reading, args: Namespace) -> Iterator[str]:
+    last = Point(0.0, 0.0, 0.0, 0.0, 0.0, 0)
+    tell_unknown(args.types or (), log)
+    for msg in log.messages(args.types or TYPES, args.condition):
+        point = _point(msg)
+        if point is None:
+            continue
+        point.fill_in(last)
+        last = point
+        if (_has_fix(point) or args.nofixcheck) and point.lat != 0.0 and point.lon != 0.0:
+            yield point.gpx(msg._timestamp)
+
+
+def _has_fix(point: Point) -> bool:
+    return point.fix_type is not None and point.fix_type >= FIX_2D
+
+
+def _point(msg: Any) -> Point | None:
+    kind = msg.get_type()
+    if kind == "GPS_RAW_INT":
+        lat, lon, alt = msg.lat / 1.0e7, msg.lon / 1.0e7, msg.alt / 1.0e3
+        return Point(lat, lon, alt, msg.cog / 100.0, msg.vel / 100.0, msg.fix_type)
+    if kind == "GLOBAL_POSITION_INT":
+        lat, lon, alt = msg.lat / 1.0e7, msg.lon / 1.0e7, msg.alt / 1.0e3
+        speed = math.sqrt(msg.vx**2 + msg.vy**2) / 100.0
+        return Point(lat, lon, alt, msg.hdg / 100.0, speed)
+    if kind in ("GPS", "GPS2"):
+        return Point(msg.Lat, msg.Lng, msg.Alt, msg.GCrs, msg.Spd, msg.Status)
+    if kind == "POS":
+        return Point(msg.Lat, msg.Lng, msg.Alt)
+    return None

@@ -1,0 +1,65 @@
+"""The parameters in logs, the newest value of each, or how they changed (mavparms.py)."""
+
+from __future__ import annotations
+
+import time
+
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_logs
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser, Namespace
+    from collections.abc import Iterator
+
+    from mavwire.cli._reading import Reading
+
+TYPES = ("PARAM_VALUE", "PARM")
+# What QGroundControl's files say of every parameter: the vehicle, its autopilot, a float.
+QGC_OWNER = "1 1"
+QGC_TYPE = 9
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """mavparms.py's options."""
+    add_logs(parser)
+    parser.add_argument("-c", "--changes", action="store_true", help="show only the changes")
+    parser.add_argument("--qgc", action="store_true", help="write QGroundControl's format")
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    values: dict[str, float] = {}
+    with definitions():
+        for path in args.logs:
+            with reading("parms", path) as log:
+                _read(log, values, args.changes)
+    if args.qgc:
+        print("\n# # Vehicle-Id Component-Id Name Value Type\n")
+    if not args.changes:
+        for name in sorted(values):
+            line = f"{name:<15} {values[name]:.6f}"
+            line = f"{QGC_OWNER} {line} {QGC_TYPE}" if args.qgc else line
+            print(line)
+    return 0
+
+
+def _read(log: Reading, values: dict[str, float], show_changes: bool) -> None:
+    """Bring `values` to where they stand at the end of the log."""
+    for name, value, stamp in _parameters(log):
+        if show_changes and name in values and values[name] != value:
+            clock = time.asctime(time.localtime(stamp))
+            line = f"{clock} {name:<15} {values[name]:.6f} -> {value:.6f}"
+            print(line)
+        values[name] = value
+
+
+def _parameters(log: Reading) -> Iterator[tuple[str, float, float]]:
+    """Name, value and time of each parameter that the log tells."""
+    for msg in log.messages(TYPES, alone=True):
+        if msg.get_type() == "PARAM_VALUE":
+            name, value = msg.param_id, msg.param_value
+        else:
+            name, value = msg.Name, msg.Value
+        if name:
+            yield name, value, msg._timestamp
