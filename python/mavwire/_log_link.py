@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-
-from mavwire._context import contextmanager
+from contextlib import contextmanager, nullcontext
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -14,15 +13,10 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def _nothing() -> Iterator[None]:
-    yield
-
-
-@contextmanager
 def definitions(
     dialect: str | None = None,
     wire_protocol: str | None = None,
-    choosing: Callable[[str], AbstractContextManager[None]] = lambda name: _nothing(),
+    choosing: Callable[[str], AbstractContextManager[None]] = lambda name: nullcontext(),
 ) -> Iterator[None]:
     """The dialect and wire protocol of this run, in place of the process's own, which are back
     afterwards. None leaves either as it is. `choosing` surrounds loading a dialect.

@@ -9,20 +9,18 @@ text, and ``main`` gets the list of arguments as they were written.
 
 from __future__ import annotations
 
-import gc
 import os
 import sys
 from importlib import import_module
 from io import TextIOWrapper
 
-from mavwire._command_line import understood
-from mavwire._context import contextmanager
 from mavwire._text import guarded_output
+from mavwire.cli import _parsers
 from mavwire.cli._errors import CommandError, describe_os_error, tell
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
     from types import ModuleType
     from typing import Any
 
@@ -95,9 +93,6 @@ COMMANDS = {
 }
 """Name -> its folder, the name of pymavlink's script if it stands for one, and a line of help."""
 
-# Objects that are made before the garbage collector looks for circles among them. With 700, as Python has it,
-# that is a tenth of a run over a short log, of which hardly anything is garbage.
-YOUNG_OBJECTS = 50_000
 EXIT_USAGE = 2
 EXIT_INTERRUPTED = 130
 
@@ -121,27 +116,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
         return int(command.main(arguments))
     _prepare_streams()
-    with _few_collections(argv is None), guarded_output():
+    with guarded_output():
         code = _guarded_main(name, command, arguments)
         _end_output()
         return code
-
-
-@contextmanager
-def _few_collections(is_own_process: bool) -> Iterator[None]:
-    """Spares a process of our own, which ends behind this, most looks for garbage: those in between, and
-    those at its end, when whatever is left is in use.
-    """
-    if not is_own_process:
-        yield
-        return
-    before = gc.get_threshold()
-    gc.set_threshold(YOUNG_OBJECTS)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
-        gc.freeze()
 
 
 def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
@@ -168,12 +146,7 @@ def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:
 
 def _run(name: str, command: Any, arguments: list[str]) -> int:
     if command is not None:
-        parsed: Any = understood(command.add_arguments, arguments)
-        if parsed is None:
-            from mavwire.cli import _parsers
-
-            parsed = _parsers.parse(name, command, arguments)
-        return int(command.main(parsed))
+        return int(command.main(_parsers.parse(name, command, arguments)))
     if name in ("-h", "--help", ""):
         print(_overview())
         return 0 if name else EXIT_USAGE

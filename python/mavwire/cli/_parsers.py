@@ -1,10 +1,8 @@
-"""The argparse parsers of the subcommands, in a module of their own: few command lines need them."""
+"""The argparse parsers of the subcommands."""
 
 from __future__ import annotations
 
-import os
 import re
-import sys
 from argparse import RawDescriptionHelpFormatter
 
 from mavwire._arguments import PlainParser
@@ -28,7 +26,7 @@ def parser_of(name: str, command: Any) -> ArgumentParser:
     parser = PlainParser(
         prog=f"mavwire {name}",
         description=command.__doc__,
-        formatter_class=Formatter,
+        formatter_class=RawDescriptionHelpFormatter,
     )
     command.add_arguments(parser)
     return parser
@@ -45,23 +43,3 @@ def _joined(arguments: list[str]) -> list[str]:
         else:
             words.append(one)
     return words
-
-
-class Formatter(RawDescriptionHelpFormatter):
-    """argparse makes one for each option, and looks for the width with `shutil`, which loads every
-    compression that Python knows.
-    """
-
-    def __init__(self, prog: str, **options: Any) -> None:
-        super().__init__(prog, **{"width": _columns() - 2, **options})
-
-
-def _columns() -> int:
-    """Characters in a line of the terminal, as `shutil.get_terminal_size` tells."""
-    told = os.environ.get("COLUMNS", "")
-    if told.isdecimal() and int(told) > 0:
-        return int(told)
-    try:
-        return os.get_terminal_size(sys.__stdout__.fileno()).columns or 80  # type: ignore[union-attr]
-    except (AttributeError, ValueError, OSError):  # closed, or no terminal
-        return 80

@@ -6,10 +6,10 @@ import os
 import stat
 import sys
 import time
+from contextlib import contextmanager
 from itertools import chain, islice
 
 from mavwire import _log_link
-from mavwire._context import contextmanager
 from mavwire._text import in_words, naming, no_such_dialect
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._link_kind import kind_of
