@@ -11,18 +11,15 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 from io import TextIOWrapper
+from types import ModuleType
+from typing import Any
 
 from mavwire._text import guarded_output
 from mavwire.cli import _parsers
 from mavwire.cli._errors import CommandError, describe_os_error, tell
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from types import ModuleType
-    from typing import Any
 
 COMMANDS = {
     "info": ("logs", "", "what is in a log: types, rates, systems, losses"),

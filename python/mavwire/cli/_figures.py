@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from mavwire.cli._errors import CommandError
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from mavwire.plots.windows import Figures
 

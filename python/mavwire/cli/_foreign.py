@@ -7,15 +7,11 @@ what it was read from.
 from __future__ import annotations
 
 import os
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
 from mavwire._native import LogKind, LogScan, identify
 from mavwire.cli._errors import tell
 from mavwire.links.recognise import TELEMETRY
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from types import ModuleType
 
 # Which messages are looked for. The class for it in `mavwire.logs` takes time to load.
 _EVERYTHING = SimpleNamespace(types=None, unknown=None, systems=None, start=None, end=None)

@@ -4,16 +4,14 @@ unnoticed.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import tell
 from mavwire.cli._link_kind import kind_of
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from typing import Any
-
     from mavwire.cli._reading import Reading
 
 # What messages are called that are in no definition.

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import IO
 
 from mavwire._atomic_file import Replacement, is_replaceable
 from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from typing import IO
 
 
 class OutputFile:

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import re
-from argparse import RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from typing import Any
 
 from mavwire._arguments import PlainParser
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
 
 NUMBERS = re.compile(r"-\.?\d[\d.eE+-]*(,[\d.eE+-]+)+")
 """Some of them between commas, a negative one first."""

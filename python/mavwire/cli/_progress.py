@@ -7,12 +7,9 @@ from __future__ import annotations
 
 import sys
 import time
+from typing import Any
 
 from mavwire._text import drawn_on, guard_streams, is_terminal, printable
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 PROGRESS_AFTER = 1.0
 # Redrawing more often than this costs more than it tells.

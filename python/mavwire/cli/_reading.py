@@ -6,20 +6,16 @@ import os
 import stat
 import sys
 import time
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from itertools import chain, islice
+from typing import Any
 
 from mavwire import _log_link
 from mavwire._text import in_words, naming, no_such_dialect
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._progress import Progress
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from contextlib import AbstractContextManager
-    from typing import Any
 
 PROGRESS_EVERY = 20_000
 # What standard input is called, and the name of its file. Logs of each kind are recognised under it.

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser
-    from typing import Any
+from argparse import ArgumentParser
+from typing import Any
 
 
 def add_logs(parser: ArgumentParser) -> None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
-
     from mavwire.cli._reading import Reading
 
 BAD_DATA = -1

@@ -5,16 +5,14 @@ from __future__ import annotations
 import signal
 import sys
 from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import handled
 from mavwire._text import drawn_on, guard_streams, is_terminal, printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli.bridge._bridge_warnings import full_name, losses
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
-
     from mavwire.bridge import Bridge
 
 

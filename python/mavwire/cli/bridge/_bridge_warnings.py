@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import os
 import time
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mavwire.cli._errors import tell
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
-
     from mavwire.bridge import Bridge
 
 # Seconds between two looks, and until a recording or sink that still fails for the same reason is told of again.

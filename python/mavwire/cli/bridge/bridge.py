@@ -21,6 +21,7 @@ import json
 import math
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -30,8 +31,6 @@ from mavwire.cli._errors import CommandError, describe_link_error, tell
 from mavwire.cli.vehicle.sim import duration
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from mavwire.bridge import Bridge, Config
     from mavwire.bridge.sidecars import Listen, SinkOptions
     from mavwire.bridge.sinks import Sink

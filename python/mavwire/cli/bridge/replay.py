@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_link_error, tell
@@ -17,8 +18,6 @@ from mavwire.cli._foreign import warn_without_records
 from mavwire.cli.logs._rewriting import split
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
     from mavwire.bridge import Bridge
     from mavwire.logs import TelemetryLog
 

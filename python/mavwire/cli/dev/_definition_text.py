@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mavwire._text import did_you_mean
 from mavwire.cli._errors import CommandError
 from mavwire.dialects import _summaries
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 WIDTH = 100
 

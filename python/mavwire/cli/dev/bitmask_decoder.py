@@ -5,12 +5,10 @@ A line for each bit; `!` in front of one says that it is clear.
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
+
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
 
 
 def add_arguments(parser: ArgumentParser) -> None:

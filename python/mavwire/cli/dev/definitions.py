@@ -16,15 +16,12 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
 from mavwire.dialects import _sources
 from mavwire.dialects._descriptions import stored_folder
-
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -10,14 +10,11 @@ import os
 import shlex
 import sys
 import sysconfig
+from argparse import ArgumentParser, Namespace
 
 from mavwire._atomic_file import replace_text
 from mavwire.cli import COMMANDS
 from mavwire.cli._errors import tell
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
 
 MARK = '# Written by "mavwire tools --install"; "mavwire tools --uninstall" removes it.'
 # A mark further down is not that of a script which was written here.

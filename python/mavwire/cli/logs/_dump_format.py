@@ -5,16 +5,13 @@ from __future__ import annotations
 import io
 import json
 import time
+from argparse import Namespace
+from typing import Any
 
 from mavwire._native import csv_safe, recordable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
 from mavwire.links.recording import SETUP_SIGNING, shown
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import Namespace
-    from typing import Any
 
 
 def local_time(second: float) -> str:

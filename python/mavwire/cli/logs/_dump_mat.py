@@ -10,19 +10,16 @@ import re
 import struct
 import sys
 import zlib
+from argparse import Namespace
 from array import array
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import chain
+from typing import Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import writing
 from mavwire.links.recording import shown
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import Namespace
-    from collections.abc import Iterator, Sequence
-    from typing import Any
 
 _INT8, _UINT8, _UINT16, _INT32, _UINT32, _DOUBLE, _INT64, _UINT64 = 1, 2, 4, 5, 6, 9, 12, 13
 _MATRIX, _COMPRESSED = 14, 15

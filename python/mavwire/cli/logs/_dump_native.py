@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import os
+from argparse import Namespace
+from collections.abc import Callable
 from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 from mavwire.cli.logs._dump_format import Csv, local_time
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from argparse import Namespace
-    from collections.abc import Callable
-    from typing import Any
-
     from mavwire.cli.logs._dump_select import Selection
 
 # Options whose meaning depends on more than the message itself.

@@ -5,16 +5,14 @@ The order of the filters, and what BAD_DATA passes through, are mavlogdump's.
 
 from __future__ import annotations
 
+from argparse import Namespace
 from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._message_types import unknown
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from argparse import Namespace
-    from typing import Any
-
     from mavwire.cli._reading import Reading
 
 # What `--meta` shows whether the condition holds or not: how a dataflash log describes itself.

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from mavwire._signals import ended_in_order
@@ -12,9 +14,6 @@ from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 
 if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Callable
-
     from mavwire.logs.rewriting import Rewritten
 
 

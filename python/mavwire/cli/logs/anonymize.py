@@ -7,14 +7,11 @@ headings and magnetic fields stay: a log with a known flight in it can still be 
 
 from __future__ import annotations
 
+import argparse
 from functools import partial
-from typing import TYPE_CHECKING
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli.logs._rewriting import add_common, run
-
-if TYPE_CHECKING:
-    import argparse
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable
+from typing import Any
+
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._telemetry import require_telemetry
 from mavwire.cli.logs._dump_format import local_time
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterable
-    from typing import Any
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import glob
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import ended_in_order
 from mavwire._text import printable
@@ -22,8 +22,6 @@ from mavwire.cli._progress import Progress
 from mavwire.cli.logs._rewriting import split, systems_of, time_of
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from mavwire.logs.manifest import Converted
 
 

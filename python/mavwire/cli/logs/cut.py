@@ -5,13 +5,10 @@ By message type, system and time. Bytes that belong to no record are left out.
 
 from __future__ import annotations
 
+import argparse
 from functools import partial
-from typing import TYPE_CHECKING
 
 from mavwire.cli.logs._rewriting import add_common, run, split, systems_of, time_of
-
-if TYPE_CHECKING:
-    import argparse
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

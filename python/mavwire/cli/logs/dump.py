@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import ExitStack, contextmanager, redirect_stdout
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager, redirect_stdout
+from typing import TYPE_CHECKING, Any
 
 from mavwire._native import StatusTexts
 from mavwire._text import is_terminal, shown_to
@@ -27,13 +30,7 @@ from mavwire.cli._telemetry import record_of
 from mavwire.cli.logs import _dump_format, _dump_native
 from mavwire.cli.logs._dump_select import Selection, unknown_types
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Callable, Iterator
-    from contextlib import AbstractContextManager
-    from typing import Any
-
     from mavwire.cli.logs._dump_mat import Tables
 
 DEFAULT_DIALECT = "ardupilotmega"

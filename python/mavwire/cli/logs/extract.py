@@ -7,22 +7,17 @@ log with the formats too.
 from __future__ import annotations
 
 import os
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable
 from contextlib import ExitStack
+from typing import Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps, add_robust
 from mavwire.cli._telemetry import record
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterable
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
 
 MAV_TYPE_GCS = 6
 # What a stretch needs to be understood; and the text of a dataflash log that names the vehicle.

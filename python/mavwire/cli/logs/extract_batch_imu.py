@@ -6,17 +6,14 @@ ACC0, GYR0 and so on have the number of the sensor in their names. Incomplete ba
 from __future__ import annotations
 
 import struct
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from typing import Any
 
 from mavwire.cli._batches import TYPES, Batch, begin, samples
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, reading
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterator
-    from typing import Any
 
 NAMES = ("ACC", "GYR")
 FMT = struct.Struct("<3sBB4s16s64s")

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import sys
 import time
+from argparse import ArgumentParser, Namespace
 from math import floor
 
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-
-    from mavwire.cli._reading import Reading
 
 TYPES = ("SYS_STATUS", "HEARTBEAT", "MODE")
 UNKNOWN = "UNKNOWN"

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import time
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
 from mavwire._native import Track
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
 
 TYPES = ("GPS_RAW_INT", "GPS")
 FIX_3D = 3

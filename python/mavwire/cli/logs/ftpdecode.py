@@ -6,7 +6,10 @@ Prints the name of each, and of a parameter file the parameters.
 from __future__ import annotations
 
 import os
+from argparse import ArgumentParser, Namespace
 from collections import Counter
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
@@ -14,12 +17,6 @@ from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_logs
 from mavwire.cli._telemetry import require_telemetry
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterable, Iterator
-    from typing import Any
 
 # A file that claims more is not put together.
 LARGEST = 64 << 20

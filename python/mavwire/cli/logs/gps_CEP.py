@@ -5,19 +5,14 @@ CEP50 is the radius of the circle that holds half of the positions, HEP50 the sa
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
 from collections import defaultdict
 from math import radians
+from typing import Any
 
 from mavwire._sphere import great_circle
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
 
 # Type -> number of the receiver.
 RECEIVERS = {"GPS": 1, "GPS_RAW_INT": 1, "GPS2_RAW": 2}

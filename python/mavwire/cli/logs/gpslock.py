@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import time
+from argparse import ArgumentParser, Namespace
 
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs
 from mavwire.cli.logs.flighttime import minutes
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-
-    from mavwire.cli._reading import Reading
 
 TYPES = ("GPS_RAW_INT", "GPS_RAW", "GPS")
 NO_GPS = 0

@@ -8,6 +8,7 @@ through mavutil.
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import time
@@ -25,8 +26,6 @@ from mavwire.cli._progress import Progress
 from mavwire.cli._reading import STANDARD_INPUT, definitions, standard_input
 
 if TYPE_CHECKING:
-    import argparse
-
     from mavwire.logs.summary import LogInfo
 
 PROGRESS_EVERY = 20_000

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import sys
+from argparse import ArgumentParser, Namespace
 from contextlib import ExitStack
 
 from mavwire.cli._batches import TYPES, Batch, batches
 from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
 
 NAMES = ("Accel", "Gyro")
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable
+from typing import Any
+
 from mavwire._native import SequenceGaps
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import (
@@ -12,12 +16,6 @@ from mavwire.cli._shared_arguments import (
     add_robust,
 )
 from mavwire.cli._telemetry import is_damaged, require_telemetry
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterable
-    from typing import Any
 
 # A radio reports about the link itself and does not number what it sends.
 RADIO = (51, 68)

@@ -6,6 +6,7 @@ With --exact natively: every good record of damaged logs, times to the microseco
 from __future__ import annotations
 
 import os
+from argparse import ArgumentParser, Namespace
 from contextlib import ExitStack
 from heapq import merge
 from operator import attrgetter
@@ -14,10 +15,6 @@ from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, opening, reading
 from mavwire.cli._telemetry import is_damaged, record, require_telemetry
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
 
 
 def add_arguments(parser: ArgumentParser) -> None:

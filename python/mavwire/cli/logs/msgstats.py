@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
 from collections import Counter
 from fnmatch import fnmatchcase
 from itertools import chain
+from typing import Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
 
 # Group -> patterns of its types. What belongs to none is counted as OTHER.
 GROUPS = {

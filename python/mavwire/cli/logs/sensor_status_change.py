@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from mavwire.cli.logs.bitmask_change import show_changes
+from argparse import ArgumentParser, Namespace
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
+from mavwire.cli.logs.bitmask_change import show_changes
 
 FIELDS = ("present", "enabled", "health")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from argparse import ArgumentParser, Namespace
 
 from mavwire.cli._message_types import wanted
 from mavwire.cli._reading import definitions, reading
@@ -13,10 +14,6 @@ from mavwire.cli._shared_arguments import (
     add_planner,
     add_robust,
 )
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import os
+from argparse import ArgumentParser, Namespace
 from contextlib import ExitStack
 
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
 from mavwire.cli._telemetry import is_damaged, record, require_telemetry
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-
-    from mavwire.cli._reading import Reading
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import time
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
 from mavwire._native import Track
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_dialect, add_logs, add_no_timestamps
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
 
 TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
 # Of a HEARTBEAT's base_mode: the vehicle flies by itself, or where it is told to.

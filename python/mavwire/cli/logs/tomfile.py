@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import os
+from argparse import ArgumentParser, Namespace
 from collections import Counter
+from typing import Any
 
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_dialect, add_logs
 from mavwire.links.recording import shown
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
 
 # How numbers are written: as double precision floats, of which those here are equal to the integer.
 FULL, SHORT = "%.20g", "%d"

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
+from typing import Any
+
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
 
 SENSORS = ("ACC1", "ACC2", "ACC3", "GYR1", "GYR2", "GYR3")
 # Newer logs have one type for all sensors, which are counted from 0 in its field I.

@@ -4,17 +4,16 @@ mouse (mavfft_int.py).
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING, Any
+
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs
 from mavwire.cli.plots.fft import SENSORS, TYPES, Samples, sensor_of
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
-
     from mavwire.plots.windows import Figures
 
 

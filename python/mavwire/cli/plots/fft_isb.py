@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import sys
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
 from mavwire.cli._batches import AXES, GYRO, TYPES, Spectrum, batches
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
 
 # What stands at the axis, by sensor and --output.
 UNITS = {

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
+from typing import Any
+
 from mavwire.cli._batches import density
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
 
 CONTROLLERS = ("PIDR", "PIDP", "PIDY")
 TERMS = ("P", "I", "D", "Tar", "Err")

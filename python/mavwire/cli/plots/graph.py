@@ -6,7 +6,9 @@ value at each of them, with the newest of the others.
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
 from array import array
+from collections.abc import Mapping
 from typing import Any
 
 from mavwire._text import in_words
@@ -17,16 +19,9 @@ from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_dialect, add_no_timestamps, add_planner
 from mavwire.cli.plots.plot import is_log
 from mavwire.expression import evaluate_expression
-from mavwire.plots.expressions import STATE_NAMES, as_number, parse, why_nothing
+from mavwire.plots.expressions import STATE_NAMES, Expression, as_number, parse, why_nothing
 from mavwire.plots.graphs import SIZE, Graph, Style, check, draw
 from mavwire.plots.series import is_instance
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Mapping
-
-    from mavwire.plots.expressions import Expression
 
 VEHICLES = ("ardupilot", "px4", "apm")
 

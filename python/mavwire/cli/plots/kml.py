@@ -5,20 +5,15 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
 from html import escape
 from itertools import count
+from typing import Any
 
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log, writing
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
 
 # What mavkml.py takes for the state in the beginning, and what it calls that until one is told.
 FIRST_STATE, NO_STATE = 0, -1

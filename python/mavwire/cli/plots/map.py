@@ -5,14 +5,11 @@ FILE ends in .html (a page to zoom in, which needs no network), .kml or .gpx.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import argparse
 
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import refuse_log
-
-if TYPE_CHECKING:
-    import argparse
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -8,16 +8,13 @@ are shaded. FILE ends in .png, .svg or .pdf (needs matplotlib), or in .html, a p
 
 from __future__ import annotations
 
+import argparse
 import os
-from typing import TYPE_CHECKING
 
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log
 from mavwire.cli._shared_arguments import add_condition
-
-if TYPE_CHECKING:
-    import argparse
 
 LOG_SUFFIXES = (".tlog", ".bin", ".log", ".px4log", ".csv", ".raw", ".mavlink")
 PACKED = (".gz", ".zst")

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import math
 import time
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
 from functools import lru_cache
+from typing import Any
 
 from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log, writing
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterator
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
 
 TYPES = ("GPS_RAW_INT", "GPS", "GPS2", "GLOBAL_POSITION_INT", "POS")
 FIX_2D = 2

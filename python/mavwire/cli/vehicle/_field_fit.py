@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from mavwire.cli._errors import CommandError
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
 
 AXES = 3
 # The pairs of axes of COMPASS_ODI_X, _Y and _Z.

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import time
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-    from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any
 
 # A gap in the log longer than this is cut short, as are times that go back.
 LONGEST_GAP = 10.0

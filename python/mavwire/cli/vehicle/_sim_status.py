@@ -5,10 +5,10 @@ from __future__ import annotations
 import shutil
 import sys
 import time
+from typing import TYPE_CHECKING
 
 from mavwire._text import drawn_on, is_terminal
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
     from mavwire.sim import Runner, Vehicle
 

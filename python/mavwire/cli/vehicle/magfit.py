@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
+from typing import Any
+
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._figures import open_figures
 from mavwire.cli._link_kind import kind_of
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
 
 PARAMETERS = ("COMPASS_OFS_X", "COMPASS_OFS_Y", "COMPASS_OFS_Z")
 # A sphere has four numbers; fewer points than this say little about it.

@@ -7,21 +7,18 @@ log, so that it measures the field that the world magnetic model and the attitud
 from __future__ import annotations
 
 import os
+from argparse import ArgumentParser, Namespace
 from math import atan2, degrees, radians
+from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._output import writing
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
     from mavwire.cli.vehicle._field_fit import Correction
 
 # AHRS_EKF_TYPE -> where the attitude is.

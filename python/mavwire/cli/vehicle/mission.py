@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import os
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
 from mavwire.cli._errors import tell
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from typing import Any
 
 TYPES = ("MISSION_ITEM", "MISSION_ITEM_INT", "CMD", "WAYPOINT")
 

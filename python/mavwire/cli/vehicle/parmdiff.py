@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
+
 from mavwire._parameter_file import EXCLUDED, differences, heading, read_parameter_file
 from mavwire.cli._errors import CommandError
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-
     from mavwire.cli.vehicle._param_docs import ParameterDocs
 
 

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import time
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
 
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_logs
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterator
-
-    from mavwire.cli._reading import Reading
 
 TYPES = ("PARAM_VALUE", "PARM")
 # What QGroundControl's files say of every parameter: the vehicle, its autopilot, a float.

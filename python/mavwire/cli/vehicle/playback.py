@@ -9,23 +9,20 @@ from __future__ import annotations
 import os
 import sys
 import time
+from argparse import ArgumentParser, Namespace
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._reading import definitions, reading
+from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_condition, add_planner
 from mavwire.cli._telemetry import require_telemetry
 from mavwire.cli.bridge.replay import factor
 from mavwire.links.recording import SETUP_SIGNING
 
-TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from argparse import ArgumentParser, Namespace
-    from collections.abc import Iterator
-    from typing import Any
-
-    from mavwire.cli._reading import Reading
     from mavwire.cli.vehicle._player import Player
 
 OUT = "127.0.0.1:14550"
