@@ -6,6 +6,7 @@ import os
 import stat
 import sys
 import time
+from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from itertools import chain, islice
@@ -252,6 +253,21 @@ class Reading:
     def show_progress(self) -> None:
         """Tell how much of the log is read."""
         self.progress.update(getattr(self.link, "percent", 0.0))
+
+
+# Shared options -> what `mavlink_connection` calls them.
+_LINK_OPTIONS = {
+    "no_timestamps": "notimestamps",
+    "planner": "planner_format",
+    "robust": "robust_parsing",
+    "zero_time_base": "zero_time_base",
+}
+
+
+def link_options(args: Namespace) -> dict[str, Any]:
+    """What a command line says of how to read logs, for `reading`."""
+    given = vars(args)
+    return {theirs: given[ours] for ours, theirs in _LINK_OPTIONS.items() if ours in given}
 
 
 @contextmanager

@@ -1,32 +1,13 @@
-"""Options that several tools share, with the names that pymavlink's scripts give them."""
+"""Options that several commands share."""
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
 from typing import Any
 
-
-def add_logs(parser: ArgumentParser) -> None:
-    """The logs to read, one or several."""
-    parser.add_argument("logs", metavar="LOG", nargs="+", help="telemetry or dataflash log")
-
-
-def add_condition(parser: ArgumentParser) -> None:
-    """Only messages at which an expression holds."""
-    parser.add_argument("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'")
-    add_user_functions(parser)
-
-
-def add_user_functions(parser: Any) -> None:
-    """Functions of one's own for expressions."""
-    parser.add_argument(
-        "--user-functions", metavar="FILE", type=_load_functions,
-        help="run this Python file; expressions may call its functions",
-    )  # fmt: skip
+from mavwire.cli._errors import CommandError
 
 
 def _load_functions(path: str) -> str:
-    from mavwire.cli._errors import CommandError
     from mavwire.expression import load_user_functions
 
     try:
@@ -39,27 +20,44 @@ def _load_functions(path: str) -> str:
     return path
 
 
-def add_no_timestamps(parser: ArgumentParser) -> None:
-    """A raw stream in place of a log."""
-    parser.add_argument(
+def _option(*flags: str, **options: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
+    return flags, options
+
+
+_SHARED = {
+    "log": _option("log", metavar="LOG", help="telemetry or dataflash log"),
+    "logs": _option("logs", metavar="LOG", nargs="+", help="telemetry or dataflash log"),
+    "condition": _option("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'"),
+    "user_functions": _option(
+        "--user-functions", metavar="FILE", type=_load_functions,
+        help="run this Python file; expressions may call its functions",
+    ),
+    "no_timestamps": _option(
         "--no-timestamps", action="store_true", help="a raw stream without record timestamps"
-    )
-
-
-def add_robust(parser: ArgumentParser) -> None:
-    """What pymavlink needs to read damaged raw streams."""
-    parser.add_argument("--robust", action="store_true", help="accepted; damage is always skipped")
-
-
-def add_planner(parser: ArgumentParser) -> None:
-    """A format that no program writes any more."""
-    parser.add_argument(
+    ),
+    "robust": _option("--robust", action="store_true", help="accepted; damage is always skipped"),
+    "planner": _option(
         "--planner", action="store_true", help="the planner's old log format (not supported)"
-    )
-
-
-def add_dialect(parser: ArgumentParser) -> None:
-    """Which messages there are."""
-    parser.add_argument(
+    ),
+    "dialect": _option(
         "--dialect", default="ardupilotmega", help="message definitions (default: %(default)s)"
-    )
+    ),
+    "any_dialect": _option(
+        "--dialect", default="all", help="dialect or XML file (default: %(default)s)"
+    ),
+    "types": _option("--types", help="message types, separated by commas (default: all)"),
+    "systems": _option("--systems", help="system ids, separated by commas (default: all)"),
+    "system": _option("--system", type=int, metavar="ID", help="default: the first autopilot"),
+    "start": _option("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00"),
+    "end": _option("--end", help="first time that is not wanted any more"),
+    "image": _option("--image", metavar="FILE", help="draw images, and no windows"),
+}  # fmt: skip
+
+
+def add_shared(parser: Any, *names: str) -> None:
+    """Declare shared options; with a condition come functions for it."""
+    for name in names:
+        flags, options = _SHARED[name]
+        parser.add_argument(*flags, **options)
+        if name == "condition":
+            add_shared(parser, "user_functions")

@@ -12,6 +12,7 @@ from mavwire._text import printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
+from mavwire.cli._shared_arguments import add_shared
 
 if TYPE_CHECKING:
     from mavwire.logs.rewriting import Rewritten
@@ -21,7 +22,7 @@ def add_common(parser: ArgumentParser) -> None:
     """LOG, --out, --dialect and --quiet."""
     parser.add_argument("log", metavar="LOG", help="telemetry log or raw stream, also .gz and .zst")
     parser.add_argument("-o", "--out", required=True, metavar="FILE", help="log to write")
-    parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
+    add_shared(parser, "any_dialect")
     parser.add_argument("--quiet", action="store_true", help="no report and no progress")
 
 

@@ -19,6 +19,7 @@ from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli.logs._rewriting import split, systems_of, time_of
 
 if TYPE_CHECKING:
@@ -39,8 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=sorted({one for some in COMPRESSIONS.values() for one in some}),
         help="default: zstd for parquet and mcap, none for the others",
     )
-    parser.add_argument("--types", help="message types, separated by commas (default: all)")
-    parser.add_argument("--systems", help="system ids, separated by commas (default: all)")
+    add_shared(parser, "types", "systems")
     parser.add_argument("--fields", help="fields to keep, separated by commas (default: all)")
     parser.add_argument("--units", choices=["si"], help="si: metres, volts, ... (default: as sent)")
     parser.add_argument("--enums", choices=["names"], help="names of values (default: numbers)")
@@ -56,9 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=True,
         help="csv: write ' before a text that a spreadsheet would run as a formula (default: yes)",
     )
-    parser.add_argument("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00")
-    parser.add_argument("--end", help="first time that is not wanted any more")
-    parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
+    add_shared(parser, "start", "end", "any_dialect")
     cluster = parser.add_mutually_exclusive_group()
     cluster.add_argument("--workers", type=int, metavar="N", help="processes of this machine")
     cluster.add_argument("--scheduler", metavar="ADDRESS", help="of a cluster: tcp://host:8786")

@@ -8,16 +8,14 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli.logs._rewriting import add_common, run, split, systems_of, time_of
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the subcommand."""
     add_common(parser)
-    parser.add_argument("--types", help="message types, separated by commas (default: all)")
-    parser.add_argument("--systems", help="system ids, separated by commas (default: all)")
-    parser.add_argument("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00")
-    parser.add_argument("--end", help="first time that is not wanted any more")
+    add_shared(parser, "types", "systems", "start", "end")
 
 
 def main(args: argparse.Namespace) -> int:

@@ -11,7 +11,7 @@ import os
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, redirect_stdout
+from contextlib import ExitStack, contextmanager, redirect_stdout
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import StatusTexts
@@ -22,18 +22,17 @@ from mavwire.cli._reading import (
     STANDARD_INPUT,
     Reading,
     definitions,
+    link_options,
     reading,
     standard_input,
 )
-from mavwire.cli._shared_arguments import add_user_functions
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import record_of
 from mavwire.cli.logs import _dump_format, _dump_native
 from mavwire.cli.logs._dump_select import Selection, unknown_types
 
 if TYPE_CHECKING:
     from mavwire.cli.logs._dump_mat import Tables
-
-DEFAULT_DIALECT = "ardupilotmega"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -47,11 +46,9 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def _add_input(group: Any) -> None:
     add = group.add_argument
-    add("--dialect", default=DEFAULT_DIALECT, help="message definitions (default: %(default)s)")
+    add_shared(group, "dialect")
     add("--mav10", action="store_true", help="start with MAVLink 1 definitions")
-    add("--no-timestamps", action="store_true", help="a raw stream without record timestamps")
-    add("--planner", action="store_true", help="the planner's old log format (not supported)")
-    add("--robust", action="store_true", help="accepted; damage is always skipped")
+    add_shared(group, "no_timestamps", "planner", "robust")
     add("-f", "--follow", action="store_true", help="wait for more at the end of a telemetry log")
     add("--zero-time-base", action="store_true", help="dataflash: times since start, not 1970")
     add("--profile", action="store_true", help="print a profile of the run on stderr")
@@ -61,8 +58,7 @@ def _add_filters(group: Any) -> None:
     add = group.add_argument
     add("--types", help="only these types, comma separated, with wildcards")
     add("--nottypes", help="not these types, comma separated, with wildcards")
-    add("--condition", help="only while this holds, such as 'VFR_HUD.alt>100'")
-    add_user_functions(group)
+    add_shared(group, "condition")
     add("--meta", action="store_true", help="dataflash: definitions and the like in any condition")
     add("--source-system", type=int, help="only from this system id")
     add("--source-component", type=int, help="only from this component id")
@@ -86,11 +82,7 @@ def _add_output(group: Any) -> None:
     add("-q", "--quiet", action="store_true", help="print no messages")
     add("-o", "--output", metavar="FILE", help="write the matching messages to a log of their own")
     add("-p", "--parms", action="store_true", help="keep all parameters in the output of -o")
-    add(
-        "--mat_file",
-        metavar="FILE",
-        help="mat: the MATLAB file to write, a structure for each type",
-    )
+    add("--mat_file", metavar="FILE", help="mat: the file to write, a structure for each type")
     add("-c", "--compress", action="store_true", help="mat: compress the file")
 
 
@@ -109,24 +101,16 @@ def main(args: Namespace) -> int:
         tables = _tables(args, stack)
         if not os.path.isfile(args.log):  # what a link has to say must not be among the messages
             stack.enter_context(redirect_stdout(sys.stderr))
-        log = stack.enter_context(_open(args, name, writer))
+        log = stack.enter_context(
+            reading(
+                "dump", args.log, show_progress=args.quiet or not writer.to_terminal,
+                first_try=lambda: _dump_native.open_without_index(args), name=name,
+                **link_options(args),
+            )
+        )  # fmt: skip
         _check_possible(args, log.link)
         _dump(args, log, writer, _recorder(args, stack), tables)
     return 0
-
-
-def _open(args: Namespace, name: str, writer: Writer) -> AbstractContextManager[Reading]:
-    return reading(
-        "dump",
-        args.log,
-        show_progress=args.quiet or not writer.to_terminal,
-        first_try=lambda: _dump_native.open_without_index(args),
-        name=name,
-        planner_format=args.planner,
-        notimestamps=args.no_timestamps,
-        robust_parsing=args.robust,
-        zero_time_base=args.zero_time_base,
-    )
 
 
 def _check_possible(args: Namespace, log: Any) -> None:

@@ -15,8 +15,8 @@ from typing import Any
 from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps, add_robust
+from mavwire.cli._reading import Reading, definitions, link_options, reading
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import record
 
 MAV_TYPE_GCS = 6
@@ -28,10 +28,7 @@ VEHICLE = "Ardu"
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavextract.py's options."""
-    add_logs(parser)
-    add_condition(parser)
-    add_no_timestamps(parser)
-    add_robust(parser)
+    add_shared(parser, "logs", "condition", "no_timestamps", "robust")
     parser.add_argument(
         "--mode", default="auto", help="flight mode, or several with commas (default: %(default)s)"
     )
@@ -44,9 +41,7 @@ def main(args: Namespace) -> int:
         print(f"Processing {path}")
         with (
             definitions(),
-            reading(
-                "extract", path, notimestamps=args.no_timestamps, robust_parsing=args.robust
-            ) as log,
+            reading("extract", path, **link_options(args)) as log,
             ExitStack() as stack,
         ):
             _extraction(log, args)(log, args, stack).run()

@@ -8,7 +8,7 @@ from argparse import ArgumentParser, Namespace
 from math import floor
 
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("SYS_STATUS", "HEARTBEAT", "MODE")
 UNKNOWN = "UNKNOWN"
@@ -17,7 +17,7 @@ TWO_DIGITS = [f"{number:02}" for number in range(60)]
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavflightmodes.py's options."""
-    add_logs(parser)
+    add_shared(parser, "logs")
 
 
 def main(args: Namespace) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 
 from mavwire._native import Track
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("GPS_RAW_INT", "GPS")
 FIX_3D = 3
@@ -16,8 +16,7 @@ FIX_3D = 3
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavflighttime.py's options."""
-    add_logs(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "condition")
     parser.add_argument(
         "--groundspeed", type=float, default=3.0,
         help="metres a second above which it flies (default: %(default)s)",

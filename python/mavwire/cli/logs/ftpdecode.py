@@ -15,7 +15,7 @@ from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import add_logs
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import require_telemetry
 
 # A file that claims more is not put together.
@@ -24,7 +24,7 @@ LARGEST = 64 << 20
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavftpdecode.py's options."""
-    add_logs(parser)
+    add_shared(parser, "logs")
     parser.add_argument("--save", metavar="FOLDER", help="write the files into this folder")
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from mavwire._sphere import great_circle
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 # Type -> number of the receiver.
 RECEIVERS = {"GPS": 1, "GPS_RAW_INT": 1, "GPS2_RAW": 2}
@@ -27,7 +27,7 @@ Position = tuple[float, float, float]
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavgps_CEP.py's options."""
-    add_logs(parser)
+    add_shared(parser, "logs")
 
 
 def main(args: Namespace) -> int:

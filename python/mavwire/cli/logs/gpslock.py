@@ -6,7 +6,7 @@ import time
 from argparse import ArgumentParser, Namespace
 
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli.logs.flighttime import minutes
 
 TYPES = ("GPS_RAW_INT", "GPS_RAW", "GPS")
@@ -16,8 +16,7 @@ FIX_2D = 2
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavgpslock.py's options."""
-    add_logs(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "condition")
 
 
 def main(args: Namespace) -> int:

@@ -9,15 +9,14 @@ from contextlib import ExitStack
 from mavwire.cli._batches import TYPES, Batch, batches
 from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 NAMES = ("Accel", "Gyro")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """isb_extract.py's options."""
-    add_logs(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "condition")
 
 
 def main(args: Namespace) -> int:

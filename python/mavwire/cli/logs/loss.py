@@ -7,14 +7,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from mavwire._native import SequenceGaps
-from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import (
-    add_dialect,
-    add_logs,
-    add_no_timestamps,
-    add_planner,
-    add_robust,
-)
+from mavwire.cli._reading import definitions, link_options, reading
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import is_damaged, require_telemetry
 
 # A radio reports about the link itself and does not number what it sends.
@@ -24,12 +18,9 @@ BAD_CHECKSUM = "invalid MAVLink CRC"
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavloss.py's options."""
-    add_logs(parser)
+    add_shared(parser, "logs")
     parser.add_argument("--condition", help="accepted; gaps are only seen if all are counted")
-    add_no_timestamps(parser)
-    add_planner(parser)
-    add_robust(parser)
-    add_dialect(parser)
+    add_shared(parser, "no_timestamps", "planner", "robust", "dialect")
     parser.add_argument("--stats", action="store_true", help="tell the types behind the gaps too")
     parser.add_argument("--sysid", type=int, help="only what this system sent")
     parser.add_argument("--compid", type=int, help="only what this component sent")
@@ -39,13 +30,7 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     for path in args.logs:
         print(f"Processing log {path}")
-        with (
-            definitions(args.dialect),
-            reading(
-                "loss", path, planner_format=args.planner, notimestamps=args.no_timestamps,
-                robust_parsing=args.robust,
-            ) as log,
-        ):  # fmt: skip
+        with definitions(args.dialect), reading("loss", path, **link_options(args)) as log:
             require_telemetry(log)
             losses = Losses(args.sysid, args.compid, args.stats)
             for chunk in log.chunks(args.condition):

@@ -11,7 +11,7 @@ from typing import Any
 from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 # Group -> patterns of its types. What belongs to none is counted as OTHER.
 GROUPS = {
@@ -29,7 +29,7 @@ OTHER = "OTHER"
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavmsgstats.py's options."""
-    add_logs(parser)
+    add_shared(parser, "logs")
 
 
 def main(args: Namespace) -> int:

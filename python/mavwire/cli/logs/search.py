@@ -6,14 +6,12 @@ from argparse import ArgumentParser, Namespace
 
 from mavwire.cli._message_types import wanted
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavsearch.py's options."""
-    add_logs(parser)
-    add_condition(parser)
-    parser.add_argument("--types", help="only these message types, comma separated")
+    add_shared(parser, "logs", "condition", "types")
     parser.add_argument(
         "--stop", action="store_true", help="of each log, no more than the first of these types"
     )

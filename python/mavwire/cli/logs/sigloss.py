@@ -6,27 +6,17 @@ import time
 from argparse import ArgumentParser, Namespace
 
 from mavwire.cli._message_types import wanted
-from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import (
-    add_condition,
-    add_logs,
-    add_no_timestamps,
-    add_planner,
-    add_robust,
-)
+from mavwire.cli._reading import definitions, link_options, reading
+from mavwire.cli._shared_arguments import add_shared
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavsigloss.py's options."""
-    add_logs(parser)
-    add_no_timestamps(parser)
-    add_planner(parser)
-    add_robust(parser)
+    add_shared(parser, "logs", "no_timestamps", "planner", "robust")
     parser.add_argument(
         "--deltat", type=float, default=1.0, help="seconds of silence (default: %(default)s)"
     )
-    add_condition(parser)
-    parser.add_argument("--types", help="only these message types, comma separated")
+    add_shared(parser, "condition", "types")
 
 
 def main(args: Namespace) -> int:
@@ -35,10 +25,7 @@ def main(args: Namespace) -> int:
         for path in args.logs:
             print(f"Processing log {path}")
             last = None
-            with reading(
-                "sigloss", path, notimestamps=args.no_timestamps, planner_format=args.planner,
-                robust_parsing=args.robust,
-            ) as log:  # fmt: skip
+            with reading("sigloss", path, **link_options(args)) as log:
                 for msg in log.messages(wanted(args.types, log), args.condition):
                     stamp = msg._timestamp
                     if not stamp:  # how a dataflash log describes itself, before it has a time

@@ -8,17 +8,14 @@ from contextlib import ExitStack
 
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
-from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
+from mavwire.cli._reading import Reading, definitions, link_options, reading
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import is_damaged, record, require_telemetry
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavsplit_sysid.py's options."""
-    add_logs(parser)
-    add_no_timestamps(parser)
-    add_condition(parser)
-    parser.add_argument("--types", help="only these, separated by commas")
+    add_shared(parser, "logs", "no_timestamps", "condition", "types")
 
 
 def main(args: Namespace) -> int:
@@ -27,7 +24,7 @@ def main(args: Namespace) -> int:
         print(f"Processing {path}")
         with (
             definitions(),
-            reading("split_sysid", path, notimestamps=args.no_timestamps) as log,
+            reading("split_sysid", path, **link_options(args)) as log,
             ExitStack() as stack,
         ):
             require_telemetry(log)

@@ -7,8 +7,8 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from mavwire._native import Track
-from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_dialect, add_logs, add_no_timestamps
+from mavwire.cli._reading import Reading, definitions, link_options, reading
+from mavwire.cli._shared_arguments import add_shared
 
 TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
 # Of a HEARTBEAT's base_mode: the vehicle flies by itself, or where it is told to.
@@ -21,10 +21,7 @@ EARLIEST = 1_230_768_000
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavsummarize.py's options."""
-    add_logs(parser)
-    add_condition(parser)
-    add_no_timestamps(parser)
-    add_dialect(parser)
+    add_shared(parser, "logs", "condition", "no_timestamps", "dialect")
 
 
 def main(args: Namespace) -> int:
@@ -49,7 +46,7 @@ def main(args: Namespace) -> int:
 
 
 def _read(path: str, args: Namespace) -> Summary | None:
-    with reading("summarize", path, notimestamps=args.no_timestamps) as log:
+    with reading("summarize", path, **link_options(args)) as log:
         return summarise(log, args.condition)
 
 

@@ -11,7 +11,7 @@ from mavwire.cli._link_kind import kind_of
 from mavwire.cli._message_types import wanted
 from mavwire.cli._output import OutputFile, writing
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_dialect, add_logs
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.links.recording import shown
 
 # How numbers are written: as double precision floats, of which those here are equal to the integer.
@@ -21,11 +21,9 @@ INTEGERS = frozenset(("uint8_t", "int8_t", "uint16_t", "int16_t", "uint32_t", "i
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavtomfile.py's options."""
-    add_logs(parser)
-    add_condition(parser)
-    add_dialect(parser)
+    add_shared(parser, "logs", "condition", "dialect")
     parser.add_argument("-o", "--output", metavar="FILE", help="(default: the log's name with .m)")
-    parser.add_argument("--types", help="only these message types, comma separated")
+    add_shared(parser, "types")
 
 
 def main(args: Namespace) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 SENSORS = ("ACC1", "ACC2", "ACC3", "GYR1", "GYR2", "GYR3")
 # Newer logs have one type for all sensors, which are counted from 0 in its field I.
@@ -18,12 +18,11 @@ AXES = ("X", "Y", "Z")
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavfft.py's options."""
-    add_logs(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "condition")
     parser.add_argument(
         "--sample-length", type=int, default=0, help="samples of each FFT (default: all at once)"
     )
-    parser.add_argument("--image", metavar="FILE", help="an image, and no window")
+    add_shared(parser, "image")
 
 
 def main(args: Namespace) -> int:

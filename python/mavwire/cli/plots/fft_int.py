@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli.plots.fft import SENSORS, TYPES, Samples, sensor_of
 
 if TYPE_CHECKING:
@@ -19,12 +19,11 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavfft_int.py's options."""
-    add_logs(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "condition")
     add = parser.add_argument
     add("--from", dest="start", type=float, help="select from this many seconds after boot")
     add("--to", dest="end", type=float, help="select to this many seconds after boot")
-    add("--image", metavar="FILE", help="images, and no windows")
+    add_shared(parser, "image")
 
 
 def main(args: Namespace) -> int:

@@ -10,7 +10,7 @@ from mavwire.cli._batches import AXES, GYRO, TYPES, Spectrum, batches
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 # What stands at the axis, by sensor and --output.
 UNITS = {
@@ -21,8 +21,7 @@ UNITS = {
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavfft_isb.py's options."""
-    add_logs(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "condition")
     add = parser.add_argument
     add("--scale", choices=("db", "linear"), default="db", help="(default: %(default)s)")
     add("--window", choices=("hanning", "blackman", "None"), default="hanning", help="(hanning)")
@@ -32,7 +31,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--notch-peak", type=int, default=0, metavar="N", help="the peak for it, 0 is the highest")
     add("--axis", default=AXES, help="axes to draw (default: %(default)s)")
     add("--max-freq", type=float, metavar="HZ", help="draw no higher frequencies")
-    add("--image", metavar="FILE", help="an image for each sensor, and no window")
+    add_shared(parser, "image")
 
 
 def main(args: Namespace) -> int:

@@ -9,7 +9,7 @@ from mavwire.cli._batches import density
 from mavwire.cli._errors import CommandError
 from mavwire.cli._figures import open_figures
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 CONTROLLERS = ("PIDR", "PIDP", "PIDY")
 TERMS = ("P", "I", "D", "Tar", "Err")
@@ -20,13 +20,12 @@ RATES = range(4, 100_001)
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavfft_pid.py's options."""
-    add_logs(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "condition")
     parser.add_argument(
         "--sample-rate", type=int, default=400, metavar="HZ",
         help="of the records (default: %(default)s)",
     )  # fmt: skip
-    parser.add_argument("--image", metavar="FILE", help="images, and no window")
+    add_shared(parser, "image")
 
 
 def main(args: Namespace) -> int:

@@ -15,8 +15,8 @@ from mavwire._text import in_words
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._figures import open_figures
 from mavwire.cli._output import refuse_log
-from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_dialect, add_no_timestamps, add_planner
+from mavwire.cli._reading import definitions, link_options, reading
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli.plots.plot import is_log
 from mavwire.expression import evaluate_expression
 from mavwire.plots.expressions import STATE_NAMES, Expression, as_number, parse, why_nothing
@@ -31,9 +31,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "what", metavar="LOG or EXPR", nargs="+", help="logs, and what to draw of them"
     )
-    add_no_timestamps(parser)
-    add_planner(parser)
-    add_condition(parser)
+    add_shared(parser, "no_timestamps", "planner", "condition")
     add = parser.add_argument
     add("--labels", help="names for the legend, separated by commas")
     add("--legend", default="upper left", help="where the legend is (default: %(default)s)")
@@ -44,7 +42,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--multi", action="store_true", help="the same colours for each log")
     add("--zero-time-base", action="store_true", help="dataflash logs begin at time 0")
     add("--flightmode", metavar="apm|px4", help="shade flight modes")
-    add_dialect(parser)
+    add_shared(parser, "dialect")
     add("--output", metavar="FILE", help="an image, such as .png, .svg or .pdf, and no window")
     add("--timeshift", type=float, default=0.0, help="seconds that the first log is moved by")
 
@@ -111,13 +109,7 @@ def _parsed(text: str) -> Expression:
 def _read(path: str, args: Namespace, series: list[Series], graph: Graph, shift: float) -> None:
     """Gather the values of one log."""
     types = None if args.flightmode else {kind for one in series for kind in one.types}
-    with (
-        definitions(args.dialect),
-        reading(
-            "graph", path, notimestamps=args.no_timestamps, planner_format=args.planner,
-            zero_time_base=args.zero_time_base,
-        ) as log,
-    ):  # fmt: skip
+    with definitions(args.dialect), reading("graph", path, **link_options(args)) as log:
         modes = graph.modes(args.flightmode) if args.flightmode else None
         newest = Newest(log.link.messages)
         for msg in log.messages(types, args.condition):

@@ -12,8 +12,8 @@ from typing import Any
 
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log, writing
-from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
+from mavwire.cli._reading import Reading, definitions, link_options, reading
+from mavwire.cli._shared_arguments import add_shared
 
 # What mavkml.py takes for the state in the beginning, and what it calls that until one is told.
 FIRST_STATE, NO_STATE = 0, -1
@@ -40,9 +40,7 @@ class Line:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavkml.py's options."""
-    add_logs(parser)
-    add_no_timestamps(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "no_timestamps", "condition")
     add = parser.add_argument
     add("--aoff", type=float, default=0.0, help="metres to add to the altitude")
     add("-o", "--output", metavar="FILE", default="mav.kml", help="(default: %(default)s)")
@@ -60,7 +58,7 @@ def main(args: Namespace) -> int:
     with definitions():
         for path in args.logs:
             print(f"Processing {path}")
-            with reading("kml", path, notimestamps=args.no_timestamps) as log:
+            with reading("kml", path, **link_options(args)) as log:
                 lines += _lines(log, args)
         if not lines:
             hint = f"no {args.source} in the logs; `mavwire map LOG --out FILE.kml` draws any log"

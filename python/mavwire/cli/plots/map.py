@@ -10,14 +10,14 @@ import argparse
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._output import refuse_log
+from mavwire.cli._shared_arguments import add_shared
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the subcommand."""
-    parser.add_argument("log", metavar="LOG", help="telemetry or dataflash log")
+    add_shared(parser, "log")
     parser.add_argument("-o", "--out", required=True, metavar="FILE", help=".html, .kml or .gpx")
-    parser.add_argument("--system", type=int, metavar="ID", help="default: the first autopilot")
-    parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
+    add_shared(parser, "system", "any_dialect")
     parser.add_argument("--quiet", action="store_true", help="no summary")
 
 

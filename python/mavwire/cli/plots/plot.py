@@ -14,7 +14,7 @@ import os
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import refuse_log
-from mavwire.cli._shared_arguments import add_condition
+from mavwire.cli._shared_arguments import add_shared
 
 LOG_SUFFIXES = (".tlog", ".bin", ".log", ".px4log", ".csv", ".raw", ".mavlink")
 PACKED = (".gz", ".zst")
@@ -32,9 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--out", required=True, metavar="FILE", help="image or page")
     parser.add_argument("--labels", help="names for the legend, separated by commas")
     parser.add_argument("--title", help="default: the names of the logs")
-    add_condition(parser)
+    add_shared(parser, "condition")
     parser.add_argument("--xaxis", metavar="EXPR", help="plot over this in the place of time")
-    parser.add_argument("--system", type=int, metavar="ID", help="default: the first autopilot")
+    add_shared(parser, "system")
     parser.add_argument(
         "--relative",
         action="store_true",
@@ -49,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="whose flight modes they are (default: as the log says)",
     )
     parser.add_argument("--no-modes", action="store_true", help="do not shade flight modes")
-    parser.add_argument("--dialect", default="all", help="dialect or XML file (default: all)")
+    add_shared(parser, "any_dialect")
     parser.add_argument("--quiet", action="store_true", help="say nothing of what was left out")
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log, writing
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("GPS_RAW_INT", "GPS", "GPS2", "GLOBAL_POSITION_INT", "POS")
 FIX_2D = 2
@@ -32,8 +32,7 @@ FOOTER = "</trkseg>\n</trk>\n</gpx>\n"
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavtogpx.py's options."""
-    add_logs(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "condition")
     parser.add_argument("--nofixcheck", action="store_true", help="positions without a fix as well")
     parser.add_argument("--type", nargs="*", dest="types", help="message types to take it from")
 

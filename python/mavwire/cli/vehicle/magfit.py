@@ -9,7 +9,7 @@ from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._figures import open_figures
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_logs, add_no_timestamps
+from mavwire.cli._shared_arguments import add_shared
 
 PARAMETERS = ("COMPASS_OFS_X", "COMPASS_OFS_Y", "COMPASS_OFS_Z")
 # A sphere has four numbers; fewer points than this say little about it.
@@ -27,9 +27,7 @@ WORST = 0.15
 
 def add_arguments(parser: ArgumentParser) -> None:
     """magfit.py's options."""
-    add_logs(parser)
-    add_no_timestamps(parser)
-    add_condition(parser)
+    add_shared(parser, "logs", "no_timestamps", "condition")
     add = parser.add_argument
     add("--noise", type=float, default=0.0, help="noise to add, to see how good the fit is")
     add("--mag2", action="store_true", help="the second compass of a dataflash log, not the first")

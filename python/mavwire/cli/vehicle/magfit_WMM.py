@@ -16,7 +16,7 @@ from mavwire.cli._figures import open_figures
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._output import writing
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition
+from mavwire.cli._shared_arguments import add_shared
 
 if TYPE_CHECKING:
     from mavwire.cli.vehicle._field_fit import Correction
@@ -31,7 +31,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     """magfit_WMM.py's options."""
     add = parser.add_argument
     add("log", metavar="LOG", help="dataflash log")
-    add_condition(parser)
+    add_shared(parser, "condition")
     add("--mag", type=int, default=1, choices=(1, 2, 3), help="which compass (default: 1)")
     add("--reduce", type=int, default=1, help="take every so many measurements")
     for name, least, most in (("scale", 0.6, 1.5), ("diag", 0.8, 1.2), ("offdiag", -0.2, 0.2)):

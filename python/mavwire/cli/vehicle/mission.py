@@ -9,7 +9,7 @@ from typing import Any
 from mavwire.cli._errors import tell
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, reading
-from mavwire.cli._shared_arguments import add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("MISSION_ITEM", "MISSION_ITEM_INT", "CMD", "WAYPOINT")
 
@@ -21,7 +21,7 @@ GLOBAL_RELATIVE = 3
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavmission.py's options."""
-    add_logs(parser)
+    add_shared(parser, "logs")
     parser.add_argument("--output", default="mission.txt", help="(default: %(default)s)")
 
 

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 
 from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_logs
+from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("PARAM_VALUE", "PARM")
 # What QGroundControl's files say of every parameter: the vehicle, its autopilot, a float.
@@ -17,7 +17,7 @@ QGC_TYPE = 9
 
 def add_arguments(parser: ArgumentParser) -> None:
     """mavparms.py's options."""
-    add_logs(parser)
+    add_shared(parser, "logs")
     parser.add_argument("-c", "--changes", action="store_true", help="show only the changes")
     parser.add_argument("--qgc", action="store_true", help="write QGroundControl's format")
 

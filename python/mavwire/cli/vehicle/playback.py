@@ -16,8 +16,8 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError
-from mavwire.cli._reading import Reading, definitions, reading
-from mavwire.cli._shared_arguments import add_condition, add_planner
+from mavwire.cli._reading import Reading, definitions, link_options, reading
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import require_telemetry
 from mavwire.cli.bridge.replay import factor
 from mavwire.links.recording import SETUP_SIGNING
@@ -34,8 +34,7 @@ LONGEST_WAIT = 0.1
 def add_arguments(parser: ArgumentParser) -> None:
     """mavplayback.py's options."""
     parser.add_argument("log", metavar="LOG", help="telemetry log")
-    add_planner(parser)
-    add_condition(parser)
+    add_shared(parser, "planner", "condition")
     add = parser.add_argument
     add("--gpsalt", action="store_true", help="altitude of GPS in place of the autopilot's")
     add("--mav10", action="store_true", help="read the log with MAVLink 1 definitions")
@@ -54,7 +53,7 @@ def main(args: Namespace) -> int:
     with (
         definitions(wire_protocol=protocol),
         ExitStack() as stack,
-        reading("playback", args.log, planner_format=args.planner) as log,
+        reading("playback", args.log, **link_options(args)) as log,
     ):
         require_telemetry(log)
         outs = _links(args.out or [OUT], args.baudrate, stack)
