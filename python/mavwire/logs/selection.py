@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from typing import Any, Self
 
+DAY = 86_400
+YEAR = 31_556_952
+"""Seconds; the latter of a mean year of the calendar."""
 MAX_SYSTEM = 255
 MAX_ID = 0xFFFFFF
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)

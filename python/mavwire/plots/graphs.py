@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from mavwire.logs.selection import DAY
+
 from .images import has_dates, printable
 from .modes import MOST_SPANS, Span
 
@@ -189,7 +191,7 @@ def _local_days(seconds: list[float]) -> Any:
     stamps = np.asarray(seconds, float)
     blocks, which = np.unique(stamps // QUARTER_HOUR, return_inverse=True)
     offsets = np.array([_offset(float(block) * QUARTER_HOUR) for block in blocks])
-    return (stamps + offsets[which]) / 86400.0
+    return (stamps + offsets[which]) / DAY
 
 
 def _offset(stamp: float) -> int:

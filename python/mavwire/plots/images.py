@@ -6,6 +6,8 @@ import io
 import warnings
 from typing import TYPE_CHECKING, Any
 
+from mavwire.logs.selection import YEAR
+
 from .modes import colours_of
 
 if TYPE_CHECKING:
@@ -17,7 +19,6 @@ LINES = (
 )  # fmt: skip
 SIZE = (12.0, 6.5)
 """Inches."""
-YEAR = 31_556_952
 YEAR_1, YEAR_10000 = -62_135_596_800, 253_402_300_800
 """Seconds since 1970 at which calendars begin, and end."""
 

@@ -15,10 +15,10 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
+from mavwire.cli._values import factor, size
 from mavwire.cli.bridge import _bridge_warnings
 from mavwire.cli.bridge._bridge_status import component_rows, link_errors, link_rows
-from mavwire.cli.bridge.bridge import _watch, listen_address, size
-from mavwire.cli.bridge.replay import factor
+from mavwire.cli.bridge.bridge import _watch, listen_address
 from unit.bridge_tools import LIMIT
 from unit.terminal_tools import read_terminal
 

@@ -229,6 +229,19 @@ def test_packages_above_mavutil_have_an_order(package: str) -> None:
     assert not uses
 
 
+def test_commands_use_their_own_folder_and_what_all_share() -> None:
+    folders = {path.parent.name for path in (PYTHON / "cli").glob("*/__init__.py")}
+    across = {
+        (name, other)
+        for name, others in house.python_uses().items()
+        for other in others
+        if re.match(r"cli\.\w+", name)
+        and other.startswith("cli.")
+        and other.split(".")[1] in folders - {name.split(".")[1]}
+    }
+    assert not across
+
+
 @pytest.mark.parametrize("pattern", ["*.rs", "*.py", "*.pyi"])
 def test_files_are_short(pattern: str) -> None:
     generated = ROOT / "python" / "mavwire" / "dialects"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from datetime import timedelta
 from pathlib import Path
 
@@ -13,7 +12,7 @@ import pytest
 from mavwire import cli, mavutil, traffic
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions
-from mavwire.cli.logs.flightmodes import Clock, _duration
+from mavwire.cli.logs.flightmodes import _duration
 from mavwire.cli.logs.loss import Losses
 from mavwire.dialects.v20 import ardupilotmega as mavlink
 from mavwire.links import state
@@ -324,25 +323,6 @@ def test_tools_start_without_heavy_modules(tmp_path: Path) -> None:
             capture_output=True, text=True, env=dict(os.environ), timeout=120, check=False,
         )  # fmt: skip
         assert result.stderr == "''\n", verb
-
-
-@pytest.mark.parametrize(
-    "zone", ["UTC", "Asia/Kolkata", "Africa/Monrovia", "Europe/Amsterdam", "right/UTC"]
-)
-def test_the_clock_of_flightmodes_is_that_of_ctime(
-    zone: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """In zones with offsets of seconds, too, as Monrovia's was until 1972."""
-    monkeypatch.setenv("TZ", zone)
-    time.tzset()
-    try:
-        for start in (0, 63590000, 78796800, 1704067190.25, 1711846790.5, -100.5):
-            clock = Clock()
-            stamps = [start + step for step in (0, 0.5, 9, 10, 59, 61, 70, 3, 119, 7200)]
-            assert [clock.text(stamp) for stamp in stamps] == [time.ctime(one) for one in stamps]
-    finally:
-        monkeypatch.undo()
-        time.tzset()
 
 
 @pytest.mark.parametrize(

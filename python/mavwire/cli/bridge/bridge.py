@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError, describe_link_error, tell
-from mavwire.cli.vehicle.sim import duration
+from mavwire.cli._values import duration, size
 
 if TYPE_CHECKING:
     from mavwire.bridge import Bridge, Config
@@ -47,73 +47,57 @@ RECORDING_OPTIONS = {
 
 def add_arguments(parser: ArgumentParser) -> None:
     """The options."""
-    parser.add_argument("endpoints", metavar="ENDPOINT", nargs="*", help="a link")
-    parser.add_argument(
-        "--master",
-        metavar="ENDPOINT",
-        action="append",
-        default=[],
-        help="a link too: the word for the vehicle's, as MAVProxy has it",
-    )
-    parser.add_argument(
-        "--out",
-        metavar="ENDPOINT",
-        action="append",
-        default=[],
-        help="a link too: the word for a ground station's",
-    )
-    parser.add_argument(
-        "--config", metavar="FILE", help="links and options: TOML, or mavlink-router's main.conf"
-    )
-    routing = parser.add_argument_group("routing")
-    routing.add_argument(
+    # fmt: off
+    add = parser.add_argument
+    link: dict[str, Any] = {"metavar": "ENDPOINT", "action": "append", "default": []}
+    add("endpoints", metavar="ENDPOINT", nargs="*", help="a link")
+    add("--master", help="a link too: the word for the vehicle's, as MAVProxy has it", **link)
+    add("--out", help="a link too: the word for a ground station's", **link)
+    add("--config", metavar="FILE", help="links and options: TOML, or mavlink-router's main.conf")
+    add = parser.add_argument_group("routing").add_argument
+    add(
         "--dedup", type=duration, metavar="T",
         help="drop copies that arrive over another link within this time; 0 for none [default: 500ms]",
-    )  # fmt: skip
-    routing.add_argument(
+    )
+    add(
         "--max-age", type=duration, metavar="T",
         help="how long a system is known at a link after it was heard there [default: 1m]",
-    )  # fmt: skip
-    routing.add_argument(
+    )
+    add(
         "--sniffer-sysid", type=int, metavar="SYSTEM",
         help="links where this system is heard get every frame",
-    )  # fmt: skip
-    record = parser.add_argument_group("recording")
-    record.add_argument("--record", metavar="DIR", help="record telemetry logs there")
-    record.add_argument(
-        "--record-size", type=size, metavar="SIZE", help="begin a new log at this size: 100M"
     )
-    record.add_argument(
-        "--record-time", type=duration, metavar="T", help="begin a new log after this time: 1h"
-    )
-    record.add_argument(
+    add = parser.add_argument_group("recording").add_argument
+    add("--record", metavar="DIR", help="record telemetry logs there")
+    add("--record-size", type=size, metavar="SIZE", help="begin a new log at this size: 100M")
+    add("--record-time", type=duration, metavar="T", help="begin a new log after this time: 1h")
+    add(
         "--record-flush", type=duration, metavar="T",
         help="write what came after this time at the latest [default: 1s]",
-    )  # fmt: skip
-    show = parser.add_argument_group("watching")
-    show.add_argument("--status", action="store_true", help="a table that keeps up to date")
-    show.add_argument(
-        "--json", type=duration, metavar="T", help="print the counters as a line of JSON this often"
     )
+    add = parser.add_argument_group("watching").add_argument
+    add("--status", action="store_true", help="a table that keeps up to date")
+    add("--json", type=duration, metavar="T", help="print the counters as a line of JSON this often")
     for option, what in (
         ("--metrics", "/metrics for Prometheus and /stats as JSON"),
         ("--http", "a page with all messages, links and plots"),
     ):
-        show.add_argument(
+        add(
             option, type=listen_address, metavar="[HOST]:PORT",
             help=f"serve {what}; HOST is 127.0.0.1 if not given",
-        )  # fmt: skip
-    show.add_argument(
+        )
+    add(
         "--http-name", metavar="NAME", action="append", default=[],
         help="another name of this host, or of a proxy in front of it, that --http, --metrics and WebSocket sinks "
         "answer to; may be repeated",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--sink", metavar="ADDRESS", action="append", default=[],
         help="publish what comes: mqtt://HOST/PREFIX, mqtts://..., zenoh:, zenoh:tcp/HOST:PORT, "
         "or ws://HOST:PORT/PREFIX for others to connect to",
-    )  # fmt: skip
+    )
     parser.add_argument("--duration", type=duration, metavar="T", help="end after this time")
+    # fmt: on
 
 
 def main(args: Namespace) -> int:
@@ -307,17 +291,6 @@ def _shower(bridge: Bridge, args: Namespace) -> Any:
 
 
 # -- values of options
-
-
-def size(text: str) -> int:
-    """1000, 500k, 100M, 2G."""
-    units = {"k": 10**3, "m": 10**6, "g": 10**9}
-    number, unit = (
-        (text[:-1], units[text[-1:].lower()]) if text[-1:].lower() in units else (text, 1)
-    )
-    if not (number.isascii() and number.isdecimal() and len(number) < 15 and int(number)):
-        raise ArgumentTypeError(f"not a size: {text!r}; say 500k, 100M or 2G")
-    return int(number) * unit
 
 
 def listen_address(text: str) -> tuple[str, int]:

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import sys
 import time
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, describe_link_error, tell
 from mavwire.cli._foreign import warn_without_records
-from mavwire.cli.logs._rewriting import split
+from mavwire.cli._values import factor, split
 
 if TYPE_CHECKING:
     from mavwire.bridge import Bridge
@@ -146,14 +146,3 @@ def drain(bridge: Bridge) -> int:
         if not any(one["queued_bytes"] for one in links) or time.monotonic() > end:
             return sum(one["dropped"] for one in links)
         time.sleep(0.02)
-
-
-def factor(text: str) -> float:
-    """A number above 0, up to where no pause of a log takes any time."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < 1e6:
-        raise ArgumentTypeError(f"must be above 0 and below 1000000: {text!r}")
-    return value

@@ -4,22 +4,14 @@ from __future__ import annotations
 
 import io
 import json
-import time
 from argparse import Namespace
 from typing import Any
 
 from mavwire._native import csv_safe, recordable
 from mavwire.cli._errors import CommandError
 from mavwire.cli._link_kind import kind_of
+from mavwire.cli._times import local_stamp
 from mavwire.links.recording import SETUP_SIGNING, shown
-
-
-def local_time(second: float) -> str:
-    """What the local clock shows at a time in seconds since 1970."""
-    try:
-        return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(second))
-    except (OverflowError, OSError, ValueError):  # beyond what this platform's calendar holds
-        return f"{second:.0f}s"
 
 
 class Standard:
@@ -31,8 +23,7 @@ class Standard:
 
     def line(self, msg: Any) -> str:
         """The message without a newline."""
-        stamp = msg._timestamp
-        text = f"{local_time(stamp)}.{int(stamp * 100.0) % 100:02d}: {msg}"
+        text = f"{local_stamp(msg._timestamp)}: {msg}"
         if self._show_source:
             text += f" srcSystem={msg.get_srcSystem()} srcComponent={msg.get_srcComponent()}"
         if self._show_seq:

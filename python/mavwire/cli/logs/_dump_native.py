@@ -8,7 +8,8 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli.logs._dump_format import Csv, local_time
+from mavwire.cli._times import local_time
+from mavwire.cli.logs._dump_format import Csv
 
 if TYPE_CHECKING:
     from mavwire.cli.logs._dump_select import Selection

@@ -9,7 +9,7 @@ from typing import Any
 from mavwire.cli._errors import CommandError
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._telemetry import require_telemetry
-from mavwire.cli.logs._dump_format import local_time
+from mavwire.cli._times import local_stamp
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -31,11 +31,9 @@ def show_changes(command: str, path: str, specifiers: Iterable[str]) -> int:
         require_telemetry(log)
         fields = [Field(one) for one in specifiers]
         for msg in log.messages({one.message for one in fields}):
-            stamp = msg._timestamp
             for field in fields:
                 if field.message == msg.get_type() and (changes := field.changes(msg)):
-                    clock = f"{local_time(stamp)}.{int(stamp * 100.0) % 100:02d}"
-                    print(f"{clock}: {field} {' '.join(changes)}")
+                    print(f"{local_stamp(msg._timestamp)}: {field} {' '.join(changes)}")
     return 0
 
 

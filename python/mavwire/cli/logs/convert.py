@@ -20,7 +20,7 @@ from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli.logs._rewriting import split, systems_of, time_of
+from mavwire.cli._values import split, systems_of, time_of
 
 if TYPE_CHECKING:
     from mavwire.logs.manifest import Converted

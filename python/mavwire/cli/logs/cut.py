@@ -9,7 +9,8 @@ import argparse
 from functools import partial
 
 from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli.logs._rewriting import add_common, run, split, systems_of, time_of
+from mavwire.cli._values import split, systems_of, time_of
+from mavwire.cli.logs._rewriting import add_common, run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

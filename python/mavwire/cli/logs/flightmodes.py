@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from argparse import ArgumentParser, Namespace
-from math import floor
 
 from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_shared
 
 TYPES = ("SYS_STATUS", "HEARTBEAT", "MODE")
 UNKNOWN = "UNKNOWN"
-TWO_DIGITS = [f"{number:02}" for number in range(60)]
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -32,7 +29,7 @@ def main(args: Namespace) -> int:
 
 def _print_modes(log: Reading) -> None:
     """A line for each message whose sender is in another mode than the vehicle was at the last."""
-    modes, clock = Modes(), Clock()
+    modes = Modes()
     link = log.link
     systems = getattr(link, "sysid_state", None)
     shown = UNKNOWN
@@ -44,31 +41,11 @@ def _print_modes(log: Reading) -> None:
         target = link if systems is None else systems[link.sysid]
         shown, stamp, percent = target.flightmode, msg._timestamp, link.percent
         where = f"(MAV.timestamp={int(stamp)} {int(percent)}%)"
-        # Which `print` would write in two pieces.
-        sys.stdout.write(f"{clock.text(stamp)} MAV.flightmode={shown:<12} {where}\n")
+        print(f"{time.ctime(stamp)} MAV.flightmode={shown:<12} {where}")
         modes.add(shown, stamp, percent)
     modes.finish()
     print("\nTime per mode:")
     print("\n".join(modes.table()))
-
-
-class Clock:
-    """`time.ctime`, which takes half of what a line takes: so it is asked once for each minute."""
-
-    def __init__(self) -> None:
-        self._minute: int | None = None
-        self._before = self._behind = ""
-
-    def text(self, stamp: float) -> str:
-        """The local time at `stamp`."""
-        minute, second = divmod(floor(stamp), 60)
-        if minute != self._minute:
-            text = time.ctime(60 * minute)
-            self._minute, self._before, self._behind = minute, text[:17], text[19:]
-            if text[17:19] != "00":  # of places whose time had seconds of its own
-                self._minute = None
-                return time.ctime(stamp)
-        return f"{self._before}{TWO_DIGITS[second]}{self._behind}"
 
 
 class Modes:
@@ -118,7 +95,7 @@ class Modes:
 
 
 def _duration(seconds: int) -> str:
-    """As a `timedelta` is shown, whose module takes longer to import than a mode takes to print."""
+    """As a `timedelta` is shown, but of any length."""
     days, seconds = divmod(seconds, 86_400)
     clock = f"{seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02}"
     return f"{days} day{'' if abs(days) == 1 else 's'}, {clock}" if days else clock

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
-from typing import Any
+from typing import Any, NamedTuple
 
 from mavwire._native import Track
 from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_shared
+from mavwire.cli._times import minutes
 
 TYPES = ("GPS_RAW_INT", "GPS")
 FIX_3D = 3
@@ -39,19 +40,14 @@ def main(args: Namespace) -> int:
     return 0
 
 
-class Fix:
+class Fix(NamedTuple):
     """What a GPS message says, in degrees and metres a second. `stamp` changes with every fix."""
 
-    __slots__ = ("fix_type", "groundspeed", "lat", "lon", "stamp")
-
-    def __init__(
-        self, fix_type: int, groundspeed: float, lat: float, lon: float, stamp: int
-    ) -> None:
-        self.fix_type = fix_type
-        self.groundspeed = groundspeed
-        self.lat = lat
-        self.lon = lon
-        self.stamp = stamp
+    fix_type: int
+    groundspeed: float
+    lat: float
+    lon: float
+    stamp: int
 
 
 def fix_of(msg: Any) -> Fix:
@@ -99,8 +95,3 @@ class Flight:
         clock = time.asctime(time.localtime(now))
         speed = f"groundspeed {fix.groundspeed:.1f}"
         print(f"{what} at {clock} (percent {percent}% {speed}{lasted})")
-
-
-def minutes(seconds: int) -> str:
-    """`2:40`"""
-    return f"{seconds // 60}:{seconds % 60:02d}"

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 
 from mavwire.cli._reading import Reading, definitions, reading
 from mavwire.cli._shared_arguments import add_shared
-from mavwire.cli.logs.flighttime import minutes
+from mavwire.cli._times import minutes
 
 TYPES = ("GPS_RAW_INT", "GPS_RAW", "GPS")
 NO_GPS = 0

@@ -24,13 +24,12 @@ from mavwire.cli._errors import tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._reading import STANDARD_INPUT, definitions, standard_input
+from mavwire.logs.selection import DAY, YEAR
 
 if TYPE_CHECKING:
     from mavwire.logs.summary import LogInfo
 
 PROGRESS_EVERY = 20_000
-DAY = 86_400
-YEAR = 365.2425 * DAY
 LISTED = 5
 """Places that the table names; `--json` has more."""
 

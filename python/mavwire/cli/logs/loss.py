@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 from mavwire._native import SequenceGaps
 from mavwire.cli._reading import definitions, link_options, reading
@@ -41,16 +41,13 @@ def main(args: Namespace) -> int:
     return 0
 
 
-class Sender:
+class Sender(NamedTuple):
     """One component of a system: how many messages it sent, and how many of them did not come."""
 
-    __slots__ = ("compid", "lost", "packets", "sysid")
-
-    def __init__(self, sysid: int, compid: int) -> None:
-        self.sysid = sysid
-        self.compid = compid
-        self.packets = 0
-        self.lost = 0
+    sysid: int
+    compid: int
+    packets: int = 0
+    lost: int = 0
 
 
 class Losses:
@@ -92,9 +89,8 @@ class Losses:
         found: dict[tuple[int, int], Sender] = {}
         for sysid, compid, _, seen, _, lost, _ in self._gaps.rows():
             if self._is_wanted(sysid, compid):
-                sender = found.setdefault((sysid, compid), Sender(sysid, compid))
-                sender.packets += seen
-                sender.lost += lost
+                _, _, packets, before = found.get((sysid, compid), Sender(sysid, compid))
+                found[sysid, compid] = Sender(sysid, compid, packets + seen, before + lost)
         return sorted(found.values(), key=lambda one: -one.packets)
 
     def table(self) -> list[str]:
@@ -105,9 +101,8 @@ class Losses:
             f"  {one.sysid:<8} {one.compid:<8} {one.packets:>10} {one.lost:>10} {_rate(one):>7}"
             for one in senders
         ]
-        total = Sender(0, 0)
-        total.packets = sum(one.packets for one in senders)
-        total.lost = sum(one.lost for one in senders)
+        packets, lost = (sum(one[column] for one in senders) for column in (2, 3))
+        total = Sender(0, 0, packets, lost)
         lines.append(
             f"Total{self._filter()}: {total.packets} packets, {total.lost} lost {_rate(total)}"
         )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from argparse import ArgumentParser, Namespace
-from typing import Any
+from typing import Any, NamedTuple
 
 from mavwire._native import Track
 from mavwire.cli._reading import Reading, definitions, link_options, reading
 from mavwire.cli._shared_arguments import add_shared
+from mavwire.cli._times import local_time
 
 TYPES = frozenset(("GPS_RAW_INT", "HEARTBEAT"))
 # Of a HEARTBEAT's base_mode: the vehicle flies by itself, or where it is told to.
@@ -50,24 +50,15 @@ def _read(path: str, args: Namespace) -> Summary | None:
         return summarise(log, args.condition)
 
 
-class Summary:
+class Summary(NamedTuple):
     """What is known of a log; times are in seconds. `dated` is the first that is one of a clock."""
 
-    def __init__(
-        self,
-        began: float,
-        dated: float | None,
-        ended: float,
-        sections: int,
-        autonomous: float,
-        track: Track,
-    ) -> None:
-        self.began = began
-        self.dated = dated
-        self.ended = ended
-        self.sections = sections
-        self.autonomous = autonomous
-        self.track = track
+    began: float
+    dated: float | None
+    ended: float
+    sections: int
+    autonomous: float
+    track: Track
 
     @property
     def seconds(self) -> float:
@@ -93,8 +84,7 @@ class Summary:
                 "Warning: No absolute timestamp found in datastream. "
                 "No starting time can be provided for this log."
             )
-        clock = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(self.dated))
-        return f"Log started at about {clock}"
+        return f"Log started at about {local_time(self.dated)}"
 
 
 def summarise(log: Reading, condition: str | None) -> Summary | None:

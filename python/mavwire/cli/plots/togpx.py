@@ -7,7 +7,7 @@ import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from mavwire.cli._message_types import tell_unknown
 from mavwire.cli._output import refuse_log, writing
@@ -62,37 +62,22 @@ def _write(log: Reading, args: Namespace, path: str) -> int:
     return count
 
 
-class Point:
+class Point(NamedTuple):
     """A position: degrees, metres, metres a second. Of a message that does not tell them, `course`,
     `speed` and `fix_type` are None: those of the last one that did stand for them.
     """
 
-    __slots__ = ("altitude", "course", "fix_type", "lat", "lon", "speed")
+    lat: float
+    lon: float
+    altitude: float
+    course: float | None = None
+    speed: float | None = None
+    fix_type: int | None = None
 
-    def __init__(
-        self,
-        lat: float,
-        lon: float,
-        altitude: float,
-        course: float | None = None,
-        speed: float | None = None,
-        fix_type: int | None = None,
-    ) -> None:
-        self.lat = lat
-        self.lon = lon
-        self.altitude = altitude
-        self.course = course
-        self.speed = speed
-        self.fix_type = fix_type
-
-    def fill_in(self, last: Point) -> None:
-        """Take what the message does not tell from the point before, of whatever type."""
-        if self.course is None:
-            self.course = last.course
-        if self.speed is None:
-            self.speed = last.speed
-        if self.fix_type is None:
-            self.fix_type = last.fix_type
+    def filled_in(self, last: Point) -> Point:
+        """The point with what its message does not tell from the one before, of whatever type."""
+        known = last._asdict()
+        return self._replace(**{name: known[name] for name in known if getattr(self, name) is None})
 
     def gpx(self, stamp: float) -> str:
         """One point of a track."""
@@ -120,8 +105,7 @@ def _points(log: Reading, args: Namespace) -> Iterator[str]:
         point = _point(msg)
         if point is None:
             continue
-        point.fill_in(last)
-        last = point
+        last = point = point.filled_in(last)
         if (_has_fix(point) or args.nofixcheck) and point.lat != 0.0 and point.lon != 0.0:
             yield point.gpx(msg._timestamp)
 

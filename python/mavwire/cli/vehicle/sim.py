@@ -14,12 +14,12 @@ examples:
 from __future__ import annotations
 
 import math
-import re
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._values import duration, fraction
 
 if TYPE_CHECKING:
     from mavwire.sim import Runner, Vehicle
@@ -30,76 +30,46 @@ MAX_COUNT = 200
 
 def add_arguments(parser: ArgumentParser) -> None:
     """The options."""
-    _add_vehicle_arguments(parser)
-    link = parser.add_argument_group("the link")
-    link.add_argument(
-        "--out",
-        metavar="DEVICE",
-        action="append",
+    # fmt: off
+    add = parser.add_argument_group("the vehicles").add_argument
+    add(
+        "--autopilot", choices=["ardupilot", "px4"], default="ardupilot",
+        help="whose ways they have [default: %(default)s]",
+    )
+    add("--count", type=int, default=1, metavar="N", help="how many [default: 1]")
+    add("--sysid", type=int, default=1, metavar="ID", help="id of the first [default: 1]")
+    add("--home", type=place, metavar="LAT,LON[,ALT]", help="where they start")
+    add("--heading", type=float, default=0.0, metavar="DEG", help="where they look")
+    add("--wind", type=wind, default=(0.0, 0.0), metavar="DEG,SPEED", help="wind from there, m/s")
+    add(
+        "--param", type=setting, action="append", default=[], metavar="NAME=VALUE",
+        help="set a parameter; may be repeated",
+    )
+    add("--seed", type=int, default=0, metavar="N", help="of noise and losses [default: 0]")
+    add("--fly", action="store_true", help="take off and fly circuits")
+    add = parser.add_argument_group("the link").add_argument
+    add(
+        "--out", metavar="DEVICE", action="append",
         help="connection string as for mavlink_connection: udpout:HOST:PORT, udpin:HOST:PORT, "
         f"tcpin:HOST:PORT, tcp:HOST:PORT, a serial port...; may be repeated [default: {DEFAULT_OUT}]",
     )
-    link.add_argument(
-        "--loss", type=fraction, default=0.0, metavar="P", help="lose frames: 5%% or 0.05"
-    )
-    link.add_argument(
-        "--corrupt", type=fraction, default=0.0, metavar="P", help="flip a bit in frames"
-    )
-    link.add_argument(
-        "--duplicate", type=fraction, default=0.0, metavar="P", help="send frames twice"
-    )
-    link.add_argument(
-        "--delay", type=duration, default=0.0, metavar="T", help="delay frames: 200ms or 0.2s"
-    )
-    link.add_argument(
-        "--jitter", type=duration, default=0.0, metavar="T", help="delay them by up to this more"
-    )
-    link.add_argument(
-        "--signing-key",
-        type=key_file,
-        metavar="FILE",
+    share: dict[str, Any] = {"type": fraction, "default": 0.0, "metavar": "P"}
+    period: dict[str, Any] = {"type": duration, "default": 0.0, "metavar": "T"}
+    add("--loss", help="lose frames: 5%% or 0.05", **share)
+    add("--corrupt", help="flip a bit in frames", **share)
+    add("--duplicate", help="send frames twice", **share)
+    add("--delay", help="delay frames: 200ms or 0.2s", **period)
+    add("--jitter", help="delay them by up to this more", **period)
+    add(
+        "--signing-key", type=key_file, metavar="FILE",
         help="sign, and accept only what is signed; the file holds 32 bytes or 64 hexadecimal digits",
     )
-    link.add_argument("--mavlink1", action="store_true", help="send MAVLink 1")
-    run = parser.add_argument_group("running")
-    run.add_argument(
-        "--speed", type=float, default=1.0, metavar="X", help="times real time [default: 1]"
-    )
-    run.add_argument(
-        "--duration", type=duration, metavar="T", help="end after this time: 90s or 5m"
-    )
-    run.add_argument("--quiet", action="store_true", help="no status line")
-
-
-def _add_vehicle_arguments(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("the vehicles")
-    group.add_argument(
-        "--autopilot",
-        choices=["ardupilot", "px4"],
-        default="ardupilot",
-        help="whose ways they have [default: %(default)s]",
-    )
-    group.add_argument("--count", type=int, default=1, metavar="N", help="how many [default: 1]")
-    group.add_argument(
-        "--sysid", type=int, default=1, metavar="ID", help="id of the first [default: 1]"
-    )
-    group.add_argument("--home", type=place, metavar="LAT,LON[,ALT]", help="where they start")
-    group.add_argument("--heading", type=float, default=0.0, metavar="DEG", help="where they look")
-    group.add_argument(
-        "--wind", type=wind, default=(0.0, 0.0), metavar="DEG,SPEED", help="wind from there, m/s"
-    )
-    group.add_argument(
-        "--param",
-        type=setting,
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="set a parameter; may be repeated",
-    )
-    group.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="of noise and losses [default: 0]"
-    )
-    group.add_argument("--fly", action="store_true", help="take off and fly circuits")
+    add("--mavlink1", action="store_true", help="send MAVLink 1")
+    add = parser.add_argument_group("running").add_argument
+    add("--speed", type=float, default=1.0, metavar="X", help="times real time [default: 1]")
+    add("--duration", type=duration, metavar="T", help="end after this time: 90s or 5m")
+    add("--quiet", action="store_true", help="no status line")
+    # fmt: on
 
 
 def main(args: Namespace) -> int:
@@ -199,29 +169,6 @@ def _announcement(vehicles: list[Vehicle], args: Namespace) -> str:
 
 
 # -- values of options
-
-
-def fraction(text: str) -> float:
-    """5% or 0.05."""
-    number, percent = (text[:-1], 100.0) if text.endswith("%") else (text, 1.0)
-    try:
-        value = float(number) / percent
-    except ValueError:
-        raise ArgumentTypeError(f"not a fraction: {text!r}; say 5% or 0.05") from None
-    if not 0 <= value <= 1:
-        raise ArgumentTypeError(f"must be between 0 and 100%: {text!r}")
-    return value
-
-
-_UNITS = {"ms": 1e-3, "s": 1.0, "m": 60.0, "h": 3600.0, "": 1.0}
-
-
-def duration(text: str) -> float:
-    """200ms, 0.2s, 5m, 1h; seconds without a unit."""
-    match = re.fullmatch(r"(\d+(?:\.\d*)?|\.\d+)\s*(ms|s|m|h|)", text)
-    if match is None:
-        raise ArgumentTypeError(f"not a time: {text!r}; say 200ms, 1.5s or 5m")
-    return float(match[1]) * _UNITS[match[2]]
 
 
 def _numbers(text: str, counts: tuple[int, ...], form: str) -> list[float]:
