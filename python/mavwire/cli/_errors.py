@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from mavwire._text import printable
 
@@ -15,6 +17,16 @@ class CommandError(Exception):
     def __init__(self, message: str, exit_code: int = 1) -> None:
         super().__init__(message)
         self.exit_code = exit_code
+
+
+@contextmanager
+def refused(*kinds: type[Exception], exit_code: int = 1) -> Iterator[None]:
+    """Errors of these kinds are what the user can mend: they become a CommandError."""
+    try:
+        yield
+    except kinds as error:
+        text = describe_link_error(error) if isinstance(error, OSError) else str(error)
+        raise CommandError(text, exit_code) from error
 
 
 def tell(text: str) -> None:

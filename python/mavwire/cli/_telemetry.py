@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, refused
 from mavwire.cli._link_kind import kind_of
 
 if TYPE_CHECKING:
@@ -29,10 +29,8 @@ def _check_records(path: str) -> None:
     from mavwire.links import state
     from mavwire.logs.no_records import check_records
 
-    try:
+    with refused(ValueError):
         check_records(path, state.mavlink)
-    except ValueError as error:
-        raise CommandError(str(error)) from error
 
 
 def is_damaged(msg: Any) -> bool:

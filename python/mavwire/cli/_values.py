@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from argparse import ArgumentTypeError
 
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, refused
 
 _UNITS = {"ms": 1e-3, "s": 1.0, "m": 60.0, "h": 3600.0, "": 1.0}
 
@@ -88,7 +88,5 @@ def time_of(text: str | None) -> float | None:
         pass
     from mavwire.logs.selection import seconds_of
 
-    try:
+    with refused(ValueError):
         return seconds_of(text)
-    except ValueError as error:
-        raise CommandError(str(error)) from error

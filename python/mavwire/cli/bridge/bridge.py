@@ -27,7 +27,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import ended_in_order
-from mavwire.cli._errors import CommandError, describe_link_error, tell
+from mavwire.cli._errors import CommandError, describe_link_error, refused, tell
 from mavwire.cli._values import duration, size
 
 if TYPE_CHECKING:
@@ -111,12 +111,8 @@ def _run(bridge: Bridge, config: Config, args: Namespace) -> int:
     from mavwire.cli.bridge._bridge_warnings import DropWarnings
 
     warn = DropWarnings(bridge)
-    try:
+    with refused(OSError, RuntimeError):
         bridge.start()
-    except OSError as error:
-        raise CommandError(describe_link_error(error)) from None
-    except RuntimeError as error:
-        raise CommandError(str(error)) from None
     last = None
     try:
         # Ctrl-C is the usual way to end it.
@@ -144,7 +140,7 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
     from mavwire.bridge import Bridge, Config, ConfigError, Recording, load_config, parse_endpoint
     from mavwire.bridge.checks import seconds
 
-    try:
+    with refused(OSError), refused(ConfigError, exit_code=2):
         config = load_config(args.config) if args.config else Config()
         for warning in config.warnings:
             tell(f"mavwire bridge: warning: {warning}")
@@ -173,10 +169,6 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
         elif given:
             raise CommandError("--record-size, --record-time and --record-flush need --record", 2)
         return Bridge.from_options(config), config
-    except ConfigError as error:
-        raise CommandError(str(error), 2) from None
-    except OSError as error:
-        raise CommandError(describe_link_error(error)) from None
 
 
 def _add_options(config: Config, args: Namespace) -> None:

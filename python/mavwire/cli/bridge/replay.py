@@ -13,7 +13,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError, describe_link_error, tell
+from mavwire.cli._errors import refused, tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._values import factor, split
 
@@ -51,19 +51,13 @@ def main(args: Namespace) -> int:
 
     types = split(args.types, "--types")
     bridge = Bridge(dedup=0)
-    try:
+    with refused(OSError, ValueError, RuntimeError), refused(ConfigError, exit_code=2):
         log = opened(args.log)
         frames = ((msg._timestamp, bytes(msg.get_msgbuf())) for msg in log.messages(types=types))
         for out in args.out or [DEFAULT_OUT]:
             # A sniffer gets everything, whoever it was meant for, and what its own system sent where nobody heard it.
             bridge.add(out, sniffer=True, read_only=True, queue_bytes=QUEUE)
         bridge.start()
-    except ConfigError as error:
-        raise CommandError(str(error), 2) from None
-    except OSError as error:
-        raise CommandError(describe_link_error(error)) from None
-    except (ValueError, RuntimeError) as error:
-        raise CommandError(str(error)) from None
     with bridge:
         wait_for_peers(bridge)
         count = replay(frames, bridge.send, args.speed)

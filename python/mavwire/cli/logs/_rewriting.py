@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from mavwire._signals import ended_in_order
 from mavwire._text import printable
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, refused
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._shared_arguments import add_shared
@@ -33,10 +33,8 @@ def run(command: str, args: Namespace, logs: list[str], work: Callable[..., Rewr
     size = sum(os.path.getsize(log) for log in logs if os.path.isfile(log))
     bar = Progress(args.out, enabled=not args.quiet)
     try:
-        with ended_in_order():
+        with refused(ValueError, ImportError), ended_in_order():
             done = work(progress=lambda read: bar.update(min(100.0, 100.0 * read / max(size, 1))))
-    except (ValueError, ImportError) as error:
-        raise CommandError(str(error)) from error
     finally:
         bar.finish()
     if not done.records:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import ended_in_order
 from mavwire._text import printable
-from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._errors import CommandError, refused, tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._shared_arguments import add_shared
@@ -67,26 +67,19 @@ def main(args: argparse.Namespace) -> int:
     """Run the subcommand; 1 where a log could not be read, or none describes a wanted type."""
     if args.workers is not None and args.workers < 1:
         raise CommandError(f"--workers takes a number from 1 on, not {args.workers}")
+    given = ("format", "compression", "units", "enums", "invalid", "csv_safe", "dialect")
     options = {
-        "format": args.format,
-        "compression": args.compression,
+        **{name: getattr(args, name) for name in given},
         "types": split(args.types, "--types"),
         "systems": systems_of(args.systems),
         "fields": split(args.fields, "--fields"),
-        "units": args.units,
-        "enums": args.enums,
-        "invalid": args.invalid,
-        "csv_safe": args.csv_safe,
         "start": time_of(args.start),
         "end": time_of(args.end),
-        "dialect": args.dialect,
     }
     bars = _Bars(enabled=not args.quiet)
     try:
-        with ended_in_order():
+        with refused(ValueError), ended_in_order():
             rows = _convert(args, options, bars)
-    except ValueError as error:
-        raise CommandError(str(error)) from error
     finally:
         bars.finish()
     undescribed = _undescribed(rows, options["types"] or [])

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from mavwire._text import printable
-from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._errors import CommandError, refused, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, reading
 from mavwire.cli._shared_arguments import add_shared
@@ -183,10 +183,8 @@ def _save(remote: str, content: bytes, folder: str) -> None:
     """Write a file under the last part of its name; one that is there already is left alone."""
     from mavwire._ftp.local import local_name
 
-    try:
+    with refused(ValueError):
         path = os.path.join(folder, local_name(remote))
-    except ValueError as error:
-        raise CommandError(str(error)) from error
     if os.path.lexists(path):
         raise CommandError(f"--save: {path} is there already")
     with writing(path, option="--save") as file:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from mavwire._text import in_words
-from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._errors import CommandError, refused, tell
 from mavwire.cli._figures import open_figures
 from mavwire.cli._output import refuse_log
 from mavwire.cli._reading import definitions, link_options, reading
@@ -100,10 +100,8 @@ def _style(args: Namespace) -> Style:
 
 
 def _parsed(text: str) -> Expression:
-    try:
+    with refused(ValueError):
         return parse(text)
-    except ValueError as error:
-        raise CommandError(str(error)) from error
 
 
 def _read(path: str, args: Namespace, series: list[Series], graph: Graph, shift: float) -> None:

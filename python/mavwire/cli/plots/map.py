@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 
 from mavwire._text import printable
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import refused
 from mavwire.cli._output import refuse_log
 from mavwire.cli._shared_arguments import add_shared
 
@@ -26,10 +26,8 @@ def main(args: argparse.Namespace) -> int:
     from mavwire import plots
 
     refuse_log(args.out, [args.log], "--out")
-    try:
+    with refused(ValueError, ImportError):
         track = plots.draw_map(args.log, args.out, system=args.system, dialect=args.dialect)
-    except (ValueError, ImportError) as error:
-        raise CommandError(str(error)) from error
     if not args.quiet:
         waypoints = f", {len(track.waypoints)} waypoints" if track.waypoints else ""
         print(printable(f"{args.out}: {len(track.times):,} positions{waypoints}"))

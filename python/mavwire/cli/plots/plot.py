@@ -12,7 +12,7 @@ import argparse
 import os
 
 from mavwire._text import printable
-from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._errors import CommandError, refused, tell
 from mavwire.cli._output import refuse_log
 from mavwire.cli._shared_arguments import add_shared
 
@@ -64,7 +64,7 @@ def main(args: argparse.Namespace) -> int:
     if not expressions:
         raise CommandError("what of it? Name a field, such as ATTITUDE.roll")
     refuse_log(args.out, logs, "--out")
-    try:
+    with refused(ValueError, ImportError):
         done = plots.plot(
             logs,
             expressions,
@@ -80,8 +80,6 @@ def main(args: argparse.Namespace) -> int:
             flightmode=args.flightmode,
             dialect=args.dialect,
         )
-    except (ValueError, ImportError) as error:
-        raise CommandError(str(error)) from error
     if not args.quiet:
         for note in done.notes:
             tell(f"mavwire plot: {note}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from mavwire._parameter_file import read_parameter_file
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import refused
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -16,12 +16,10 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Run the subcommand."""
-    try:
+    with refused(ValueError):
         files = [read_parameter_file(path) for path in (args.defaults, args.params)]
         for file in files:
             file.check_any()
-    except ValueError as error:
-        raise CommandError(str(error)) from error
     for file in files:
         file.show_loaded()
     defaults, params = (dict(file.values) for file in files)

@@ -11,7 +11,7 @@ from argparse import ArgumentParser, Namespace
 from math import atan2, degrees, radians
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, refused
 from mavwire.cli._figures import open_figures
 from mavwire.cli._link_kind import kind_of
 from mavwire.cli._output import writing
@@ -179,10 +179,8 @@ class Samples:
         lat, lon = self._args.lat, self._args.lon
         if not lat and not lon:
             lat, lon = self._place()
-        try:
+        with refused(ValueError):
             field = expected_earth_field_lat_lon(lat, lon)
-        except ValueError as error:
-            raise CommandError(str(error)) from error
         print(
             f"Earth field: {field!r}  strength {field.length():.0f}"
             f" declination {degrees(atan2(field.y, field.x)):.1f} degrees"

@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
 from mavwire._parameter_file import EXCLUDED, differences, heading, read_parameter_file
-from mavwire.cli._errors import CommandError
+from mavwire.cli._errors import CommandError, refused
 
 if TYPE_CHECKING:
     from mavwire.cli.vehicle._param_docs import ParameterDocs
@@ -44,14 +44,12 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     value_info = _documents(args).meaning if args.param_docs else None
     excluded = () if args.full_diff else EXCLUDED
-    try:
+    with refused(ValueError):
         first, second = (
             read_parameter_file(path, excluded=excluded) for path in (args.file1, args.file2)
         )
         first.check_any()
         second.check_any()
-    except ValueError as error:
-        raise CommandError(str(error)) from error
     second.show_loaded()
     print(f"FILE1: {args.file1}")
     print(f"FILE2: {args.file2}")

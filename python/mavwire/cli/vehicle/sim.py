@@ -18,7 +18,7 @@ import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING, Any
 
-from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._errors import CommandError, refused, tell
 from mavwire.cli._values import duration, fraction
 
 if TYPE_CHECKING:
@@ -79,10 +79,8 @@ def main(args: Namespace) -> int:
 
     vehicles = _vehicles(args)
     links = _links(args.out or [DEFAULT_OUT], mavutil)
-    try:
+    with refused(ValueError):
         runner = Runner(vehicles, links, args.speed)
-    except ValueError as error:
-        raise CommandError(str(error)) from None
     if args.fly:
         from mavwire.sim.circuit import start_circuit
 
