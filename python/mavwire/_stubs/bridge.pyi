@@ -5,7 +5,7 @@ from typing import Any, final
 
 from mavwire._native import Dialect, LogColumns, Message
 from mavwire.bridge.options import EndpointOptions, Recording, Settings
-from mavwire.logs.query import Query
+from mavwire.logs.selection import Selection
 from mavwire.logs.table import Table
 
 class BridgeError(RuntimeError):
@@ -95,7 +95,7 @@ class FrameBatch:
         word than its `units`, `enums` and `invalid` have. Parts of a long text stay rows of their own.
         """
 
-    def columns(self, query: Query) -> LogColumns:
+    def columns(self, query: Selection) -> LogColumns:
         """The frames as a run over a log, for `tables`."""
 
     def messages(self) -> list[Message]:

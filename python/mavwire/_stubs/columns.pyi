@@ -40,7 +40,7 @@ _Log: TypeAlias = (
 log, and whether its records have time stamps; the bytes of a log."""
 
 class _Query(Protocol):
-    """What to read into tables; None stands for all. See `mavwire.logs.query.Query`."""
+    """What to read into tables; None stands for all. See `mavwire.logs.selection.Selection`."""
 
     types: list[int] | None
     names: list[str] | None

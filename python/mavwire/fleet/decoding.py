@@ -7,8 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, empty_table
-from mavwire.logs.query import Query, check_described, check_tables, names_of
+from mavwire.logs.checks import check_described, check_tables
 from mavwire.logs.reading import check_records, joined, native_dialect, with_empty
+from mavwire.logs.selection import Selection, names_of
 from mavwire.logs.sources import columns_from, describes, open_dataflash
 from mavwire.logs.table import Table
 
@@ -73,29 +74,29 @@ def decode_as(
     left out: other logs of a fleet may have them.
     """
     path = os.fsdecode(path).removeprefix("file://")
-    module, native, query = query_of(
+    module, native, selection = selection_of(
         types, columns, systems, start, end, units, enums, invalid, dialect
     )
     if lenient:
-        query.allow(query.names or ())
+        selection.allow(selection.names or ())
     with located(path, byte_range, storage_options) as source:
         described = _described(source, path, byte_range, storage_options)
-        run = columns_from(described, source, native, query)
+        run = columns_from(described, source, native, selection)
         if described is None and not lenient:
-            _check(module, native, query)
+            _check(module, native, selection)
         elif described is not None and not lenient:
-            check_described(described.types(), query, query.columns)
+            check_described(described.types(), selection, selection.columns)
         found = joined(run)
         if described is None:
-            with_empty(found, module, native, query)
+            with_empty(found, module, native, selection)
         else:
-            _add_empty(found, described, query)
+            _add_empty(found, described, selection)
         if byte_range is None and described is None:
             check_records(run, path, source)
     return {name: Table(name, found[name], path) for name in sorted(found)}
 
 
-def query_of(
+def selection_of(
     types: str | Iterable[str] | None,
     columns: str | Iterable[str] | None,
     systems: int | Iterable[int] | None,
@@ -106,12 +107,12 @@ def query_of(
     invalid: str | None,
     dialect: str | os.PathLike[str],
     storage_options: object = None,
-) -> tuple[Any, Any, Query]:
-    """The module of the dialect, its native form, and the query for the arguments of `decode`."""
+) -> tuple[Any, Any, Selection]:
+    """The module of the dialect, its native form, and the selection for the arguments of `decode`."""
     module, native = native_dialect(dialect)
-    query = Query.of(module, types, systems, None, start, end, units, enums, invalid)
-    query.columns = None if columns is None else names_of(columns)
-    return module, native, query
+    selection = Selection.of(module, types, systems, None, start, end, units, enums, invalid)
+    selection.columns = None if columns is None else names_of(columns)
+    return module, native, selection
 
 
 def _described(
@@ -131,19 +132,21 @@ def _described(
     return tables
 
 
-def _add_empty(found: dict[str, RecordBatches], described: DataflashTables, query: Query) -> None:
+def _add_empty(
+    found: dict[str, RecordBatches], described: DataflashTables, selection: Selection
+) -> None:
     known = described.types()
-    for name in query.names or ():
+    for name in selection.names or ():
         if name not in found and name in known:
-            found[name] = described.empty(name, query)
+            found[name] = described.empty(name, selection)
 
 
-def _check(module: Any, native: Any, query: Query) -> None:
+def _check(module: Any, native: Any, selection: Selection) -> None:
     """ValueError names a type that is in no table, or a column that no wanted message has."""
-    check_tables(module, native, query)
-    every = replace(query, columns=None)
-    wanted = module.mavlink_map if query.types is None else query.types
+    check_tables(module, native, selection)
+    every = replace(selection, columns=None)
+    wanted = module.mavlink_map if selection.types is None else selection.types
     known = {name for msgid in wanted for name in empty_table(native, msgid, every).names}
-    for name in query.columns or ():
+    for name in selection.columns or ():
         if name not in known:
             raise ValueError(f"no wanted message has a column {name!r}")

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._extras import extra
 from mavwire.logs.common_columns import common_columns, description_of
-from mavwire.logs.query import names_of
-from mavwire.logs.selection import has_message
+from mavwire.logs.selection import has_message, names_of
 from mavwire.logs.sources import open_dataflash
 from mavwire.logs.table import Table
 
 from .cuts import find_cuts
-from .decoding import decode_as, query_of
+from .decoding import decode_as, selection_of
 from .grouping import TASK_BYTES, check_at_least_1, grouped, may_be_cut
 from .places import Part, begins_as_dataflash, expand, located, status
 
@@ -89,28 +88,28 @@ def _described(path: str, how: dict[str, Any]) -> Described | None:
     Dataflash logs have no types with names over four letters. So no log is read for such a type of the dialect.
     """
     name, options = how["types"], how["storage_options"]
-    module, _, query = query_of(**how)
+    module, _, selection = selection_of(**how)
     if (len(name) > DATAFLASH_NAME_LEN and has_message(module, name)) or not begins_as_dataflash(
         path, options
     ):
         return None
     with located(path, None, options) as source:
         tables = open_dataflash(source, path)
-        return None if tables is None else description_of(tables, query)
+        return None if tables is None else description_of(tables, selection)
 
 
 def _empty(described: Mapping[str, Described | None], how: dict[str, Any]) -> tuple[Table, bool]:
     """An empty table, and whether its columns may have nulls. ValueError for a type or column that no
     log has.
     """
-    module, native, query = query_of(**how)
-    empty = common_columns(described.items(), module, native, query)
+    module, native, selection = selection_of(**how)
+    empty = common_columns(described.items(), module, native, selection)
     names, wanted = empty.names, how["columns"]
     for name in wanted or ():
         if name not in names:
             raise ValueError(f"no log has a column {name!r} of {how['types']}")
     empty = empty if wanted is None else empty.select(wanted)
-    return Table(how["types"], empty), query.invalid == "null" or any(described.values())
+    return Table(how["types"], empty), selection.invalid == "null" or any(described.values())
 
 
 def _load(sources: list[Source], how: dict[str, Any], empty: Table, nullable: bool) -> Any:

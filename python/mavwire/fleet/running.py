@@ -81,12 +81,12 @@ def convert(
     and while another run writes to the folder `out`.
     """
     logs = expand(paths, storage_options)
-    compression, _, query, how = prepare(
+    compression, _, selection, how = prepare(
         format, compression, types, systems, fields, start, end, dialect,
         units=units, enums=enums, invalid=invalid, csv_safe=csv_safe, logs=logs,
     )  # fmt: skip
     check_at_least_1(workers=workers, task_bytes=task_bytes)
-    allow_described(logs, query)
+    allow_described(logs, selection)
     out = os.fsdecode(out).removeprefix("file://")
     known = _statuses(logs, storage_options)
     store = store_of(out, storage_options)
@@ -94,7 +94,7 @@ def convert(
         manifest = Manifest(store, how, lambda path: _known(known[path]))
         names = manifest.names(logs)
         options = dict(storage_options or {})
-        recipe = Recipe(out, folder, query, dialect, format, compression, options)
+        recipe = Recipe(out, folder, selection, dialect, format, compression, options)
         run = _Run(store, manifest, recipe, task_bytes, progress)
         try:
             todo = run.look(names, known)

@@ -24,7 +24,7 @@ from .stores import store_of
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mavwire.logs.query import Query
+    from mavwire.logs.selection import Selection
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Recipe:
     out: str
     staging: str | None
     """A folder on the disk of `out` for files that are not complete; None for a place of fsspec."""
-    query: Query
+    selection: Selection
     dialect: str | os.PathLike[str]
     format: str
     compression: str
@@ -63,7 +63,9 @@ def _convert(piece: Piece, recipe: Recipe) -> Converted:
             native = native_dialect(recipe.dialect)[1]
             # On the disk of `out`, a file that cannot be written could not be at its place either.
             named = None if recipe.staging is None else recipe.out
-            job = Job(folder, native, recipe.query, recipe.format, recipe.compression, None, named)
+            job = Job(
+                folder, native, recipe.selection, recipe.format, recipe.compression, None, named
+            )
             row = job.run(piece.path, piece.name, source)
             publish(folder, row, recipe)
             return row

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .common_clock import align_batches
-from .query import HEADER, columns_of, names_of
+from .selection import HEADER, columns_of, names_of
 from .table import Table, by_instance, check_sender
 
 if TYPE_CHECKING:

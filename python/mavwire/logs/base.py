@@ -56,7 +56,8 @@ class Log:
         is no course of values.
         """
         from .align import align, check_clock, of_fields, possible_columns
-        from .query import check_fields, names_of
+        from .checks import check_fields
+        from .selection import names_of
 
         check_clock(on)
         invalid = invalid or ("null" if method == "linear" else None)

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._native import DataflashTables, RecordBatches
 
-from .query import check_described, check_tables, no_rows
+from .checks import check_described, check_tables, no_rows
 from .sources import file_status, is_dataflash, open_dataflash
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from .query import Query
+    from .selection import Selection
 
     Described = tuple[list[str], RecordBatches | None]
     """The types that a dataflash log describes, and an empty table of the wanted type if it has one."""
@@ -44,36 +44,36 @@ class Surveys:
 
 
 def empty_of(
-    paths: list[str], surveys: Surveys, module: Any, native: Any, query: Query
+    paths: list[str], surveys: Surveys, module: Any, native: Any, selection: Selection
 ) -> RecordBatches:
     """An empty table of the wanted type with the columns of all logs. Raises ValueError as
     `common_columns` does.
     """
     logs = ((path, surveys.open(path) if is_dataflash(path) else None) for path in paths)
-    described = ((path, tables and description_of(tables, query)) for path, tables in logs)
-    return common_columns(described, module, native, query)
+    described = ((path, tables and description_of(tables, selection)) for path, tables in logs)
+    return common_columns(described, module, native, selection)
 
 
-def description_of(tables: DataflashTables, query: Query) -> Described:
+def description_of(tables: DataflashTables, selection: Selection) -> Described:
     """The description of the wanted type in a dataflash log. ValueError for arguments that do not suit it."""
-    query.check_dataflash()
-    [name] = query.names or [""]
+    selection.check_dataflash()
+    [name] = selection.names or [""]
     names = tables.names
-    return names, tables.empty(name, query) if name in names else None
+    return names, tables.empty(name, selection) if name in names else None
 
 
 def common_columns(
-    logs: Iterable[tuple[str, Described | None]], module: Any, native: Any, query: Query
+    logs: Iterable[tuple[str, Described | None]], module: Any, native: Any, selection: Selection
 ) -> RecordBatches:
     """An empty table of the wanted type with the columns of all logs. A log is a path and its
     description of the type, which is None for a telemetry log. ValueError if no log can have the type,
     or if columns of one name have no common type.
     """
-    return RecordBatches.common(_columns_of_each(logs, module, native, query))
+    return RecordBatches.common(_columns_of_each(logs, module, native, selection))
 
 
 def _columns_of_each(
-    logs: Iterable[tuple[str, Described | None]], module: Any, native: Any, query: Query
+    logs: Iterable[tuple[str, Described | None]], module: Any, native: Any, selection: Selection
 ) -> Iterator[tuple[str, RecordBatches]]:
     names: set[str] = set()
     dataflash = telemetry = found = 0
@@ -87,10 +87,10 @@ def _columns_of_each(
             found += 1
             yield path, described[1]
     by_dialect = telemetry or not dataflash
-    if by_dialect and query.types:
-        yield f"the dialect {module.DIALECT}", no_rows(native, query.types[0], query)
+    if by_dialect and selection.types:
+        yield f"the dialect {module.DIALECT}", no_rows(native, selection.types[0], selection)
     elif not found:
         if by_dialect:
-            query.check_telemetry()
-            check_tables(module, native, query)
-        check_described(dict.fromkeys(names, ()), query, logs=dataflash)
+            selection.check_telemetry()
+            check_tables(module, native, selection)
+        check_described(dict.fromkeys(names, ()), selection, logs=dataflash)

@@ -21,7 +21,6 @@ from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest
 from .open_files import many_open_files
-from .query import Query, names_of
 from .reading import (
     absolute,
     allow_described,
@@ -30,6 +29,7 @@ from .reading import (
     native_dialect,
     paths_of,
 )
+from .selection import Selection, names_of
 from .sources import check_run, file_status, open_converter
 from .staging import remove_left
 from .store import Store
@@ -47,7 +47,7 @@ BATCH_BYTES = 32 << 20
 OUTPUT = 2
 """To be raised when the same options come to give other files: those of before are made anew."""
 INTERNAL = ("unknown", "untimed", "batch_rows", "batch_bytes", "foreign")
-"""What of a query makes no difference to files."""
+"""What of a selection makes no difference to files."""
 
 
 def convert(
@@ -91,18 +91,18 @@ def convert(
                 f"{place} is a URL: mavwire.fleet (--workers, --scheduler) takes those"
             )
     logs = [absolute(path) for path in logs]
-    compression, native, query, how = prepare(
+    compression, native, selection, how = prepare(
         format, compression, types, systems, fields, start, end, dialect,
         units=units, enums=enums, invalid=invalid, csv_safe=csv_safe, logs=logs,
     )  # fmt: skip
-    allow_described(logs, query)
+    allow_described(logs, selection)
     out = os.fsdecode(out)
     store = Store(out)
     with store.locked():
         remove_left(out)  # of a fleet that was killed
         manifest = Manifest(store, how)
         journal = Journal(store, manifest)
-        job = Job(out, native, query, format, compression, progress)
+        job = Job(out, native, selection, format, compression, progress)
         names = manifest.names(logs)
         rows = []
         try:
@@ -133,7 +133,7 @@ def prepare(
     invalid: str | None = None,
     csv_safe: bool = True,
     logs: Iterable[str] = (),
-) -> tuple[str, Any, Query, dict[str, Any]]:
+) -> tuple[str, Any, Selection, dict[str, Any]]:
     """The compression, the native dialect, what to read, and the options that a manifest keeps.
 
     `logs` tell what fields there are: those of a dataflash log are known by the log alone.
@@ -151,32 +151,34 @@ def prepare(
     if format in ONE_FILE:
         invalid = invalid or "null"  # MCAP files are read by programs that draw graphs
     fields = None if fields is None else names_of(fields)
-    query = Query.of(module, types, systems, fields, start, end, units, enums, invalid)
-    query.csv_safe = csv_safe and format == "csv"
-    if fields is not None or query.foreign is None:
-        check_fields(list(logs), module, native, query, fields)
+    selection = Selection.of(module, types, systems, fields, start, end, units, enums, invalid)
+    selection.csv_safe = csv_safe and format == "csv"
+    if fields is not None or selection.foreign is None:
+        check_fields(list(logs), module, native, selection, fields)
     # A file of all types is sorted by time, stretch by stretch: none waits for more of its kind.
-    query.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS
-    query.batch_bytes = BATCH_BYTES
-    how = {"format": format, "compression": compression, "output": OUTPUT, **_asked(query)}
+    selection.batch_rows = 0 if format in ONE_FILE else BATCH_ROWS
+    selection.batch_bytes = BATCH_BYTES
+    how = {"format": format, "compression": compression, "output": OUTPUT, **_asked(selection)}
     how["dialect"] = getattr(module, "DIALECT", str(dialect))
-    how["definitions"] = _fingerprint(native, query)
-    return compression, native, query, how
+    how["definitions"] = _fingerprint(native, selection)
+    return compression, native, selection, how
 
 
-def _asked(query: Query) -> dict[str, Any]:
+def _asked(selection: Selection) -> dict[str, Any]:
     """What users ask for, in an order of its own where theirs makes no difference."""
-    how = {name: one for name, one in asdict(query).items() if name not in INTERNAL}
+    how = {name: one for name, one in asdict(selection).items() if name not in INTERNAL}
     for name in ("types", "names", "systems"):
         how[name] = None if how[name] is None else sorted(set(how[name]))
     return how
 
 
-def _fingerprint(native: Any, query: Query) -> str:
+def _fingerprint(native: Any, selection: Selection) -> str:
     """What tells the definitions of the wanted messages from others under the same name."""
-    types = None if query.types is None else set(query.types)
+    types = None if selection.types is None else set(selection.types)
     told = hashlib.sha256(native.layout_bytes(types))
-    if query.enum_names or query.invalid == "null":  # `invalid` may be the name of an enum's value
+    if (
+        selection.enum_names or selection.invalid == "null"
+    ):  # `invalid` may be the name of an enum's value
         told.update(repr(native.enums()).encode())
     return told.hexdigest()
 
@@ -187,7 +189,7 @@ class Job:
 
     out: str
     native: Any
-    query: Query
+    selection: Selection
     format: str
     compression: str
     progress: Callable[[str, float], object] | None
@@ -222,7 +224,14 @@ class Job:
         if self.format in TEXTS:
             file += TEXT_SUFFIXES.get(self.compression, "")
         converter = open_converter(
-            source, row.path, self.native, self.query, self.out, file, self.format, self.compression
+            source,
+            row.path,
+            self.native,
+            self.selection,
+            self.out,
+            file,
+            self.format,
+            self.compression,
         )
         try:
             while converter.step():

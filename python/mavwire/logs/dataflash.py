@@ -13,8 +13,9 @@ from mavwire._native import DataflashTables, LogKind, identify
 from mavwire.links.recognise import DATAFLASH
 
 from .base import Log
+from .checks import no_record_type
 from .format_error import no_record
-from .query import Query, names_of, no_record_type
+from .selection import Selection, names_of
 from .sources import file_status, is_compressed, open_dataflash, read_dataflash
 from .table import Table
 
@@ -68,12 +69,12 @@ class DataflashLog(Log):
             self._surveyed = status, tables
         return tables
 
-    def _opened(self, query: Query) -> Opened:
+    def _opened(self, selection: Selection) -> Opened:
         """The native reader, and with a new one what was found on the way, in one pass."""
         status, tables = self._known()
         if tables is not None:
             return tables, None
-        opened = read_dataflash(self.path, self.path, query)
+        opened = read_dataflash(self.path, self.path, selection)
         if opened is None:
             raise no_record("dataflash", self.path)
         self._surveyed = status, opened[0]
@@ -103,23 +104,23 @@ class DataflashLog(Log):
         where a text log has no finite number for it, it is that of the message before.
         `systems` is there for `TelemetryLog`; ValueError for anything but None.
         """
-        query = Query.of_dataflash(types, systems, None, start, end)
-        query.check_dataflash()
+        selection = Selection.of_dataflash(types, systems, None, start, end)
+        selection.check_dataflash()
         self._tables()
-        return self._messages(query)
+        return self._messages(selection)
 
-    def _messages(self, query: Query) -> Iterator[Any]:
+    def _messages(self, selection: Selection) -> Iterator[Any]:
         from mavwire.DFReader import DFReader_binary, DFReader_text
 
         if is_compressed(self.path):
             raise ValueError(f"messages of a compressed log are read as tables only: {self.path!r}")
-        start = float("-inf") if query.start is None else query.start
-        end = float("inf") if query.end is None else query.end
+        start = float("-inf") if selection.start is None else selection.start
+        end = float("inf") if selection.end is None else selection.end
         reader_class = DFReader_binary if self._is_binary() else DFReader_text
         with reader_class(self.path) as reader:
             first = reader.clock.timestamp
             newest = first if isfinite(first) else reader.clock.timebase
-            while (msg := reader.recv_match(type=query.names, strict=True)) is not None:
+            while (msg := reader.recv_match(type=selection.names, strict=True)) is not None:
                 if isfinite(msg._timestamp):
                     newest = msg._timestamp
                 else:
@@ -138,13 +139,13 @@ class DataflashLog(Log):
 
     def __getitem__(self, name: str) -> Table:
         """The records of a type as a table; KeyError if the log describes none of that name."""
-        query = Query(names=[name])
-        opened = self._opened(query) if isinstance(name, str) else None
+        selection = Selection(names=[name])
+        opened = self._opened(selection) if isinstance(name, str) else None
         if opened is None or name not in opened[0].names:
             raise KeyError(no_record_type(name, opened[0].names if opened else ()))
         from .reading import read_described
 
-        return read_described(*opened, self.path, query, None, False)[name]
+        return read_described(*opened, self.path, selection, None, False)[name]
 
     def __contains__(self, what: object) -> bool:
         """Whether the log has records of the type of that name. It is read up to the first one."""
@@ -153,7 +154,7 @@ class DataflashLog(Log):
         tables = self._tables()
         if what not in tables.names:
             return False
-        run = tables.columns(Query(names=[what], batch_rows=0))  # those of a block
+        run = tables.columns(Selection(names=[what], batch_rows=0))  # those of a block
         return any(found for found in run)
 
     def read(
@@ -178,8 +179,10 @@ class DataflashLog(Log):
 
         fields = None if fields is None else names_of(fields)
         columns = None if wide else fields  # all: one of them tells instances apart
-        query = Query.of_dataflash(types, systems, columns, start, end, units, enums, invalid)
-        return read_described(*self._opened(query), self.path, query, fields, wide)
+        selection = Selection.of_dataflash(
+            types, systems, columns, start, end, units, enums, invalid
+        )
+        return read_described(*self._opened(selection), self.path, selection, fields, wide)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
         """What is in the log: types, rates, gaps, damage; nothing of senders, of which it has one.

@@ -14,7 +14,7 @@ from .selection import MAX_SYSTEM, record_seconds
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from .query import Query
+    from .selection import Selection
 
 MIRRORED = {"Gt": "Lt", "GtEq": "LtEq", "Lt": "Gt", "LtEq": "GtEq", "Eq": "Eq"}
 """Comparisons, and what they are with their sides exchanged."""
@@ -23,25 +23,27 @@ EXACT = 1 << 53
 NANOSECONDS = {"Nanoseconds": 1, "Microseconds": 1_000, "Milliseconds": 1_000_000}
 
 
-def narrow(query: Query, predicate: Any) -> None:
+def narrow(selection: Selection, predicate: Any) -> None:
     """Take over what a filter says of `timestamp` and `sysid`."""
     for column, operator, literal in _comparisons(predicate):
         if column == "timestamp" and (seconds := _seconds(literal)) is not None:
-            _limit(query, operator, seconds)
+            _limit(selection, operator, seconds)
         elif column == "sysid" and operator == "Eq":
             numbers = _integers(_literal(literal))
             wanted = numbers[0] if len(numbers) == 1 else -1
-            if 0 <= wanted <= MAX_SYSTEM and (query.systems is None or wanted in query.systems):
-                query.systems = [wanted]
+            if 0 <= wanted <= MAX_SYSTEM and (
+                selection.systems is None or wanted in selection.systems
+            ):
+                selection.systems = [wanted]
 
 
-def _limit(query: Query, operator: str, seconds: float) -> None:
+def _limit(selection: Selection, operator: str, seconds: float) -> None:
     if operator in ("Gt", "GtEq", "Eq"):
-        query.start = seconds if query.start is None else max(query.start, seconds)
+        selection.start = seconds if selection.start is None else max(selection.start, seconds)
     if operator in ("Lt", "LtEq", "Eq"):
         # The end itself does not belong to what is read, and the filter may include it.
         after = seconds + 1e-3
-        query.end = after if query.end is None else min(query.end, after)
+        selection.end = after if selection.end is None else min(selection.end, after)
 
 
 def _comparisons(predicate: Any) -> Iterator[tuple[str, str, Any]]:

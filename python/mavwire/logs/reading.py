@@ -14,9 +14,9 @@ from mavwire._native import DataflashTables, LogColumns, RecordBatches
 from mavwire._text import naming
 
 from .batches import Batches
+from .checks import check_described, check_tables, no_rows
 from .common_columns import Surveys, empty_of
-from .query import Query, check_described, check_tables, names_of, no_rows
-from .selection import several
+from .selection import Selection, names_of, several
 from .sources import check_run, columns_from, is_dataflash, open_dataflash, read_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
@@ -96,15 +96,15 @@ def read(
     module, native = native_dialect(dialect)
     fields = None if fields is None else names_of(fields)
     columns = None if wide else fields  # all: one of them tells instances apart
-    query = Query.of(module, types, systems, columns, start, end, units, enums, invalid)
-    opened = read_dataflash(path, path, query)
+    selection = Selection.of(module, types, systems, columns, start, end, units, enums, invalid)
+    opened = read_dataflash(path, path, selection)
     if opened is not None:
-        return read_described(*opened, path, query, fields, wide)
-    query.check_telemetry()
-    check_tables(module, native, query, fields)
+        return read_described(*opened, path, selection, fields, wide)
+    selection.check_telemetry()
+    check_tables(module, native, selection, fields)
     with naming(path):
-        run = LogColumns(path, native, query)
-        found = with_empty(joined(run), module, native, query)
+        run = LogColumns(path, native, selection)
+        found = with_empty(joined(run), module, native, selection)
     check_records(run, path)
     return tables_of(found, path, fields, wide)
 
@@ -113,7 +113,7 @@ def read_described(
     tables: DataflashTables,
     found: list[tuple[str, RecordBatches]] | None,
     path: str,
-    query: Query,
+    selection: Selection,
     fields: str | Iterable[str] | None,
     wide: bool,
 ) -> dict[str, Table]:
@@ -121,18 +121,18 @@ def read_described(
     a type that the log does not describe, or a field that no wanted type has, and as by
     `check_records`.
     """
-    query.check_dataflash()
+    selection.check_dataflash()
     known: Mapping[str, Iterable[str]] = dict.fromkeys(tables.names, ())
-    check_described(known if fields is None else tables.types(), query, fields)
+    check_described(known if fields is None else tables.types(), selection, fields)
     if found is None:
-        run = tables.columns(query)
+        run = tables.columns(selection)
         whole = joined(run)
         check_records(run, path)
     else:
         whole = joined([found])
-    for name in query.names or ():
+    for name in selection.names or ():
         if name not in whole:
-            whole[name] = tables.empty(name, query)
+            whole[name] = tables.empty(name, selection)
     return tables_of(whole, path, fields, wide)
 
 
@@ -140,8 +140,8 @@ def tables_of_batch(
     batch: FrameBatch, units: str | None, enums: str | None, invalid: str | None
 ) -> dict[str, Table]:
     """What `FrameBatch.tables` gives: the native class calls this."""
-    query = Query.of(None, units=units, enums=enums, invalid=invalid)
-    found = joined(batch.columns(query))
+    selection = Selection.of(None, units=units, enums=enums, invalid=invalid)
+    found = joined(batch.columns(selection))
     return {name: tidy(name, batches) for name, batches in sorted(found.items())}
 
 
@@ -155,13 +155,13 @@ def joined(run: Iterable[list[tuple[str, RecordBatches]]]) -> dict[str, RecordBa
 
 
 def with_empty(
-    tables: dict[str, RecordBatches], module: Any, native: Any, query: Query
+    tables: dict[str, RecordBatches], module: Any, native: Any, selection: Selection
 ) -> dict[str, RecordBatches]:
     """Tables, and those without rows of the messages that are wanted and not there."""
-    for msgid in query.types or ():
+    for msgid in selection.types or ():
         name = module.mavlink_map[msgid].msgname
         if name not in tables:
-            tables[name] = no_rows(native, msgid, query)
+            tables[name] = no_rows(native, msgid, selection)
     return tables
 
 
@@ -221,16 +221,16 @@ def scan(
         raise ValueError(f"batch_rows must be at least 1, not {batch_rows!r}")
     module, native = native_dialect(dialect)
     fields = None if fields is None else names_of(fields)
-    query = Query.of(module, types, systems, fields, start, end, units, enums, invalid)
+    selection = Selection.of(module, types, systems, fields, start, end, units, enums, invalid)
     if not is_dataflash(every[0]):  # what makes no sense is said before the first step
-        for path in every if query.foreign else ():
+        for path in every if selection.foreign else ():
             check_readable(path)  # a missing log may be the one that has the type
-        check_query_of_all(every, module, native, query, fields)
-    query.batch_rows, query.batch_bytes = rows, BATCH_BYTES
+        check_selection_of_all(every, module, native, selection, fields)
+    selection.batch_rows, selection.batch_bytes = rows, BATCH_BYTES
     surveys = Surveys()
-    begin = partial(_checked_batches, every, surveys, module, native, query, fields)
-    one_type = query.names is not None and len(query.names) == 1
-    empty = partial(empty_of, every, surveys, module, native, query) if one_type else None
+    begin = partial(_checked_batches, every, surveys, module, native, selection, fields)
+    one_type = selection.names is not None and len(selection.names) == 1
+    empty = partial(empty_of, every, surveys, module, native, selection) if one_type else None
     return Batches(begin, empty)
 
 
@@ -239,7 +239,7 @@ def _checked_batches(
     surveys: Surveys,
     module: Any,
     native: Any,
-    query: Query,
+    selection: Selection,
     fields: str | Iterable[str] | None,
 ) -> Iterator[Table]:
     """Batches of all logs. ValueError for a type or field that none of them can have: before the
@@ -252,19 +252,19 @@ def _checked_batches(
         tables = surveys.open(path)
         if tables is None and not telemetry:
             telemetry = True
-            check_query_of_all(paths, module, native, query, fields)
+            check_selection_of_all(paths, module, native, selection, fields)
         for name, columns in ({} if tables is None else tables.types()).items():
             described.setdefault(name, set()).update(columns)
         if not telemetry and number == len(paths) - 1:
-            check_described(described, query, fields, len(paths))
-        yield from batches_of(tables, path, native, query)
+            check_described(described, selection, fields, len(paths))
+        yield from batches_of(tables, path, native, selection)
 
 
-def check_query_of_all(
+def check_selection_of_all(
     paths: list[str],
     module: Any,
     native: Any,
-    query: Query,
+    selection: Selection,
     fields: str | Iterable[str] | None = None,
 ) -> None:
     """Raise ValueError for types and fields that neither telemetry logs can have nor a dataflash log
@@ -272,23 +272,23 @@ def check_query_of_all(
     """
     wanted = None if fields is None else names_of(fields)
     try:
-        query.check_telemetry()
-        check_tables(module, native, query, wanted)
+        selection.check_telemetry()
+        check_tables(module, native, selection, wanted)
     except ValueError:
-        allow_described(paths, query)
+        allow_described(paths, selection)
         if not (described := list(described_by(paths))):
             raise
         columns = {one for types in described for some in types.values() for one in some}
-        query.check_telemetry()
+        selection.check_telemetry()
         rest = [name for name in wanted or () if name not in columns]
-        check_tables(module, native, query, rest or None)
+        check_tables(module, native, selection, rest or None)
 
 
 def check_fields(
     paths: list[str],
     module: Any,
     native: Any,
-    query: Query,
+    selection: Selection,
     fields: str | Iterable[str] | None,
 ) -> None:
     """Raise ValueError for fields that none of some logs can have, of which the first is looked at if
@@ -297,7 +297,7 @@ def check_fields(
     """
     if fields is None:
         if not paths or not is_dataflash(paths[0]):
-            check_query_of_all(paths, module, native, query)
+            check_selection_of_all(paths, module, native, selection)
         return
     missing, is_telemetry = names_of(fields), not paths
     for path in paths[:LOOKED_AT]:
@@ -308,37 +308,37 @@ def check_fields(
             return
         if tables is not None:
             types = tables.types()
-            columns = {one for name in query.names or types for one in types.get(name, ())}
+            columns = {one for name in selection.names or types for one in types.get(name, ())}
             missing = [name for name in missing if name not in columns]
         elif not is_telemetry:
             is_telemetry = True
-            missing = [name for name in missing if not _has_field(module, native, query, name)]
+            missing = [name for name in missing if not _has_field(module, native, selection, name)]
         if not missing:
             return
     if len(paths) > LOOKED_AT:
         return
     if not is_telemetry:
         raise ValueError(f"no wanted type has a field {missing[0]!r}")
-    if query.foreign is None:  # else the log's row says which type it cannot have
-        check_tables(module, native, query, missing)
+    if selection.foreign is None:  # else the log's row says which type it cannot have
+        check_tables(module, native, selection, missing)
 
 
-def _has_field(module: Any, native: Any, query: Query, name: str) -> bool:
+def _has_field(module: Any, native: Any, selection: Selection, name: str) -> bool:
     """Whether a telemetry log can have a field."""
     try:
-        check_tables(module, native, query, [name])
+        check_tables(module, native, selection, [name])
     except ValueError:
         return False
     return True
 
 
-def allow_described(paths: list[str], query: Query) -> None:
+def allow_described(paths: list[str], selection: Selection) -> None:
     """Types that a dataflash log among others describes are no error where those are read."""
-    if query.foreign is None or all(map(is_dataflash, paths)):
+    if selection.foreign is None or all(map(is_dataflash, paths)):
         return
     for types in described_by(paths):
-        query.allow(types)
-        if query.foreign is None:
+        selection.allow(types)
+        if selection.foreign is None:
             return
 
 
@@ -351,12 +351,12 @@ def described_by(paths: list[str]) -> Iterator[dict[str, list[str]]]:
 
 
 def batches_of(
-    tables: DataflashTables | None, path: str, native: Any, query: Query
+    tables: DataflashTables | None, path: str, native: Any, selection: Selection
 ) -> Iterator[Table]:
     """The batches of a dataflash log, or where that is None of a telemetry log. LogFormatError
     behind them if there was no record in it.
     """
-    run = columns_from(tables, path, native, query)
+    run = columns_from(tables, path, native, selection)
     for found in run:
         for name, batches in found:
             yield Table(name, batches, path)

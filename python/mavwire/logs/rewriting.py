@@ -18,8 +18,8 @@ from mavwire._text import naming
 
 from .format_error import LogFormatError
 from .no_records import check_records
-from .query import Query
 from .reading import check_readable, logs_of, native_dialect
+from .selection import Selection
 from .sources import check_has_records, is_dataflash
 from .targets import file_to_write
 
@@ -74,9 +74,9 @@ def cut(
     """
     module, native = native_dialect(dialect)
     inputs, target = _checked([path], out, dialect)
-    query = Query.of(module, types, systems, None, start, end)
-    query.check_telemetry()
-    return _run(LogRewrite.select(inputs[0], native, query, target), inputs, progress)
+    selection = Selection.of(module, types, systems, None, start, end)
+    selection.check_telemetry()
+    return _run(LogRewrite.select(inputs[0], native, selection, target), inputs, progress)
 
 
 def repair(
@@ -120,7 +120,7 @@ def anonymize(
         raise ValueError(f"a shift is degrees to the north and east, not {shift!r}")
     _, native = native_dialect(dialect)
     inputs, target = _checked([path], out, dialect)
-    rewrite = LogRewrite.select(inputs[0], native, Query(), target, shift)
+    rewrite = LogRewrite.select(inputs[0], native, Selection(), target, shift)
     return _run(rewrite, inputs, progress)
 
 

@@ -14,8 +14,8 @@ from mavwire._extras import extra
 from .common_columns import Surveys, empty_of
 from .dialect import portable, restored
 from .pushdown import narrow
-from .query import Query
 from .reading import BATCH_ROWS, batches_of, check_readable, logs_of, native_dialect
+from .selection import Selection
 
 if TYPE_CHECKING:
     import os
@@ -73,10 +73,10 @@ class _Source:
 
         systems, *rest = how
         module, self._native = native_dialect(dialect)
-        self._query = Query.of(module, message, systems, None, *rest)
+        self._selection = Selection.of(module, message, systems, None, *rest)
         self._surveys = Surveys()
-        self._empty = empty_of(paths, self._surveys, module, self._native, self._query)
-        self._query.allow([message])
+        self._empty = empty_of(paths, self._surveys, module, self._native, self._selection)
+        self._selection.allow([message])
         self._paths = paths
         self._arguments = message, dialect, how
         self.schema = pl.DataFrame(self._empty).schema
@@ -95,14 +95,14 @@ class _Source:
         with extra("data"):
             import polars as pl
 
-        wanted = Query(**vars(self._query))
+        wanted = Selection(**vars(self._selection))
         # polars filters what it gets here, so the filter's columns are needed too.
         needed = set(with_columns or self.schema)
         if predicate is not None:
             needed.update(predicate.meta.root_names())
             narrow(wanted, predicate)
             # Of rows without times the filter keeps what it keeps.
-            wanted.untimed = self._query.start is None and self._query.end is None
+            wanted.untimed = self._selection.start is None and self._selection.end is None
         wanted.columns = [name for name in self.schema if name in needed]
         wanted.batch_rows = batch_size or BATCH_ROWS
         empty = self._empty.select(wanted.columns)
@@ -120,12 +120,14 @@ class _Source:
             if left is not None and left <= 0:
                 return
 
-    def _tables(self, wanted: Query) -> Iterator[Table]:
+    def _tables(self, wanted: Selection) -> Iterator[Table]:
         """Batches of all logs. A system that only the filter names selects from telemetry logs alone."""
         for path in self._paths:
             check_readable(path)
             dataflash = self._surveys.open(path)
-            those = wanted if dataflash is None else replace(wanted, systems=self._query.systems)
+            those = (
+                wanted if dataflash is None else replace(wanted, systems=self._selection.systems)
+            )
             yield from batches_of(dataflash, path, self._native, those)
 
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from math import isnan
 from operator import index
+from typing import Any
 
 from mavwire._text import did_you_mean
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from typing import Any, Self
 
 DAY = 86_400
 YEAR = 31_556_952
@@ -28,46 +26,169 @@ MOST_SECONDS = 1e15
 """Seconds of which a float has no microseconds any more, nor records a time."""
 
 
-class Selection:
-    """Known message ids, unknown ones, system ids and a span of time; None stands for all."""
+HEADER = ("timestamp", "sysid", "compid", "seq")
+"""The columns in front of the fields."""
 
-    def __init__(self) -> None:
-        self.types: list[int] | None = None
-        self.unknown: list[int] | None = None
-        self.systems: list[int] | None = None
-        self.start: float | None = None
-        self.end: float | None = None
+
+@dataclass
+class Selection:
+    """The attributes that `LogColumns` and `Converter` read; None stands for all."""
+
+    types: list[int] | None = None
+    unknown: list[int] | None = None
+    """Ids that the dialect lacks, for logs that are rewritten: they have no table."""
+    names: list[str] | None = None
+    """Record types of dataflash logs."""
+    systems: list[int] | None = None
+    start: float | None = None
+    end: float | None = None
+    columns: list[str] | None = None
+    si: bool = False
+    enum_names: bool = False
+    invalid: str = "keep"
+    """"null" or "keep"."""
+    csv_safe: bool = False
+    """CSV files have an apostrophe in front of texts that a spreadsheet would run as formulas."""
+    untimed: bool = False
+    """Records without times are wanted whatever `start` and `end` are; else that is an error."""
+    batch_rows: int | None = None
+    batch_bytes: int | None = None
+    foreign: dict[str, str] | None = None
+    """Types that only dataflash logs can have, and what is wrong with them where a telemetry log is
+    read.
+    """
 
     @classmethod
-    def of(cls, dialect: Any, types: Any, systems: Any, start: Any, end: Any) -> Self:
-        """From the arguments of `TelemetryLog.messages`."""
-        made = cls()
-        if types is not None:
-            made._choose_types(dialect, types_of(types))
-        if systems is not None:
-            made.systems = [system_of(one) for one in several(systems)]
-        made.start = seconds_of(start)
-        made.end = seconds_of(end)
-        if made.start is not None and made.end is not None and made.start >= made.end:
+    def of(
+        cls,
+        dialect: Any,
+        types: str | type | Iterable[str | type] | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
+        units: str | None = None,
+        enums: str | None = None,
+        invalid: str | None = None,
+    ) -> Selection:
+        """From the arguments of `read`; ValueError names one that makes no sense."""
+        if units not in (None, "si"):
+            raise ValueError(f"units must be None or 'si', not {units!r}")
+        if enums not in (None, "names"):
+            raise ValueError(f"enums must be None or 'names', not {enums!r}")
+        if invalid not in (None, "null", "keep"):
+            raise ValueError(f"invalid must be None, 'null' or 'keep', not {invalid!r}")
+        wanted = None if types is None else types_of(types)
+        known, foreign = _telemetry_types(dialect, wanted)
+        ids, unknown = (None, None) if known is None else ids_of(dialect, known)
+        first, behind = seconds_of(start), seconds_of(end)
+        if first is not None and behind is not None and first >= behind:
             raise ValueError(f"start is a time before end, not {start!r} with {end!r}")
-        return made
+        return cls(
+            types=ids,
+            unknown=unknown,
+            names=None if wanted is None else [_name_of(one) for one in wanted],
+            systems=None if systems is None else [system_of(one) for one in several(systems)],
+            start=first,
+            end=behind,
+            columns=None if fields is None else columns_of(fields),
+            si=units == "si",
+            enum_names=enums == "names",
+            invalid=invalid or ("null" if units == "si" else "keep"),
+            foreign=foreign,
+        )
 
-    def _choose_types(self, dialect: Any, types: Iterable[Any]) -> None:
-        known: set[int] = set()
-        unknown: set[int] | None = set()
-        for one in types:
-            if isinstance(one, type):
-                known.add(_class_id(one))
-            elif one == UNKNOWN:
-                unknown = None
-            elif one.startswith(f"{UNKNOWN}_") and one.removeprefix(f"{UNKNOWN}_").isdecimal():
-                number = _unknown_id(one)
-                if unknown is not None:
-                    unknown.add(number)
-            else:
-                known.add(_named_id(dialect, one))
-        self.types = sorted(known)
-        self.unknown = None if unknown is None else sorted(unknown)
+    @classmethod
+    def of_dataflash(
+        cls,
+        types: str | type | Iterable[str | type] | None = None,
+        systems: int | Iterable[int] | None = None,
+        fields: str | Iterable[str] | None = None,
+        start: float | str | datetime | None = None,
+        end: float | str | datetime | None = None,
+        units: str | None = None,
+        enums: str | None = None,
+        invalid: str | None = None,
+    ) -> Selection:
+        """For a log that is known to be a dataflash log; ValueError as by `of`."""
+        selection = cls.of(None, None, systems, fields, start, end, units, enums, invalid)
+        if types is not None:
+            selection.names = [_name_of(one) for one in types_of(types)]
+        return selection
+
+    def check_telemetry(self) -> None:
+        """Raise ValueError for types that no telemetry log has."""
+        for reason in (self.foreign or {}).values():
+            raise ValueError(reason)
+
+    def allow(self, described: Iterable[str]) -> None:
+        """Some types are those of dataflash logs that are read too: no error beside them."""
+        left = {name: why for name, why in (self.foreign or {}).items() if name not in described}
+        self.foreign = left or None
+
+    def check_dataflash(self) -> None:
+        """Raise ValueError for what makes no sense with a dataflash log."""
+        if self.systems is not None:
+            raise ValueError("a dataflash log is of one system: leave systems= out")
+
+
+def _name_of(one: str | type) -> str:
+    return one if isinstance(one, str) else str(getattr(one, "msgname", one.__name__))
+
+
+def _telemetry_types(
+    dialect: Any, types: list[Any] | None
+) -> tuple[list[Any] | None, dict[str, str] | None]:
+    """The types without those that only a dataflash log can have, and what to say of these where a
+    telemetry log is read.
+    """
+    if types is None:
+        return None, None
+    known: list[Any] = []
+    foreign: dict[str, str] = {}
+    for one in types:
+        is_known = not isinstance(one, str) or one.startswith(UNKNOWN)
+        if not is_known and not has_message(dialect, one):
+            foreign[one] = no_message(dialect, one)
+        else:
+            known.append(one)
+    return known, foreign or None
+
+
+def columns_of(fields: str | Iterable[str]) -> list[str]:
+    """The columns of some fields: those in front, and what a field's own column may be called."""
+    columns = list(HEADER)
+    for name in names_of(fields):
+        columns += [f"{name}_" if name in HEADER else name, f"{name}_raw"]
+    return list(dict.fromkeys(columns))
+
+
+def names_of(names: str | Iterable[str]) -> list[str]:
+    """One name or several, those of a set by the alphabet; ValueError for what is none."""
+    every: list[str] = []
+    for one in several(names):
+        if not isinstance(one, str):
+            raise ValueError(f"a name is a text, not {one!r}")
+        every.append(one)
+    return sorted(every) if isinstance(names, set | frozenset) else every
+
+
+def ids_of(dialect: Any, types: Iterable[Any]) -> tuple[list[int], list[int] | None]:
+    """The ids of some types that the dialect has, and those that it has not; None for all of these."""
+    known: set[int] = set()
+    unknown: set[int] | None = set()
+    for one in types:
+        if isinstance(one, type):
+            known.add(_class_id(one))
+        elif one == UNKNOWN:
+            unknown = None
+        elif one.startswith(f"{UNKNOWN}_") and one.removeprefix(f"{UNKNOWN}_").isdecimal():
+            number = _unknown_id(one)
+            if unknown is not None:
+                unknown.add(number)
+        else:
+            known.add(_named_id(dialect, one))
+    return sorted(known), None if unknown is None else sorted(unknown)
 
 
 def types_of(types: Any) -> list[str | type]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from mavwire._native import RecordBatches
 
-    from .query import Query
+    from .selection import Selection
 
     Opened = tuple[DataflashTables, list[tuple[str, RecordBatches]] | None]
     """What a dataflash log says about itself, and its tables if they were found on the way."""
@@ -49,7 +49,7 @@ def open_dataflash(source: Source, path: str) -> DataflashTables | None:
     return tables
 
 
-def read_dataflash(source: Source, path: str, query: Query) -> Opened | None:
+def read_dataflash(source: Source, path: str, query: Selection) -> Opened | None:
     """The same with the whole tables that `query` asks for, where one pass gives both."""
     opened = DataflashTables.read(source, query)
     if opened is not None:
@@ -68,7 +68,7 @@ def describes(tables: DataflashTables) -> bool:
 
 
 def columns_from(
-    tables: DataflashTables | None, source: Source, native: Any, query: Query
+    tables: DataflashTables | None, source: Source, native: Any, query: Selection
 ) -> LogColumns:
     """A run over a dataflash log, or where that is None over the telemetry log `source`; ValueError
     for what makes no sense with its kind.
@@ -84,7 +84,7 @@ def open_converter(
     source: Source,
     path: str,
     native: Any,
-    query: Query,
+    query: Selection,
     out: str,
     file: str,
     format: str,

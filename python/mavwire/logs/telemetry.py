@@ -112,7 +112,8 @@ class TelemetryLog(Log):
         "UNKNOWN_<id>" one of them. `systems`: system ids. Times are seconds since 1970 or
         datetimes. None stands for all. ValueError names a type that the dialect does not have.
         """
-        selection = Selection.of(self.dialect, types, systems, start, end)
+        selection = Selection.of(self.dialect, types, systems, None, start, end)
+        selection.check_telemetry()
         return self._scan(selection)
 
     def __len__(self) -> int:
@@ -147,28 +148,27 @@ class TelemetryLog(Log):
             return any(one == what for one in self)
         if not has_message(self.dialect, what):
             return False
-        from .query import Query
         from .reading import batches_of
 
         self._check_open()
-        query = Query.of(self.dialect, what)
-        query.batch_rows = 0  # those of a block: nothing is cut into batches to look at one
+        selection = Selection.of(self.dialect, what)
+        selection.batch_rows = 0  # those of a block: nothing is cut into batches to look at one
         native = self.dialect.MAVLink(None)._dialect
-        return next(batches_of(None, self.path, native, query), None) is not None
+        return next(batches_of(None, self.path, native, selection), None) is not None
 
     @property
     def types(self) -> dict[str, list[str]]:
         """The message types that are in the log, and the columns of their tables. They are counted
         when first asked for, and when the file has changed: one pass.
         """
-        from .query import Query, no_rows
+        from .checks import no_rows
 
         status = file_status(self.path)
         if self._typed is None or self._typed[0] != status:
             native = self.dialect.MAVLink(None)._dialect
             ids = {cls.msgname: msgid for msgid, cls in self.dialect.mavlink_map.items()}
             found = {
-                name: no_rows(native, ids[name], Query()).names
+                name: no_rows(native, ids[name], Selection()).names
                 for name in self.info().types
                 if name in ids
             }
@@ -245,9 +245,9 @@ class TelemetryLog(Log):
         """Whether the log begins with records, once it is decompressed; else what is wrong with it."""
         from mavwire._native import LogColumns
 
-        from .query import Query
-
-        batches = LogColumns(self.path, self.dialect.MAVLink(None)._dialect, Query(batch_rows=0))
+        batches = LogColumns(
+            self.path, self.dialect.MAVLink(None)._dialect, Selection(batch_rows=0)
+        )
         # A second look sees where a short one ends.
         return any(any(batch) for batch in islice(batches, 2)), batches.damage
 

@@ -19,7 +19,7 @@ from mavwire.expression.compiler import compile_text
 from mavwire.expression.evaluate import _split, evaluate_condition
 from mavwire.expression.limits import MAX_ITEMS
 from mavwire.expression.names import known_names
-from mavwire.logs.query import HEADER
+from mavwire.logs.selection import HEADER
 
 STATE_NAMES = frozenset(("MAV", "HOME"))
 """Names of the vehicle's state, which are no messages of the log."""

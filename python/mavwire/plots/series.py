@@ -177,10 +177,10 @@ def _tables(
 def _instance_fields(native: Any, msgid: int) -> set[str]:
     """The field that tells the instances of a message type apart, if it has any."""
     from mavwire._native import empty_table
-    from mavwire.logs.query import Query
+    from mavwire.logs.selection import Selection
     from mavwire.logs.table import Table
 
-    name = Table("", empty_table(native, msgid, Query())).instance_field
+    name = Table("", empty_table(native, msgid, Selection())).instance_field
     return set() if name is None else {name}
 
 

@@ -324,12 +324,12 @@ def test_whether_a_log_has_a_type_is_known_by_its_first_block(tmp_path, monkeypa
     assert "ATTITUDE" in log and "WIND_COV" not in log and "NOPE" not in log
     assert asked == [0, 0]
 
-    class Noting(dataflash.Query):
+    class Noting(dataflash.Selection):
         def __init__(self, **how: Any) -> None:
             super().__init__(**how)
             asked.append(self.batch_rows)
 
-    monkeypatch.setattr(dataflash, "Query", Noting)
+    monkeypatch.setattr(dataflash, "Selection", Noting)
     onboard = mavwire.open_log(path)
     assert "IMU" in onboard and "NOPE" not in onboard
     assert asked == [0, 0, 0]

@@ -13,7 +13,7 @@ import pytest
 from dataflash_writer import Log, fmt, record, sample
 from mavwire._native import DataflashTables
 from mavwire.logs import dataflash
-from mavwire.logs.query import Query
+from mavwire.logs.selection import Selection
 from real_logs import each_log
 
 BLOCK = 4 << 20
@@ -33,7 +33,7 @@ def filled(log: Log) -> Log:
 
 def whole(path: Path | str) -> Any:
     """What one pass finds; None in place of the tables if it does not do."""
-    opened = DataflashTables.read(str(path), Query())
+    opened = DataflashTables.read(str(path), Selection())
     assert opened is not None
     return opened[1]
 

@@ -20,7 +20,7 @@ from mavwire import cli, traffic
 from mavwire.dialects import load
 from mavwire.logs import reading
 from mavwire.logs.conversion import convert
-from mavwire.logs.query import HEADER
+from mavwire.logs.selection import HEADER
 
 
 @pytest.fixture(scope="module")

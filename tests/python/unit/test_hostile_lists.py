@@ -15,7 +15,6 @@ from encoder import record
 from mavwire import _native, bridge, mavutil
 from mavwire.bridge import options
 from mavwire.dialects.v20 import common as mavlink
-from mavwire.logs.query import Query
 from mavwire.logs.selection import Selection
 from unit.link_tools import T0, heartbeat
 from watchdog import watched
@@ -55,7 +54,7 @@ def dialect() -> Any:
 
 @pytest.fixture(scope="module")
 def table(log: Path, dialect: Any) -> Any:
-    ((_, table),) = itertools.chain(*_native.LogColumns(log, dialect, Query()))
+    ((_, table),) = itertools.chain(*_native.LogColumns(log, dialect, Selection()))
     return table
 
 
@@ -147,7 +146,7 @@ def test_what_a_run_over_a_log_looks_for(log: Path, dialect: Any, name: str) -> 
 )
 def test_what_tables_are_made_of(log: Path, dialect: Any, name: str, item: object) -> None:
     def read(value: Any) -> None:
-        query = Query()
+        query = Selection()
         object.__setattr__(query, name, value)
         list(_native.LogColumns(log, dialect, query))
 

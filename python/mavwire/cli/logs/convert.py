@@ -116,7 +116,7 @@ def _hint(path: str, logs: list[str]) -> str:
 
 def _undescribed(rows: list[Converted], types: list[str]) -> list[str]:
     """The errors for types that none of the dataflash logs describes. A log may do without those of another."""
-    from mavwire.logs.query import no_record_type
+    from mavwire.logs.checks import no_record_type
     from mavwire.logs.reading import described_by
     from mavwire.logs.sources import is_dataflash
 
