@@ -55,3 +55,6 @@ def tables(path: str) -> None:
     with mavwire.open_log(path) as log:
         table = log["ATTITUDE"]
         print(len(table), table.to_pandas())
+    chosen = mavwire.read(path, "ATTITUDE", fields=["roll"], start="2024-01-31", units="si")
+    mavwire.read(path, unit="si")  # type: ignore[call-arg]  # pyright: ignore[reportCallIssue]
+    print(chosen["ATTITUDE"])

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._native import DataflashTables, empty_table
 from mavwire.logs.checks import check_described, check_tables
+from mavwire.logs.query import Values, takes
 from mavwire.logs.reading import check_records, joined, native_dialect, with_empty
 from mavwire.logs.selection import Selection, names_of
 from mavwire.logs.sources import columns_from, describes, open_dataflash
@@ -17,26 +18,21 @@ from .places import ByteRange, Part, check_divisible, located
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-    from datetime import datetime
 
     from mavwire._native import RecordBatches
     from mavwire.logs.sources import Source
 
 
+@takes(Values)
 def decode(
     path: str | os.PathLike[str],
     byte_range: ByteRange | Part | None = None,
     types: str | Iterable[str] | None = None,
     columns: str | Iterable[str] | None = None,
     *,
-    systems: int | Iterable[int] | None = None,
-    start: float | str | datetime | None = None,
-    end: float | str | datetime | None = None,
-    units: str | None = None,
-    enums: str | None = None,
-    invalid: str | None = None,
     dialect: str | os.PathLike[str] = "all",
     storage_options: Mapping[str, Any] | None = None,
+    **query: Unpack[Values],
 ) -> dict[str, Table]:
     """`{type: table}` of a log, or of the bytes `first, end` of it, which are read like a log. With
     `first, end, stamped` they are part of a telemetry log, whose records have time stamps or not.
@@ -49,9 +45,8 @@ def decode(
     no sense, and for types and columns that a dataflash log does not describe.
     """
     return decode_as(
-        path, byte_range, types, columns, systems=systems, start=start, end=end, units=units,
-        enums=enums, invalid=invalid, dialect=dialect, storage_options=storage_options,
-    )  # fmt: skip
+        path, byte_range, types, columns, dialect=dialect, storage_options=storage_options, **query
+    )
 
 
 def decode_as(
@@ -60,23 +55,16 @@ def decode_as(
     types: str | Iterable[str] | None,
     columns: str | Iterable[str] | None,
     *,
-    systems: int | Iterable[int] | None = None,
-    start: float | str | datetime | None = None,
-    end: float | str | datetime | None = None,
-    units: str | None = None,
-    enums: str | None = None,
-    invalid: str | None = None,
     dialect: str | os.PathLike[str] = "all",
     storage_options: Mapping[str, Any] | None = None,
     lenient: bool = False,
+    **query: Unpack[Values],
 ) -> dict[str, Table]:
     """`decode`; where it is `lenient`, types and columns that a dataflash log does not describe are
     left out: other logs of a fleet may have them.
     """
     path = os.fsdecode(path).removeprefix("file://")
-    module, native, selection = selection_of(
-        types, columns, systems, start, end, units, enums, invalid, dialect
-    )
+    module, native, selection = selection_of(types, columns, dialect, **query)
     if lenient:
         selection.allow(selection.names or ())
     with located(path, byte_range, storage_options) as source:
@@ -99,18 +87,13 @@ def decode_as(
 def selection_of(
     types: str | Iterable[str] | None,
     columns: str | Iterable[str] | None,
-    systems: int | Iterable[int] | None,
-    start: float | str | datetime | None,
-    end: float | str | datetime | None,
-    units: str | None,
-    enums: str | None,
-    invalid: str | None,
     dialect: str | os.PathLike[str],
     storage_options: object = None,
+    **query: Unpack[Values],
 ) -> tuple[Any, Any, Selection]:
     """The module of the dialect, its native form, and the selection for the arguments of `decode`."""
     module, native = native_dialect(dialect)
-    selection = Selection.of(module, types, systems, None, start, end, units, enums, invalid)
+    selection = Selection.of(module, types, **query)
     selection.columns = None if columns is None else names_of(columns)
     return module, native, selection
 

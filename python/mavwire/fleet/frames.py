@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._extras import extra
 from mavwire.logs.common_columns import common_columns, description_of
+from mavwire.logs.query import Values, takes
 from mavwire.logs.selection import has_message, names_of
 from mavwire.logs.sources import open_dataflash
 from mavwire.logs.table import Table
@@ -19,7 +20,6 @@ from .places import Part, begins_as_dataflash, expand, located, status
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-    from datetime import datetime
 
     from mavwire.logs.common_columns import Described
 
@@ -28,20 +28,16 @@ DATAFLASH_NAME_LEN = 4
 Source = tuple[str, Part | None]
 
 
+@takes(Values)
 def dask_frame(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     type: str,
     columns: str | Iterable[str] | None = None,
     *,
-    systems: int | Iterable[int] | None = None,
-    start: float | str | datetime | None = None,
-    end: float | str | datetime | None = None,
-    units: str | None = None,
-    enums: str | None = None,
-    invalid: str | None = None,
     dialect: str | os.PathLike[str] = "all",
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
+    **query: Unpack[Values],
 ) -> Any:
     """The messages of one type of many logs as a `dask.dataframe.DataFrame`, in the order of the logs.
 
@@ -60,9 +56,12 @@ def dask_frame(
     check_at_least_1(task_bytes=task_bytes)
     wanted = None if columns is None else names_of(columns)
     how = {
-        "types": type, "columns": wanted, "systems": systems, "start": start, "end": end,
-        "units": units, "enums": enums, "invalid": invalid, "dialect": dialect, "storage_options": storage_options,
-    }  # fmt: skip
+        "types": type,
+        "columns": wanted,
+        "dialect": dialect,
+        "storage_options": storage_options,
+        **query,
+    }
     sizes = {path: status(path, storage_options)[0] for path in expand(paths, storage_options)}
     large = [path for path, size in sizes.items() if may_be_cut(path, size, task_bytes)]
     found = dask.compute(*[dask.delayed(find_cuts)(path, task_bytes, dialect) for path in large])

@@ -9,12 +9,13 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._text import in_words
 from mavwire.logs.conversion import prepare
 from mavwire.logs.journal import Journal
 from mavwire.logs.manifest import Converted, Manifest
+from mavwire.logs.query import Query, takes
 from mavwire.logs.reading import allow_described
 from mavwire.logs.staging import remove_left, staging
 
@@ -27,7 +28,6 @@ from .tasks import Piece, Recipe, convert_pieces
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
-    from datetime import datetime
 
 LOOKERS = 16
 """Threads that ask for the sizes of logs."""
@@ -43,6 +43,7 @@ def to_parquet(
     return convert(paths, out, client, format="parquet", **options)
 
 
+@takes(Query)
 def convert(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
@@ -52,18 +53,12 @@ def convert(
     format: str = "parquet",
     compression: str | None = None,
     types: str | Iterable[str] | None = None,
-    systems: int | Iterable[int] | None = None,
-    fields: str | Iterable[str] | None = None,
-    start: float | str | datetime | None = None,
-    end: float | str | datetime | None = None,
-    units: str | None = None,
-    enums: str | None = None,
-    invalid: str | None = None,
     csv_safe: bool = True,
     dialect: str | os.PathLike[str] = "all",
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
     progress: Callable[[int, int], object] | None = None,
+    **query: Unpack[Query],
 ) -> list[Converted]:
     """Convert logs to `out/MESSAGE/LOG.parquet` (or .csv, .jsonl, .arrow) on a Dask cluster.
 
@@ -82,9 +77,8 @@ def convert(
     """
     logs = expand(paths, storage_options)
     compression, _, selection, how = prepare(
-        format, compression, types, systems, fields, start, end, dialect,
-        units=units, enums=enums, invalid=invalid, csv_safe=csv_safe, logs=logs,
-    )  # fmt: skip
+        format, compression, types, dialect, csv_safe=csv_safe, logs=logs, **query
+    )
     check_at_least_1(workers=workers, task_bytes=task_bytes)
     allow_described(logs, selection)
     out = os.fsdecode(out).removeprefix("file://")

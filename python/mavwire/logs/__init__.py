@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from .dataflash import DataflashLog
 from .format_error import LogFormatError
+from .query import Query
 from .reading import read, scan
 from .scanning import scan_polars
 from .table import Table
@@ -20,6 +21,7 @@ from .telemetry import TelemetryLog, open_log
 __all__ = [
     "DataflashLog",
     "LogFormatError",
+    "Query",
     "Table",
     "TelemetryLog",
     "open_log",

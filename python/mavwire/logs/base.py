@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-TYPE_CHECKING = False
+from typing import TYPE_CHECKING, Any, Unpack
+
+from .query import Query, Types, takes
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from datetime import datetime
     from typing import Self
 
     from .common_clock import Span
@@ -18,22 +20,26 @@ class Log:
     path: str
     closed = False
 
+    @takes(Query, "systems", "fields", "start", "end")
     def read(
         self,
-        types: str | type | Iterable[str | type] | None = None,
-        systems: int | Iterable[int] | None = None,
-        fields: str | Iterable[str] | None = None,
-        start: float | str | datetime | None = None,
-        end: float | str | datetime | None = None,
-        *,
-        units: str | None = None,
-        enums: str | None = None,
-        invalid: str | None = None,
+        types: Types = None,
+        *positional: Any,
         wide: bool = False,
+        **query: Unpack[Query],
     ) -> dict[str, Table]:
-        """`{type: table}` in one pass."""
+        """Tables of several types in one pass: `mavwire.read` on this log.
+
+        Those of a telemetry log hold what `resync="rescan"` finds, whatever it was opened with. A dataflash log
+        is of one system: ValueError for `systems`. It has no enums and no invalid values.
+        """
+        self._check_open()
+        return self._read(types, wide, query)
+
+    def _read(self, types: Types, wide: bool, query: Query) -> dict[str, Table]:
         raise NotImplementedError
 
+    @takes(Query)
     def align(
         self,
         types: str | Iterable[str],
@@ -42,32 +48,24 @@ class Log:
         rate: Span | None = None,
         method: str = "ffill",
         tolerance: Span | None = None,
-        systems: int | Iterable[int] | None = None,
-        fields: str | Iterable[str] | None = None,
-        start: float | str | datetime | None = None,
-        end: float | str | datetime | None = None,
-        units: str | None = None,
-        enums: str | None = None,
-        invalid: str | None = None,
+        **query: Unpack[Query],
     ) -> Table:
         """One wide table of several types on a common clock; see `mavwire.logs.align`.
 
-        `invalid` is that of `read`, but "null" by default with `method="linear"`: a line to 65535
-        is no course of values.
+        The other arguments are those of `read`, but `invalid` is "null" by default with
+        `method="linear"`: a line to 65535 is no course of values.
         """
         from .align import align, check_clock, of_fields, possible_columns
         from .checks import check_fields
-        from .selection import names_of
+        from .selection import names_of, separate_fields
 
         check_clock(on)
-        invalid = invalid or ("null" if method == "linear" else None)
+        if method == "linear":
+            query["invalid"] = query.get("invalid") or "null"
         names = names_of(types)
-        fields = None if fields is None else names_of(fields)
+        fields = separate_fields(query, wide=True)  # all columns, whatever is wanted
         wanted = {*names, on} if on is not None else set(names)
-        # All columns: the one that tells instances apart is needed whatever is wanted.
-        every = self.read(
-            sorted(wanted), systems, None, start, end, units=units, enums=enums, invalid=invalid
-        )
+        every = self.read(sorted(wanted), **query)
         if fields is not None:
             check_fields(set().union(*map(possible_columns, every.values())), fields)
         tables = of_fields(every, fields, several=True)

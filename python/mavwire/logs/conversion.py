@@ -13,7 +13,7 @@ from __future__ import annotations
 import hashlib
 import os
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._text import in_words
 
@@ -21,6 +21,7 @@ from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
 from .manifest import Converted, Manifest
 from .open_files import many_open_files
+from .query import Query, Types, takes
 from .reading import (
     absolute,
     allow_described,
@@ -29,14 +30,13 @@ from .reading import (
     native_dialect,
     paths_of,
 )
-from .selection import Selection, names_of
+from .selection import Selection, separate_fields
 from .sources import check_run, file_status, open_converter
 from .staging import remove_left
 from .store import Store
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from datetime import datetime
     from types import ModuleType
 
     from .sources import Source
@@ -50,28 +50,23 @@ INTERNAL = ("unknown", "untimed", "batch_rows", "batch_bytes", "foreign")
 """What of a selection makes no difference to files."""
 
 
+@takes(Query)
 def convert(
     paths: Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
     *,
     format: str = "parquet",
     compression: str | None = None,
-    types: str | type | Iterable[str | type] | None = None,
-    systems: int | Iterable[int] | None = None,
-    fields: str | Iterable[str] | None = None,
-    start: float | str | datetime | None = None,
-    end: float | str | datetime | None = None,
-    units: str | None = None,
-    enums: str | None = None,
-    invalid: str | None = None,
+    types: Types = None,
     csv_safe: bool = True,
     dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[str, float], object] | None = None,
+    **query: Unpack[Query],
 ) -> list[Converted]:
     """Convert logs of any kind to `out/MESSAGE/LOG.parquet` (or .csv, .jsonl, .arrow), or to
     `out/LOG.mcap`, which holds all messages.
 
-    `fields`, `units`, `enums` and `invalid` are those of `mavwire.read`. MCAP has values as sent,
+    `types` and `query` are those of `mavwire.read`. MCAP has values as sent,
     without invalid values unless `invalid="keep"`. `csv_safe` puts an apostrophe in front of texts in
     CSV files that begin with = + - @, a tab or a line break, except numbers: a spreadsheet would run
     them as formulas. A log with more than 1,000 types is refused unless `types` names some.
@@ -92,9 +87,8 @@ def convert(
             )
     logs = [absolute(path) for path in logs]
     compression, native, selection, how = prepare(
-        format, compression, types, systems, fields, start, end, dialect,
-        units=units, enums=enums, invalid=invalid, csv_safe=csv_safe, logs=logs,
-    )  # fmt: skip
+        format, compression, types, dialect, csv_safe=csv_safe, logs=logs, **query
+    )
     allow_described(logs, selection)
     out = os.fsdecode(out)
     store = Store(out)
@@ -121,18 +115,12 @@ def convert(
 def prepare(
     format: str,
     compression: str | None,
-    types: str | type | Iterable[str | type] | None,
-    systems: int | Iterable[int] | None,
-    fields: str | Iterable[str] | None,
-    start: float | str | datetime | None,
-    end: float | str | datetime | None,
+    types: Types,
     dialect: str | os.PathLike[str] | ModuleType,
     *,
-    units: str | None = None,
-    enums: str | None = None,
-    invalid: str | None = None,
     csv_safe: bool = True,
     logs: Iterable[str] = (),
+    **query: Unpack[Query],
 ) -> tuple[str, Any, Selection, dict[str, Any]]:
     """The compression, the native dialect, what to read, and the options that a manifest keeps.
 
@@ -146,12 +134,13 @@ def prepare(
         choices = ", ".join(COMPRESSIONS[format])
         raise ValueError(f"{format} is compressed with one of {choices}, not {compression!r}")
     module, native = native_dialect(dialect)
-    if format in ONE_FILE and (units is not None or enums is not None):
+    if format in ONE_FILE and (query.get("units") or query.get("enums")) is not None:
         raise ValueError(f"{format} has values as they are sent: leave units and enums out")
     if format in ONE_FILE:
-        invalid = invalid or "null"  # MCAP files are read by programs that draw graphs
-    fields = None if fields is None else names_of(fields)
-    selection = Selection.of(module, types, systems, fields, start, end, units, enums, invalid)
+        # MCAP files are read by programs that draw graphs.
+        query["invalid"] = query.get("invalid") or "null"
+    fields = separate_fields(query)
+    selection = Selection.of(module, types, **query)
     selection.csv_safe = csv_safe and format == "csv"
     if fields is not None or selection.foreign is None:
         check_fields(list(logs), module, native, selection, fields)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._native import DataflashTables, LogKind, identify
 from mavwire.links.recognise import DATAFLASH
@@ -15,13 +15,13 @@ from mavwire.links.recognise import DATAFLASH
 from .base import Log
 from .checks import no_record_type
 from .format_error import no_record
-from .selection import Selection, names_of
+from .query import Query, Records, Types, takes
+from .selection import Selection, separate_fields
 from .sources import file_status, is_compressed, open_dataflash, read_dataflash
 from .table import Table
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from datetime import datetime
+    from collections.abc import Callable, Iterator
 
     from .sources import Opened
     from .summary import LogInfo
@@ -90,12 +90,9 @@ class DataflashLog(Log):
     def __iter__(self) -> Iterator[Any]:
         return self.messages()
 
+    @takes(Records, "systems", "start", "end")
     def messages(
-        self,
-        types: str | Iterable[str] | None = None,
-        systems: int | Iterable[int] | None = None,
-        start: float | str | datetime | None = None,
-        end: float | str | datetime | None = None,
+        self, types: Types = None, *positional: Any, **query: Unpack[Records]
     ) -> Iterator[Any]:
         """The messages of some types with `start <= time < end`, as DFReader gives them.
 
@@ -104,7 +101,7 @@ class DataflashLog(Log):
         where a text log has no finite number for it, it is that of the message before.
         `systems` is there for `TelemetryLog`; ValueError for anything but None.
         """
-        selection = Selection.of_dataflash(types, systems, None, start, end)
+        selection = Selection.of_dataflash(types, **query)
         selection.check_dataflash()
         self._tables()
         return self._messages(selection)
@@ -157,31 +154,11 @@ class DataflashLog(Log):
         run = tables.columns(Selection(names=[what], batch_rows=0))  # those of a block
         return any(found for found in run)
 
-    def read(
-        self,
-        types: str | type | Iterable[str | type] | None = None,
-        systems: int | Iterable[int] | None = None,
-        fields: str | Iterable[str] | None = None,
-        start: float | str | datetime | None = None,
-        end: float | str | datetime | None = None,
-        *,
-        units: str | None = None,
-        enums: str | None = None,
-        invalid: str | None = None,
-        wide: bool = False,
-    ) -> dict[str, Table]:
-        """Tables of several types in one pass: `mavwire.read` on this log.
-
-        `systems` is there for `TelemetryLog`; ValueError for anything but None. `enums` and
-        `invalid` have no effect: columns have no enums and no invalid values.
-        """
+    def _read(self, types: Types, wide: bool, query: Query) -> dict[str, Table]:
         from .reading import read_described
 
-        fields = None if fields is None else names_of(fields)
-        columns = None if wide else fields  # all: one of them tells instances apart
-        selection = Selection.of_dataflash(
-            types, systems, columns, start, end, units, enums, invalid
-        )
+        fields = separate_fields(query, wide)
+        selection = Selection.of_dataflash(types, **query)
         return read_described(*self._opened(selection), self.path, selection, fields, wide)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:

@@ -8,7 +8,7 @@ import stat
 import sys
 from functools import partial
 from operator import index
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._native import DataflashTables, LogColumns, RecordBatches
 from mavwire._text import naming
@@ -16,14 +16,14 @@ from mavwire._text import naming
 from .batches import Batches
 from .checks import check_described, check_tables, no_rows
 from .common_columns import Surveys, empty_of
-from .selection import Selection, names_of, several
+from .query import Query, Types, takes
+from .selection import Selection, names_of, separate_fields, several
 from .sources import check_run, columns_from, is_dataflash, open_dataflash, read_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
-    from datetime import datetime
     from types import ModuleType
 
     from mavwire._native import FrameBatch
@@ -61,30 +61,21 @@ def check_readable(path: str) -> None:
         file.read(1)
 
 
+@takes(Query, "systems", "fields", "start", "end")
 def read(
     path: str | os.PathLike[str],
-    types: str | type | Iterable[str | type] | None = None,
-    systems: int | Iterable[int] | None = None,
-    fields: str | Iterable[str] | None = None,
-    start: float | str | datetime | None = None,
-    end: float | str | datetime | None = None,
-    *,
-    units: str | None = None,
-    enums: str | None = None,
-    invalid: str | None = None,
+    types: Types = None,
+    *positional: Any,
     wide: bool = False,
     dialect: str | os.PathLike[str] | ModuleType = "all",
+    **query: Unpack[Query],
 ) -> dict[str, Table]:
     """Read a log into a table for each message type, in one pass: a telemetry log, a raw stream, or
     a dataflash log, binary or text.
 
-    `types`, `systems`, `start` and `end` are those of `TelemetryLog.messages`; `fields` names the
-    fields that become columns. `units="si"` scales values to SI units (angles stay degrees or
-    radians), `enums="names"` makes names of enum values. `invalid="null"` makes nulls of
-    invalid values, such as 65535 mV or NaN, as the definitions say; `"keep"` keeps them. The default
-    is "null" with `units="si"` and "keep" otherwise. A file ending in gzip or zstd is
-    decompressed on the way. Types that are asked for and are not in the log give empty tables.
-    `wide=True` gives types with an instance field as `Table.wide` does, a column for each instance.
+    `types` are names or message classes, one or several; `mavwire.logs.Query` has the other arguments.
+    A file ending in gzip or zstd is decompressed on the way. Types that are asked for and are not in the
+    log give empty tables. `wide=True` gives types with an instance field as `Table.wide` does, a column for each instance.
 
     Every good record of a damaged log is there. Raises FileNotFoundError and its kin, ValueError
     for a type or field that the dialect, or the dataflash log, does not have.
@@ -94,9 +85,8 @@ def read(
     path = os.fsdecode(path)
     check_readable(path)
     module, native = native_dialect(dialect)
-    fields = None if fields is None else names_of(fields)
-    columns = None if wide else fields  # all: one of them tells instances apart
-    selection = Selection.of(module, types, systems, columns, start, end, units, enums, invalid)
+    fields = separate_fields(query, wide)
+    selection = Selection.of(module, types, **query)
     opened = read_dataflash(path, path, selection)
     if opened is not None:
         return read_described(*opened, path, selection, fields, wide)
@@ -188,19 +178,14 @@ def check_records(run: LogColumns, path: str, source: Source | None = None) -> N
     check_run(path if source is None else source, path, run.position, run.bad_bytes, run.damage)
 
 
+@takes(Query, "systems", "fields", "start", "end")
 def scan(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
-    types: str | type | Iterable[str | type] | None = None,
-    systems: int | Iterable[int] | None = None,
-    fields: str | Iterable[str] | None = None,
-    start: float | str | datetime | None = None,
-    end: float | str | datetime | None = None,
-    *,
-    units: str | None = None,
-    enums: str | None = None,
-    invalid: str | None = None,
+    types: Types = None,
+    *positional: Any,
     dialect: str | os.PathLike[str] | ModuleType = "all",
     batch_rows: int = BATCH_ROWS,
+    **query: Unpack[Query],
 ) -> Batches:
     """Read logs of any size in batches: tables of at most `batch_rows` rows of one type each, with
     `name` and `path`. With one type in `types` they are an Arrow stream too, see `Batches`.
@@ -220,8 +205,8 @@ def scan(
     if rows < 1:
         raise ValueError(f"batch_rows must be at least 1, not {batch_rows!r}")
     module, native = native_dialect(dialect)
-    fields = None if fields is None else names_of(fields)
-    selection = Selection.of(module, types, systems, fields, start, end, units, enums, invalid)
+    fields = separate_fields(query)
+    selection = Selection.of(module, types, **query)
     if not is_dataflash(every[0]):  # what makes no sense is said before the first step
         for path in every if selection.foreign else ():
             check_readable(path)  # a missing log may be the one that has the type

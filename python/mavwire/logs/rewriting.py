@@ -11,13 +11,14 @@ import os
 import secrets
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._native import LogRewrite
 from mavwire._text import naming
 
 from .format_error import LogFormatError
 from .no_records import check_records
+from .query import Records, Types, takes
 from .reading import check_readable, logs_of, native_dialect
 from .selection import Selection
 from .sources import check_has_records, is_dataflash
@@ -25,7 +26,6 @@ from .targets import file_to_write
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from datetime import datetime
     from types import ModuleType
 
 MOST_NORTH = 8.0
@@ -55,16 +55,15 @@ class Rewritten:
     """
 
 
+@takes(Records, "systems", "start", "end")
 def cut(
     path: str | os.PathLike[str],
     out: str | os.PathLike[str],
-    types: str | type | Iterable[str | type] | None = None,
-    systems: int | Iterable[int] | None = None,
-    start: float | str | datetime | None = None,
-    end: float | str | datetime | None = None,
-    *,
+    types: Types = None,
+    *positional: Any,
     dialect: str | os.PathLike[str] | ModuleType = "all",
     progress: Callable[[int], object] | None = None,
+    **query: Unpack[Records],
 ) -> Rewritten:
     """Write the records of some types and systems with `start <= time < end` to a log of their own.
 
@@ -74,7 +73,7 @@ def cut(
     """
     module, native = native_dialect(dialect)
     inputs, target = _checked([path], out, dialect)
-    selection = Selection.of(module, types, systems, None, start, end)
+    selection = Selection.of(module, types, **query)
     selection.check_telemetry()
     return _run(LogRewrite.select(inputs[0], native, selection, target), inputs, progress)
 

@@ -7,36 +7,32 @@ polars says which columns it needs and which rows, and only those columns are ga
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._extras import extra
 
 from .common_columns import Surveys, empty_of
 from .dialect import portable, restored
 from .pushdown import narrow
+from .query import Values, takes
 from .reading import BATCH_ROWS, batches_of, check_readable, logs_of, native_dialect
 from .selection import Selection
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Iterator
-    from datetime import datetime
     from types import ModuleType
 
     from .table import Table
 
 
+@takes(Values)
 def scan_polars(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     message: str,
     *,
-    systems: int | Iterable[int] | None = None,
-    start: float | str | datetime | None = None,
-    end: float | str | datetime | None = None,
-    units: str | None = None,
-    enums: str | None = None,
-    invalid: str | None = None,
     dialect: str | os.PathLike[str] | ModuleType = "all",
+    **query: Unpack[Values],
 ) -> Any:
     """The messages of one type of one or many logs as a `polars.LazyFrame`.
 
@@ -54,7 +50,7 @@ def scan_polars(
     logs = logs_of(paths)
     for path in logs:
         check_readable(path)
-    source = _Source(logs, message, dialect, (systems, start, end, units, enums, invalid))
+    source = _Source(logs, message, dialect, query)
     return register_io_source(source, schema=source.schema, is_pure=True)
 
 
@@ -66,24 +62,23 @@ class _Source:
         paths: list[str],
         message: str,
         dialect: str | os.PathLike[str] | ModuleType,
-        how: tuple[Any, ...],
+        query: Values,
     ) -> None:
         with extra("data"):
             import polars as pl
 
-        systems, *rest = how
         module, self._native = native_dialect(dialect)
-        self._selection = Selection.of(module, message, systems, None, *rest)
+        self._selection = Selection.of(module, message, **query)
         self._surveys = Surveys()
         self._empty = empty_of(paths, self._surveys, module, self._native, self._selection)
         self._selection.allow([message])
         self._paths = paths
-        self._arguments = message, dialect, how
+        self._arguments = message, dialect, query
         self.schema = pl.DataFrame(self._empty).schema
 
     def __reduce__(self) -> tuple[Any, ...]:
-        message, dialect, how = self._arguments
-        return _restored, (self._paths, message, portable(dialect), how)
+        message, dialect, query = self._arguments
+        return _restored, (self._paths, message, portable(dialect), query)
 
     def __call__(
         self,
@@ -131,7 +126,5 @@ class _Source:
             yield from batches_of(dataflash, path, self._native, those)
 
 
-def _restored(
-    paths: list[str], message: str, dialect: tuple[str, bool], how: tuple[Any, ...]
-) -> _Source:
-    return _Source(paths, message, restored(*dialect), how)
+def _restored(paths: list[str], message: str, dialect: tuple[str, bool], query: Values) -> _Source:
+    return _Source(paths, message, restored(*dialect), query)

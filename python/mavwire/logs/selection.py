@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from math import isnan
 from operator import index
-from typing import Any
+from typing import Any, Unpack
 
 from mavwire._text import did_you_mean
+
+from .query import Query, Types
 
 DAY = 86_400
 YEAR = 31_556_952
@@ -62,7 +64,8 @@ class Selection:
     def of(
         cls,
         dialect: Any,
-        types: str | type | Iterable[str | type] | None = None,
+        types: Types = None,
+        *,
         systems: int | Iterable[int] | None = None,
         fields: str | Iterable[str] | None = None,
         start: float | str | datetime | None = None,
@@ -99,19 +102,9 @@ class Selection:
         )
 
     @classmethod
-    def of_dataflash(
-        cls,
-        types: str | type | Iterable[str | type] | None = None,
-        systems: int | Iterable[int] | None = None,
-        fields: str | Iterable[str] | None = None,
-        start: float | str | datetime | None = None,
-        end: float | str | datetime | None = None,
-        units: str | None = None,
-        enums: str | None = None,
-        invalid: str | None = None,
-    ) -> Selection:
+    def of_dataflash(cls, types: Types = None, **query: Unpack[Query]) -> Selection:
         """For a log that is known to be a dataflash log; ValueError as by `of`."""
-        selection = cls.of(None, None, systems, fields, start, end, units, enums, invalid)
+        selection = cls.of(None, **query)
         if types is not None:
             selection.names = [_name_of(one) for one in types_of(types)]
         return selection
@@ -171,6 +164,16 @@ def names_of(names: str | Iterable[str]) -> list[str]:
             raise ValueError(f"a name is a text, not {one!r}")
         every.append(one)
     return sorted(every) if isinstance(names, set | frozenset) else every
+
+
+def separate_fields(query: Query, wide: bool = False) -> list[str] | None:
+    """The names of the fields that a query asks for. `wide` tables are read with all columns: one of them
+    tells instances apart.
+    """
+    fields = query.get("fields")
+    names = None if fields is None else names_of(fields)
+    query["fields"] = None if wide else names
+    return names
 
 
 def ids_of(dialect: Any, types: Iterable[Any]) -> tuple[list[int], list[int] | None]:

@@ -8,9 +8,9 @@ Rust without holding the interpreter; an object is made only of what was asked f
 from __future__ import annotations
 
 import os
-from datetime import datetime
 from itertools import islice
 from types import ModuleType
+from typing import Any, Unpack
 
 from mavwire._native import LogKind, LogScan, identify
 from mavwire._text import naming
@@ -19,13 +19,13 @@ from mavwire.links.recognise import TELEMETRY
 from .base import Log
 from .dialect import dialect_module, portable, restored
 from .format_error import COMPRESSED, not_telemetry
+from .query import Query, Records, Types, takes
 from .selection import Selection, has_message, no_message
 from .sources import check_has_records, file_status
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from typing import Any
+    from collections.abc import Callable, Iterator
 
     from .dataflash import DataflashLog
     from .summary import LogInfo
@@ -99,12 +99,9 @@ class TelemetryLog(Log):
     def __iter__(self) -> Iterator[Any]:
         return self.messages()
 
+    @takes(Records, "systems", "start", "end")
     def messages(
-        self,
-        types: str | type | Iterable[str | type] | None = None,
-        systems: int | Iterable[int] | None = None,
-        start: float | str | datetime | None = None,
-        end: float | str | datetime | None = None,
+        self, types: Types = None, *positional: Any, **query: Unpack[Records]
     ) -> Iterator[Any]:
         """The messages of some types and systems with `start <= time < end`.
 
@@ -112,7 +109,7 @@ class TelemetryLog(Log):
         "UNKNOWN_<id>" one of them. `systems`: system ids. Times are seconds since 1970 or
         datetimes. None stands for all. ValueError names a type that the dialect does not have.
         """
-        selection = Selection.of(self.dialect, types, systems, None, start, end)
+        selection = Selection.of(self.dialect, types, **query)
         selection.check_telemetry()
         return self._scan(selection)
 
@@ -175,30 +172,10 @@ class TelemetryLog(Log):
             self._typed = (status, found)
         return dict(self._typed[1])
 
-    def read(
-        self,
-        types: str | type | Iterable[str | type] | None = None,
-        systems: int | Iterable[int] | None = None,
-        fields: str | Iterable[str] | None = None,
-        start: float | str | datetime | None = None,
-        end: float | str | datetime | None = None,
-        *,
-        units: str | None = None,
-        enums: str | None = None,
-        invalid: str | None = None,
-        wide: bool = False,
-    ) -> dict[str, Table]:
-        """`{type: table}` in one pass: `mavwire.read` on this log.
-
-        Tables hold what `resync="rescan"` finds, whatever the log was opened with.
-        """
+    def _read(self, types: Types, wide: bool, query: Query) -> dict[str, Table]:
         from .reading import read
 
-        self._check_open()
-        return read(
-            self.path, types, systems, fields, start, end,
-            units=units, enums=enums, invalid=invalid, wide=wide, dialect=self.dialect,
-        )  # fmt: skip
+        return read(self.path, types, wide=wide, dialect=self.dialect, **query)
 
     def info(self, pulse: Callable[[int], object] | None = None) -> LogInfo:
         """What is in the log: types, rates, senders, losses, gaps, damage.

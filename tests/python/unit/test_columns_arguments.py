@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime as dt
 import importlib.util
+import inspect
 import os
 import pickle
 import signal
@@ -600,3 +601,27 @@ def test_what_is_missing_names_its_extra(flight, monkeypatch, library):
 def test_an_open_file_is_no_list_of_logs(flight):
     with flight.open("rb") as file, pytest.raises(TypeError, match="named by its path"):
         mavwire.scan(file)
+
+
+@pytest.mark.parametrize(
+    ("function", "names"),
+    [
+        (mavwire.read, "path types systems fields start end units enums invalid wide dialect"),
+        (mavwire.scan_polars, "paths message systems start end units enums invalid dialect"),
+        (dataflash.DataflashLog.messages, "self types systems start end"),
+    ],
+)
+def test_arguments_of_a_query_are_in_the_signature(function, names):
+    assert [*inspect.signature(function).parameters] == names.split()
+
+
+def test_an_unknown_argument_is_named_beside_the_known_ones(flight):
+    known = (
+        "it takes path, types, systems, fields, start, end, units, enums, invalid, wide, dialect"
+    )
+    with pytest.raises(TypeError, match=f"has no argument 'unit'; did you mean 'units'.; {known}"):
+        mavwire.read(flight, unit="si")
+    with pytest.raises(TypeError, match=r"messages\(\) has no argument 'fields'"):
+        mavwire.open_log(flight).messages(fields="roll")
+    with pytest.raises(TypeError, match=r"read\(\): missing a required argument: 'path'"):
+        mavwire.read()

@@ -97,9 +97,8 @@ def inside(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 def killed_after(tasks: int, out: str, logs: list[Path], task_bytes: int = TASK) -> None:
     """A run of a fleet whose client is killed when it has handed out some tasks."""
-    compression, _, query, how = prepare(
-        "parquet", None, ["HEARTBEAT", "ATTITUDE"], None, None, None, None, "all"
-    )
+    types = ["HEARTBEAT", "ATTITUDE"]
+    compression, _, query, how = prepare("parquet", None, types, "all")
     store = store_of(out)
     made = Manifest(store, how, lambda path: (os.path.getsize(path), os.stat(path).st_mtime_ns))
     run = running._Run(
@@ -259,7 +258,7 @@ def test_a_folder_that_another_process_removes_is_made_again(tmp_path, monkeypat
 def test_what_a_task_that_died_published_is_removed(tmp_path, mixed, remote):
     fsspec = pytest.importorskip("fsspec")
     out = "memory://fleet-died" if remote else str(tmp_path / "out")
-    compression, _, query, how = prepare("parquet", None, TYPES, None, None, None, None, "all")
+    compression, _, query, how = prepare("parquet", None, TYPES, "all")
     store = store_of(out)
     made = Manifest(store, how, lambda path: (1, 1))
     recipe = Recipe(out, None, query, "all", "parquet", compression)
