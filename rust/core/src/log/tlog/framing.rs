@@ -54,11 +54,14 @@ impl Framing {
     pub fn sure(head: &[u8], registry: &Registry) -> Option<Self> {
         let framing = Self::of(head, registry);
         let (mut bytes, mut end, mut in_a_row) = (0, 0, 0);
+        // A frame by itself may have lost its time stamp. At the start or behind another one it had none.
+        let mut is_framed = framing == Self::Stamped;
         let is_sure = framing.records(head, registry).any(|record| {
+            is_framed |= record.start == end;
             in_a_row = if record.start == end { in_a_row + 1 } else { 1 };
             bytes += record.len();
             end = record.end;
-            in_a_row == SURE_RECORDS || bytes * SURE_SHARE >= head.len()
+            in_a_row == SURE_RECORDS || is_framed && bytes * SURE_SHARE >= head.len()
         });
         is_sure.then_some(framing)
     }
