@@ -20,6 +20,9 @@ from mavwire._threads import start_thread
 with extra("web"):
     from aiohttp import WSMsgType, web
 
+# `web` is aiohttp's, for the servers.
+__all__ = ["INTERVAL", "PATIENCE", "WebServer", "closed_after", "is_loopback", "web"]
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable
