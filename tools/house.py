@@ -160,15 +160,15 @@ def measures() -> dict[str, int]:
 
 
 LIMITS = {
-    "lines of rust/schema": 2_300,
-    "lines of rust/core": 8_100,
-    "lines of rust/columns": 7_200,
-    "lines of rust/io": 6_300,
-    "lines of rust/py": 17_400,
-    "lines of Rust without tests": 41_200,
-    "lines of Python without stubs": 49_200,
+    "lines of rust/schema": 2_650,
+    "lines of rust/core": 8_900,
+    "lines of rust/columns": 7_000,
+    "lines of rust/io": 6_900,
+    "lines of rust/py": 16_100,
+    "lines of Rust without tests": 41_400,
+    "lines of Python without stubs": 46_900,
     "files over 400 lines": 13,
-    "functions over 40 lines": 40,
+    "functions over 40 lines": 31,
     "modules of the extension in cycles": 0,
     "Python modules in cycles": 0,
 }
