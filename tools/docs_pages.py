@@ -69,6 +69,9 @@ def page_sources() -> dict[str, Path]:
     """Page -> the file of the repository that it is made of."""
     pages = {page: ROOT / name for page, name in SINGLE.items()}
     pages |= {path.name: path for path in sorted((ROOT / "docs").iterdir()) if path.is_file()}
+    pages |= {
+        f"decisions/{path.name}": path for path in sorted((ROOT / "docs" / "decisions").iterdir())
+    }
     pages |= {f"examples/{path.name}": path for path in sorted((ROOT / "examples").glob("*.py"))}
     return pages
 

@@ -2,7 +2,7 @@
 //!
 //! `messages[type]` is a copy of the newest message whose `_instances` holds the newest of each instance, and
 //! `messages["TYPE[instance]"]` a further copy. As long as nobody but the table holds such a copy, it is made the next
-//! copy in its place. Without that a log with such messages costs a fifth more: `python/instances` of the instruction budget.
+//! copy in its place. The row `python/instances` of the instruction budget is its cost.
 
 use std::sync::atomic::Ordering::Relaxed;
 
