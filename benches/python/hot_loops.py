@@ -77,7 +77,9 @@ def log(mavlink: Any, messages: int, instances: bool = False, **how: Any) -> Non
     """Read a telemetry log."""
     from mavwire import mavutil
 
-    records = b"".join(bytes(8) + frame for frame in block(mavlink, instances=instances)) * (messages // BLOCK)
+    records = b"".join(bytes(8) + frame for frame in block(mavlink, instances=instances)) * (
+        messages // BLOCK
+    )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flight.tlog"
         path.write_bytes(records)
