@@ -161,7 +161,7 @@ def measures() -> dict[str, int]:
 
 LIMITS = {
     "lines of rust/schema": 2_650,
-    "lines of rust/core": 8_900,
+    "lines of rust/core": 8_950,
     "lines of rust/columns": 7_000,
     "lines of rust/io": 6_900,
     "lines of rust/py": 16_100,
