@@ -31,7 +31,7 @@ mod _native {
     use crate::bridge::batch::FrameBatch;
     #[cfg(unix)]
     #[pymodule_export]
-    use crate::bridge::core::{BridgeCore, BridgeError, BridgeTap};
+    use crate::bridge::core::{BridgeCore, BridgeTap};
     #[pymodule_export]
     use crate::dataflash::clock::MicrosClock;
     #[pymodule_export]
@@ -45,7 +45,7 @@ mod _native {
     #[pymodule_export]
     use crate::dialect::describe::describe;
     #[pymodule_export]
-    use crate::dialect::registry::{DefinitionError, Dialect};
+    use crate::dialect::registry::Dialect;
     #[pymodule_export]
     use crate::dump::log_dump::dump_log;
     #[pymodule_export]
@@ -98,6 +98,11 @@ mod _native {
     use crate::protocol::status_texts::StatusTexts;
     #[pymodule_export]
     use crate::protocol::x25::x25_accumulate;
+    #[cfg(unix)]
+    #[pymodule_export]
+    use crate::python::error::BridgeError;
+    #[pymodule_export]
+    use crate::python::error::DefinitionError;
     #[pymodule_export]
     use crate::sync::exclusive::Exclusive;
     #[pymodule_export]

@@ -2,7 +2,7 @@
 
 pub(crate) mod calling;
 pub(crate) mod collector;
-pub(crate) mod file_error;
+pub(crate) mod error;
 pub(crate) mod instance_dict;
 #[macro_use]
 pub(crate) mod intern;

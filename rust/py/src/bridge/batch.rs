@@ -13,8 +13,8 @@ use pyo3::types::{PyBytes, PyIterator, PyList};
 
 use crate::dialect::registry::Dialect;
 use crate::python::calling::Calling;
+use crate::python::error::Result;
 use crate::tables::columns::{LogColumns, Query};
-use crate::tables::table::columns_error;
 use mavwire_core::frame::FrameBytes;
 
 /// Frames in the order they came. Iterating gives messages.
@@ -103,7 +103,7 @@ impl FrameBatch {
     }
 
     /// The frames as a run over a log, for `tables`.
-    fn columns(&self, py: Python<'_>, query: Query) -> PyResult<LogColumns> {
+    fn columns(&self, py: Python<'_>, query: Query) -> Result<LogColumns> {
         let dialect = self.dialect.get();
         let open = || {
             let (records, registry) = (self.records(), Arc::clone(&dialect.registry));
@@ -114,7 +114,7 @@ impl FrameBatch {
             Reader::new(steps, source, framing, registry, wanted, options, limits)
                 .map(|reader| reader.with_size(size))
         };
-        let reader = py.detach(open).map_err(columns_error)?;
+        let reader = py.detach(open)?;
         Ok(LogColumns::new(Box::new(reader)))
     }
 

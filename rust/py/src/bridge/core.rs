@@ -7,10 +7,8 @@ use std::time::{Duration, Instant};
 
 use mavwire_core::router::{Filter, Settings};
 use mavwire_core::telemetry::STATUSTEXT;
-use mavwire_io::bridge::{Bridge, BridgeError as Error, Kind, NO_SUCH_ADDRESS, Tap};
-use mavwire_io::error_text::in_words;
-use pyo3::create_exception;
-use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use mavwire_io::bridge::{Bridge, BridgeError, Kind, Tap};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
@@ -19,34 +17,15 @@ use crate::bridge::options::{LinkOption, RecordingOption, SettingsOption, second
 use crate::bridge::stats;
 use crate::dialect::registry::Dialect;
 use crate::message::object::Message;
+use crate::python::error::{Error, Result};
 use crate::python::lists::{bytes, optional_list};
 use mavwire_core::frame::FrameBytes;
-
-create_exception!(
-    mavwire._native,
-    BridgeError,
-    PyRuntimeError,
-    "A bridge that cannot do what it was asked for: a name twice, no such link, too many, stopped."
-);
 
 /// How long one wait may last before the user's signals are looked at.
 const WAIT_SLICE: Duration = Duration::from_millis(200);
 
 /// Message id, system, component, frames, time and link of the last one.
 type KindRow = (u32, u8, u8, u64, f64, String);
-
-fn to_python(error: Error) -> PyErr {
-    match error {
-        Error::Io { link, error } => {
-            // OSError chooses its subclass by the number. Errors without a number are about an address: an unknown name,
-            // or a path that is not a device.
-            let errno = error.raw_os_error().unwrap_or(NO_SUCH_ADDRESS);
-            PyOSError::new_err((errno, in_words(&error), link))
-        }
-        Error::NoFrame { .. } | Error::BadFrame { .. } => PyValueError::new_err(error.to_string()),
-        other => BridgeError::new_err(other.to_string()),
-    }
-}
 
 /// Does what nothing interrupts, such as looking a name up, on a thread that is left to itself if the user's signals end
 /// the wait for it.
@@ -87,7 +66,7 @@ impl BridgeCore {
         dialect: Py<Dialect>,
         settings: SettingsOption,
         recording: Option<RecordingOption>,
-    ) -> PyResult<Self> {
+    ) -> Result<Self> {
         let settings: Settings = settings.into_settings()?;
         let recording = recording.map(RecordingOption::into_recording).transpose()?;
         let registry = dialect.get().registry.clone();
@@ -95,32 +74,32 @@ impl BridgeCore {
         let bridge = py.detach(|| Bridge::start(registry, settings, recording));
         let bridge = bridge.map_err(|error| {
             let link = where_to.unwrap_or_default().display().to_string();
-            to_python(Error::Io { link, error })
+            BridgeError::Io { link, error }
         })?;
         Ok(Self { dialect, bridge })
     }
 
     /// Adds a link: `mavwire.bridge.options.EndpointOptions`.
-    fn add(&self, py: Python<'_>, link: LinkOption) -> PyResult<()> {
+    fn add(&self, py: Python<'_>, link: LinkOption) -> Result<()> {
         let spec = link.into_spec()?;
-        let open = interruptibly(py, move || spec.open())?.map_err(to_python)?;
-        py.detach(|| self.bridge.attach(open)).map_err(to_python)
+        let open = interruptibly(py, move || spec.open())??;
+        py.detach(|| self.bridge.attach(open)).map_err(Error::from)
     }
 
     /// Removes a link by its name.
-    fn remove(&self, py: Python<'_>, name: &str) -> PyResult<()> {
-        py.detach(|| self.bridge.remove(name)).map_err(to_python)
+    fn remove(&self, py: Python<'_>, name: &str) -> Result<()> {
+        py.detach(|| self.bridge.remove(name)).map_err(Error::from)
     }
 
     /// Everything that is counted, as dictionaries and lists.
-    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let stats = py.detach(|| self.bridge.stats()).map_err(to_python)?;
-        stats::to_dict(py, &stats)
+    fn stats<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>> {
+        let stats = py.detach(|| self.bridge.stats())?;
+        Ok(stats::to_dict(py, &stats)?)
     }
 
     /// Routes whole frames as if they came over a link of their own. Called so that a `MAVLink` can send to it.
-    fn write(&self, py: Python<'_>, #[pyo3(from_py_with = bytes)] frames: Vec<u8>) -> PyResult<()> {
-        py.detach(|| self.bridge.send(&frames)).map_err(to_python)
+    fn write(&self, py: Python<'_>, #[pyo3(from_py_with = bytes)] frames: Vec<u8>) -> Result<()> {
+        py.detach(|| self.bridge.send(&frames)).map_err(Error::from)
     }
 
     /// The newest message of an id, from a system and a component or from any; `None` if there was none.
@@ -130,12 +109,12 @@ impl BridgeCore {
         msgid: u32,
         sysid: Option<u8>,
         compid: Option<u8>,
-    ) -> PyResult<Option<Bound<'py, Message>>> {
-        let find = || Ok(self.bridge.hub()?.latest(msgid, sysid, compid));
-        let Some(latest) = py.detach(find).map_err(to_python)? else { return Ok(None) };
+    ) -> Result<Option<Bound<'py, Message>>> {
+        let hub = self.bridge.hub()?;
+        let Some(latest) = py.detach(|| hub.latest(msgid, sysid, compid)) else { return Ok(None) };
         let frame = FrameBytes::from(&latest.frame[..]);
         let time = latest.info.time as f64 / 1e6;
-        self.dialect.get().stamped(py, latest.info.index, frame, time, 0).map(Some)
+        Ok(Some(self.dialect.get().stamped(py, latest.info.index, frame, time, 0)?))
     }
 
     /// The last complete status text of a component; `None` if it has sent no text.
@@ -144,9 +123,9 @@ impl BridgeCore {
         py: Python<'py>,
         sysid: u8,
         compid: u8,
-    ) -> PyResult<Option<Bound<'py, PyBytes>>> {
-        let find = || Ok(self.bridge.hub()?.latest(STATUSTEXT, Some(sysid), Some(compid)));
-        let latest = py.detach(find).map_err(to_python)?;
+    ) -> Result<Option<Bound<'py, PyBytes>>> {
+        let hub = self.bridge.hub()?;
+        let latest = py.detach(|| hub.latest(STATUSTEXT, Some(sysid), Some(compid)));
         Ok(latest.and_then(|latest| latest.text).map(|text| PyBytes::new(py, &text)))
     }
 
@@ -155,7 +134,7 @@ impl BridgeCore {
         slf: Bound<'_, Self>,
         #[pyo3(from_py_with = optional_list)] messages: Option<Vec<u32>>,
         #[pyo3(from_py_with = optional_list)] systems: Option<Vec<u8>>,
-    ) -> PyResult<BridgeTap> {
+    ) -> Result<BridgeTap> {
         let mut filter = Filter::default();
         if let Some(ids) = messages {
             filter = filter.allow_messages(ids);
@@ -164,21 +143,22 @@ impl BridgeCore {
             filter = filter.allow_systems(ids);
         }
         let bridge = &slf.get().bridge;
-        let tap = slf.py().detach(|| Ok(bridge.hub()?.tap(filter))).map_err(to_python)?;
+        let hub = bridge.hub()?;
+        let tap = slf.py().detach(|| hub.tap(filter));
         Ok(BridgeTap { core: slf.unbind(), tap })
     }
 
     /// The kinds of messages that came last: message id, system, component, how many, when the last one came and over
     /// which link; and how many kinds there are besides these `most`.
-    fn kinds(&self, py: Python<'_>, most: usize) -> PyResult<(Vec<KindRow>, usize)> {
-        let list = || {
+    fn kinds(&self, py: Python<'_>, most: usize) -> Result<(Vec<KindRow>, usize)> {
+        let list = || -> Result<_> {
             let (kinds, hidden) = self.bridge.hub()?.kinds(most);
             let row = |Kind { info, count, link }: Kind| {
                 (info.msgid, info.sysid, info.compid, count, info.time as f64 / 1e6, link)
             };
             Ok((kinds.into_iter().map(row).collect(), hidden))
         };
-        py.detach(list).map_err(to_python)
+        py.detach(list)
     }
 
     /// Stops the bridge and waits for that.
@@ -227,7 +207,7 @@ impl BridgeTap {
         max_batch: usize,
         max_latency: f64,
         timeout: Option<f64>,
-    ) -> PyResult<Option<FrameBatch>> {
+    ) -> Result<Option<FrameBatch>> {
         let latency = seconds("max_latency", max_latency)?;
         let timeout = timeout.map(|timeout| seconds("timeout", timeout)).transpose()?;
         let (max_batch, began) = (max_batch.max(1), Instant::now());
@@ -243,7 +223,7 @@ impl BridgeTap {
                 continue;
             }
             let core = self.core.get();
-            let hub = core.bridge.hub().map_err(to_python)?;
+            let hub = core.bridge.hub()?;
             return Ok(Some(FrameBatch::new(core.dialect.clone_ref(py), frames, hub)));
         }
     }

@@ -13,6 +13,7 @@ use mavwire_io::bridge::{AutomationOptions, Endpoint, LinkSpec, PortSpec, Record
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::python::error::Result;
 use crate::python::lists::{list, optional_bytes, optional_list};
 
 /// A number of seconds that a program gave.
@@ -120,12 +121,11 @@ struct BorderOption {
 }
 
 impl BorderOption {
-    fn into_border(self) -> PyResult<BorderOptions> {
+    fn into_border(self) -> Result<BorderOptions> {
         let key = self.key.map(|key| SecretKey::new(&key)).transpose();
-        let key = key.map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(BorderOptions {
             version: self.version.map(|n| if n == 1 { WireVersion::V1 } else { WireVersion::V2 }),
-            key: key.map(Arc::new),
+            key: key?.map(Arc::new),
             verify: self.verify,
             unsigned: self.unsigned,
             sign: self.sign,

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use mavwire_core::log::dataflash::{Layout, LayoutError};
-use pyo3::exceptions::{PyException, PyValueError};
+use mavwire_core::log::dataflash::Layout;
 use pyo3::prelude::*;
 
 use super::message::DFMessage;
 use super::shape::{DataflashShape, Names};
+use crate::python::error::Result;
 use crate::python::lists::list;
 
 #[pymethods]
@@ -22,12 +22,8 @@ impl DataflashShape {
         name: String,
         format: String,
         #[pyo3(from_py_with = list)] columns: Vec<String>,
-    ) -> PyResult<Self> {
-        let layout =
-            Layout::new(type_id, 0, name, format, columns).map_err(|error| match error {
-                LayoutError::UnknownKind { .. } => PyException::new_err(error.to_string()),
-                _ => PyValueError::new_err(error.to_string()),
-            })?;
+    ) -> Result<Self> {
+        let layout = Layout::new(type_id, 0, name, format, columns)?;
         Ok(Self { names: Arc::new(Names::new(&py.get_type::<DFMessage>(), Arc::new(layout))?) })
     }
 }

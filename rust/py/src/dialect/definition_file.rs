@@ -5,7 +5,7 @@ use mavwire_schema::{
 };
 use pyo3::prelude::*;
 
-use crate::dialect::registry::{DefinitionError, schema_error};
+use crate::python::error::{DefinitionError, Error, Result};
 
 /// The text of a file, and the name for errors. Errors of syntax have the `lineno` and `offset` of an `ExpatError`.
 #[pyclass(frozen, module = "mavwire._native")]
@@ -53,7 +53,7 @@ impl DefinitionFile {
 }
 
 fn with_position(py: Python<'_>, error: &SchemaError) -> PyErr {
-    let raised = schema_error(error);
+    let raised = PyErr::from(Error::from(error.clone()));
     if matches!(error.reason(), Reason::Xml(_) | Reason::Empty | Reason::DocumentType) {
         let value = raised.value(py);
         let set = value.setattr("lineno", error.line());
@@ -66,9 +66,8 @@ fn with_position(py: Python<'_>, error: &SchemaError) -> PyErr {
 
 /// `(type, elements, bytes of one, struct code)` of a field's type as definitions write it; 0 elements for a scalar.
 #[pyfunction]
-pub(crate) fn field_type(text: &str) -> PyResult<(&'static str, u8, usize, char)> {
-    let (kind, length) = mavwire_schema::field_type(text)
-        .map_err(|reason| DefinitionError::new_err(reason.to_string()))?;
+pub(crate) fn field_type(text: &str) -> Result<(&'static str, u8, usize, char)> {
+    let (kind, length) = mavwire_schema::field_type(text)?;
     Ok((kind.name(), length, kind.size(), kind.struct_code()))
 }
 

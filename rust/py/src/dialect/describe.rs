@@ -6,7 +6,8 @@ use mavwire_schema::{Enum, Message, WireVersion, resolve};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::dialect::registry::{lookup, schema_error};
+use crate::dialect::registry::lookup;
+use crate::python::error::Result;
 
 /// All descriptions of a dialect: `{"messages": {name: (text, {field: text})}, "enums": {enum: {entry: (text,
 /// {parameter: text})}}}`. Raises `DefinitionError`.
@@ -15,10 +16,8 @@ pub(crate) fn describe<'py>(
     py: Python<'py>,
     main: &str,
     sources: HashMap<String, String>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let mut lookup = |path: &str| lookup(&sources, path);
-    let dialect =
-        resolve(main, &mut lookup, WireVersion::V2).map_err(|error| schema_error(&error))?;
+) -> Result<Bound<'py, PyDict>> {
+    let dialect = resolve(main, &mut |path| lookup(&sources, path), WireVersion::V2)?;
     let result = PyDict::new(py);
     result.set_item("messages", messages(py, &dialect.messages)?)?;
     result.set_item("enums", enums(py, &dialect.enums)?)?;

@@ -10,7 +10,6 @@ use mavwire_schema::{
     Definitions, InvalidRule, Message as SchemaMessage, ParseOptions, SchemaError, WireVersion,
     dialect_name, parse_definitions, resolve,
 };
-use pyo3::create_exception;
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
@@ -20,14 +19,8 @@ use crate::message::create;
 use crate::message::info::{Info, MessageInfo};
 use crate::message::object::{Message, Origin};
 use crate::python::calling::Calling;
+use crate::python::error::Result;
 use mavwire_core::frame::FrameBytes;
-
-create_exception!(
-    mavwire._native,
-    DefinitionError,
-    PyValueError,
-    "A definition that is wrong or hostile; the text names file, line and reason."
-);
 
 /// The Python class of one message, with its definition at hand.
 pub(crate) struct MessageClass {
@@ -45,10 +38,6 @@ pub(crate) struct Dialect {
     make_class: OnceLock<Py<PyAny>>,
     /// The original `MAVLink_bad_data` and `MAVLink_unknown` of the module.
     special: OnceLock<Vec<Py<PyAny>>>,
-}
-
-pub(crate) fn schema_error(error: &SchemaError) -> PyErr {
-    DefinitionError::new_err(error.to_string())
 }
 
 /// A definition file by the path that an `<include>` gives: the user's first, else one that comes with mavwire.
@@ -203,9 +192,8 @@ impl Dialect {
 impl Dialect {
     /// A dialect that comes with mavwire, laid out for wire protocol "1.0" or "2.0".
     #[staticmethod]
-    fn builtin(name: &str, wire_protocol: &str) -> PyResult<Self> {
-        let dialect = builtin::dialect(name, wire_version(wire_protocol)?);
-        Ok(Self::from_schema(dialect.map_err(|error| schema_error(&error))?))
+    fn builtin(name: &str, wire_protocol: &str) -> Result<Self> {
+        Ok(Self::from_schema(builtin::dialect(name, wire_version(wire_protocol)?)?))
     }
 
     /// A dialect from XML texts: `sources` maps file base names to texts, `main` names the one to start from. Includes
@@ -215,10 +203,9 @@ impl Dialect {
         main: &str,
         sources: HashMap<String, String>,
         wire_protocol: &str,
-    ) -> PyResult<Self> {
+    ) -> Result<Self> {
         let mut lookup = |path: &str| lookup(&sources, path);
-        let dialect = resolve(main, &mut lookup, wire_version(wire_protocol)?);
-        Ok(Self::from_schema(dialect.map_err(|error| schema_error(&error))?))
+        Ok(Self::from_schema(resolve(main, &mut lookup, wire_version(wire_protocol)?)?))
     }
 
     /// Names of the built-in dialects.

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::link::log_link::LogLink;
 use crate::link::log_receive;
 use crate::python::calling::Calling;
-use crate::python::file_error::of_reading;
+use crate::python::error::Error;
 use crate::sync::gil_yield::GilYield;
 use mavwire_io::log_index::{Indexed, LogIndex, Stop, find_record};
 
@@ -91,7 +91,7 @@ fn add_first(
         return Ok(());
     }
     log.invoke_method1("_index_first", (name, message))?;
-    index.add(found, record.offset).map_err(of_reading)?;
+    index.add(found, record.offset).map_err(Error::from)?;
     let instance = log
         .as_super()
         .get()

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use mavwire_core::log::tlog::{Framing, Stamp};
-use pyo3::exceptions::{PyMemoryError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
 
@@ -14,6 +14,7 @@ use crate::link::log_wanted::Wanted;
 use crate::link::state::Link;
 use crate::link::tracking;
 use crate::protocol::mavlink::MAVLink;
+use crate::python::error::Result;
 use crate::sync::lock::Lock;
 use mavwire_io::log_index::LogIndex;
 use mavwire_io::log_reader::{LogReader, seconds};
@@ -154,7 +155,7 @@ impl LogLink {
     }
 
     /// A message came out of the record: the next time stamp is due, whether or not `post_message` hears of this one.
-    fn _end_record(slf: &Bound<'_, Self>) -> PyResult<()> {
+    fn _end_record(slf: &Bound<'_, Self>) -> Result<()> {
         slf.as_super()
             .get()
             .with_reader(|reader| {
@@ -221,9 +222,8 @@ impl LogLink {
     }
 
     /// `[(message id, offsets of its records), ...]` in the order in which the types first appear.
-    fn _index_offsets(&self, py: Python<'_>) -> PyResult<Vec<(u32, Vec<u64>)>> {
+    fn _index_offsets(&self, py: Python<'_>) -> Result<Vec<(u32, Vec<u64>)>> {
         let offsets = self.index.lock(py).as_ref().map(LogIndex::by_type).transpose();
-        let offsets = offsets.map_err(|error| PyMemoryError::new_err(error.to_string()))?;
-        Ok(offsets.unwrap_or_default())
+        Ok(offsets?.unwrap_or_default())
     }
 }

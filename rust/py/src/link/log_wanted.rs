@@ -1,9 +1,9 @@
 //! Reading an indexed log only where messages of some types stand.
 
-use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
+use crate::python::error::Result;
 use crate::python::lists::collected;
 use mavwire_io::log_index::LogIndex;
 
@@ -19,10 +19,9 @@ pub(crate) struct Wanted {
 
 impl Wanted {
     /// The records of the types called `names`; none without an index. `MemoryError` where there is no memory for them.
-    pub(crate) fn new(names: &[String], index: Option<&LogIndex>) -> PyResult<Self> {
+    pub(crate) fn new(names: &[String], index: Option<&LogIndex>) -> Result<Self> {
         let found = index.map(|index| index.select(names)).transpose();
-        let found = found.map_err(|error| PyMemoryError::new_err(error.to_string()))?;
-        let (ids, offsets) = found.unwrap_or_default();
+        let (ids, offsets) = found?.unwrap_or_default();
         Ok(Self { ids, offsets, visited: 0 })
     }
 

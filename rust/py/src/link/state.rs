@@ -12,7 +12,7 @@ use crate::link::name_budget::{Budget, OWN_NAMES, SharedTables};
 use crate::link::system::{Senders, SystemState};
 use crate::message::object::{Message, Origin};
 use crate::protocol::mavlink::{MAVLink, overridden};
-use crate::python::file_error::of_reading;
+use crate::python::error::Result;
 use crate::python::own_methods::OwnMethods;
 use crate::sync::lock::{Guard, Lock};
 use mavwire_io::log_reader::LogReader;
@@ -168,11 +168,8 @@ impl Link {
     pub(crate) fn with_reader<T>(
         &self,
         act: impl FnOnce(&mut LogReader) -> std::io::Result<T>,
-    ) -> PyResult<Option<T>> {
-        match self.state().reader.as_mut() {
-            Some(reader) => act(reader).map(Some).map_err(of_reading),
-            None => Ok(None),
-        }
+    ) -> Result<Option<T>> {
+        Ok(self.state().reader.as_mut().map(|reader| act(reader)).transpose()?)
     }
 
     /// The `MAVLink` object; `RuntimeError` if there is none of ours.

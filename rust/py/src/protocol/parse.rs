@@ -6,7 +6,7 @@ use mavwire_core::frame::{self, FrameError, FrameRef, Header, IFLAG_SIGNED};
 use mavwire_core::parser::{Run, Step};
 use mavwire_core::registry::Entry;
 use mavwire_core::x25;
-use pyo3::exceptions::{PyAttributeError, PyIndexError, PyMemoryError, PyRuntimeError};
+use pyo3::exceptions::{PyAttributeError, PyIndexError, PyRuntimeError};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
@@ -18,6 +18,7 @@ use crate::protocol::acceptance::Acceptance;
 use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::protocol::signing::Signing;
 use crate::python::calling::{Calling, class_name};
+use crate::python::error::Error;
 use crate::python::lists::bytes_like;
 use crate::sync::shared;
 use mavwire_core::frame::FrameBytes;
@@ -34,8 +35,7 @@ fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
     let this = mav.get();
     let mut parser = this.parser();
     // A program may hand over more than there is memory for twice.
-    let is_enough =
-        parser.try_push(bytes).map_err(|error| PyMemoryError::new_err(error.to_string()))?;
+    let is_enough = parser.try_push(bytes).map_err(Error::from)?;
     shared::add(&this.counters.bytes_received, bytes.len() as u64);
     Ok(is_enough)
 }

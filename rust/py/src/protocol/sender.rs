@@ -7,6 +7,7 @@ use pyo3::types::PyBytes;
 
 use crate::protocol::signing::Signing;
 use crate::python::calling::Calling;
+use crate::python::error::Error;
 
 /// The source of outgoing frames, and how they are signed.
 pub(crate) struct Sender<'py> {
@@ -35,9 +36,7 @@ impl Sender<'_> {
             incompat_flags: if signing.is_some() { IFLAG_SIGNED } else { 0 },
             ..Header::new(version, self.seq, self.sysid, self.compid, msgid)
         };
-        frame
-            .encode(header, payload, crc_extra)
-            .map_err(|error| pyo3::exceptions::PyValueError::new_err(error.to_string()))?;
+        frame.encode(header, payload, crc_extra).map_err(Error::from)?;
         if let Some(signing) = signing {
             signing.get().sign_frame(frame)?;
         }

@@ -5,15 +5,15 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering::Relaxed};
 
 use mavwire_core::frame::{FrameBuffer, FrameRef};
 use mavwire_core::signing::{
-    SecretKey, Sightings, SigningError, SigningState, StreamId, StreamTable, Verdict,
-    timestamp_from_unix_micros,
+    SecretKey, Sightings, SigningState, StreamId, StreamTable, Verdict, timestamp_from_unix_micros,
 };
-use pyo3::exceptions::{PyAssertionError, PyOverflowError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::python::calling::{Calling, truth};
+use crate::python::error::{Error, Result};
 use crate::python::lists::bytes_like;
 use crate::sync::lock::{Guard, Lock};
 use crate::sync::shared;
@@ -50,17 +50,9 @@ pub(crate) struct Signing {
     pub(super) rejected: AtomicU64,
 }
 
-fn signing_error(error: SigningError) -> PyErr {
-    match error {
-        SigningError::KeyLength(_) => PyValueError::new_err(error.to_string()),
-        SigningError::NoKey => PyAssertionError::new_err(()),
-        SigningError::TimestampExhausted => PyOverflowError::new_err(error.to_string()),
-    }
-}
-
-fn secret_key(key: &Bound<'_, PyAny>) -> PyResult<SecretKey> {
+fn secret_key(key: &Bound<'_, PyAny>) -> Result<SecretKey> {
     let bytes = bytes_like(key)?;
-    SecretKey::new(bytes.cast::<PyBytes>()?.as_bytes()).map_err(signing_error)
+    Ok(SecretKey::new(bytes.cast::<PyBytes>().map_err(PyErr::from)?.as_bytes())?)
 }
 
 fn timestamp_of(value: &Bound<'_, PyAny>) -> PyResult<u64> {
@@ -151,14 +143,14 @@ impl Signing {
     /// Signs a frame that was made for it.
     pub(crate) fn sign_frame(&self, frame: &mut FrameBuffer) -> PyResult<()> {
         let (link_id, now) = (self.link_id.load(Relaxed), self.clock());
-        self.state().sign_frame(frame, link_id, now).map_err(signing_error)?;
+        self.state().sign_frame(frame, link_id, now).map_err(Error::from)?;
         self.store_timestamp()
     }
 
     /// Appends a signature to a frame.
     pub(crate) fn sign(&self, frame: &mut Vec<u8>) -> PyResult<()> {
         let (link_id, now) = (self.link_id.load(Relaxed), self.clock());
-        self.state().sign(frame, 0, link_id, now).map_err(signing_error)?;
+        self.state().sign(frame, 0, link_id, now).map_err(Error::from)?;
         self.store_timestamp()
     }
 

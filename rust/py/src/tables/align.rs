@@ -6,9 +6,10 @@ use mavwire_columns::arrow::error::ArrowError;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::python::error::Result;
 use crate::python::lists::list;
 use crate::tables::dates::jump_text;
-use crate::tables::table::{RecordBatches, columns_error};
+use crate::tables::table::RecordBatches;
 
 /// Values of an aligned table at most, some 4 GiB: what a mistaken rate, or a log made for it, may cost.
 const MOST_VALUES: u64 = 1 << 29;
@@ -63,23 +64,22 @@ pub(crate) fn align_tables(
     step: Option<i64>,
     method: &str,
     tolerance: Option<u64>,
-) -> PyResult<RecordBatches> {
+) -> Result<RecordBatches> {
     let method = match method {
         "ffill" => Method::Ffill,
         "nearest" => Method::Nearest,
         "linear" => Method::Linear,
-        _ => return Err(PyValueError::new_err(format!("no such method: {method:?}"))),
+        _ => return Err(PyValueError::new_err(format!("no such method: {method:?}")).into()),
     };
     let clock = match (on, step) {
         (Some(on), None) => Clock::Table(on.whole(py)?.clone()),
         (None, Some(step)) if step > 0 => Clock::Step(step),
-        _ => return Err(PyValueError::new_err("either a table to align on or a rate")),
+        _ => return Err(PyValueError::new_err("either a table to align on or a rate").into()),
     };
     let whole =
         |(name, table): (String, PyRef<'_, RecordBatches>)| Ok((name, table.whole(py)?.clone()));
-    let tables = tables.into_iter().map(whole).collect::<PyResult<Vec<_>>>()?;
+    let tables = tables.into_iter().map(whole).collect::<Result<Vec<_>>>()?;
     let aligned =
-        py.detach(|| align(&tables, clock.ticks(&tables)?, method, tolerance.unwrap_or(u64::MAX)));
-    let aligned = aligned.map_err(|error| columns_error(error.into()))?;
+        py.detach(|| align(&tables, clock.ticks(&tables)?, method, tolerance.unwrap_or(u64::MAX)))?;
     Ok(RecordBatches::new(aligned.schema(), vec![aligned]))
 }

@@ -18,9 +18,10 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::dialect::registry::Dialect;
 use crate::python::calling::Calling;
+use crate::python::error::Result;
 use crate::python::lists::optional_list;
 use crate::tables::source::Source;
-use crate::tables::table::{RecordBatches, columns_error};
+use crate::tables::table::RecordBatches;
 
 /// What to read: the attributes of the object that `LogColumns` is given.
 #[derive(FromPyObject)]
@@ -176,8 +177,8 @@ pub(crate) fn table(batch: Batch) -> (String, RecordBatches) {
 #[pymethods]
 impl LogColumns {
     #[new]
-    fn open(py: Python<'_>, log: Source, dialect: &Dialect, query: Query) -> PyResult<Self> {
-        py.detach(|| query.open(&log, dialect)).map(Self::new).map_err(columns_error)
+    fn open(py: Python<'_>, log: Source, dialect: &Dialect, query: Query) -> Result<Self> {
+        Ok(Self::new(py.detach(|| query.open(&log, dialect))?))
     }
 
     fn __iter__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
@@ -185,9 +186,9 @@ impl LogColumns {
     }
 
     /// The tables that are ready after some more blocks of the log, `[(message, table), ...]`, perhaps none.
-    fn __next__(&self, py: Python<'_>) -> PyResult<Option<Vec<(String, RecordBatches)>>> {
+    fn __next__(&self, py: Python<'_>) -> Result<Option<Vec<(String, RecordBatches)>>> {
         py.check_signals()?;
-        let batches = py.detach(|| self.advance()).map_err(columns_error)?;
+        let batches = py.detach(|| self.advance())?;
         Ok(batches.map(|batches| batches.into_iter().map(table).collect()))
     }
 
@@ -212,12 +213,12 @@ impl LogColumns {
 
 /// A table without rows of a message, with the columns that `query` asks for.
 #[pyfunction]
-pub(crate) fn empty_table(dialect: &Dialect, msgid: u32, query: Query) -> PyResult<RecordBatches> {
+pub(crate) fn empty_table(dialect: &Dialect, msgid: u32, query: Query) -> Result<RecordBatches> {
     let registry = &dialect.registry;
     let unknown = || PyValueError::new_err(format!("no message has the id {msgid}"));
     let index = registry.lookup(msgid).ok_or_else(unknown)?.index;
     if let Some(columns) = &query.columns {
-        Layout::check(registry, index, columns).map_err(columns_error)?;
+        Layout::check(registry, index, columns)?;
     }
     let layout = Layout::new(registry, index, Framing::Stamped, &query.options());
     Ok(RecordBatches::new(layout.schema, Vec::new()))
@@ -235,14 +236,13 @@ pub(crate) fn log_summary<'py>(
     dialect: &Dialect,
     gap: u64,
     pulse: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> Result<Bound<'py, PyDict>> {
     let registry = Arc::clone(&dialect.registry);
     let tell = Teller(pulse);
-    let sum = py.detach(|| -> Result<Summary, Stopped> {
-        let source = files::open(&path).map_err(Error::from)?;
+    let sum = py.detach(|| -> Result<_> {
+        let source = files::open(&path)?;
         Summary::read(source, registry, gap, |bytes| tell.tell(bytes))
-    });
-    let sum = sum.map_err(Stopped::into_err)?;
+    })?;
     let messages = &dialect.registry.dialect().messages;
     let types = PyDict::new(py);
     for (message, count) in messages.iter().zip(&sum.types).filter(|(_, c)| c.messages > 0) {
@@ -251,19 +251,21 @@ pub(crate) fn log_summary<'py>(
     for (msgid, count) in &sum.unknown {
         types.set_item(format!("UNKNOWN_{msgid}"), count_row(count))?;
     }
-    summary_dict(py, &sum, types)
+    Ok(summary_dict(py, &sum, types)?)
 }
 
 /// Tells Python how far a run is, and heeds the user's wish to stop.
 pub(crate) struct Teller(pub(crate) Option<Py<PyAny>>);
 
 impl Teller {
-    pub(crate) fn tell(&self, bytes: u64) -> Result<(), Stopped> {
-        let told = Python::attach(|py| {
+    pub(crate) fn tell(&self, bytes: u64) -> Result<()> {
+        Python::attach(|py| {
             py.check_signals()?;
-            self.0.as_ref().map_or(Ok(()), |pulse| pulse.bind(py).invoke1((bytes,)).map(drop))
-        });
-        told.map_err(Stopped::Raised)
+            if let Some(pulse) = &self.0 {
+                pulse.bind(py).invoke1((bytes,))?;
+            }
+            Ok(())
+        })
     }
 }
 
@@ -301,25 +303,4 @@ pub(crate) fn summary_dict<'py>(
     dict.set_item("signed", sum.signed)?;
     dict.set_item("damage", &sum.damage)?;
     Ok(dict)
-}
-
-/// Why a summary was not made.
-pub(crate) enum Stopped {
-    Failed(Error),
-    Raised(PyErr),
-}
-
-impl From<Error> for Stopped {
-    fn from(error: Error) -> Self {
-        Self::Failed(error)
-    }
-}
-
-impl Stopped {
-    pub(crate) fn into_err(self) -> PyErr {
-        match self {
-            Self::Failed(error) => columns_error(error),
-            Self::Raised(error) => error,
-        }
-    }
 }

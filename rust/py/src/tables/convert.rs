@@ -16,10 +16,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::dialect::registry::Dialect;
+use crate::python::error::Result;
 use crate::tables::columns::{Query, bytes_of};
 use crate::tables::convert_output::Output;
 use crate::tables::source::Source;
-use crate::tables::table::{RecordBatches, columns_error};
+use crate::tables::table::RecordBatches;
 
 fn format_of(name: &str, csv_safe: bool) -> PyResult<Format> {
     Ok(match name {
@@ -143,26 +144,26 @@ impl Converter {
         file: String,
         format: &str,
         compression: &str,
-    ) -> PyResult<Self> {
-        let reader = py.detach(|| query.open(&log, dialect)).map_err(columns_error)?;
-        Self::new(reader, folder, file, format, compression, &query)
+    ) -> Result<Self> {
+        let reader = py.detach(|| query.open(&log, dialect))?;
+        Ok(Self::new(reader, folder, file, format, compression, &query)?)
     }
 
     /// Converts some more blocks of the log; false at its end.
-    fn step(&self, py: Python<'_>) -> PyResult<bool> {
+    fn step(&self, py: Python<'_>) -> Result<bool> {
         py.check_signals()?;
         let step = |work: &mut Option<Work>| work.as_mut().map_or(Ok(false), Work::step);
-        py.detach(|| self.with(step)).map_err(columns_error)
+        Ok(py.detach(|| self.with(step))?)
     }
 
     /// Gives the files their names: `[(path, rows), ...]`. Without it nothing is left of them.
-    fn commit(&self, py: Python<'_>) -> PyResult<Vec<(PathBuf, u64)>> {
+    fn commit(&self, py: Python<'_>) -> Result<Vec<(PathBuf, u64)>> {
         let commit = |work: &mut Option<Work>| {
             let Some(mut work) = work.take() else { return Ok(Vec::new()) };
             work.output.write(&work.batches)?;
             work.output.commit()
         };
-        py.detach(|| self.with(commit)).map_err(columns_error)
+        Ok(py.detach(|| self.with(commit))?)
     }
 
     /// Removes what was written.
@@ -192,20 +193,20 @@ pub(crate) fn write_table(
     format: &str,
     compression: &str,
     csv_safe: bool,
-) -> PyResult<()> {
+) -> Result<()> {
     let kind = format_of(format, csv_safe)?;
     let how = compression_of(compression)?;
     check(kind.takes(how), format, compression)?;
     let begin =
         || -> Result<_, Error> { Sink::new(Draft::create(&path)?, table.schema(), kind, how) };
     let rows = table.batches().iter().map(RecordBatch::num_rows).sum();
-    let mut sink = py.detach(begin).map_err(columns_error)?.with_rows(rows);
+    let mut sink = py.detach(begin)?.with_rows(rows);
     for rows in table.batches().iter().flat_map(moments) {
-        py.detach(|| sink.write(&rows)).map_err(columns_error)?;
+        py.detach(|| sink.write(&rows))?;
         py.check_signals()?;
     }
-    let end = || -> Result<(), Error> { Ok(sink.finish()?.commit()?) };
-    py.detach(end).map_err(columns_error)
+    let end = || -> Result<_, Error> { Ok(sink.finish()?.commit()?) };
+    Ok(py.detach(end)?)
 }
 
 /// A text as a cell of CSV of which no spreadsheet makes a formula.

@@ -13,11 +13,12 @@ use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::tables::columns::{LogColumns, Query, Stopped, Teller, count_row, summary_dict, table};
+use crate::python::error::Result;
+use crate::tables::columns::{LogColumns, Query, Teller, count_row, summary_dict, table};
 use crate::tables::convert::Converter;
 use crate::tables::identify::kind_in;
 use crate::tables::source::Source;
-use crate::tables::table::{RecordBatches, columns_error};
+use crate::tables::table::RecordBatches;
 
 /// A dataflash log, binary or text, that was gone through once for what it says about itself.
 #[pyclass(frozen, module = "mavwire._native")]
@@ -52,31 +53,29 @@ impl DataflashTables {
 impl DataflashTables {
     /// What a log says about itself; None if it is no dataflash log.
     #[staticmethod]
-    fn open(py: Python<'_>, log: Source) -> PyResult<Option<Self>> {
+    fn open(py: Python<'_>, log: Source) -> Result<Option<Self>> {
         let tell = Teller(None);
-        let survey = py.detach(|| {
-            if !is_dataflash(&log).map_err(Error::from)? {
+        let survey = py.detach(|| -> Result<_> {
+            if !is_dataflash(&log)? {
                 return Ok(None);
             }
             Survey::read(Steps::default(), &|| log.open(), || tell.tell(0))
-        });
-        let survey = survey.map_err(Stopped::into_err)?;
+        })?;
         Ok(survey.map(|survey| Self { log, survey: Arc::new(survey) }))
     }
 
     /// The same with the tables that `query` asks for; None in their place if they take another run, by `columns`.
     #[staticmethod]
-    fn read(py: Python<'_>, log: Source, query: Query) -> PyResult<Option<(Self, Option<Tables>)>> {
+    fn read(py: Python<'_>, log: Source, query: Query) -> Result<Option<(Self, Option<Tables>)>> {
         let tell = Teller(None);
         let (wanted, options, limits) = (wanted(&query), query.options(), query.limits());
-        let whole = py.detach(|| {
-            if !is_dataflash(&log).map_err(Error::from)? {
+        let whole = py.detach(|| -> Result<_> {
+            if !is_dataflash(&log)? {
                 return Ok(None);
             }
             let plan = Plan { wanted, options, limits, size: log.size() };
             dataflash::read_whole(Steps::default(), &|| log.open(), &plan, || tell.tell(0))
-        });
-        let whole = whole.map_err(Stopped::into_err)?;
+        })?;
         Ok(whole.map(|Whole { survey, rows }| {
             let tables = rows.map(|(batches, _)| batches.into_iter().map(table).collect());
             (Self { log, survey: Arc::new(survey) }, tables)
@@ -119,8 +118,8 @@ impl DataflashTables {
     }
 
     /// One run over the log, giving tables.
-    fn columns(&self, py: Python<'_>, query: Query) -> PyResult<LogColumns> {
-        py.detach(|| self.reader(&query)).map(LogColumns::new).map_err(columns_error)
+    fn columns(&self, py: Python<'_>, query: Query) -> Result<LogColumns> {
+        Ok(LogColumns::new(py.detach(|| self.reader(&query))?))
     }
 
     /// One run over the log, writing `folder/TYPE/file`.
@@ -132,9 +131,9 @@ impl DataflashTables {
         file: String,
         format: &str,
         compression: &str,
-    ) -> PyResult<Converter> {
-        let reader = py.detach(|| self.reader(&query)).map_err(columns_error)?;
-        Converter::new(reader, folder, file, format, compression, &query)
+    ) -> Result<Converter> {
+        let reader = py.detach(|| self.reader(&query))?;
+        Ok(Converter::new(reader, folder, file, format, compression, &query)?)
     }
 
     /// What is in the log, as a dict: see `mavwire.logs.summary`. `pulse` takes the bytes read so far.
@@ -143,17 +142,16 @@ impl DataflashTables {
         py: Python<'py>,
         gap: u64,
         pulse: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    ) -> Result<Bound<'py, PyDict>> {
         let tell = Teller(pulse);
         let open = || self.log.open();
         let sum =
-            py.detach(|| dataflash::summary(&self.survey, &open, gap, |bytes| tell.tell(bytes)));
-        let sum = sum.map_err(Stopped::into_err)?;
+            py.detach(|| dataflash::summary(&self.survey, &open, gap, |bytes| tell.tell(bytes)))?;
         let types = PyDict::new(py);
         let counted = self.survey.tables.iter().zip(&sum.types);
         for (name, count) in counted.filter(|(_, count)| count.messages > 0) {
             types.set_item(&**name, count_row(count))?;
         }
-        summary_dict(py, &sum, types)
+        Ok(summary_dict(py, &sum, types)?)
     }
 }

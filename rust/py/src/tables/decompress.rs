@@ -6,32 +6,30 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
-use mavwire_columns::Error;
 use mavwire_columns::input::Blocks;
 use mavwire_columns::text_encoding;
 use mavwire_io::files::{self, Draft};
 use pyo3::prelude::*;
 
-use crate::tables::columns::{Stopped, Teller};
+use crate::python::error::Result;
+use crate::tables::columns::Teller;
 
 /// Writes what a file holds that is compressed with gzip or zstd to `out`, which appears when it is complete. Returns what
 /// is wrong with the compressed file, of which everything before that was written; None for nothing.
 #[pyfunction]
-pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> PyResult<Option<String>> {
+pub(crate) fn decompress(py: Python<'_>, path: PathBuf, out: PathBuf) -> Result<Option<String>> {
     let tell = Teller(None);
-    let done = py.detach(|| -> Result<Option<String>, Stopped> {
-        let mut blocks =
-            Blocks::new(files::open(&path).map_err(Error::from)?).map_err(Error::from)?;
-        let mut draft = Draft::create(&out).map_err(Error::from)?;
+    py.detach(|| {
+        let mut blocks = Blocks::new(files::open(&path)?)?;
+        let mut draft = Draft::create(&out)?;
         let mut write = |block: &[u8], _: bool| (block.len(), draft.write_all(block));
-        while let Some(written) = blocks.next(&mut write).map_err(Error::from)? {
-            written.map_err(Error::from)?;
+        while let Some(written) = blocks.next(&mut write)? {
+            written?;
             tell.tell(0)?;
         }
-        draft.commit().map_err(Error::from)?;
+        draft.commit()?;
         Ok(blocks.damage().map(str::to_owned))
-    });
-    done.map_err(Stopped::into_err)
+    })
 }
 
 /// The start of a text log as UTF-8 with line feeds; other bytes as they are.

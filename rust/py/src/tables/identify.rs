@@ -7,7 +7,7 @@ use mavwire_core::log::kind::Kind;
 use mavwire_core::log::tlog::Framing;
 use pyo3::prelude::*;
 
-use crate::python::file_error::of_reading;
+use crate::python::error::Result;
 use crate::tables::source::Source;
 
 /// A kind of log, or of another file. The names say the same in `mavwire_core::log::kind`.
@@ -65,7 +65,7 @@ pub(crate) fn kind_in(log: &Source) -> io::Result<Kind> {
 /// What kind of log a file is; with `unpack`, what is in it if it is compressed.
 #[pyfunction]
 #[pyo3(signature = (log, unpack = false))]
-pub(crate) fn identify(py: Python<'_>, log: Source, unpack: bool) -> PyResult<LogKind> {
+pub(crate) fn identify(py: Python<'_>, log: Source, unpack: bool) -> Result<LogKind> {
     let kind = py.detach(|| if unpack { kind_in(&log) } else { input::identify(log.open()?) });
-    kind.map(LogKind::from).map_err(of_reading)
+    Ok(kind?.into())
 }

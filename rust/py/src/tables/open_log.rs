@@ -19,9 +19,9 @@ use pyo3::prelude::*;
 use crate::dialect::registry::Dialect;
 use crate::message::create;
 use crate::message::object::Message;
+use crate::python::error::Result;
 use crate::python::lists::optional_list;
 use crate::sync::lock::Lock;
-use crate::tables::table::columns_error;
 use mavwire_core::frame::FrameBytes;
 use mavwire_core::parser::{Parser, Step};
 use mavwire_io::log_reader::LogReader;
@@ -346,11 +346,11 @@ impl LogScan {
     /// A run over the log at `path` from its start on; `wanted` has the attributes `types`, `unknown`, `systems`,
     /// `start` and `end`, each `None` for everything. `ValueError` for a time where records have none.
     #[new]
-    fn new(path: PathBuf, dialect: Py<Dialect>, rescan: bool, wanted: Wanted) -> PyResult<Self> {
+    fn new(path: PathBuf, dialect: Py<Dialect>, rescan: bool, wanted: Wanted) -> Result<Self> {
         let framing = framing_of(files::open(&path)?, &dialect.get().registry)?;
         let is_timed = wanted.start.is_some() || wanted.end.is_some();
         if is_timed && framing == Framing::Raw {
-            return Err(columns_error(Error::Untimed));
+            return Err(Error::Untimed.into());
         }
         let reader = LogReader::open(&path, framing, 0.0)?;
         let mut parser = Parser::new();

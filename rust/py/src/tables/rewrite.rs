@@ -4,7 +4,6 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use mavwire_columns::Error;
 use mavwire_columns::input::Steps;
 use mavwire_columns::rewrite::{Merge, Outcome, Rewrite};
 use mavwire_columns::scan::Framing;
@@ -15,10 +14,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::dialect::registry::Dialect;
-use crate::python::file_error::of_file;
+use crate::python::error::{Error, Result};
 use crate::python::lists::list;
 use crate::tables::columns::Query;
-use crate::tables::table::columns_error;
 
 enum Run {
     One(Box<Rewrite>),
@@ -26,7 +24,7 @@ enum Run {
 }
 
 impl Run {
-    fn advance(&mut self, out: &mut dyn Write) -> Result<bool, Error> {
+    fn advance(&mut self, out: &mut dyn Write) -> Result<bool, mavwire_columns::Error> {
         match self {
             Self::One(rewrite) => rewrite.advance(out),
             Self::Several(merge) => merge.advance(out),
@@ -69,8 +67,8 @@ pub(crate) struct LogRewrite {
 }
 
 impl LogRewrite {
-    fn new(run: Run, out: &Path) -> PyResult<Self> {
-        let draft = Some(Draft::create(out).map_err(io_error)?);
+    fn new(run: Run, out: &Path) -> Result<Self> {
+        let draft = Some(Draft::create(out)?);
         Ok(Self { work: Mutex::new(Work { run, draft }) })
     }
 
@@ -92,7 +90,7 @@ impl LogRewrite {
         query: Query,
         out: PathBuf,
         shift: Option<(f64, f64)>,
-    ) -> PyResult<Self> {
+    ) -> Result<Self> {
         let registry = &dialect.registry;
         let wanted = query.wanted(dialect);
         let is_timed = query.start.is_some() || query.end.is_some();
@@ -102,10 +100,9 @@ impl LogRewrite {
         let rewrite = py.detach(|| {
             let (steps, source) = (Steps::default(), files::open(&path)?);
             Rewrite::new(steps, source, None, Arc::clone(registry), wanted, anonymizer)
-        });
-        let rewrite = rewrite.map_err(columns_error)?;
+        })?;
         if is_timed && rewrite.framing() == Framing::Raw {
-            return Err(no_times(&path));
+            return Err(no_times(&path).into());
         }
         Self::new(Run::One(Box::new(rewrite)), &out)
     }
@@ -117,33 +114,32 @@ impl LogRewrite {
         #[pyo3(from_py_with = list)] paths: Vec<PathBuf>,
         dialect: &Dialect,
         out: PathBuf,
-    ) -> PyResult<Self> {
-        let merge = py.detach(|| {
+    ) -> Result<Self> {
+        let merge = py.detach(|| -> Result<_> {
             let open = |path: &PathBuf| files::open(path).map_err(|error| named(path, error));
             let sources: Vec<_> = paths.iter().map(open).collect::<Result<_, _>>()?;
-            Merge::new(Steps::shared_by(sources.len()), sources, &dialect.registry)
-                .map_err(columns_error)
+            Ok(Merge::new(Steps::shared_by(sources.len()), sources, &dialect.registry)?)
         });
         match merge? {
             Ok(merge) => Self::new(Run::Several(merge), &out),
-            Err(place) => Err(no_times(&paths[place])),
+            Err(place) => Err(no_times(&paths[place]).into()),
         }
     }
 
     /// Another block; false at the end.
-    fn step(&self, py: Python<'_>) -> PyResult<bool> {
+    fn step(&self, py: Python<'_>) -> Result<bool> {
         py.check_signals()?;
         let step = |work: &mut Work| match &mut work.draft {
             Some(draft) => work.run.advance(draft),
             None => Ok(false),
         };
-        py.detach(|| self.with(step)).map_err(columns_error)
+        Ok(py.detach(|| self.with(step))?)
     }
 
     /// Gives the file its name. Without it nothing is left of it.
-    fn commit(&self, py: Python<'_>) -> PyResult<()> {
+    fn commit(&self, py: Python<'_>) -> Result<()> {
         let commit = |work: &mut Work| work.draft.take().map_or(Ok(()), Draft::commit);
-        py.detach(|| self.with(commit)).map_err(io_error)
+        Ok(py.detach(|| self.with(commit))?)
     }
 
     /// Removes what was written and not committed.
@@ -178,17 +174,13 @@ impl LogRewrite {
     }
 }
 
-fn io_error(error: io::Error) -> PyErr {
-    columns_error(error.into())
-}
-
 /// The error of a log that cannot be opened beside the others.
-fn named(path: &Path, error: io::Error) -> PyErr {
+fn named(path: &Path, error: io::Error) -> Error {
     let advice = match error.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied => "",
         _ => " (all logs are open at once: merge fewer of them, then what comes of that)",
     };
-    of_file(&error, Some(path), advice).unwrap_or_else(|| error.into())
+    Error::Opening { path: path.to_owned(), error, advice }
 }
 
 fn no_times(path: &Path) -> PyErr {

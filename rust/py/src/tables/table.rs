@@ -4,7 +4,6 @@ use std::collections::{BTreeSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use mavwire_columns::Error;
 use mavwire_columns::arrow::array::{
     Array, ArrayRef, BinaryArray, RecordBatch, RecordBatchIterator, StringArray, UInt8Array,
 };
@@ -24,23 +23,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyIterator, PyString, PyTuple};
 
 use crate::python::calling::Calling;
-use crate::python::file_error::file_error;
+use crate::python::error::Result;
 use crate::python::lists::list;
 use crate::tables::column_view::ColumnView;
-
-/// What went wrong as Python raises it.
-pub(crate) fn columns_error(error: Error) -> PyErr {
-    let told = match &error {
-        Error::Io(error) => file_error(error),
-        Error::Arrow(error) => file_error(error),
-        Error::Parquet(error) => file_error(error),
-        _ => None,
-    };
-    told.unwrap_or_else(|| match error {
-        Error::Io(error) => error.into(),
-        error => PyValueError::new_err(error.to_string()),
-    })
-}
 
 /// A table: a schema and batches of rows.
 #[pyclass(frozen, module = "mavwire._native")]
@@ -65,7 +50,7 @@ impl RecordBatches {
     }
 
     /// All rows in one batch.
-    pub(crate) fn whole(&self, py: Python<'_>) -> PyResult<&RecordBatch> {
+    pub(crate) fn whole(&self, py: Python<'_>) -> Result<&RecordBatch> {
         if let Some(whole) = self.whole.get() {
             return Ok(whole);
         }
@@ -73,8 +58,7 @@ impl RecordBatches {
             [one] => one.clone(),
             all => {
                 check_joinable(&self.schema, all, i32::MAX as usize)?;
-                py.detach(|| concat_batches(&self.schema, all))
-                    .map_err(|error| columns_error(error.into()))?
+                py.detach(|| concat_batches(&self.schema, all))?
             }
         };
         Ok(self.whole.get_or_init(|| whole))
@@ -95,16 +79,14 @@ impl RecordBatches {
 impl RecordBatches {
     /// A table of anything that has `__arrow_c_stream__`; the data is shared.
     #[staticmethod]
-    fn from_stream(table: &Bound<'_, PyAny>) -> PyResult<Self> {
+    fn from_stream(table: &Bound<'_, PyAny>) -> Result<Self> {
         let capsule = table.invoke_method0("__arrow_c_stream__")?.cast_into::<PyCapsule>()?;
         let pointer = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
         // SAFETY: a capsule of this name holds such a stream, which is moved out and marked as released.
         let stream = unsafe { FFI_ArrowArrayStream::from_raw(pointer.as_ptr().cast()) };
-        let error = |error: ArrowError| columns_error(error.into());
-        let reader = RecordBatchStreamReader::try_new(stream).map_err(error)?;
+        let reader = RecordBatchStreamReader::try_new(stream)?;
         let schema = mavwire_columns::arrow::array::RecordBatchReader::schema(&reader);
-        let batches = reader.collect::<Result<Vec<_>, _>>().map_err(error)?;
-        Ok(Self::new(schema, batches))
+        Ok(Self::new(schema, reader.collect::<Result<_, _>>()?))
     }
 
     /// Tables of one type, one behind the other. `ValueError` where their columns differ.
@@ -188,17 +170,17 @@ impl RecordBatches {
         &self,
         py: Python<'_>,
         #[pyo3(from_py_with = list)] names: Vec<String>,
-    ) -> PyResult<Self> {
-        let kept: Vec<usize> =
-            names.iter().map(|name| self.index_of(py, name)).collect::<PyResult<_>>()?;
+    ) -> Result<Self> {
+        let kept: Vec<_> =
+            names.iter().map(|name| self.index_of(py, name)).collect::<Result<_, _>>()?;
         self.project(&kept)
     }
 
     /// The rows of each value of a column, by the text of the value: `[(text, table), ...]`.
-    fn split(&self, py: Python<'_>, name: &str) -> PyResult<Vec<(String, Self)>> {
+    fn split(&self, py: Python<'_>, name: &str) -> Result<Vec<(String, Self)>> {
         let index = self.index_of(py, name)?;
         let whole = self.whole(py)?;
-        let parts = py.detach(|| split(whole, index)).map_err(|e| columns_error(e.into()))?;
+        let parts = py.detach(|| split(whole, index))?;
         let part = |(text, rows)| (text, Self::new(Arc::clone(&self.schema), vec![rows]));
         Ok(parts.into_iter().map(part).collect())
     }
@@ -238,24 +220,21 @@ impl RecordBatches {
     /// An empty table with the columns of all `tables`, pairs of `(path of the log, table)` of one message type. `ValueError`
     /// if columns of one name in two logs have no common type.
     #[staticmethod]
-    fn common(tables: &Bound<'_, PyIterator>) -> PyResult<Self> {
+    fn common(tables: &Bound<'_, PyIterator>) -> Result<Self> {
         let mut common = CommonSchema::default();
         for pair in tables.try_iter()? {
             let (path, table): (PathBuf, PyRef<'_, Self>) = pair?.extract()?;
             common.add(&table.schema, path);
         }
-        let schema = common.schema().map_err(columns_error)?;
+        let schema = common.schema()?;
         Ok(Self::new(schema, Vec::new()))
     }
 
     /// The same rows with the columns of a table that `common` made. Values that do not fit are null.
-    fn fitted(&self, py: Python<'_>, like: &Self) -> PyResult<Self> {
+    fn fitted(&self, py: Python<'_>, like: &Self) -> Result<Self> {
         let fit_all = || self.batches.iter().map(|batch| fit(batch, &like.schema)).collect();
-        let fitted: Result<Vec<_>, ArrowError> = py.detach(fit_all);
-        Ok(Self::new(
-            Arc::clone(&like.schema),
-            fitted.map_err(|error| columns_error(error.into()))?,
-        ))
+        let fitted: Result<_, ArrowError> = py.detach(fit_all);
+        Ok(Self::new(Arc::clone(&like.schema), fitted?))
     }
 
     /// An Arrow stream of the tables of an iterator, with the columns of this table, which `common` made.
@@ -289,10 +268,9 @@ impl RecordBatches {
         PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
     }
 
-    fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
-        let schema = FFI_ArrowSchema::try_from(self.schema.as_ref())
-            .map_err(|error| columns_error(error.into()))?;
-        PyCapsule::new_with_value(py, schema, c"arrow_schema")
+    fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyCapsule>> {
+        let schema = FFI_ArrowSchema::try_from(self.schema.as_ref())?;
+        Ok(PyCapsule::new_with_value(py, schema, c"arrow_schema")?)
     }
 
     fn __len__(&self) -> usize {
@@ -300,32 +278,27 @@ impl RecordBatches {
     }
 
     /// What pickle needs: a stream of the rows.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Result<Bound<'py, PyTuple>> {
         let (py, this) = (slf.py(), slf.get());
-        let bytes = py.detach(|| ipc_bytes(&this.schema, &this.batches));
-        let bytes = bytes.map_err(|error| columns_error(error.into()))?;
+        let bytes = py.detach(|| ipc_bytes(&this.schema, &this.batches))?;
         let restore = slf.get_type().getattr("from_ipc")?;
-        (restore, (pyo3::types::PyBytes::new(py, &bytes),)).into_pyobject(py)
+        Ok((restore, (pyo3::types::PyBytes::new(py, &bytes),)).into_pyobject(py)?)
     }
 
     /// The table in the bytes of an Arrow stream.
     #[staticmethod]
-    fn from_ipc(bytes: &[u8]) -> PyResult<Self> {
-        let error = |error: ArrowError| columns_error(error.into());
-        let reader = StreamReader::try_new(bytes, None).map_err(error)?;
+    fn from_ipc(bytes: &[u8]) -> Result<Self> {
+        let reader = StreamReader::try_new(bytes, None)?;
         let schema = reader.schema();
-        let batches = reader.collect::<Result<Vec<_>, _>>().map_err(error)?;
-        Ok(Self::new(schema, batches))
+        Ok(Self::new(schema, reader.collect::<Result<_, _>>()?))
     }
 }
 
 impl RecordBatches {
-    fn project(&self, kept: &[usize]) -> PyResult<Self> {
-        let error = |error: ArrowError| columns_error(error.into());
-        let schema: Schema = self.schema.project(kept).map_err(error)?;
+    fn project(&self, kept: &[usize]) -> Result<Self> {
+        let schema = Arc::new(self.schema.project(kept)?);
         let batches = self.batches.iter().map(|batch| batch.project(kept));
-        let batches = batches.collect::<Result<Vec<_>, _>>().map_err(error)?;
-        Ok(Self::new(Arc::new(schema), batches))
+        Ok(Self::new(schema, batches.collect::<Result<_, _>>()?))
     }
 }
 
