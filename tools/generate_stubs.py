@@ -23,7 +23,7 @@ from mavwire._native import Dialect, Message, MessageInfo
 
 ROOT = Path(__file__).resolve().parent.parent
 DIALECTS = ROOT / "python" / "mavwire" / "dialects"
-DEFINITIONS = ROOT / "message_definitions" / "v1.0"
+DEFINITIONS = ROOT / "message_definitions"
 PROTOCOLS = {"v10": "1.0", "v20": "2.0"}
 OWN = "_own"
 WIDTH = 110
@@ -47,7 +47,8 @@ def module_names() -> list[str]:
 
 def includes(name: str) -> list[str]:
     """The dialects that this one names in its definition."""
-    root = ET.parse(DEFINITIONS / f"{name}.xml").getroot()
+    (path,) = DEFINITIONS.glob(f"*/{name}.xml")
+    root = ET.parse(path).getroot()
     return [Path(one.text or "").stem for one in root.iter("include")]
 
 

@@ -6,16 +6,20 @@ use std::error::Error;
 use std::path::Path;
 use std::{env, fs};
 
-const DEFINITIONS: &str = "../../message_definitions/v1.0";
+/// The dialects of pymavlink, and the union of what both upstreams define.
+const DEFINITIONS: [&str; 2] =
+    ["../../message_definitions/v1.0", "../../message_definitions/upstream"];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("cargo::rerun-if-changed={DEFINITIONS}");
     println!("cargo::rerun-if-changed=build.rs");
     let mut paths = Vec::new();
-    for entry in fs::read_dir(DEFINITIONS)? {
-        let path = entry?.path();
-        if path.extension().is_some_and(|extension| extension == "xml") {
-            paths.push(path);
+    for folder in DEFINITIONS {
+        println!("cargo::rerun-if-changed={folder}");
+        for entry in fs::read_dir(folder)? {
+            let path = entry?.path();
+            if path.extension().is_some_and(|extension| extension == "xml") {
+                paths.push(path);
+            }
         }
     }
     paths.sort();

@@ -9,6 +9,8 @@ import sys
 from typing import NamedTuple
 from weakref import WeakSet
 
+from mavwire.dialects import UPSTREAM
+
 from .checks import listed, seconds, text, whole
 from .endpoints import parse_endpoint
 from .errors import BridgeError, ConfigError
@@ -70,7 +72,7 @@ class Bridge:
         dedup: float = 0.5,
         max_age: float = 60.0,
         sniffer_sysid: int = 0,
-        dialect: str | os.PathLike[str] | ModuleType = "all",
+        dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
         source_system: int = 255,
         source_component: int = 190,
     ) -> None:

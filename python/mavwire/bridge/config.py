@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from mavwire.dialects import UPSTREAM
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
@@ -22,7 +24,7 @@ class Config:
     """Place of a link ("" for the bridge itself) and name of an option -> place of the option."""
     settings: dict[str, Any] = field(default_factory=dict)
     recording: Recording | None = None
-    dialect: str = "all"
+    dialect: str = UPSTREAM
     json: float | None = None
     """Seconds between two lines of counters that `mavwire bridge` prints."""
     http: Listen | None = None

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 
+from mavwire.dialects import UPSTREAM
+
 from .checks import only_known, seconds, text
 from .config import Config
 from .endpoints import parse_endpoint
@@ -66,7 +68,7 @@ class _Toml:
                 if option in content:
                     config.settings[option] = content[option]
             Settings(**config.settings)
-            config.dialect = content.get("dialect", "all")
+            config.dialect = content.get("dialect", UPSTREAM)
             if not isinstance(config.dialect, str):
                 reason = f"dialect must be a text, not {config.dialect!r}"
                 raise ConfigError(reason, "dialect")

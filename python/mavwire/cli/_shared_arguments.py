@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mavwire.cli._errors import CommandError
+from mavwire.dialects import UPSTREAM
 
 
 def _load_functions(path: str) -> str:
@@ -43,7 +44,7 @@ _SHARED = {
         "--dialect", default="ardupilotmega", help="message definitions (default: %(default)s)"
     ),
     "any_dialect": _option(
-        "--dialect", default="all", help="dialect or XML file (default: %(default)s)"
+        "--dialect", default=UPSTREAM, help="dialect or XML file (default: %(default)s)"
     ),
     "types": _option("--types", help="message types, separated by commas (default: all)"),
     "systems": _option("--systems", help="system ids, separated by commas (default: all)"),

@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from types import ModuleType
     from typing import Any
 
-__all__ = ["load", "names", "populate", "populate_builtin"]
+__all__ = ["UPSTREAM", "load", "names", "populate", "populate_builtin"]
+
+UPSTREAM = "upstream"
+"""The dialect with every message of mavlink/mavlink and ArduPilot/mavlink: the default of all that pymavlink lacks."""
 
 
 def names() -> list[str]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mavwire.dialects import UPSTREAM
 from mavwire.logs.reading import native_dialect
 from mavwire.logs.selection import UNKNOWN
 from mavwire.logs.sources import is_compressed, is_dataflash
@@ -27,7 +28,7 @@ CLEAN = 64 << 10
 """Bytes without damage in front of a cut: more than a frame may claim to reach."""
 
 
-def find_cuts(path: str, part_bytes: int, dialect: str | os.PathLike[str] = "all") -> list[Part]:
+def find_cuts(path: str, part_bytes: int, dialect: str | os.PathLike[str] = UPSTREAM) -> list[Part]:
     """The parts of a local log, of at least `part_bytes` each; none where it has to stay whole."""
     if is_compressed(path) or is_dataflash(path):
         return []

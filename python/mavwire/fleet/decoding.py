@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._native import DataflashTables, empty_table
+from mavwire.dialects import UPSTREAM
 from mavwire.logs.checks import check_described, check_tables
 from mavwire.logs.query import Values, takes
 from mavwire.logs.reading import check_records, joined, native_dialect, with_empty
@@ -30,7 +31,7 @@ def decode(
     types: str | Iterable[str] | None = None,
     columns: str | Iterable[str] | None = None,
     *,
-    dialect: str | os.PathLike[str] = "all",
+    dialect: str | os.PathLike[str] = UPSTREAM,
     storage_options: Mapping[str, Any] | None = None,
     **query: Unpack[Values],
 ) -> dict[str, Table]:
@@ -55,7 +56,7 @@ def decode_as(
     types: str | Iterable[str] | None,
     columns: str | Iterable[str] | None,
     *,
-    dialect: str | os.PathLike[str] = "all",
+    dialect: str | os.PathLike[str] = UPSTREAM,
     storage_options: Mapping[str, Any] | None = None,
     lenient: bool = False,
     **query: Unpack[Values],

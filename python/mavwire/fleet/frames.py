@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._extras import extra
+from mavwire.dialects import UPSTREAM
 from mavwire.logs.common_columns import common_columns, description_of
 from mavwire.logs.query import Values, takes
 from mavwire.logs.selection import has_message, names_of
@@ -34,7 +35,7 @@ def dask_frame(
     type: str,
     columns: str | Iterable[str] | None = None,
     *,
-    dialect: str | os.PathLike[str] = "all",
+    dialect: str | os.PathLike[str] = UPSTREAM,
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
     **query: Unpack[Values],

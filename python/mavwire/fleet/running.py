@@ -12,6 +12,7 @@ from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._text import in_words
+from mavwire.dialects import UPSTREAM
 from mavwire.logs.conversion import prepare
 from mavwire.logs.journal import Journal
 from mavwire.logs.manifest import Converted, Manifest
@@ -54,7 +55,7 @@ def convert(
     compression: str | None = None,
     types: str | Iterable[str] | None = None,
     csv_safe: bool = True,
-    dialect: str | os.PathLike[str] = "all",
+    dialect: str | os.PathLike[str] = UPSTREAM,
     task_bytes: int = TASK_BYTES,
     storage_options: Mapping[str, Any] | None = None,
     progress: Callable[[int, int], object] | None = None,

@@ -16,6 +16,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._text import in_words
+from mavwire.dialects import UPSTREAM
 
 from .formats import COMPRESSIONS, FORMATS, ONE_FILE, TEXT_SUFFIXES, TEXTS
 from .journal import Journal
@@ -59,7 +60,7 @@ def convert(
     compression: str | None = None,
     types: Types = None,
     csv_safe: bool = True,
-    dialect: str | os.PathLike[str] | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
     progress: Callable[[str, float], object] | None = None,
     **query: Unpack[Query],
 ) -> list[Converted]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._native import DataflashTables, LogColumns, RecordBatches
 from mavwire._text import naming
+from mavwire.dialects import UPSTREAM
 
 from .batches import Batches
 from .checks import check_described, check_tables, no_rows
@@ -67,7 +68,7 @@ def read(
     types: Types = None,
     *positional: Any,
     wide: bool = False,
-    dialect: str | os.PathLike[str] | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
     **query: Unpack[Query],
 ) -> dict[str, Table]:
     """Read a log into a table for each message type, in one pass: a telemetry log, a raw stream, or
@@ -183,7 +184,7 @@ def scan(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     types: Types = None,
     *positional: Any,
-    dialect: str | os.PathLike[str] | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
     batch_rows: int = BATCH_ROWS,
     **query: Unpack[Query],
 ) -> Batches:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._native import LogRewrite
 from mavwire._text import naming
+from mavwire.dialects import UPSTREAM
 
 from .format_error import LogFormatError
 from .no_records import check_records
@@ -61,7 +62,7 @@ def cut(
     out: str | os.PathLike[str],
     types: Types = None,
     *positional: Any,
-    dialect: str | os.PathLike[str] | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
     progress: Callable[[int], object] | None = None,
     **query: Unpack[Records],
 ) -> Rewritten:
@@ -82,7 +83,7 @@ def repair(
     path: str | os.PathLike[str],
     out: str | os.PathLike[str],
     *,
-    dialect: str | os.PathLike[str] | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write all good records of a damaged log, which any reader then finds.
@@ -99,7 +100,7 @@ def anonymize(
     out: str | os.PathLike[str],
     *,
     shift: tuple[float, float] | None = None,
-    dialect: str | os.PathLike[str] | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write a log without what tells who flew where; docs/columns.md lists what that is.
@@ -127,7 +128,7 @@ def merge(
     paths: Iterable[str | os.PathLike[str]],
     out: str | os.PathLike[str],
     *,
-    dialect: str | os.PathLike[str] | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
     progress: Callable[[int], object] | None = None,
 ) -> Rewritten:
     """Write the good records of several logs as one, in the order of time.

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from mavwire._extras import extra
+from mavwire.dialects import UPSTREAM
 
 from .common_columns import Surveys, empty_of
 from .dialect import portable, restored
@@ -31,7 +32,7 @@ def scan_polars(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     message: str,
     *,
-    dialect: str | os.PathLike[str] | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
     **query: Unpack[Values],
 ) -> Any:
     """The messages of one type of one or many logs as a `polars.LazyFrame`.

@@ -14,6 +14,7 @@ from typing import Any, Unpack
 
 from mavwire._native import LogKind, LogScan, identify
 from mavwire._text import naming
+from mavwire.dialects import UPSTREAM
 from mavwire.links.recognise import TELEMETRY
 
 from .base import Log
@@ -38,7 +39,7 @@ FOREIGN_PROBE = 16 * 1024 * 1024
 def open_log(
     path: str | os.PathLike[str],
     *,
-    dialect: str | os.PathLike[str] | ModuleType = "all",
+    dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
     resync: str = "rescan",
 ) -> TelemetryLog | DataflashLog:
     """Open a telemetry log (.tlog) or a dataflash log (.BIN, .log) for its messages and tables.
@@ -72,7 +73,7 @@ class TelemetryLog(Log):
         self,
         path: str | os.PathLike[str],
         *,
-        dialect: str | os.PathLike[str] | ModuleType = "all",
+        dialect: str | os.PathLike[str] | ModuleType = UPSTREAM,
         resync: str = "rescan",
     ) -> None:
         if resync not in ("skip", "rescan"):

@@ -11,6 +11,7 @@ from typing import Any
 from mavwire._extras import extra
 from mavwire._native import jump_text
 from mavwire._text import cannot_write, did_you_mean
+from mavwire.dialects import UPSTREAM
 from mavwire.logs.no_records import lacking
 from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
@@ -74,7 +75,7 @@ def plot(
     timeshift: float = 0.0,
     modes: bool = True,
     flightmode: str | None = None,
-    dialect: str | os.PathLike[str] = "all",
+    dialect: str | os.PathLike[str] = UPSTREAM,
 ) -> Plotted:
     """Draw expressions such as `ATTITUDE.roll` or `degrees(ATTITUDE.pitch):2` over time.
 

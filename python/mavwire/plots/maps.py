@@ -8,6 +8,7 @@ from typing import Any
 
 from mavwire._extras import extra
 from mavwire._text import cannot_write
+from mavwire.dialects import UPSTREAM
 from mavwire.logs.store import write_file
 from mavwire.logs.targets import file_to_write
 
@@ -21,7 +22,7 @@ def draw_map(
     out: str | os.PathLike[str],
     *,
     system: int | None = None,
-    dialect: str | os.PathLike[str] = "all",
+    dialect: str | os.PathLike[str] = UPSTREAM,
 ) -> Track:
     """Draw where a vehicle was, coloured by flight mode, with its home and its mission.
 

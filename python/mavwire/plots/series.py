@@ -10,6 +10,7 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 from mavwire._text import in_words
+from mavwire.dialects import UPSTREAM
 from mavwire.expression import evaluate_expression
 from mavwire.links.recognise import DATAFLASH, log_kind
 from mavwire.logs.selection import system_of
@@ -63,7 +64,7 @@ def read_series(
     xaxis: Expression | None = None,
     system: int | None = None,
     autopilot: int | None = None,
-    dialect: str | os.PathLike[str] = "all",
+    dialect: str | os.PathLike[str] = UPSTREAM,
 ) -> LogSeries:
     """The series of a log, in the order of the expressions.
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from mavwire.dialects import UPSTREAM
 from mavwire.logs.no_records import check_records
 from mavwire.logs.selection import system_of
 from mavwire.logs.sources import decompressed
@@ -76,7 +77,7 @@ class Track:
 
 
 def read_track(
-    path: str, *, system: int | None = None, dialect: str | os.PathLike[str] = "all"
+    path: str, *, system: int | None = None, dialect: str | os.PathLike[str] = UPSTREAM
 ) -> Track:
     """The track of a log. `system` is the vehicle's, by default the first autopilot that is heard.
 
@@ -213,7 +214,7 @@ def _from_messages(path: str, name: str) -> Track:
     changes: list[tuple[float, str]] = []
     items: dict[int, Place] = {}
     home = None
-    for msg, log in vehicle_messages(path, ["POS", "GPS", "CMD", "ORGN", "MODE"], None, "all"):
+    for msg, log in vehicle_messages(path, ["POS", "GPS", "CMD", "ORGN", "MODE"], None, UPSTREAM):
         kind = msg.get_type()
         if not changes or changes[-1][1] != log.flightmode:
             changes.append((msg._timestamp, log.flightmode))

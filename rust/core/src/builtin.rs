@@ -8,6 +8,9 @@ static LIBRARY: LazyLock<Library<'static>> = LazyLock::new(|| {
     Library::from_blob(blob).expect("the build script wrote the blob with the same code")
 });
 
+/// The dialect with every message of mavlink/mavlink and ArduPilot/mavlink.
+pub const UPSTREAM: &str = "upstream";
+
 /// Names of the dialects, sorted.
 pub fn names() -> impl Iterator<Item = &'static str> {
     LIBRARY.names()

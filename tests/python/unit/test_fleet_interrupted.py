@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from mavwire import traffic
+from mavwire.dialects import UPSTREAM
 from mavwire.fleet import convert as convert_fleet
 from mavwire.fleet import running, stores
 from mavwire.fleet.stores import Folder, store_of
@@ -98,11 +99,11 @@ def inside(tmp_path_factory: pytest.TempPathFactory) -> Any:
 def killed_after(tasks: int, out: str, logs: list[Path], task_bytes: int = TASK) -> None:
     """A run of a fleet whose client is killed when it has handed out some tasks."""
     types = ["HEARTBEAT", "ATTITUDE"]
-    compression, _, query, how = prepare("parquet", None, types, "all")
+    compression, _, query, how = prepare("parquet", None, types, UPSTREAM)
     store = store_of(out)
     made = Manifest(store, how, lambda path: (os.path.getsize(path), os.stat(path).st_mtime_ns))
     run = running._Run(
-        store, made, Recipe(out, None, query, "all", "parquet", compression), task_bytes, None
+        store, made, Recipe(out, None, query, UPSTREAM, "parquet", compression), task_bytes, None
     )
     paths = list(map(str, logs))
     todo = run.look(
@@ -258,10 +259,10 @@ def test_a_folder_that_another_process_removes_is_made_again(tmp_path, monkeypat
 def test_what_a_task_that_died_published_is_removed(tmp_path, mixed, remote):
     fsspec = pytest.importorskip("fsspec")
     out = "memory://fleet-died" if remote else str(tmp_path / "out")
-    compression, _, query, how = prepare("parquet", None, TYPES, "all")
+    compression, _, query, how = prepare("parquet", None, TYPES, UPSTREAM)
     store = store_of(out)
     made = Manifest(store, how, lambda path: (1, 1))
-    recipe = Recipe(out, None, query, "all", "parquet", compression)
+    recipe = Recipe(out, None, query, UPSTREAM, "parquet", compression)
     run = running._Run(store, made, recipe, TASK, None)
     (todo,) = run.look({str(mixed): "mixed"}, {str(mixed): (1, 1)})
     run.begin([todo])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import generate_stubs
 import pytest
+from mavwire.dialects import UPSTREAM
 
 MAX_TOTAL = 2_000_000
 
@@ -41,6 +42,9 @@ def test_stubs_are_python_and_small(files: dict[Path, str]) -> None:
 def test_messages_are_written_once(files: dict[Path, str], version: str) -> None:
     classes: Counter[str] = Counter()
     for path, text in files.items():
+        # The union has longer lists of extension fields, so that it includes no other dialect.
+        if path.stem == UPSTREAM:
+            continue
         if path.parent == generate_stubs.DIALECTS / version / generate_stubs.OWN:
             nodes = ast.parse(text).body
             classes.update(node.name for node in nodes if isinstance(node, ast.ClassDef))

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from mavwire.cli._errors import refused, tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._values import factor, split
+from mavwire.dialects import UPSTREAM
 
 if TYPE_CHECKING:
     from mavwire.bridge import Bridge
@@ -63,7 +64,7 @@ def main(args: Namespace) -> int:
         count = replay(frames, bridge.send, args.speed)
         lost = drain(bridge)
     if not count:
-        warn_without_records("replay", args.log, "all")
+        warn_without_records("replay", args.log, UPSTREAM)
     print(f"{count} frames" + (f", {lost} of them dropped" if lost else ""), file=sys.stderr)
     return 0
 
@@ -76,10 +77,10 @@ def opened(path: str) -> TelemetryLog:
     try:
         log = TelemetryLog(path)
     except LogFormatError:
-        check_records(path, "all")  # in the words of other commands, where it was cut off
+        check_records(path, UPSTREAM)  # in the words of other commands, where it was cut off
         raise
     if log.compressed:
-        check_records(path, "all")
+        check_records(path, UPSTREAM)
     return log
 
 

@@ -24,6 +24,7 @@ from mavwire.cli._errors import tell
 from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._reading import STANDARD_INPUT, definitions, standard_input
+from mavwire.dialects import UPSTREAM
 from mavwire.logs.selection import DAY, YEAR
 
 if TYPE_CHECKING:
@@ -307,7 +308,9 @@ def _show(path: str, name: str, args: argparse.Namespace, apart: bool) -> bool:
         tell(f"mavwire info: {name}: {in_words(error, path)}")
         return False
     called = STANDARD_INPUT if name == "-" else name
-    if not summary.messages and warn_without_records("info", path, args.dialect or "all", called):
+    if not summary.messages and warn_without_records(
+        "info", path, args.dialect or UPSTREAM, called
+    ):
         return False
     summary.path = name
     if args.json:
@@ -346,7 +349,7 @@ def _count(path: str, dialect: str | None) -> Summary | None:
 
     if log_kind(path, readonly=True) not in TELEMETRY and not is_dataflash(path):
         return None
-    log = open_log(path, dialect=dialect or "all")
+    log = open_log(path, dialect=dialect or UPSTREAM)
     size = os.path.getsize(path)
     progress = Progress(path)
     began = time.perf_counter()

@@ -15,6 +15,7 @@ from mavwire.cli._errors import CommandError, tell
 from mavwire.cli._output import writing
 from mavwire.cli._reading import definitions, opening, reading
 from mavwire.cli._telemetry import is_damaged, record, require_telemetry
+from mavwire.dialects import UPSTREAM
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -31,7 +32,7 @@ def main(args: Namespace) -> int:
     """Run the subcommand."""
     if args.exact:
         return _merge_exactly(args)
-    with definitions("all", "2.0"), ExitStack() as stack:
+    with definitions(UPSTREAM, "2.0"), ExitStack() as stack:
         plain = [_plain(path, stack) for path in args.logs]
         logs = [
             # One bar tells how far it is: they are read side by side.
@@ -72,5 +73,5 @@ def _merge_exactly(args: Namespace) -> int:
 
     if args.output is None:
         raise CommandError("--exact writes a log: name it by --output")
-    args.out, args.dialect = args.output, "all"
+    args.out, args.dialect = args.output, UPSTREAM
     return run("merge", args, args.logs, partial(merge_logs, args.logs, args.output))

@@ -57,7 +57,9 @@ const OTHERS: [(&[u8], Kind); 12] = [
 
 /// The messages by which telemetry is recognised, whatever dialect reads it.
 static TELEMETRY: LazyLock<Registry> = LazyLock::new(|| {
-    Registry::new(builtin::dialect("all", WireVersion::V2).expect("it comes with the crate"))
+    Registry::new(
+        builtin::dialect(builtin::UPSTREAM, WireVersion::V2).expect("it comes with the crate"),
+    )
 });
 
 /// A kind of log, or of another file.
