@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Write message_definitions/upstream/history.xml: layouts that message ids had before, told apart by CRC_EXTRA.
+
+    tools/import_history.py path/to/history.json
+
+The input lists every definition in the history of both upstreams: id, name, crc_extra, first_commit, last_commit, files
+and fields as [name, type, array length or null, "ext" for an extension]. The output leaves out the layouts that
+upstream.xml has, those of MAVLink 0.9, those of test dialects, and mistakes that were mended within two weeks.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import xml.etree.ElementTree as ET
+from datetime import date, timedelta
+from pathlib import Path
+from typing import Any
+
+from import_definitions import HEADER, write_element
+from union_definitions import UNION
+
+from mavwire._native import DefinitionFile
+
+HISTORY = UNION.with_name("history.xml")
+SHORTEST_LIFE = timedelta(days=14)
+# MAVLink 1.0 came in September 2011. The files of 0.9 were deleted much later.
+FIRST_OF_MAVLINK_1 = "2011-09-01"
+END_OF_MAVLINK_0_9 = "2017-06-21"
+TESTS = {"test.xml", "python_array_test.xml"}
+
+
+def is_kept(row: dict[str, Any], current: dict[int, int]) -> bool:
+    """Whether frames of this layout are likely to be found in logs."""
+    first, last = row["first_commit"], row["last_commit"]
+    is_old = last < FIRST_OF_MAVLINK_1 or (last == END_OF_MAVLINK_0_9 and first < FIRST_OF_MAVLINK_1)
+    lived = date.fromisoformat(last) - date.fromisoformat(first)
+    is_test = set(row["files"]) <= TESTS
+    is_current = current.get(row["id"]) == row["crc_extra"]
+    return not (is_old or is_test or is_current) and lived >= SHORTEST_LIFE
+
+
+def element(row: dict[str, Any]) -> ET.Element:
+    """The message as XML."""
+    message = ET.Element("message", id=str(row["id"]), name=row["name"])
+    ET.SubElement(message, "description")
+    for field, base, *rest in row["fields"]:
+        if "ext" in rest and message.find("extensions") is None:
+            ET.SubElement(message, "extensions")
+        lengths = [one for one in rest if isinstance(one, int)]
+        kind = f"{base}[{lengths[0]}]" if lengths else base
+        ET.SubElement(message, "field", type=kind, name=field)
+    return message
+
+
+def text(rows: list[dict[str, Any]]) -> str:
+    """All of them as one file, with the time and the files of each as a comment."""
+    lines = ["<mavlink>", "  <messages>"]
+    for row in rows:
+        files = ", ".join(row["files"])
+        use = f"{row['first_commit']} to {row['last_commit']}, {files}"
+        lines.append(f"    <!-- CRC_EXTRA {row['crc_extra']}, {use} -->")
+        write_element(element(row), 2, lines)
+    return HEADER + "\n".join([*lines, "  </messages>", "</mavlink>"]) + "\n"
+
+
+def main() -> int:
+    """Command line entry point."""
+    if len(sys.argv) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    union = ET.parse(UNION).getroot()
+    _, layouts = json.loads(DefinitionFile("upstream", UNION.read_text(encoding="utf-8")).parse())
+    ids = [int(message.get("id", "")) for message in union.iter("message")]
+    current = {id_: layout["crc_extra"] for id_, layout in zip(ids, layouts, strict=True)}
+    rows = [row for row in json.loads(Path(sys.argv[1]).read_bytes()) if is_kept(row, current)]
+    rows.sort(key=lambda row: (row["id"], row["first_commit"], row["crc_extra"]))
+    written = text(rows)
+    _, layouts = json.loads(DefinitionFile("history", written).parse())
+    for row, layout in zip(rows, layouts, strict=True):
+        if layout["crc_extra"] != row["crc_extra"]:
+            print(f"error: {row['id']} {row['name']}: {layout} is not {row['crc_extra']}", file=sys.stderr)
+            return 1
+    HISTORY.write_text(written, encoding="utf-8", newline="\n")
+    print(f"{len(rows)} layouts of {len({row['id'] for row in rows})} ids")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
