@@ -5,7 +5,8 @@
 
 The input lists every definition in the history of both upstreams: id, name, crc_extra, first_commit, last_commit, files
 and fields as [name, type, array length or null, "ext" for an extension]. The output leaves out the layouts that
-upstream.xml has, those of MAVLink 0.9, those of test dialects, and mistakes that were mended within two weeks.
+upstream.xml has, those of MAVLink 0.9, those of test dialects, mistakes that were mended within two weeks, and a
+message that is too long for a frame.
 """
 
 from __future__ import annotations
@@ -18,26 +19,38 @@ from pathlib import Path
 from typing import Any
 
 from import_definitions import HEADER, write_element
+from mavwire import _native
 from union_definitions import UNION
-
-from mavwire._native import DefinitionFile
 
 HISTORY = UNION.with_name("history.xml")
 SHORTEST_LIFE = timedelta(days=14)
 # MAVLink 1.0 came in September 2011. The files of 0.9 were deleted much later.
 FIRST_OF_MAVLINK_1 = "2011-09-01"
 END_OF_MAVLINK_0_9 = "2017-06-21"
+MAX_PAYLOAD = 255
 TESTS = {"test.xml", "python_array_test.xml"}
 
 
 def is_kept(row: dict[str, Any], current: dict[int, int]) -> bool:
     """Whether frames of this layout are likely to be found in logs."""
     first, last = row["first_commit"], row["last_commit"]
-    is_old = last < FIRST_OF_MAVLINK_1 or (last == END_OF_MAVLINK_0_9 and first < FIRST_OF_MAVLINK_1)
+    is_old = last < FIRST_OF_MAVLINK_1 or (
+        last == END_OF_MAVLINK_0_9 and first < FIRST_OF_MAVLINK_1
+    )
     lived = date.fromisoformat(last) - date.fromisoformat(first)
     is_test = set(row["files"]) <= TESTS
     is_current = current.get(row["id"]) == row["crc_extra"]
-    return not (is_old or is_test or is_current) and lived >= SHORTEST_LIFE
+    is_too_long = payload_len(row) > MAX_PAYLOAD
+    return not (is_old or is_test or is_current or is_too_long) and lived >= SHORTEST_LIFE
+
+
+def payload_len(row: dict[str, Any]) -> int:
+    """Bytes of all fields."""
+    sizes = [
+        _native.field_type(kind)[2] * next((one for one in rest if isinstance(one, int)), 1)
+        for _, kind, *rest in row["fields"]
+    ]
+    return sum(sizes)
 
 
 def element(row: dict[str, Any]) -> ET.Element:
@@ -70,16 +83,21 @@ def main() -> int:
         print(__doc__, file=sys.stderr)
         return 2
     union = ET.parse(UNION).getroot()
-    _, layouts = json.loads(DefinitionFile("upstream", UNION.read_text(encoding="utf-8")).parse())
+    _, layouts = json.loads(
+        _native.DefinitionFile("upstream", UNION.read_text(encoding="utf-8")).parse()
+    )
     ids = [int(message.get("id", "")) for message in union.iter("message")]
     current = {id_: layout["crc_extra"] for id_, layout in zip(ids, layouts, strict=True)}
     rows = [row for row in json.loads(Path(sys.argv[1]).read_bytes()) if is_kept(row, current)]
     rows.sort(key=lambda row: (row["id"], row["first_commit"], row["crc_extra"]))
     written = text(rows)
-    _, layouts = json.loads(DefinitionFile("history", written).parse())
+    _, layouts = json.loads(_native.DefinitionFile("history", written).parse())
     for row, layout in zip(rows, layouts, strict=True):
         if layout["crc_extra"] != row["crc_extra"]:
-            print(f"error: {row['id']} {row['name']}: {layout} is not {row['crc_extra']}", file=sys.stderr)
+            print(
+                f"error: {row['id']} {row['name']}: {layout} is not {row['crc_extra']}",
+                file=sys.stderr,
+            )
             return 1
     HISTORY.write_text(written, encoding="utf-8", newline="\n")
     print(f"{len(rows)} layouts of {len({row['id'] for row in rows})} ids")

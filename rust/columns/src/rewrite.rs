@@ -221,7 +221,7 @@ fn put(
     match anonymizer {
         None => out.extend_from_slice(frame),
         Some(anonymizer) => {
-            let entry = registry.lookup(header.msgid);
+            let entry = registry.entry(record.index);
             if !anonymizer.apply(frame, &header, entry, out) {
                 out.truncate(before);
                 return false;

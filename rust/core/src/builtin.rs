@@ -1,7 +1,9 @@
 //! The dialects that come with the crate, as the build script packed them. A file is decoded when a dialect asks for it.
 
-use mavwire_schema::{Definitions, Dialect, Library, SchemaError, WireVersion};
+use mavwire_schema::{Definitions, Dialect, Library, SchemaError, WireVersion, decode_blob};
 use std::sync::LazyLock;
+
+static HISTORY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/history.bin"));
 
 static LIBRARY: LazyLock<Library<'static>> = LazyLock::new(|| {
     let blob = include_bytes!(concat!(env!("OUT_DIR"), "/definitions.bin"));
@@ -16,12 +18,18 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     LIBRARY.names()
 }
 
-/// A dialect laid out for a wire version.
+/// A dialect laid out for a wire version. [`UPSTREAM`] knows the layouts that message ids had before.
 ///
 /// # Errors
 /// There is no dialect of that name.
 pub fn dialect(name: &str, wire_version: WireVersion) -> Result<Dialect, SchemaError> {
-    LIBRARY.resolve(name, wire_version)
+    let mut dialect = LIBRARY.resolve(name, wire_version)?;
+    if name == UPSTREAM {
+        for definitions in decode_blob(HISTORY)? {
+            dialect.add_others(definitions)?;
+        }
+    }
+    Ok(dialect)
 }
 
 /// What one definition file says, includes unresolved. `path` may have folders and `.xml`.
@@ -49,7 +57,7 @@ mod tests {
                 assert_eq!(dialect.as_ref().map(|d| d.name.as_str()), Ok(name));
                 let dialect = dialect.map(Registry::new);
                 assert!(dialect.is_ok_and(|registry| {
-                    let messages = &registry.dialect().messages;
+                    let messages = registry.own_messages();
                     messages.iter().all(|m| registry.lookup(m.id).is_some())
                 }));
             }

@@ -25,12 +25,27 @@ pub struct Entry {
     pub max_len: u8,
 }
 
+impl Entry {
+    fn of(message: &Message, index: usize) -> Self {
+        Self {
+            index: index as u16,
+            crc_extra: message.crc_extra,
+            min_len: message.min_len,
+            max_len: message.max_len,
+        }
+    }
+}
+
 const EMPTY: Entry = Entry { index: NO_MESSAGE, crc_extra: 0, min_len: 0, max_len: 0 };
 
 /// A dialect with an index by message id.
 #[derive(Debug, Clone)]
 pub struct Registry {
     dialect: Dialect,
+    /// How many of the messages are the dialect's own; the layouts of other definitions follow.
+    own: usize,
+    /// Ids with layouts of other definitions, in order of id and `crc_extra`.
+    others: Box<[(u32, Entry)]>,
     /// `directory[msgid / PAGE]`: number of the page in `entries`.
     directory: Box<[u16]>,
     entries: Box<[Entry]>,
@@ -42,26 +57,29 @@ impl Registry {
     ///
     /// # Panics
     /// Where the dialect has 65,535 messages or more, which the definitions parser does not let through.
-    pub fn new(dialect: Dialect) -> Self {
+    pub fn new(mut dialect: Dialect) -> Self {
+        let own = dialect.messages.len();
+        dialect.messages.append(&mut dialect.others);
         assert!(dialect.messages.len() < usize::from(NO_MESSAGE), "too many messages in a dialect");
-        let pages = dialect.messages.iter().map(|m| page_of(m.id) + 1).max().unwrap_or(0);
+        let others = (own..).zip(&dialect.messages[own..]);
+        let mut others: Box<[_]> =
+            others.map(|(index, message)| (message.id, Entry::of(message, index))).collect();
+        others.sort_unstable_by_key(|(msgid, entry)| (*msgid, entry.crc_extra));
+        let own_messages = &dialect.messages[..own];
+        let pages = own_messages.iter().map(|m| page_of(m.id) + 1).max().unwrap_or(0);
         let mut directory = vec![0; pages].into_boxed_slice();
         let mut entries = vec![EMPTY; PAGE];
-        for (index, message) in dialect.messages.iter().enumerate() {
+        for (index, message) in own_messages.iter().enumerate() {
             let page = &mut directory[page_of(message.id)];
             if *page == 0 {
                 *page = (entries.len() / PAGE) as u16;
                 entries.resize(entries.len() + PAGE, EMPTY);
             }
-            entries[usize::from(*page) * PAGE + message.id as usize % PAGE] = Entry {
-                index: index as u16,
-                crc_extra: message.crc_extra,
-                min_len: message.min_len,
-                max_len: message.max_len,
-            };
+            entries[usize::from(*page) * PAGE + message.id as usize % PAGE] =
+                Entry::of(message, index);
         }
         let (entries, boot_times) = (entries.into_boxed_slice(), OnceLock::new());
-        Self { dialect, directory, entries, boot_times }
+        Self { dialect, own, others, directory, entries, boot_times }
     }
 
     /// Where its messages say how long their sender has been running.
@@ -69,9 +87,21 @@ impl Registry {
         self.boot_times.get_or_init(|| BootTimes::of(&self.dialect))
     }
 
-    /// The dialect.
+    /// The dialect. Its messages are the own ones, and behind them the layouts of other definitions.
     pub fn dialect(&self) -> &Dialect {
         &self.dialect
+    }
+
+    /// The messages without the layouts of other definitions: each id once.
+    pub fn own_messages(&self) -> &[Message] {
+        &self.dialect.messages[..self.own]
+    }
+
+    /// The layout of a message id in another definition, whose `crc_extra` this is.
+    pub fn other(&self, msgid: u32, crc_extra: u8) -> Option<Entry> {
+        let key = (msgid, crc_extra);
+        let found = self.others.binary_search_by_key(&key, |(id, entry)| (*id, entry.crc_extra));
+        Some(self.others[found.ok()?].1)
     }
 
     /// The message with an id, if the dialect has it.
@@ -80,6 +110,12 @@ impl Registry {
         let page = usize::from(*self.directory.get(page_of(msgid))?);
         let entry = *self.entries.get(page * PAGE + msgid as usize % PAGE)?;
         (entry.index != NO_MESSAGE).then_some(entry)
+    }
+
+    /// The entry with an index; `None` for an index that is none of a message.
+    pub fn entry(&self, index: u16) -> Option<Entry> {
+        let message = self.dialect.messages.get(usize::from(index))?;
+        Some(Entry::of(message, index.into()))
     }
 
     /// The definition behind [`Entry::index`].
@@ -121,7 +157,8 @@ mod tests {
     #[test]
     fn extreme_and_repeated_ids() {
         let (name, wire_version) = ("edge".into(), WireVersion::V2);
-        let mut dialect = Dialect { name, wire_version, messages: vec![], enums: vec![] };
+        let mut dialect =
+            Dialect { name, wire_version, messages: vec![], others: vec![], enums: vec![] };
         assert_eq!(Registry::new(dialect.clone()).lookup(0), None);
         let last = (1 << 24) - 1;
         for (id, crc_extra) in [(last, 1), (0, 2), (last, 3)] {

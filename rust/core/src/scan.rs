@@ -10,9 +10,11 @@
 //!   such a frame.
 //!
 //! Both take linear time on any input in any chunking. See the `window` module for how re-scanning does it, the `unknown`
-//! module for what re-scanning makes of message ids that the dialect does not define, and the `signature` module for signed
-//! frames of a log that lost bytes where no checksum tells.
+//! module for what re-scanning makes of message ids that the dialect does not define, the `other` module for ids that the
+//! dialect defines in another way, and the `signature` module for signed frames of a log that lost bytes where no checksum
+//! tells.
 
+mod other;
 mod signature;
 mod unknown;
 mod window;
@@ -22,6 +24,7 @@ use crate::frame::{
 };
 use crate::registry::{Entry, Registry};
 use crate::x25;
+use other::{OtherDefinitions, fits};
 pub(crate) use signature::InLog;
 use signature::Signature;
 use unknown::UnknownIds;
@@ -45,7 +48,8 @@ pub enum Found {
         len: usize,
         /// Its header.
         header: Header,
-        /// The message definition; `None` for an unknown id, whose checksum nobody can verify.
+        /// The message definition. `None` for an unknown id, or a definition that nobody knows: its checksum cannot be
+        /// verified.
         entry: Option<Entry>,
     },
     /// Bytes that start no frame.
@@ -85,6 +89,7 @@ pub struct Scanner {
     pub ignore_checksum: bool,
     window: Window,
     unknown: UnknownIds,
+    other: OtherDefinitions,
     /// `None` for a stream.
     log: Option<InLog>,
     /// The front directly follows a good frame or the start of the stream.
@@ -99,6 +104,7 @@ impl Scanner {
             ignore_checksum: false,
             window: Window::default(),
             unknown: UnknownIds::default(),
+            other: OtherDefinitions::default(),
             log: None,
             in_sync: true,
         }
@@ -118,6 +124,7 @@ impl Scanner {
     pub fn reset(&mut self) {
         self.window = Window::default();
         self.unknown = UnknownIds::default();
+        self.other = OtherDefinitions::default();
         self.in_sync = true;
     }
 
@@ -339,27 +346,35 @@ impl Scanner {
     ) -> Verdict {
         let msgid = header.msgid;
         let entry = registry.lookup(msgid);
-        let accept = Verdict::Accept { len: header.frame_len(), header, entry };
+        let accept = |entry| Verdict::Accept { len: header.frame_len(), header, entry };
         if self.ignore_checksum {
-            return accept;
+            return accept(entry);
         }
         let body_end = at + header.len() + usize::from(header.payload_len);
         let received = u16::from_le_bytes([unread[body_end], unread[body_end + 1]]);
         let register = self.window.checksum(unread, at + 1, body_end);
-        let error = if let Some(Entry { crc_extra, .. }) = entry {
-            let calculated = x25::push(register, crc_extra);
-            if calculated == received {
-                return accept;
+        let error = match entry {
+            Some(Entry { crc_extra, .. }) => {
+                let calculated = x25::push(register, crc_extra);
+                if calculated == received {
+                    return accept(entry);
+                }
+                FrameError::BadChecksum { msgid, received, calculated }
             }
-            FrameError::BadChecksum { msgid, received, calculated }
-        } else {
-            let extra = x25::implied_extra(register, received);
-            let believe = |extra| self.unknown.believe(&header, extra, received, self.in_sync);
-            if extra.is_some_and(believe) {
-                return accept;
-            }
-            FrameError::ImplausibleUnknown { msgid }
+            None => FrameError::ImplausibleUnknown { msgid },
         };
+        let extra = x25::implied_extra(register, received);
+        let other = extra.and_then(|extra| registry.other(msgid, extra));
+        let other = other.filter(|other| fits(&header, other));
+        let is_believed = match extra {
+            Some(extra) if entry.is_none() || other.is_some() => {
+                self.unknown.believe(&header, extra, received, self.in_sync)
+            }
+            _ => entry.is_some() && self.other.believe(&header, extra, received),
+        };
+        if is_believed {
+            return accept(other);
+        }
         self.window.open(unread, at + 1, body_end);
         Verdict::Reject { error }
     }

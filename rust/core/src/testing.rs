@@ -128,6 +128,7 @@ pub(crate) fn registry() -> Registry {
             message(254, "DEBUG", 46, &debug, &[]),
             message(17000, "TEST_TYPES", 103, &test_types, &[]),
         ],
+        others: Vec::new(),
         enums: Vec::new(),
     })
 }

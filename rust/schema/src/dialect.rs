@@ -21,6 +21,8 @@ pub struct Dialect {
     pub wire_version: WireVersion,
     /// Messages in order.
     pub messages: Vec<Message>,
+    /// Layouts that message ids have in other definitions, told apart by `crc_extra`. No two messages have one name.
+    pub others: Vec<Message>,
     /// Enums in order, merged over files, without the synthetic `_ENUM_END` entries.
     pub enums: Vec<Enum>,
 }

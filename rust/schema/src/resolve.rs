@@ -1,7 +1,7 @@
 //! Files to a [`Dialect`]: includes gathered, enums merged, messages laid out, and everything checked that takes more
 //! than one file to judge.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use crate::definitions::{Definitions, MessageDef};
@@ -46,8 +46,43 @@ pub fn resolve(
         name: dialect_name(main).to_owned(),
         wire_version,
         messages: messages.laid_out,
+        others: Vec::new(),
         enums: enums.into_enums(),
     })
+}
+
+impl Dialect {
+    /// Adds layouts that ids have in other definitions. One with a name that is taken gets its `crc_extra` as a suffix.
+    ///
+    /// # Errors
+    /// A message that no frame can carry.
+    pub fn add_others(&mut self, definitions: Definitions) -> Result<(), SchemaError> {
+        let mut names: HashSet<_> = self.messages.iter().map(|one| one.name.clone()).collect();
+        let version = definitions.version.unwrap_or(DEFAULT_VERSION);
+        for message in definitions.messages {
+            let Some(message) = message.for_version(self.wire_version) else { continue };
+            let place = Place { file: definitions.name.as_str().into(), line: message.line };
+            let mut message = lay_out(message, version, &|_| false).map_err(|e| place.error(e))?;
+            if !names.insert(message.name.clone()) {
+                message.name = format!("{}_CRC{}", message.name, message.crc_extra);
+                names.insert(message.name.clone());
+            }
+            self.others.push(message);
+        }
+        Ok(())
+    }
+}
+
+impl MessageDef {
+    /// The message as frames of a wire version carry it, if they can.
+    fn for_version(mut self, wire_version: WireVersion) -> Option<Self> {
+        if wire_version == WireVersion::V1 {
+            self.fields.retain(|field| !field.is_extension);
+        }
+        let fits = wire_version == WireVersion::V2 || self.id <= MAX_V1_ID;
+        // Nothing is left of a message of extension fields alone.
+        (fits && !self.fields.is_empty()).then_some(self)
+    }
 }
 
 /// The messages so far, and who has which id and name.
@@ -70,17 +105,8 @@ impl Messages {
     fn add_file(&mut self, file: File, enums: &EnumMerger) -> Result<(), SchemaError> {
         let version = file.definitions.version.unwrap_or(DEFAULT_VERSION);
         let path: Rc<str> = file.path.into();
-        for mut message in file.definitions.messages {
-            if self.wire_version == WireVersion::V1 {
-                if message.id > MAX_V1_ID {
-                    continue;
-                }
-                message.fields.retain(|field| !field.is_extension);
-                // Nothing is left of a message of extension fields alone: no frame can carry it.
-                if message.fields.is_empty() {
-                    continue;
-                }
-            }
+        for message in file.definitions.messages {
+            let Some(message) = message.for_version(self.wire_version) else { continue };
             let place = Place { file: Rc::clone(&path), line: message.line };
             let name: Rc<str> = message.name.to_ascii_uppercase().into();
             self.add(message, &name, version, &place, enums)

@@ -63,12 +63,12 @@ fn wire_version(text: &str) -> PyResult<WireVersion> {
 
 impl Dialect {
     fn from_schema(dialect: mavwire_schema::Dialect) -> Self {
-        let count = dialect.messages.len();
-        let by_name = dialect.messages.iter().zip(0..).map(|(m, i)| (m.name.clone(), i)).collect();
+        let registry = Registry::new(dialect);
+        let messages = &registry.dialect().messages;
         Self {
-            registry: Arc::new(Registry::new(dialect)),
-            classes: (0..count).map(|_| OnceLock::new()).collect(),
-            by_name,
+            classes: messages.iter().map(|_| OnceLock::new()).collect(),
+            by_name: messages.iter().zip(0..).map(|(m, i)| (m.name.clone(), i)).collect(),
+            registry: Arc::new(registry),
             namespace: OnceLock::new(),
             make_class: OnceLock::new(),
             special: OnceLock::new(),
@@ -243,7 +243,7 @@ impl Dialect {
 
     /// `[(name, id), ...]` in the dialect's order.
     fn messages(&self) -> Vec<(&str, u32)> {
-        self.registry.dialect().messages.iter().map(|m| (m.name.as_str(), m.id)).collect()
+        self.registry.own_messages().iter().map(|m| (m.name.as_str(), m.id)).collect()
     }
 
     /// The message class of an upper-case name, or `KeyError`.
@@ -256,7 +256,7 @@ impl Dialect {
     fn add_constants(&self, namespace: &Bound<'_, PyDict>) -> PyResult<()> {
         let py = namespace.py();
         let dialect = self.registry.dialect();
-        for message in &dialect.messages {
+        for message in self.registry.own_messages() {
             namespace.set_item(format!("MAVLINK_MSG_ID_{}", message.name), message.id)?;
         }
         for definition in &dialect.enums {
