@@ -72,6 +72,12 @@ class LogColumns:
         """How many of them belong to no record."""
 
     @property
+    def unknown(self) -> dict[tuple[int, int] | None, int]:
+        """Messages so far that the dialect does not define: `{(message id, CRC_EXTRA): count}`, under None
+        those that are not listed. Empty where types are chosen.
+        """
+
+    @property
     def damage(self) -> str | None:
         """What is wrong with the compressed file."""
 
@@ -192,6 +198,10 @@ class Converter:
 
     def progress(self) -> tuple[int, int, str | None]:
         """Bytes dealt with, bytes that belong to no record, what is wrong with a compressed file."""
+
+    @property
+    def unknown(self) -> dict[tuple[int, int] | None, int]:
+        """The same as of `LogColumns`."""
 
 @final
 class DataflashTables:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from importlib import import_module
 from io import TextIOWrapper
@@ -113,10 +114,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     if getattr(command, "PASS_THROUGH", False) and arguments[:1] not in (["-h"], ["--help"]):
         return int(command.main(arguments))
     _prepare_streams()
-    with guarded_output():
+    with guarded_output(), warnings.catch_warnings():
+        warnings.showwarning = _tell_warning
         code = _guarded_main(name, command, arguments)
         _end_output()
         return code
+
+
+def _tell_warning(message: Warning | str, *_place: object) -> None:
+    tell(f"mavwire: {message}")
 
 
 def _guarded_main(name: str, command: Any, arguments: list[str]) -> int:

@@ -17,6 +17,7 @@ from .reading import read, scan
 from .scanning import scan_polars
 from .table import Table
 from .telemetry import TelemetryLog, open_log
+from .unknown import UnknownMessageWarning
 
 __all__ = [
     "DataflashLog",
@@ -24,6 +25,7 @@ __all__ = [
     "Query",
     "Table",
     "TelemetryLog",
+    "UnknownMessageWarning",
     "open_log",
     "read",
     "scan",

@@ -35,6 +35,7 @@ from .selection import Selection, separate_fields
 from .sources import check_run, file_status, open_converter
 from .staging import remove_left
 from .store import Store
+from .unknown import named
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -230,6 +231,7 @@ class Job:
                     self.progress(row.path, min(100.0, 100.0 * position / row.size))
             position, row.bad_bytes, row.error = converter.progress()
             check_run(source, row.path, position, row.bad_bytes, row.error)
+            row.unknown = named(converter.unknown)
             for written, rows in converter.commit():
                 row.files[os.path.relpath(written, self.out)] = rows
                 row.rows += rows

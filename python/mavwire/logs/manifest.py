@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 MANIFEST = "manifest.json"
 JOURNAL = "manifest.journal"
-VERSION = 1
+VERSION = 2
 BEGUN = "the conversion was interrupted"
 """The error of a log that is being converted."""
 
@@ -44,6 +44,8 @@ class Converted:
     rows: int = 0
     bad_bytes: int = 0
     """Bytes that belong to no record, which no file has."""
+    unknown: dict[str, int] = field(default_factory=dict)
+    """Messages that the dialect does not define, which no file has: `{"id 180 with CRC_EXTRA 5": messages}`."""
     files: dict[str, int] = field(default_factory=dict)
     """`{path below OUT: rows}`."""
     error: str | None = None
@@ -208,6 +210,7 @@ _ROW = {
     "mtime_ns": int,
     "rows": int,
     "bad_bytes": int,
+    "unknown": dict,
     "files": dict,
     "error": str | None,
 }

@@ -22,6 +22,7 @@ from .selection import Selection, names_of, separate_fields, several
 from .sources import check_run, columns_from, is_dataflash, open_dataflash, read_dataflash
 from .table import Table, tidy
 from .targets import A_DEVICE, A_FOLDER, A_PIPE
+from .unknown import warn_unknown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -174,9 +175,10 @@ def tables_of(
 
 def check_records(run: LogColumns, path: str, source: Source | None = None) -> None:
     """Raise LogFormatError where a run over a file found no record, and it is no log cut off in its
-    first one.
+    first one. Warn of messages that the dialect does not define.
     """
     check_run(path if source is None else source, path, run.position, run.bad_bytes, run.damage)
+    warn_unknown(run.unknown, path)
 
 
 @takes(Query, "systems", "fields", "start", "end")

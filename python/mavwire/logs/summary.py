@@ -94,6 +94,10 @@ class LogInfo:
     """Messages that are signed."""
     damage: str | None = field(default=None)
     """What is wrong with the compressed file; everything before that is counted."""
+    unknown: dict[tuple[int, int] | None, int] = field(default_factory=dict)
+    """Messages that the dialect does not define: `{(id, CRC_EXTRA): count}`, under None those of further
+    kinds. `types` has them as UNKNOWN_<id>.
+    """
 
     @property
     def messages(self) -> int:

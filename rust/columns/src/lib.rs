@@ -36,6 +36,7 @@ pub mod table;
 mod tables;
 pub mod text_encoding;
 pub mod units;
+pub mod unknown;
 
 pub use arrow;
 pub use error::Error;

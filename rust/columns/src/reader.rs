@@ -15,6 +15,7 @@ use crate::row_block::Rest;
 use crate::scan::{Framing, LogScanner, Scanned};
 use crate::select::Wanted;
 use crate::table::Expected;
+use crate::unknown::UnknownCounts;
 
 /// When a table's rows become a record batch.
 #[derive(Debug, Clone, Copy)]
@@ -85,6 +86,11 @@ pub trait Decode: Send {
 
     /// What is wrong with the compressed file, of which everything before that was read.
     fn damage(&self) -> Option<&str>;
+
+    /// The messages so far that the dialect does not know. None where types are chosen, or the log describes its own.
+    fn unknown(&self) -> UnknownCounts {
+        UnknownCounts::default()
+    }
 }
 
 /// A telemetry log being decoded.
@@ -97,6 +103,8 @@ pub struct Reader {
     /// Bytes of the log, decompressed, that are dealt with.
     position: u64,
     bad_bytes: u64,
+    /// `None` where types are chosen.
+    unknown: Option<UnknownCounts>,
     size: u64,
 }
 
@@ -115,10 +123,11 @@ impl Reader {
         limits: Limits,
     ) -> Result<Self, Error> {
         let (blocks, framing) = Blocks::framed(source, framing, &registry, steps.block)?;
+        let unknown = wanted.types.is_none().then(UnknownCounts::default);
         let decoder = Decoder::new(Arc::clone(&registry), framing, wanted, options, limits);
         let scanner = LogScanner::new(registry, framing).with_stretch(steps.stretch);
         let (rest, position, bad_bytes, size) = Default::default();
-        Ok(Self { blocks, scanner, framing, decoder, rest, position, bad_bytes, size })
+        Ok(Self { blocks, scanner, framing, decoder, rest, position, bad_bytes, unknown, size })
     }
 
     /// Says how many bytes the log has, or may have: tables get room for the rows that are to be expected.
@@ -136,6 +145,10 @@ impl Decode for Reader {
 
     fn bad_bytes(&self) -> u64 {
         self.bad_bytes
+    }
+
+    fn unknown(&self) -> UnknownCounts {
+        self.unknown.clone().unwrap_or_default()
     }
 
     fn is_within_block(&self) -> bool {
@@ -158,11 +171,14 @@ impl Decode for Reader {
             self.rest = Some(rest);
             return batches.map(Some);
         }
-        let Self { blocks, scanner, decoder, rest, .. } = self;
+        let Self { blocks, scanner, decoder, rest, unknown, .. } = self;
         let (position, size) = (self.position, self.size);
         let read = blocks.next(|block, at_end| {
             let scanned = scanner.scan(block, at_end);
             let consumed = scanned.consumed;
+            if let Some(unknown) = unknown {
+                scanned.unknown.iter().for_each(|&kind| unknown.add(kind));
+            }
             let done = (position + consumed as u64) as f64 / size as f64;
             let mut portions = decoder.portions(&scanned);
             let first = portions.next();

@@ -14,6 +14,7 @@ use crate::error::Error;
 use crate::input::Blocks;
 use crate::scan::{Framing, LogScanner, Scanned, UNKNOWN, header_at};
 use crate::sequence::{Heard, Sequence};
+use crate::unknown::UnknownCounts;
 
 /// Places that are listed; beyond that they are only counted, since whoever makes a log chooses their number.
 const MOST_LISTED: usize = 1000;
@@ -84,6 +85,8 @@ pub struct Summary {
     pub types: Vec<Count>,
     /// By id, those that the dialect does not have.
     pub unknown: BTreeMap<u32, Count>,
+    /// The same messages by id and `crc_extra`.
+    pub unknown_kinds: UnknownCounts,
     /// Messages of further unknown ids.
     pub unlisted: u64,
     /// By system and component.
@@ -154,6 +157,7 @@ impl Summary {
             let boot = registry.boot_times().millis(record.index, payload);
             self.add_record(record.index, &header, moment, boot);
         }
+        scanned.unknown.iter().for_each(|&kind| self.unknown_kinds.add(kind));
         self.distrusted += scanned.distrusted.len() as u64;
         self.add_bad(&scanned.bad);
         self.bytes += scanned.consumed as u64;

@@ -365,7 +365,7 @@ impl Scanner {
         };
         let extra = x25::implied_extra(register, received);
         let other = extra.and_then(|extra| registry.other(msgid, extra));
-        let other = other.filter(|other| fits(&header, other));
+        let other = other.filter(|&other| fits(&header, other));
         let is_believed = match extra {
             Some(extra) if entry.is_none() || other.is_some() => {
                 self.unknown.believe(&header, extra, received, self.in_sync)

@@ -21,6 +21,7 @@ from mavwire.cli._foreign import warn_without_records
 from mavwire.cli._progress import Progress
 from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._values import split, systems_of, time_of
+from mavwire.logs.unknown import unknown_text
 
 if TYPE_CHECKING:
     from mavwire.logs.manifest import Converted
@@ -93,6 +94,8 @@ def main(args: argparse.Namespace) -> int:
             failed += not row.skipped  # what is damaged is damaged for ever
             hint = "" if _is_fleet(args) else _hint(row.path, args.logs)
             tell(f"mavwire convert: {row.path}: {row.error}{hint}")
+        if row.unknown and not row.skipped:
+            tell(f"mavwire convert: {row.path}: left out {unknown_text(row.unknown)}")
         nothing = not row.files and (row.error is not None or undescribed)
         if not args.quiet and not nothing:
             done = "converted before" if row.skipped else "converted"

@@ -26,6 +26,7 @@ from mavwire.cli._progress import Progress
 from mavwire.cli._reading import STANDARD_INPUT, definitions, standard_input
 from mavwire.dialects import UPSTREAM
 from mavwire.logs.selection import DAY, YEAR
+from mavwire.logs.unknown import named, unknown_text
 
 if TYPE_CHECKING:
     from mavwire.logs.summary import LogInfo
@@ -120,6 +121,7 @@ def _places(info: LogInfo) -> dict[str, Any]:
         "times_back": info.times_back,
         "times_forward": info.times_forward,
         "bad": info.bad,
+        "unknown": named(info.unknown),
     }
 
 
@@ -183,6 +185,8 @@ def _mavlink(info: LogInfo) -> str:
 
 def _place_lines(info: LogInfo) -> list[str]:
     lines = []
+    if info.unknown:
+        lines.append(f"  unknown  {unknown_text(named(info.unknown))}")
     if info.bad:
         places = ", ".join(f"{length:,} at {offset:,}" for offset, length in info.bad[:LISTED])
         more = ", ..." if info.bad_count > LISTED else ""

@@ -69,7 +69,7 @@ impl OtherDefinitions {
 }
 
 /// Whether a frame's payload can be one of a layout.
-pub(super) fn fits(header: &Header, entry: &Entry) -> bool {
+pub(super) fn fits(header: &Header, entry: Entry) -> bool {
     match header.version {
         WireVersion::V1 => header.payload_len == entry.min_len,
         WireVersion::V2 => header.payload_len <= entry.max_len,

@@ -1,5 +1,6 @@
 //! `LogColumns`: a log as tables, batch by batch; and `log_summary`, what is in it.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -10,6 +11,7 @@ use mavwire_columns::reader::{Batch, Decode, Limits, Reader};
 use mavwire_columns::scan::Framing;
 use mavwire_columns::select::Wanted;
 use mavwire_columns::summary::{Count, Sender, Summary};
+use mavwire_columns::unknown::UnknownCounts;
 use mavwire_io::files;
 use mavwire_io::memory::Freed;
 use pyo3::exceptions::PyValueError;
@@ -204,11 +206,24 @@ impl LogColumns {
         py.detach(|| self.with(|reader| reader.bad_bytes()))
     }
 
+    /// `{(message id, CRC_EXTRA): messages}` that the dialect does not know; under `None` those that are not listed.
+    #[getter]
+    fn unknown(&self, py: Python<'_>) -> BTreeMap<Option<(u32, u8)>, u64> {
+        unknown_counts(&py.detach(|| self.with(|reader| reader.unknown())))
+    }
+
     /// What is wrong with the compressed file; `None` for nothing.
     #[getter]
     fn damage(&self, py: Python<'_>) -> Option<String> {
         py.detach(|| self.with(|reader| reader.damage().map(str::to_owned)))
     }
+}
+
+/// Messages that the dialect does not know, by id and `crc_extra`.
+pub(crate) fn unknown_counts(counts: &UnknownCounts) -> BTreeMap<Option<(u32, u8)>, u64> {
+    let listed = counts.listed.iter();
+    let listed = listed.map(|(kind, &count)| (Some((kind.msgid, kind.crc_extra)), count));
+    listed.chain((counts.unlisted > 0).then_some((None, counts.unlisted))).collect()
 }
 
 /// A table without rows of a message, with the columns that `query` asks for.
@@ -288,6 +303,7 @@ pub(crate) fn summary_dict<'py>(
     dict.set_item("count", count_row(&sum.count))?;
     dict.set_item("types", types)?;
     dict.set_item("unlisted", sum.unlisted)?;
+    dict.set_item("unknown", unknown_counts(&sum.unknown_kinds))?;
     dict.set_item("senders", senders)?;
     dict.set_item("gaps", &sum.gaps)?;
     dict.set_item("gap_count", sum.gap_count)?;

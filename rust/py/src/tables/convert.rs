@@ -1,6 +1,7 @@
 //! `Converter`: the tables of a log into files without the interpreter; and `write_table` and `csv_safe`.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
@@ -17,7 +18,7 @@ use pyo3::prelude::*;
 
 use crate::dialect::registry::Dialect;
 use crate::python::error::Result;
-use crate::tables::columns::{Query, bytes_of};
+use crate::tables::columns::{Query, bytes_of, unknown_counts};
 use crate::tables::convert_output::Output;
 use crate::tables::source::Source;
 use crate::tables::table::RecordBatches;
@@ -169,6 +170,13 @@ impl Converter {
     /// Removes what was written.
     fn abandon(&self, py: Python<'_>) {
         py.detach(|| self.with(|work| drop(work.take())));
+    }
+
+    /// `{(message id, CRC_EXTRA): messages}` so far that the dialect does not know.
+    #[getter]
+    fn unknown(&self, py: Python<'_>) -> BTreeMap<Option<(u32, u8)>, u64> {
+        let counts = |work: &mut Option<Work>| work.as_ref().map(|work| work.reader.unknown());
+        unknown_counts(&py.detach(|| self.with(counts)).unwrap_or_default())
     }
 
     /// Bytes of the log dealt with, bytes that belong to no record, and what is wrong with the compressed file.
