@@ -117,6 +117,7 @@ class EndpointOptions:
     urgent: list[int] = field(default_factory=list)
     queue: int = 256 * 1024
     datagram: int = MAX_FRAME_LEN
+    forward_unverified: bool = False
     peer_timeout: float = 60.0
     retry: float | None = 8.0
 
@@ -130,7 +131,7 @@ def endpoint_options(
     """
     known = {
         "name", "group", "private", "sniffer", "bytes_per_second", "rate", "rates", "queue_bytes",
-        "datagram_bytes", "peer_timeout", "retry", "urgent", "read_only", "silent",
+        "datagram_bytes", "forward_unverified", "peer_timeout", "retry", "urgent", "read_only", "silent",
         *BORDER_OPTIONS, *AUTOMATION_OPTIONS,
         *(f"{verb}_{what}_{way}" for verb in ("allow", "block") for what in _LISTS
           for way in _DIRECTIONS),
@@ -151,6 +152,7 @@ def endpoint_options(
         group=None if options.get("group") is None else text("group", options["group"]),
         private=flag("private", options.get("private", False)),
         sniffer=flag("sniffer", options.get("sniffer", False)),
+        forward_unverified=flag("forward_unverified", options.get("forward_unverified", False)),
         inbound=_filter(options, "in", "read_only", message_ids),
         outbound=_filter(options, "out", "silent", message_ids),
         border=border_from(options, message_ids),

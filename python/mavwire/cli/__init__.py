@@ -121,7 +121,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return code
 
 
-def _tell_warning(message: Warning | str, *_place: object) -> None:
+def _tell_warning(message: Warning | str, *_place: object, **_options: object) -> None:
     tell(f"mavwire: {message}")
 
 

@@ -45,6 +45,7 @@ mod tests {
     use super::*;
     use crate::registry::Registry;
     use mavwire_schema::Reason;
+    use std::collections::HashSet;
 
     #[test]
     fn every_dialect_resolves_for_both_versions() {
@@ -71,6 +72,24 @@ mod tests {
         {
             let entry = registry.as_ref().map(|registry| registry.lookup(msgid));
             assert_eq!(entry.map(|entry| entry.map(|e| e.crc_extra)), Ok(Some(crc_extra)));
+        }
+    }
+
+    #[test]
+    fn earlier_layouts_have_names_of_their_own() {
+        for version in [WireVersion::V1, WireVersion::V2] {
+            let dialect = dialect(UPSTREAM, version).expect("it comes with the crate");
+            let count = dialect.others.len();
+            assert!(count > 150, "{count}");
+            let registry = Registry::new(dialect);
+            let messages = &registry.dialect().messages;
+            let names: HashSet<_> = messages.iter().map(|message| &message.name).collect();
+            assert_eq!(names.len(), messages.len());
+            let others = &messages[registry.own_messages().len()..];
+            assert!(others.iter().all(|one| {
+                let found = registry.other(one.id, one.crc_extra);
+                found.is_some_and(|entry| registry.message(entry.index).name == one.name)
+            }));
         }
     }
 

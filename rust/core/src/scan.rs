@@ -87,6 +87,9 @@ pub struct Scanner {
     policy: Resync,
     /// Deliver frames of known messages whatever their checksum.
     pub ignore_checksum: bool,
+    /// Under `Rescan`, deliver frames of known ids too whose checksum some other `crc_extra` explains, by the rules for
+    /// unknown ids.
+    pub accept_unverified: bool,
     window: Window,
     unknown: UnknownIds,
     other: OtherDefinitions,
@@ -102,6 +105,7 @@ impl Scanner {
         Self {
             policy,
             ignore_checksum: false,
+            accept_unverified: false,
             window: Window::default(),
             unknown: UnknownIds::default(),
             other: OtherDefinitions::default(),
@@ -367,7 +371,7 @@ impl Scanner {
         let other = extra.and_then(|extra| registry.other(msgid, extra));
         let other = other.filter(|&other| fits(&header, other));
         let is_believed = match extra {
-            Some(extra) if entry.is_none() || other.is_some() => {
+            Some(extra) if entry.is_none() || other.is_some() || self.accept_unverified => {
                 self.unknown.believe(&header, extra, received, self.in_sync)
             }
             _ => entry.is_some() && self.other.believe(&header, extra, received),

@@ -35,6 +35,13 @@ impl FrameStream {
         Self { scanner: Scanner::new(policy), buffer: Vec::new(), start: 0 }
     }
 
+    /// See [`Scanner::accept_unverified`].
+    #[must_use]
+    pub fn with_unverified(mut self, accept: bool) -> Self {
+        self.scanner.accept_unverified = accept;
+        self
+    }
+
     /// Appends received bytes.
     pub fn push(&mut self, bytes: &[u8]) {
         self.compact();

@@ -52,7 +52,8 @@ pub fn resolve(
 }
 
 impl Dialect {
-    /// Adds layouts that ids have in other definitions. One with a name that is taken gets its `crc_extra` as a suffix.
+    /// Adds layouts that ids have in other definitions. One with a name that is taken gets its `crc_extra` as a suffix, and
+    /// its id if that is not enough.
     ///
     /// # Errors
     /// A message that no frame can carry.
@@ -63,10 +64,12 @@ impl Dialect {
             let Some(message) = message.for_version(self.wire_version) else { continue };
             let place = Place { file: definitions.name.as_str().into(), line: message.line };
             let mut message = lay_out(message, version, &|_| false).map_err(|e| place.error(e))?;
-            if !names.insert(message.name.clone()) {
-                message.name = format!("{}_CRC{}", message.name, message.crc_extra);
-                names.insert(message.name.clone());
+            for suffix in [format!("_CRC{}", message.crc_extra), format!("_ID{}", message.id)] {
+                if names.contains(&message.name) {
+                    message.name += &suffix;
+                }
             }
+            names.insert(message.name.clone());
             self.others.push(message);
         }
         Ok(())

@@ -71,9 +71,9 @@ VALUES = st.recursive(
 TABLES: dict[str, tuple[list[str], list[str]]] = {
     "[[link]]": (
         ['endpoint = "udpin:127.0.0.1:0"'],
-        ["name", "group", "private", "sniffer", "bytes_per_second", "rate", "rates", "queue_bytes", "datagram_bytes",
-         "peer_timeout", "retry", "urgent", "read_only", "silent", "allow_messages_in", "block_messages_out",
-         "allow_systems_in", "block_components_out", *BORDER_OPTIONS, *AUTOMATION_OPTIONS],
+        ["name", "group", "private", "sniffer", "forward_unverified", "bytes_per_second", "rate", "rates", "queue_bytes",
+         "datagram_bytes", "peer_timeout", "retry", "urgent", "read_only", "silent", "allow_messages_in",
+         "block_messages_out", "allow_systems_in", "block_components_out", *BORDER_OPTIONS, *AUTOMATION_OPTIONS],
     ),
     "[record]": (['directory = "x"'], ["max_bytes", "max_age", "flush_interval"]),
     "[[sink]]": (['address = "mqtt:h"'], ["topic", "username", "password_file", "rate", "name", "format"]),

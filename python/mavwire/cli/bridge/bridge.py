@@ -55,6 +55,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     add("--out", help="a link too: the word for a ground station's", **link)
     add("--config", metavar="FILE", help="links and options: TOML, or mavlink-router's main.conf")
     add = parser.add_argument_group("routing").add_argument
+    add("--dialect", metavar="NAME", help="dialect or XML file [default: upstream]")
+    add(
+        "--forward-unverified", action="store_true",
+        help="let the links named here forward frames whose definition differs from the dialect's",
+    )
     add(
         "--dedup", type=duration, metavar="T",
         help="drop copies that arrive over another link within this time; 0 for none [default: 500ms]",
@@ -145,12 +150,14 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
         for warning in config.warnings:
             tell(f"mavwire bridge: warning: {warning}")
         for text in [*args.master, *args.out, *args.endpoints]:
-            config.links.append((repr(text), parse_endpoint(text), {}))
+            options = {"forward_unverified": True} if args.forward_unverified else {}
+            config.links.append((repr(text), parse_endpoint(text), options))
         if not config.links:
             raise CommandError("nothing to route: name endpoints, or --config FILE", 2)
         for name in ("dedup", "max_age", "sniffer_sysid"):
             if getattr(args, name) is not None:
                 config.settings[name] = getattr(args, name)
+        config.dialect = args.dialect or config.dialect
         _add_options(config, args)
         if args.json is not None:
             seconds("--json", args.json, least=1e-3)

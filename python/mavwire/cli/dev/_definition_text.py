@@ -14,7 +14,11 @@ WIDTH = 100
 
 
 def describe(module: Any, name: str) -> str:
-    """What the dialect module has under `name`, in any letter case; CommandError if there is nothing."""
+    """What the dialect module has under `name`, in any letter case, or under a message id. CommandError if there is
+    nothing.
+    """
+    if name.isdecimal() and int(name) in module.mavlink_map:
+        return _message(module.mavlink_map[int(name)])
     wanted = name.upper()
     messages = {cls.msgname: cls for cls in module.mavlink_map.values()}
     entries = {

@@ -7,6 +7,7 @@ removes it.
 
 examples:
   mavwire definitions show ATTITUDE
+  mavwire definitions show 30
   mavwire definitions show MAV_STATE
   mavwire definitions show NAV_TAKEOFF
 """
@@ -20,7 +21,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from mavwire.cli._errors import CommandError
-from mavwire.dialects import _sources
+from mavwire.dialects import UPSTREAM, _sources
 from mavwire.dialects._descriptions import stored_folder
 
 
@@ -28,9 +29,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     """`show NAME`, `sync DIR`, `status` or `clear`."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     show = actions.add_parser("show", help="fields of a message, values of an enum, a command")
-    show.add_argument("name", help="its name, in any letter case; commands also without MAV_CMD_")
     show.add_argument(
-        "--dialect", default="ardupilotmega", help="whose definitions (default: %(default)s)"
+        "name", help="its name in any letter case, a command without MAV_CMD_, or a message id"
+    )
+    show.add_argument(
+        "--dialect", default=UPSTREAM, help="whose definitions (default: %(default)s)"
     )
     sync = actions.add_parser("sync", help="store the *.xml files of a folder")
     sync.add_argument("folder", type=Path, help="folder with *.xml, or one above v1.0/")

@@ -118,6 +118,8 @@ pub struct PortSpec {
     pub queue: usize,
     /// Frames that wait together share a datagram up to so many bytes; 0 for one frame in each.
     pub datagram: usize,
+    /// Forward arriving frames of known ids whose checksum is that of another definition.
+    pub forward_unverified: bool,
 }
 
 /// A connected stream.

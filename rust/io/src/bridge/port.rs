@@ -94,13 +94,14 @@ impl Port {
         border: Option<Border>,
         now: u64,
     ) -> Self {
+        let stream = FrameStream::new(Resync::Rescan).with_unverified(spec.forward_unverified);
         Self {
             id,
             link,
             peer: None,
             origin: None,
             wire,
-            stream: Some(Box::new(FrameStream::new(Resync::Rescan))),
+            stream: Some(Box::new(stream)),
             outbox: Outbox::new(spec.queue, spec.datagram),
             heard: now,
             blocked: false,

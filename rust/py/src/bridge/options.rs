@@ -197,6 +197,7 @@ pub(crate) struct LinkOption {
     urgent: Vec<u32>,
     queue: usize,
     datagram: usize,
+    forward_unverified: bool,
     peer_timeout: f64,
     retry: Option<f64>,
 }
@@ -225,6 +226,7 @@ impl LinkOption {
                 automation: self.automation.into_automation()?,
                 queue: self.queue,
                 datagram: self.datagram,
+                forward_unverified: self.forward_unverified,
             },
             peer_timeout: seconds("peer_timeout", self.peer_timeout)?,
             retry: self.retry.map(|retry| seconds("retry", retry)).transpose()?,

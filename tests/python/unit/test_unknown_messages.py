@@ -1,0 +1,109 @@
+"""Messages that the dialect does not define are counted and named; earlier layouts of an id are messages."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+
+import mavwire
+import pytest
+from mavwire import cli
+from mavwire.dialects.v20 import all as mavlink
+from mavwire.dialects.v20 import upstream
+from mavwire.logs import UnknownMessageWarning
+from mavwire.logs.conversion import convert
+from mavwire.logs.manifest import MANIFEST
+
+T0 = 1_700_000_000_000_000
+KIND = "id 180 with CRC_EXTRA 5"
+
+
+def frame(msgid: int, crc_extra: int, payload: bytes, seq: int) -> bytes:
+    """A frame of version 1."""
+    body = bytes([len(payload), seq, 1, 1, msgid]) + payload
+    return b"\xfe" + body + mavlink.x25crc(body + bytes([crc_extra])).crc.to_bytes(2, "little")
+
+
+def write(path: Path, *frames: bytes) -> Path:
+    path.write_bytes(b"".join((T0 + at).to_bytes(8, "big") + one for at, one in enumerate(frames)))
+    return path
+
+
+@pytest.fixture
+def vendor(tmp_path: Path) -> Path:
+    """Heartbeats, each with a message of id 180 as a vendor defined it."""
+    mav = mavlink.MAVLink(None, srcSystem=1)
+    heartbeat = mavlink.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)
+    frames = [
+        one
+        for seq in range(20)
+        for one in (heartbeat.pack(mav), frame(180, 5, bytes([seq, 0, 60]), seq))
+    ]
+    return write(tmp_path / "vendor.tlog", *frames)
+
+
+def test_convert_counts_them(
+    vendor: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert cli.main(["convert", str(vendor), "-o", str(out)]) == 0
+    told = capsys.readouterr().err
+    assert f"left out 17 messages that the dialect does not define (17 of {KIND})" in told
+    (row,) = json.loads((out / MANIFEST).read_text())["logs"]
+    assert row["unknown"] == {KIND: 17}
+
+
+def test_types_that_are_chosen_leave_nothing_out(vendor: Path, tmp_path: Path) -> None:
+    (row,) = convert([vendor], tmp_path / "out", types=["HEARTBEAT"])
+    assert row.unknown == {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(mavwire.read(vendor, "HEARTBEAT")["HEARTBEAT"]) == 20
+
+
+def test_read_and_scan_warn(vendor: Path) -> None:
+    with pytest.warns(UnknownMessageWarning, match=f"17 of {KIND}"):
+        assert mavwire.read(vendor).keys() == {"HEARTBEAT"}
+    with pytest.warns(UnknownMessageWarning, match="vendor.tlog"):
+        assert [table.name for table in mavwire.scan(vendor)] == ["HEARTBEAT"]
+
+
+def test_info_says_which(vendor: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    info = mavwire.open_log(vendor).info()
+    assert info.unknown == {(180, 5): 17}
+    assert info.types["UNKNOWN_180"].messages == 17
+    assert cli.main(["info", str(vendor)]) == 0
+    assert f"17 messages that the dialect does not define (17 of {KIND})" in capsys.readouterr().out
+    cli.main(["info", "--json", str(vendor)])
+    assert json.loads(capsys.readouterr().out)["unknown"] == {KIND: 17}
+
+
+def test_parts_of_a_log_are_one_row_of_the_fleet() -> None:
+    from mavwire.logs.unknown import named, unknown_text
+
+    counts = {(1000 + one, 7): 10 - one for one in range(10)}
+    assert unknown_text(named(counts)).startswith(
+        "55 messages that the dialect does not define (10 of id 1000 with CRC_EXTRA 7, 9 of id 1001"
+    )
+    assert "3 others)" in unknown_text(named(counts))
+    assert named({None: 3, (5, 6): 1}) == {"other kinds": 3, "id 5 with CRC_EXTRA 6": 1}
+
+
+def test_an_earlier_layout_is_a_message(tmp_path: Path) -> None:
+    """CAMERA_SETTINGS had eight more fields until 2018, with CRC_EXTRA 8."""
+    names = {name for name, msgid in upstream.MAVLink(None)._dialect.messages() if msgid == 149}
+    assert names == {"LANDING_TARGET"}
+    payload = bytes(range(25))
+    path = write(tmp_path / "old.tlog", *(frame(149, 15, payload, seq) for seq in range(5)))
+    ((name, table),) = mavwire.read(path).items()
+    assert (name, len(table)) == ("SETPOINT_6DOF", 5)
+    assert table["target_system"].tolist() == [24] * 5
+    messages = list(mavwire.open_log(path))
+    assert [msg.get_type() for msg in messages] == ["SETPOINT_6DOF"] * 5
+    assert messages[0].target_system == 24
+
+
+def test_a_layout_whose_name_is_taken_has_another_name(tmp_path: Path) -> None:
+    path = write(tmp_path / "old.tlog", *(frame(36, 242, bytes(21), seq) for seq in range(3)))
+    assert [*mavwire.read(path)] == ["SERVO_OUTPUT_RAW_CRC242"]
