@@ -22,6 +22,15 @@ if TYPE_CHECKING:
     from mavwire._stubs.mavutil import ReceivedMessage
 
 
+def _of_target(name: str, doc: str) -> Any:
+    """A property that is an attribute of the target's state."""
+    return property(
+        lambda self: getattr(self.sysid_state[self.sysid], name),
+        lambda self, value: setattr(self.sysid_state[self.sysid], name, value),
+        doc=doc,
+    )
+
+
 class Target:
     """The properties and look-ups of `mavfile` that concern its target."""
 
@@ -131,41 +140,10 @@ class Target:
         # A clock that was set back must not make messages younger than new.
         return max(now - float(msg._timestamp), 0.0)
 
-    @property
-    def flightmode(self) -> str:
-        """The target's flight mode by name."""
-        return self.sysid_state[self.sysid].flightmode
-
-    @flightmode.setter
-    def flightmode(self, value: str) -> None:
-        self.sysid_state[self.sysid].flightmode = value
-
-    @property
-    def vehicle_type(self) -> str:
-        """A free text that programs keep per system."""
-        return self.sysid_state[self.sysid].vehicle_type
-
-    @vehicle_type.setter
-    def vehicle_type(self, value: str) -> None:
-        self.sysid_state[self.sysid].vehicle_type = value
-
-    @property
-    def mav_type(self) -> int:
-        """The target's MAV_TYPE; fixed wing until a heartbeat says otherwise."""
-        return self.sysid_state[self.sysid].mav_type
-
-    @mav_type.setter
-    def mav_type(self, value: int) -> None:
-        self.sysid_state[self.sysid].mav_type = value
-
-    @property
-    def base_mode(self) -> int:
-        """The base mode that `set_mode_flag` starts from."""
-        return self.sysid_state[self.sysid].base_mode
-
-    @base_mode.setter
-    def base_mode(self, value: int) -> None:
-        self.sysid_state[self.sysid].base_mode = value
+    flightmode: str = _of_target("flightmode", "The target's flight mode by name.")
+    vehicle_type: str = _of_target("vehicle_type", "A free text that programs keep per system.")
+    mav_type: int = _of_target("mav_type", "The target's MAV_TYPE; at first fixed wing.")
+    base_mode: int = _of_target("base_mode", "The base mode that `set_mode_flag` starts from.")
 
     def param(self, name: str, default: Any = None) -> Any:
         """The target's parameter `name`, or `default` while it is unknown."""

@@ -13,6 +13,7 @@ from . import state
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Any
 
     from mavwire._native import Message
@@ -48,43 +49,30 @@ class mavfile_state(SystemState):
         _name_waypoint_class(mavlink)
 
 
+def _forgetting(name: str) -> Callable[..., Any]:
+    """A method of dict that makes links look their states up again."""
+    change = getattr(dict, name)
+
+    def method(self: Any, *args: Any, **kwargs: Any) -> Any:
+        result = change(self, *args, **kwargs)
+        forget_states()
+        return result
+
+    return method
+
+
 class SystemStates(dict[int, mavfile_state]):
     """`sysid_state` of a link: system id -> state. Links keep the states they found at hand, and
     are told when that may no longer be right."""
 
-    def __setitem__(self, sysid: int, state: mavfile_state) -> None:
-        super().__setitem__(sysid, state)
-        forget_states()
-
-    def __delitem__(self, sysid: int) -> None:
-        super().__delitem__(sysid)
-        forget_states()
-
-    def pop(self, *args: Any) -> Any:
-        """As dict.pop."""
-        state = super().pop(*args)
-        forget_states()
-        return state
-
-    def popitem(self) -> Any:
-        """As dict.popitem."""
-        item = super().popitem()
-        forget_states()
-        return item
-
-    def clear(self) -> None:
-        """As dict.clear."""
-        super().clear()
-        forget_states()
-
-    def update(self, *args: Any, **kwargs: Any) -> None:
-        """As dict.update."""
-        super().update(*args, **kwargs)
-        forget_states()
-
-    def __ior__(self, other: Any) -> SystemStates:  # type: ignore[override,misc]
-        self.update(other)
-        return self
+    if not TYPE_CHECKING:
+        __setitem__ = _forgetting("__setitem__")
+        __delitem__ = _forgetting("__delitem__")
+        __ior__ = _forgetting("__ior__")
+        pop = _forgetting("pop")
+        popitem = _forgetting("popitem")
+        clear = _forgetting("clear")
+        update = _forgetting("update")
 
 
 class param_state:
