@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import dataclass
 from typing import Any
 
 from ._ftp.wire import HEADER as _HEADER
@@ -27,28 +28,18 @@ OP_Ack = 128
 OP_Nack = 129
 
 
+@dataclass(eq=False, repr=False)
 class FTP_OP:
     """A packet: its header and, in `payload`, the data behind it."""
 
-    def __init__(
-        self,
-        seq: int,
-        session: int,
-        opcode: int,
-        size: int,
-        req_opcode: int,
-        burst_complete: int,
-        offset: int,
-        payload: bytes | bytearray | None = None,
-    ) -> None:
-        self.seq = seq
-        self.session = session
-        self.opcode = opcode
-        self.size = size
-        self.req_opcode = req_opcode
-        self.burst_complete = burst_complete
-        self.offset = offset
-        self.payload = payload
+    seq: int
+    session: int
+    opcode: int
+    size: int
+    req_opcode: int
+    burst_complete: int
+    offset: int
+    payload: bytes | bytearray | None = None
 
     def pack(self) -> bytearray:
         """The packet as bytes, without padding."""
