@@ -136,49 +136,39 @@ default_native = False
 
 # Public names that load on first access: where they are defined.
 _LAZY = {
-    "mavchildexec": "mavwire.links.child",
-    "mavlogfile": "mavwire.links.tlog",
-    "mavmcast": "mavwire.links.mcast",
-    "mavmmaplog": "mavwire.links.mmaplog",
-    "mavserial": "mavwire.links.serial_port",
-    "mavtcp": "mavwire.links.tcp",
-    "mavtcpin": "mavwire.links.tcpin",
-    "mavudp": "mavwire.links.udp",
-    "mavuds": "mavwire.links.uds",
-    "mavwebsocket": "mavwire.links.websocket",
-    "mavwebsocket_client": "mavwire.links.websocket",
-    "MavlinkSerialPort": "mavwire.links.serial_control",
-    "SerialPort": "mavwire.links.serial_detect",
-    "auto_detect_serial": "mavwire.links.serial_detect",
-    "auto_detect_serial_unix": "mavwire.links.serial_detect",
-    "auto_detect_serial_win32": "mavwire.links.serial_detect",
-    "decode_bitmask": "mavwire.links.inspect_message",
-    "dump_message_unit_decoder": "mavwire.links.inspect_message",
-    "dump_message_verbose": "mavwire.links.inspect_message",
-    "x25crc": "mavwire.generator.mavcrc",
-    "allow_radio_status": "mavwire.links.signing",
-    "TimestampStore": "mavwire.links.timestamp_store",
-    "expanduser": "os.path",
-    "Any": "typing",
+    name: module
+    for module, names in {
+        "mavwire.links.child": "mavchildexec",
+        "mavwire.links.tlog": "mavlogfile",
+        "mavwire.links.mcast": "mavmcast",
+        "mavwire.links.mmaplog": "mavmmaplog",
+        "mavwire.links.serial_port": "mavserial",
+        "mavwire.links.tcp": "mavtcp",
+        "mavwire.links.tcpin": "mavtcpin",
+        "mavwire.links.udp": "mavudp",
+        "mavwire.links.uds": "mavuds",
+        "mavwire.links.websocket": "mavwebsocket mavwebsocket_client",
+        "mavwire.links.serial_control": "MavlinkSerialPort",
+        "mavwire.links.serial_detect": "SerialPort auto_detect_serial auto_detect_serial_unix "
+        "auto_detect_serial_win32",
+        "mavwire.links.inspect_message": "decode_bitmask dump_message_unit_decoder "
+        "dump_message_verbose",
+        "mavwire.links.signing": "allow_radio_status",
+        "mavwire.links.timestamp_store": "TimestampStore",
+        "mavwire.generator.mavcrc": "x25crc",
+        "os.path": "expanduser",
+        "typing": "Any",
+    }.items()
+    for name in names.split()
 }
+_STANDARD = "array copy errno fnmatch json math platform re select socket ssl struct".split()
 # Modules that pymavlink's mavutil shows as attributes, which programs have come to use.
 _LAZY_MODULES = {
     "all": "mavwire.dialects.v10.all",
     "ascii": "curses.ascii",
     "mavexpression": "mavwire.mavexpression",
-    "array": "array",
-    "copy": "copy",
-    "errno": "errno",
-    "fnmatch": "fnmatch",
-    "json": "json",
-    "math": "math",
-    "platform": "platform",
-    "re": "re",
-    "select": "select",
-    "socket": "socket",
-    "ssl": "ssl",
-    "struct": "struct",
     "time": "time",
+    **{name: name for name in _STANDARD},
 }
 # What module-level loops of pymavlink's leave behind.
 name = "MAV_TYPE_VTOL_TAILSITTER_QUADROTOR"
@@ -206,10 +196,7 @@ class _Mavutil(ReplaceableModule):
         name: _replace_natively(name) for name in ("time", "add_message")
     }
     _not_called: ClassVar[dict[str, str]] = {
-        **dict.fromkeys(
-            "array ascii copy errno fnmatch json math os platform re select socket ssl struct sys".split(),
-            IN_STANDARD_MODULE,
-        ),
+        **dict.fromkeys((*_STANDARD, "ascii", "os", "sys"), IN_STANDARD_MODULE),
         "u_ord": "bytes are numbers already",
     }
 
@@ -298,33 +285,14 @@ def mavlink_connection(
     of it, as pymavlink does. `retries` is how often a TCP or Unix domain link tries to connect at first,
     once at least, and `reconnect_delay` the seconds between attempts. Unknown keyword arguments go to the CSV reader.
     """
+    arguments = locals() | {"autoreconnect": autoreconnect or force_connected}
     from .links.connection import Options, connect
 
     if resync not in (None, "skip", "rescan"):
         raise ValueError(f"resync must be 'skip' or 'rescan', not {resync!r}")
     if dialect is not None:
         set_dialect(dialect)
-    options = Options(
-        opts,
-        baud=baud,
-        source_system=source_system,
-        source_component=source_component,
-        planner_format=planner_format,
-        write=write,
-        append=append,
-        robust_parsing=robust_parsing,
-        notimestamps=notimestamps,
-        input=input,
-        autoreconnect=autoreconnect or force_connected,
-        zero_time_base=zero_time_base,
-        retries=retries,
-        reconnect_delay=reconnect_delay,
-        use_native=use_native,
-        force_connected=force_connected,
-        progress_callback=progress_callback,
-        udp_timeout=udp_timeout,
-        resync=resync,
-    )
+    options = Options(**arguments)
     link: Connection = connect(device, options)
     if resync is not None and hasattr(link, "mav"):
         link.mav.resync = resync

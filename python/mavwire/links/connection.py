@@ -34,28 +34,13 @@ class Options:
     `opts` is what only the CSV reader knows.
     """
 
-    baud: int
-    source_system: int
-    source_component: int
-    planner_format: bool | None
-    write: bool
-    append: bool
-    robust_parsing: bool
-    notimestamps: bool
-    input: bool
-    autoreconnect: bool
-    zero_time_base: bool
-    retries: int
-    reconnect_delay: float
-    use_native: bool
-    force_connected: bool
-    progress_callback: Callable[[int], Any] | None
-    udp_timeout: float
-    resync: str | None
-
     def __init__(self, opts: dict[str, Any], **arguments: Any) -> None:
         self.opts = opts
         vars(self).update(arguments)
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
 
     @property
     def source(self) -> dict[str, int]:
@@ -113,10 +98,6 @@ def _tcp(address: str, o: Options) -> Any:
     )  # fmt: skip
 
 
-def _tcpin(address: str, o: Options) -> Any:
-    return state.public.mavtcpin(address, retries=o.retries, **o.common)
-
-
 def _uds(address: str, o: Options) -> Any:
     return state.public.mavuds(
         address,
@@ -127,32 +108,12 @@ def _uds(address: str, o: Options) -> Any:
     )
 
 
-def _udpin(address: str, o: Options) -> Any:
-    return state.public.mavudp(address, input=True, timeout=o.udp_timeout, **o.common)
-
-
-def _udpout(address: str, o: Options) -> Any:
-    return state.public.mavudp(address, input=False, **o.common)
+def _udp(address: str, o: Options, **kind: Any) -> Any:
+    return state.public.mavudp(address, **{"input": o.input, **kind}, **o.common)
 
 
 def _udpbcast(address: str, o: Options) -> Any:
-    return state.public.mavudp(address, input=False, broadcast=True, **o.common)
-
-
-def _udp(address: str, o: Options) -> Any:
-    return state.public.mavudp(address, input=o.input, **o.common)
-
-
-def _wsserver(address: str, o: Options) -> Any:
-    return state.public.mavwebsocket(address, **o.common)
-
-
-def _mcast(address: str, o: Options) -> Any:
-    return state.public.mavmcast(address, **o.common)
-
-
-def _exec(address: str, o: Options) -> Any:
-    return state.public.mavchildexec(address, **o.common)
+    return _udp(address, o, input=False, broadcast=True)
 
 
 def _csv(address: str, o: Options) -> Any:
@@ -162,17 +123,17 @@ def _csv(address: str, o: Options) -> Any:
 
 PREFIXES: dict[str, Callable[[str, Options], Any]] = {
     "tcp:": _tcp,
-    "tcpin:": _tcpin,
+    "tcpin:": lambda at, o: state.public.mavtcpin(at, retries=o.retries, **o.common),
     "uds:": _uds,
     "unix:": _uds,
-    "udpin:": _udpin,
-    "udpout:": _udpout,
+    "udpin:": lambda at, o: _udp(at, o, input=True, timeout=o.udp_timeout),
+    "udpout:": lambda at, o: _udp(at, o, input=False),
     "udpbcast:": _udpbcast,
     "udpcast:": _udpbcast,
-    "wsserver:": _wsserver,
+    "wsserver:": lambda at, o: state.public.mavwebsocket(at, **o.common),
     "udp:": _udp,
-    "mcast:": _mcast,
-    "exec:": _exec,
+    "mcast:": lambda at, o: state.public.mavmcast(at, **o.common),
+    "exec:": lambda at, o: state.public.mavchildexec(at, **o.common),
 }
 
 
