@@ -14,6 +14,7 @@ import os
 from mavwire._native import Section
 
 from .readiness import from_handler
+from .warn import warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def claim(store: str | os.PathLike[str], link_id: int) -> bool:
     except OSError as error:
         if from_handler(error):
             raise
-        _warn(error)
+        warn("link ids of processes are not kept apart, give each a link_id: %s", error)
         return True
 
 
@@ -59,10 +60,3 @@ def _hold(path: str, fcntl: Any) -> bool:
         if _held.get(path) != fd:
             os.close(fd)
     return True
-
-
-def _warn(error: OSError) -> None:
-    import logging
-
-    reason = "link ids of processes are not kept apart, give each a link_id: %s"
-    logging.getLogger("mavwire.mavutil").warning(reason, error)

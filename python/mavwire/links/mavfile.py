@@ -20,6 +20,7 @@ from .signing import Signing
 from .target import Target
 from .tracking import Tracking
 from .vehicle_state import SystemStates, mavfile_state, param_state
+from .warn import warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -257,9 +258,7 @@ class mavfile(Link, Target, Tracking, Commands, Signing):
             raise error
         self.logfile_errors += 1
         if self.logfile_errors == 1:
-            import logging
-
-            logging.getLogger("mavwire.mavutil").warning("recording failed: %s", error)
+            warn("recording failed: %s", error)
 
     def setup_logfile(self, logfile: str, mode: str = "wb") -> None:
         """Record received messages to a telemetry log, without signatures and secret keys."""

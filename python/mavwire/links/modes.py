@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import os
 
+from .warn import warn
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
@@ -139,9 +141,7 @@ def _read_custom_modes(path: str) -> dict[int, dict[int, str]] | None:
             for mav_type, modes in tables.items()
         }
     except (OSError, ValueError, AttributeError, RecursionError) as error:
-        import logging
-
-        logging.getLogger("mavwire.mavutil").warning("ignoring %s: %s", path, error)
+        warn("ignoring %s: %s", path, error)
         return None
 
 

@@ -7,7 +7,6 @@ long as its connection stands. One that only listens may stay as long as nobody 
 from __future__ import annotations
 
 import errno
-import logging
 from time import monotonic, sleep
 
 from mavwire._native import accept, close_port
@@ -15,6 +14,7 @@ from mavwire._native import accept, close_port
 from .readiness import from_handler, wait_readable
 from .stream import StreamLink
 from .waiting import address_family, bind, prepare_tcp, set_close_on_exec
+from .warn import warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -114,8 +114,7 @@ class OneClientLink(StreamLink):
         reason, last = str(error), self._accept_error
         if reason != last:
             self._accept_error = reason
-            text = "%s: a client cannot be served: %s; trying again"
-            logging.getLogger("mavwire.mavutil").warning(text, self.address, reason)
+            warn("%s: a client cannot be served: %s; trying again", self.address, reason)
 
     def _tend(self) -> None:
         super()._tend()

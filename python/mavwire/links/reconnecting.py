@@ -13,6 +13,7 @@ from mavwire._native import Exclusive
 
 from .mavfile import IDLE_INTERVAL
 from .stream import StreamLink, StreamWriter
+from .warn import warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -53,12 +54,10 @@ class RetryingLink(StreamLink):
         # Without the frames it went through, which hold the link and what it has tried.
         last, self.connect_error = self.connect_error, error.with_traceback(None)
         if str(error) != str(last):
-            import logging
-
             reason = error.strerror or str(error)
             if str(self.address) not in reason:
                 reason = f"{self.address}: {reason}"
-            logging.getLogger("mavwire.mavutil").warning("%s; trying again", reason)
+            warn("%s; trying again", reason)
 
     def _note_success(self) -> None:
         if self.connect_error is not None:

@@ -13,6 +13,7 @@ from mavwire._native import Signing as SigningState
 
 from . import state
 from .signing_time import EPOCH, MAX_TIMESTAMP, UNITS_PER_SECOND
+from .warn import warn
 from .weak_registry import WeakRegistry
 
 TYPE_CHECKING = False
@@ -125,14 +126,9 @@ def _forget_key(signing: Any) -> None:
     _with_key.discard(signing)
 
 
-def _take_link_id() -> int:
+def _next_link_id() -> int:
     number = state.global_link_id
     state.global_link_id = min(number + 1, MAX_LINK_ID)
-    return number
-
-
-def _next_link_id() -> int:
-    number: int = _section.run(_take_link_id)
     return number
 
 
@@ -144,24 +140,21 @@ def _own_link_id(claim: Callable[[int], bool]) -> int:
         if number == MAX_LINK_ID:
             _say_shared(number)
             break
-        number = _next_link_id()
+        number = _section.run(_next_link_id)
     return number
 
 
-def _number(link_id: int | None, claim: Callable[[int], bool] | None) -> int:
+def _number(link_id: int | None, claim: Callable[[int], bool] | None) -> Any:
     """The link id that was asked for, or the next one."""
     if link_id is None:
-        return _next_link_id() if claim is None else _own_link_id(claim)
+        return _section.run(_next_link_id) if claim is None else _own_link_id(claim)
     if claim is not None and not claim(link_id):
         _say_shared(link_id)
     return link_id
 
 
 def _say_shared(number: int) -> None:
-    import logging
-
-    reason = "another process signs with link id %d, too: only one of both will be believed"
-    logging.getLogger("mavwire.mavutil").warning(reason, number)
+    warn("another process signs with link id %d, too: only one of both will be believed", number)
 
 
 def prepared(

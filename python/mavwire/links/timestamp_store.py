@@ -19,6 +19,7 @@ from time import monotonic
 from .forks import follow_forks
 from .readiness import from_handler
 from .signing_time import MAX_TIMESTAMP
+from .warn import warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -225,11 +226,7 @@ def keeper(store: Any, timestamp: int) -> Callable[[int], int]:
             if is_ours and getattr(error, "errno", None) is None:
                 raise  # a signal handler's
             if not failed:
-                import logging
-
-                logging.getLogger("mavwire.mavutil").warning(
-                    "signing timestamps are not stored: %s", error
-                )
+                warn("signing timestamps are not stored: %s", error)
             failed = True
         # Not before: another thread goes on at once with what lies below.
         mark = max(mark, later)
