@@ -6,13 +6,11 @@ import sys
 
 from mavwire._native import PortError, ask_port, close_port
 
-from .chunked import ChunkedLink
 from .readiness import from_handler
-from .udp import NOTHING_RECEIVED, UDP_MAX_PACKET_LEN
+from .udp import DatagramLink
 from .waiting import (
     address_family,
     ask_for_room,
-    datagrams_dropped,
     interface_index,
     set_close_on_exec,
     socket_address,
@@ -54,15 +52,8 @@ def _checked(group: str) -> str:
     return group
 
 
-class mavmcast(ChunkedLink):
+class mavmcast(DatagramLink):
     """`device` is `""`, PORT, GROUP:PORT or [GROUP]:PORT with an IPv6 group."""
-
-    write_errors = 0
-
-    @property
-    def datagrams_dropped(self) -> int:
-        """Datagrams lost because this link was not read quickly enough, where the system counts."""
-        return datagrams_dropped(self.port)
 
     def __init__(
         self,
@@ -129,24 +120,17 @@ class mavmcast(ChunkedLink):
         return port
 
     def _release(self) -> None:
-        self.fd = None  # its number may be somebody else's next
-        close_port(self.port)
+        super()._release()
         close_port(self.port_out)
 
     def recv(self, n: int | None = None) -> bytes:
         """One datagram of someone else; empty when none is waiting."""
-        data: bytes
-        while True:
-            try:
-                received: Any = self._take_datagram() or self.port.recvfrom(UDP_MAX_PACKET_LEN)
-            except OSError as error:
-                if error.errno in NOTHING_RECEIVED:
-                    return b""
-                raise
+        while (received := self._receive()) is not None:
             data, sender = received
             if sender != self.own_address:
                 self._switch_peer(sender)
                 return data
+        return b""
 
     def write(self, buf: bytes) -> None:
         """Send to the group; errors are counted, not raised."""

@@ -23,6 +23,7 @@ from .waiting import (
     set_close_on_exec,
     split_host_port,
 )
+from .warn import warn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -43,11 +44,37 @@ NOTHING_RECEIVED = frozenset((
 ))  # fmt: skip
 
 
-class mavudp(ChunkedLink):
-    """`device` is host:port: where to listen if `input`, where to send otherwise."""
+class DatagramLink(ChunkedLink):
+    """A link over a datagram socket, `port`."""
 
     # Counted instead of raised: a datagram link has no one to tell.
     write_errors = 0
+
+    @property
+    def datagrams_dropped(self) -> int:
+        """Datagrams lost because this link was not read quickly enough, where the system counts."""
+        return datagrams_dropped(self.port)
+
+    def _release(self) -> None:
+        self.fd = None  # its number may be somebody else's next
+        close_port(self.port)
+
+    def _receive(self) -> tuple[bytes, Any] | None:
+        """The next datagram and its sender; None if none is waiting."""
+        try:
+            received: tuple[bytes, Any] = self._take_datagram() or self.port.recvfrom(
+                UDP_MAX_PACKET_LEN
+            )
+        except OSError as error:
+            if error.errno in NOTHING_RECEIVED:
+                return None
+            raise
+        return received
+
+
+class mavudp(DatagramLink):
+    """`device` is host:port: where to listen if `input`, where to send otherwise."""
+
     clients_refused = 0
     # The destination's name is to be looked up: at first, and again when sending fails.
     _lookup_due = True
@@ -102,15 +129,6 @@ class mavudp(ChunkedLink):
             port.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
         return port
 
-    def _release(self) -> None:
-        self.fd = None  # its number may be somebody else's next
-        close_port(self.port)
-
-    @property
-    def datagrams_dropped(self) -> int:
-        """Datagrams lost because this link was not read quickly enough, where the system counts."""
-        return datagrams_dropped(self.port)
-
     def recv(self, n: int | None = None) -> bytes:
         """One datagram, whatever `n`; empty when none is waiting."""
         data = self._read_datagram()
@@ -125,14 +143,10 @@ class mavudp(ChunkedLink):
         return self.recv(n) if is_replaced else self._read_datagram()
 
     def _read_datagram(self) -> bytes:
-        received: tuple[bytes, Any] | None = self._take_datagram()
-        data: bytes
-        try:
-            data, self.last_address = received or self.port.recvfrom(UDP_MAX_PACKET_LEN)
-        except OSError as error:
-            if error.errno in NOTHING_RECEIVED:
-                return b""
-            raise
+        received = self._receive()
+        if received is None:
+            return b""
+        data, self.last_address = received
         self._switch_peer(self.last_address)
         return data
 
@@ -237,11 +251,8 @@ class mavudp(ChunkedLink):
         """Log once why nothing is sent: sending raises nothing."""
         if not self._unknown_said:
             self._unknown_said = True
-            import logging
-
-            host, number = self.destination_addr
             reason = "the address of %s:%s cannot be found; it is looked up again now and then"
-            logging.getLogger("mavwire.mavutil").warning(reason, host, number)
+            warn(reason, *self.destination_addr)
 
     def _send(self, buf: bytes, address: Any) -> bool:
         """Whether the system took the datagram, or may take the next one."""
