@@ -17,7 +17,6 @@ from .waiting import set_close_on_exec
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from typing import Any
 
 # Opening at this rate first makes a change of rate take effect on adapters that ignore
@@ -36,12 +35,6 @@ def _rate(baud: Any) -> int | None:
     except (TypeError, ValueError, OverflowError):
         return None
     return rate if rate >= 0 else None
-
-
-def _check_baud(baud: Any, device: str) -> None:
-    """ValueError before a port is opened for nothing."""
-    if _rate(baud) is None:
-        raise ValueError(_not_a_rate(baud, device))
 
 
 def _not_a_rate(baud: Any, device: str) -> str:
@@ -83,7 +76,8 @@ class mavserial(RetryingLink):
     ) -> None:
         if "," in device and not mode_of(device):
             device, baud = device.rsplit(",", 1)  # type: ignore[assignment]
-            _check_baud(baud, device)
+            if _rate(baud) is None:  # before a port is opened for nothing
+                raise ValueError(_not_a_rate(baud, device))
         self.baud = baud
         self.device = device
         self.autoreconnect = autoreconnect
@@ -279,22 +273,18 @@ class mavserial(RetryingLink):
     def _maybe_reset(self) -> None:
         """Reopen a dead port if asked to and if the last time is long enough ago."""
         if self.autoreconnect:
-            self._reset(self._is_reset_due)
+            self._reset(only_when_due=True)
 
     def reset(self) -> bool:
         """Reopen the port; whether that worked. False at once while another thread is at it."""
-        return self._reset(lambda: True)
+        return self._reset(only_when_due=False)
 
-    def _is_reset_due(self) -> bool:
-        return monotonic() >= self._next_reset
+    def _reset(self, only_when_due: bool) -> bool:
+        return not self._closed and bool(self._opening.run(self._reopen, only_when_due))
 
-    def _reset(self, is_due: Callable[[], bool]) -> bool:
-        return not self._closed and bool(self._opening.run(self._reopen_if, is_due))
-
-    def _reopen_if(self, is_due: Callable[[], bool]) -> bool:
-        return is_due() and self._reopen()
-
-    def _reopen(self) -> bool:
+    def _reopen(self, only_when_due: bool) -> bool:
+        if only_when_due and monotonic() < self._next_reset:
+            return False
         self._next_reset = monotonic() + self.reconnect_delay
         baud = _rate(self.baud)
         if baud is None:
