@@ -10,6 +10,11 @@ from typing import Any
 
 from mavwire.quaternion import Quaternion
 
+__all__ = [
+    "euler_p90", "euler_rotated", "euler_to_quat", "qpitch", "qpitch_p90", "qroll", "qroll_p90",
+    "quat_to_euler", "qyaw", "qyaw_p90", "rotate_quat",
+]  # fmt: skip
+
 Euler = tuple[float, float, float]
 
 

@@ -10,6 +10,12 @@ from mavwire.mavextra import inertial, state
 from mavwire.mavextra.units import constrain
 from mavwire.rotmat import Matrix3, Vector3
 
+__all__ = [
+    "RotateMag", "get_motor_offsets", "mag_field", "mag_field_df", "mag_field_motors",
+    "mag_heading", "mag_heading_df", "mag_heading_motors", "mag_pitch", "mag_roll",
+    "mag_rotation",
+]  # fmt: skip
+
 Offsets = Sequence[float]
 
 

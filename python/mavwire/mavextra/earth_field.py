@@ -14,6 +14,13 @@ from typing import Any
 from mavwire.mavextra import compass, inertial, state
 from mavwire.rotmat import Matrix3, Vector3
 
+__all__ = [
+    "SAMPLING_MAX_LAT", "SAMPLING_MAX_LON", "SAMPLING_MIN_LAT", "SAMPLING_MIN_LON",
+    "SAMPLING_RES", "earth_field_error", "expected_earth_field", "expected_earth_field_lat_lon",
+    "expected_mag", "expected_mag_latlon", "expected_mag_yaw", "get_lat_lon_status",
+    "get_mag_field_ef", "interpolate_table", "mag_yaw",
+]  # fmt: skip
+
 SAMPLING_RES = 10.0
 SAMPLING_MIN_LAT = -90.0
 SAMPLING_MAX_LAT = 90.0

@@ -8,6 +8,10 @@ from typing import Any
 from mavwire.mavextra import state
 from mavwire.rotmat import Matrix3, Vector3
 
+__all__ = [
+    "DCM_State", "DCM_update", "PX4_State", "PX4_update",
+]  # fmt: skip
+
 
 class DCM_State:
     """Two rotation matrices driven by the gyros at 50 Hz, ``dcm2`` with coning correction.

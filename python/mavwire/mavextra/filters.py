@@ -15,6 +15,11 @@ from typing import Any
 from mavwire.mavextra import state
 from mavwire.mavextra.units import angle_diff
 
+__all__ = [
+    "average", "delta", "delta_angle", "diff", "downsample", "integral", "lowpass", "lowpassHz",
+    "lpalpha", "second_derivative_5", "second_derivative_9", "sum",
+]  # fmt: skip
+
 # Up to so many values are summed anew each time, to the last digit as pymavlink does.
 _SUMMED_ANEW = 1000
 

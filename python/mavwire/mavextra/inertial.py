@@ -13,6 +13,13 @@ from typing import Any
 from mavwire.mavextra import filters
 from mavwire.rotmat import Matrix3, Vector3
 
+__all__ = [
+    "earth_accel", "earth_accel2", "earth_accel2_df", "earth_accel_df", "earth_gyro",
+    "earth_rates", "gps_velocity", "gps_velocity_body", "gps_velocity_df", "gps_velocity_old",
+    "gravity", "pitch_estimate", "pitch_rate", "pitch_sim", "roll_estimate", "roll_rate",
+    "rotation", "rotation2", "rotation_df", "sim_body_rates", "yaw_rate",
+]  # fmt: skip
+
 Triple = Sequence[float] | None
 
 _MILLI_G = 9.81 / 1000.0

@@ -9,6 +9,12 @@ from mavwire._sphere import great_circle
 from mavwire.mavextra import state
 from mavwire.mavextra.units import wrap_valid_longitude
 
+__all__ = [
+    "_distance_two", "distance_from", "distance_gps2", "distance_home", "distance_home_df",
+    "distance_lat_lon", "distance_two", "ekf1_pos", "get_lat_lon_alt", "get_origin",
+    "gps_newpos", "gps_offset", "radius_of_earth",
+]  # fmt: skip
+
 radius_of_earth = 6378100.0
 """Metres, for extrapolated positions; distances take the mean radius."""
 

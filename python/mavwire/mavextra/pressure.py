@@ -7,6 +7,13 @@ from typing import Any
 
 from mavwire.mavextra import state
 
+__all__ = [
+    "C_TO_KELVIN", "EAS2TAS", "ISA_GAS_CONSTANT", "ISA_LAPSE_RATE", "SSL_AIR_DENSITY",
+    "SSL_AIR_PRESSURE", "SSL_AIR_TEMPERATURE", "SimpleAtmosphere", "airspeed",
+    "airspeed_energy_error", "airspeed_estimate", "airspeed_ratio", "airspeed_tas",
+    "airspeed_voltage", "altitude", "altitude2", "eas2tas", "energy_error",
+]  # fmt: skip
+
 SSL_AIR_DENSITY = 1.225  # kg/m^3 at standard sea level
 SSL_AIR_PRESSURE = 101325.01576  # Pa
 SSL_AIR_TEMPERATURE = 288.15  # K

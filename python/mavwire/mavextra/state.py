@@ -10,6 +10,11 @@ from typing import Any
 
 from mavwire.expression.limits import ExpressionError, weight
 
+__all__ = [
+    "average_data", "derivative_data", "last_delta", "last_diff", "last_integral", "last_sum",
+    "lowpass_data", "lowpass_hz_data", "reset_state_data",
+]  # fmt: skip
+
 average_data: dict[Any, Any] = {}
 derivative_data: dict[Any, tuple[float, list[float]]] = {}
 lowpass_data: dict[Any, float] = {}

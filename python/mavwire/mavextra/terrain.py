@@ -9,6 +9,10 @@ from typing import Any
 from mavwire.mavextra import state
 from mavwire.mavextra.position import distance_lat_lon
 
+__all__ = [
+    "radio_margin", "terrain_height", "terrain_margin", "terrain_margin_lat_lon",
+]  # fmt: skip
+
 _STEP = 20.0  # metres between two samples
 _MAX_SAMPLES = 100_000
 

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+__all__ = [
+    "angle_diff", "constrain", "feet", "gps_time_to_epoch", "kmh", "knots", "wrap_180",
+    "wrap_360", "wrap_valid_longitude",
+]  # fmt: skip
+
 _GPS_EPOCH = 315_964_800  # 1980-01-06 in unix seconds
 _LEAP_SECONDS = 18  # GPS time is ahead of UTC by this
 _WEEK = 604_800

@@ -7,6 +7,11 @@ from typing import Any
 
 from mavwire.mavextra import state
 
+__all__ = [
+    "armed", "demix1", "demix2", "mix1", "mix2", "mixer", "mm_curr", "mode", "rate_of_turn",
+    "rover_lat_accel", "rover_turn_circle", "rover_yaw_rate", "sawtooth", "wingloading",
+]  # fmt: skip
+
 _GCS = 6  # MAV_TYPE_GCS
 _SAFETY_ARMED = 128  # MAV_MODE_FLAG_SAFETY_ARMED
 _SERVO_CENTRE = 1500  # microseconds
