@@ -6,9 +6,8 @@ that need the time and are not given one (``tusec``, microseconds) take the open
 
 from __future__ import annotations
 
-from collections import Counter, deque
 from collections.abc import Callable
-from math import isfinite, isnan, pi
+from math import isnan, pi
 from operator import index
 from typing import Any
 
@@ -20,46 +19,7 @@ __all__ = [
     "lpalpha", "second_derivative_5", "second_derivative_9", "sum",
 ]  # fmt: skip
 
-# Up to so many values are summed anew each time, to the last digit as pymavlink does.
-_SUMMED_ANEW = 1000
-
-
 sum_of: Callable[..., float] = sum  # the builtin, which mavextra's own sum() hides
-
-
-class _Window:
-    """Many last values and their sum, which follows the changes."""
-
-    def __init__(self, first: float, count: int) -> None:
-        self._values = deque([first] * count)
-        self._age = count  # steps since the sum was taken
-        self._finite = 0.0
-        self._others: Counter[str] = Counter()
-
-    def push(self, value: float) -> float:
-        """Put a value in the place of the oldest; the sum."""
-        value = float(value)
-        oldest = self._values.popleft()
-        self._values.append(value)
-        self._age += 1
-        if self._age >= len(self._values):  # errors of rounding do not pile up
-            self._sum_anew()
-        else:
-            self._count(value, 1)
-            self._count(oldest, -1)
-        return self._finite + sum_of(float(name) for name, many in self._others.items() if many)
-
-    def _sum_anew(self) -> None:
-        self._age, self._finite = 0, 0.0
-        self._others.clear()
-        for value in self._values:
-            self._count(value, 1)
-
-    def _count(self, value: float, sign: int) -> None:
-        if isfinite(value):
-            self._finite += sign * value
-        else:
-            self._others[str(value)] += sign
 
 
 def average(var: float, key: Any, N: int) -> float:
@@ -67,11 +27,10 @@ def average(var: float, key: Any, N: int) -> float:
     history = state.average_data.get(key)
     if history is None:
         state.reserve_values(max(index(N), 0))
-        history = _Window(var, N) if N > _SUMMED_ANEW else [var] * N
-        state.remember(state.average_data, key, history)
+        history = [var]
+        state.remember(state.average_data, key, history)  # the limit of one history is not for N
+        history *= N
         return var
-    if isinstance(history, _Window):
-        return history.push(var) / N
     recent = [*history[1:], var]
     total = sum_of(recent)  # first, since it refuses values that are not numbers
     history[:] = recent
