@@ -107,10 +107,9 @@ class MAVFTPReturn:
 
     def _display_listing(self, entries: list[DirectoryEntry]) -> None:
         for entry in entries:
-            log.info("   %s/" if entry.is_dir else "   %s\t%u", *_columns(entry))
+            if entry.is_dir:
+                log.info("   %s/", entry.name)
+            else:
+                log.info("   %s\t%u", entry.name, entry.size_b)
         total = sum(entry.size_b for entry in entries)
         log.info("Total size %.2f kByte", total / 1024)
-
-
-def _columns(entry: DirectoryEntry) -> tuple[str] | tuple[str, int]:
-    return (entry.name,) if entry.is_dir else (entry.name, entry.size_b)
