@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
+from dataclasses import dataclass
 from typing import Any
 
 FG_NET_FDM_VERSION = 24
@@ -23,13 +24,13 @@ class fgFDMError(Exception):
         self.message = "fgFDMError: " + msg
 
 
+@dataclass(eq=False, repr=False)
 class fgFDMVariable:
     """Where a variable is among the values of a packet, how many it has, and their unit."""
 
-    def __init__(self, index: int, arraylength: int, units: str | None) -> None:
-        self.index = index
-        self.arraylength = arraylength
-        self.units = units
+    index: int
+    arraylength: int
+    units: str | None
 
 
 class fgFDMVariableList:

@@ -111,10 +111,6 @@ def _matrix_to_array(matrix: Matrix3) -> np.ndarray:
     return np.array([[row.x, row.y, row.z] for row in (matrix.a, matrix.b, matrix.c)])
 
 
-def _array_to_matrix(dcm: np.ndarray) -> Matrix3:
-    return Matrix3(*(Vector3(*row) for row in dcm.tolist()))
-
-
 class QuaternionBase:
     """A rotation from a quaternion [w, x, y, z], Euler angles, a 3x3 matrix or another rotation.
 
@@ -203,12 +199,9 @@ class QuaternionBase:
     def transform(self, v: Any) -> Any:
         """A vector of 3 from the body's frame in the earth's, an array."""
         vector = _array(v, (3,), "a vector")
-        self._check_rotation()
+        _q_to_dcm(self.q)  # which checks the norm
         w, u = self.q[0], self.q[1:]
         return (w * w - u.dot(u)) * vector + 2 * u.dot(vector) * u + 2 * w * np.cross(u, vector)
-
-    def _check_rotation(self) -> None:
-        _q_to_dcm(self.q)
 
     @property
     def norm(self) -> Any:
@@ -295,7 +288,7 @@ class Quaternion(QuaternionBase):
 
     @staticmethod
     def _own_dcm(dcm: np.ndarray) -> Matrix3:
-        return _array_to_matrix(dcm)
+        return Matrix3(*(Vector3(*row) for row in dcm.tolist()))
 
     @staticmethod
     def _array_dcm(dcm: Any) -> np.ndarray:

@@ -37,9 +37,6 @@ class Vector3:
     def __eq__(self, v: Any) -> bool:
         return bool(self.x == v.x and self.y == v.y and self.z == v.z)
 
-    def __ne__(self, v: Any) -> bool:
-        return not self == v
-
     def close(self, v: Vector3, tol: float = 1e-7) -> bool:
         """Whether every component is nearer than ``tol`` to that of ``v``."""
         return abs(self.x - v.x) < tol and abs(self.y - v.y) < tol and abs(self.z - v.z) < tol
@@ -210,9 +207,6 @@ class Matrix3:
 
     def __eq__(self, m: Any) -> bool:
         return bool(self.a == m.a and self.b == m.b and self.c == m.c)
-
-    def __ne__(self, m: Any) -> bool:
-        return not self == m
 
     @overload
     def __mul__(self, other: Vector3) -> Vector3: ...
