@@ -36,6 +36,15 @@ CLOSE_TIMEOUT = 1.0
 logger = logging.getLogger("mavwire.aio")
 
 
+def _of_sync(name: str, doc: str) -> Any:
+    """A property that is an attribute of the link of mavutil."""
+    return property(
+        lambda self: getattr(self.sync, name),
+        lambda self, value: setattr(self.sync, name, value),
+        doc=doc,
+    )
+
+
 class Link(Parameters):
     """A link or a log, opened by `connect`, or around a link of mavutil that nobody else reads.
 
@@ -207,34 +216,12 @@ class Link(Parameters):
 
     # -- state
 
-    @property
-    def messages(self) -> dict[str, Any]:
-        """Message type -> newest message of the target system."""
-        messages: dict[str, Any] = self.sync.messages
-        return messages
-
-    @property
-    def target_system(self) -> int:
-        """The system that is addressed: the first vehicle that was heard, unless it is set."""
-        return int(self.sync.target_system)
-
-    @target_system.setter
-    def target_system(self, value: int) -> None:
-        self.sync.target_system = value
-
-    @property
-    def target_component(self) -> int:
-        """The component that is addressed; 0 is all of them."""
-        return int(self.sync.target_component)
-
-    @target_component.setter
-    def target_component(self, value: int) -> None:
-        self.sync.target_component = value
-
-    @property
-    def flightmode(self) -> str:
-        """The target's flight mode by name."""
-        return str(self.sync.flightmode)
+    messages: dict[str, Any] = _of_sync("messages", "Type -> newest message of the target system.")
+    target_system: int = _of_sync(
+        "target_system", "The system that is addressed: the first vehicle heard, unless it is set."
+    )
+    target_component: int = _of_sync("target_component", "The component addressed; 0 is all.")
+    flightmode: str = _of_sync("flightmode", "The target's flight mode by name.")
 
     @property
     def connected(self) -> bool:

@@ -42,8 +42,8 @@ class Transport:
         return port is None or port.fileno() >= 0
 
     def broke(self, error: Exception) -> bool:
-        """Whether an error of reading or writing means that the other end is gone."""
-        return not self.is_there()
+        """Whether an error means that the other end is gone although `is_there` does not tell."""
+        return False
 
     def look(self) -> None:
         """What is to be done now and then, whether something arrives or not."""
@@ -137,14 +137,12 @@ class WebSocketClient(Client):
         port.close()
 
 
-class SerialPort(Transport):
+class SerialPort(Client):
     """Serial ports, which may be unplugged."""
 
     def __init__(self, sync: Any) -> None:
         super().__init__(sync)
-        self.reconnects = sync.autoreconnect
-        sync.autoreconnect = False
-        sync._say = _say_nothing
+        sync._say = lambda text: None  # programs look at `link.connected` or at the log
 
     def sender(self) -> SocketSender:
         sync = self.sync
@@ -204,7 +202,3 @@ def transport_of(sync: Any) -> Transport:
         if base.__name__ in _KINDS and base.__module__.startswith("mavwire.links"):
             return _KINDS[base.__name__](sync)
     return Transport(sync)
-
-
-def _say_nothing(text: str) -> None:
-    """In place of what links print: programs of asyncio look at `link.connected` or at the log."""
