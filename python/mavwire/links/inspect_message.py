@@ -132,21 +132,19 @@ def _converted(value: Any, unit: str) -> str:
         return f" ({math.degrees(value)}deg/s)"
     if unit == "us" and value > MIN_UNIX_MICROSECONDS:
         seconds, microseconds = divmod(value, MICROSECONDS)
-        return f" ({_local_time(seconds)}.{microseconds:06d} {_zone(seconds)})"
+        return f" ({_local_time(seconds)}.{microseconds:06d} {_written('%Z', seconds) or 'UTC'})"
     if unit == "us" and value > MICROSECONDS:
         return f" ({value / MICROSECONDS}s)"
     return ""
 
 
 def _local_time(unix_seconds: float) -> str:
-    try:
-        return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(unix_seconds))
-    except (OverflowError, OSError, ValueError):  # beyond what this platform's calendar holds
-        return f"{unix_seconds:.0f}s"
+    return _written("%Y-%m-%d %H:%M:%S", unix_seconds) or f"{unix_seconds:.0f}s"
 
 
-def _zone(unix_seconds: float) -> str:
+def _written(form: str, unix_seconds: float) -> str:
+    """A local time; empty beyond the range of the platform's calendar."""
     try:
-        return time.strftime("%Z", time.localtime(unix_seconds))
+        return time.strftime(form, time.localtime(unix_seconds))
     except (OverflowError, OSError, ValueError):
-        return "UTC"
+        return ""
