@@ -26,6 +26,8 @@ CONNECT_TIMEOUT = 5.0
 class mavtcp(ReconnectingLink):
     """`device` is host:port. `retries` connection attempts, `reconnect_delay` seconds apart."""
 
+    _socket_kind = "TCP"
+
     def __init__(
         self,
         device: str,
@@ -100,12 +102,12 @@ class mavtcp(ReconnectingLink):
 
     def handle_disconnect(self) -> None:
         """The peer broke the connection."""
-        print("Connection reset or closed by peer on TCP socket")
+        print(f"Connection reset or closed by peer on {self._socket_kind} socket")
         self._lost()
 
     def handle_eof(self) -> None:
         """The peer closed the connection."""
-        print("EOF on TCP socket")
+        print(f"EOF on {self._socket_kind} socket")
         self._lost()
 
     def _lost(self) -> None:

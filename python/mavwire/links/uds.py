@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 class mavuds(mavtcp):
     """`device` is the path of a listening stream socket; the rest is as with `mavtcp`."""
 
+    _socket_kind = "Unix domain"
+
     def __init__(
         self,
         device: str,
@@ -41,13 +43,3 @@ class mavuds(mavtcp):
             close_port(port)
             raise
         return port
-
-    def handle_disconnect(self) -> None:
-        """The peer broke the connection."""
-        print("Connection reset or closed by peer on Unix domain socket")
-        self._lost()
-
-    def handle_eof(self) -> None:
-        """The peer closed the connection."""
-        print("EOF on Unix domain socket")
-        self._lost()

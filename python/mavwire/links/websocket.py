@@ -221,8 +221,6 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
     again until it is there."""
 
     autoreconnect = True
-    # What came along with the end of the handshake was not looked at yet.
-    _is_fresh = False
     # The process that connected; one that was forked from it has no say in the end of the connection.
     _process = 0
 
@@ -320,7 +318,7 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         return ws
 
     def _install(self, connection: tuple[Any, Any]) -> None:
-        self._is_fresh, self._process = True, os.getpid()
+        self._process = os.getpid()
         self._start(*connection)
 
     def _disconnect(self) -> None:
@@ -350,12 +348,8 @@ class mavwebsocket_client(_WebSocketLink, ReconnectingLink):
         if ws is None:
             self._begin_attempt()
             return b""
-        if self._is_fresh:
-            self._is_fresh = False
-            received = self._take_events(port, ws)
-            if received:
-                return received
-        return self._receive()
+        # Frames may have come along with the end of the handshake.
+        return self._take_events(port, ws) or self._receive()
 
     def write(self, data: bytes) -> None:
         """Send one frame; while the server is not there it is dropped and counted."""
