@@ -43,14 +43,10 @@ class Options:
         def __getattr__(self, name: str) -> Any: ...
 
     @property
-    def source(self) -> dict[str, int]:
-        """Who is sending on this link."""
-        return {"source_system": self.source_system, "source_component": self.source_component}
-
-    @property
     def common(self) -> dict[str, Any]:
         """What every live link takes."""
-        return {**self.source, "use_native": self.use_native}
+        names = ("source_system", "source_component", "use_native")
+        return {name: getattr(self, name) for name in names}
 
     @property
     def pauses(self) -> dict[str, float]:
