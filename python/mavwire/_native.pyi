@@ -90,7 +90,6 @@ __all__ = [
     "Section",
     "SequenceGaps",
     "Signing",
-    "SpecialField",
     "StatusTexts",
     "StreamWriter",
     "SystemState",
@@ -321,16 +320,9 @@ class FieldGetter:
 
 @final
 class MetaAttr:
-    """Non-data descriptor: an underscore attribute of a message (`_header`, `_msgbuf`, ...)."""
+    """Non-data descriptor: an attribute that no definition describes (`_header`, `data`, ...)."""
 
     def __new__(cls, name: str) -> MetaAttr: ...
-    def __get__(self, instance: object, owner: type | None = None, /) -> Any: ...
-
-@final
-class SpecialField:
-    """Non-data descriptor: "data" or "reason" of BAD_DATA and UNKNOWN messages."""
-
-    def __new__(cls, name: str) -> SpecialField: ...
     def __get__(self, instance: object, owner: type | None = None, /) -> Any: ...
 
 @disjoint_base

@@ -169,8 +169,8 @@ def _odd_message_classes(base: "Any") -> tuple[type, type]:
         """Bytes that are no valid frame, with the reason."""
 
         fieldnames = ["data", "reason"]  # noqa: RUF012
-        data = _native.SpecialField("data")
-        reason = _native.SpecialField("reason")
+        data = _native.MetaAttr("data")
+        reason = _native.MetaAttr("reason")
 
         def __init__(self, data: bytes | bytearray, reason: str) -> None:
             base.__init__(self, -1, "BAD_DATA")
@@ -185,7 +185,7 @@ def _odd_message_classes(base: "Any") -> tuple[type, type]:
         """A frame whose message id the dialect does not define; ``data`` is the whole frame."""
 
         fieldnames = ["data"]  # noqa: RUF012
-        data = _native.SpecialField("data")
+        data = _native.MetaAttr("data")
 
         def __init__(self, msgid: int, data: bytes | bytearray) -> None:
             base.__init__(self, -2, f"UNKNOWN_{msgid}")

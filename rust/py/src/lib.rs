@@ -79,8 +79,6 @@ mod _native {
     #[pymodule_export]
     use crate::message::object::Message;
     #[pymodule_export]
-    use crate::message::special_fields::SpecialField;
-    #[pymodule_export]
     use crate::port::accept::accept;
     #[pymodule_export]
     use crate::port::ports::{DescriptorPort, PortError, ask_port, close_port};

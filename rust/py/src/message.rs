@@ -9,6 +9,5 @@ pub(crate) mod extra;
 pub(crate) mod info;
 pub(crate) mod meta;
 pub(crate) mod object;
-pub(crate) mod special_fields;
 pub(crate) mod text;
 pub(crate) mod values;

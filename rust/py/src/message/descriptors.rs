@@ -20,7 +20,7 @@ use pyo3::{Borrowed, ffi};
 
 use crate::message::create;
 use crate::message::info::{MessageInfo, Place};
-use crate::message::meta::Meta;
+use crate::message::meta;
 use crate::message::object::{Message, Origin, flags};
 use crate::message::values;
 use crate::python::calling::{Calling, class_name};
@@ -186,20 +186,18 @@ impl FieldGetter {
     }
 }
 
-/// An underscore attribute of a message (`_header`, `_msgbuf`, `_crc`, ...).
+/// An attribute of a message that its definition does not describe: `_header`, `_msgbuf`, `_crc`, `data` and so on.
 #[pyclass(frozen, module = "mavwire._native")]
 pub(crate) struct MetaAttr {
-    meta: Meta,
+    name: String,
 }
 
 #[pymethods]
 impl MetaAttr {
     /// `MetaAttr(name)`, name as in `vars(message)`.
     #[new]
-    fn new(name: &str) -> PyResult<Self> {
-        let meta = Meta::by_name(name)
-            .ok_or_else(|| PyValueError::new_err(format!("no message attribute {name:?}")))?;
-        Ok(Self { meta })
+    fn new(name: String) -> Self {
+        Self { name }
     }
 
     fn __get__(
@@ -209,14 +207,15 @@ impl MetaAttr {
     ) -> PyResult<Py<PyAny>> {
         let Some(obj) = obj else { return Ok(slf.clone().into_any().unbind()) };
         let message = obj.cast::<Message>()?;
+        let name = &slf.get().name;
         let deleted = message.get().has(flags::MATERIALISED);
-        let value = if deleted { None } else { slf.get().meta.read(message)? };
-        value.ok_or_else(|| no_attribute(obj, slf.get().meta.name()))
+        let value = if deleted { None } else { meta::read(message, name)? };
+        value.ok_or_else(|| no_attribute(obj, name))
     }
 }
 
 /// What reading an attribute says that is not there.
-pub(crate) fn no_attribute(obj: &Bound<'_, PyAny>, name: &str) -> PyErr {
+fn no_attribute(obj: &Bound<'_, PyAny>, name: &str) -> PyErr {
     match class_name(&obj.get_type()) {
         Ok(class) => {
             PyAttributeError::new_err(format!("'{class}' object has no attribute '{name}'"))

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use crate::message::create::{self, create};
-use crate::message::meta::{self, Meta};
+use crate::message::meta;
 use crate::message::object::{Message, Origin, flags, instance_dict};
 use mavwire_core::frame::FrameBytes;
 
@@ -36,13 +36,14 @@ fn complete_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDi
     let this = message.get();
     let written = instance_dict(message)?.copy()?;
     let complete = PyDict::new(py);
-    for meta in Meta::ALL {
-        let value = match written.get_item(meta.name())? {
+    let special: &[&str] = if this.info.is_none() { &meta::SPECIAL_FIELDS } else { &[] };
+    for name in meta::NAMES.iter().chain(special) {
+        let value = match written.get_item(name)? {
             Some(value) => Some(value.unbind()),
-            None => meta.read(message)?,
+            None => meta::read(message, name)?,
         };
         if let Some(value) = value {
-            complete.set_item(meta.name(), value)?;
+            complete.set_item(name, value)?;
         }
     }
     if let Some(info) = &this.info {
@@ -55,11 +56,6 @@ fn complete_dict<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, PyDi
                     complete.set_item(name, message.getattr(name)?)?;
                 }
             }
-        }
-    }
-    for name in odd_fields(this.origin) {
-        if !written.contains(name)? {
-            complete.set_item(name, message.getattr(name)?)?;
         }
     }
     if let Some(seconds) = this.timestamp() {
@@ -83,15 +79,6 @@ fn replace_dict(message: &Bound<'_, Message>, complete: &Bound<'_, PyDict>) -> P
         flags::DICT | flags::META | flags::FIELDS | flags::MATERIALISED | flags::TIMESTAMP_IN_DICT,
     );
     Ok(())
-}
-
-/// Fields of messages that no definition describes.
-fn odd_fields(origin: Origin) -> &'static [&'static str] {
-    match origin {
-        Origin::Bad => &["data", "reason"],
-        Origin::Unknown => &["data"],
-        Origin::Built | Origin::Decoded => &[],
-    }
 }
 
 /// A new message of the same class with the same frame; `each` copies what Python wrote to it.

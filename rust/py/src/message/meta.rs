@@ -1,6 +1,6 @@
-//! The underscore attributes of a message, made when they are first asked for.
+//! The attributes of a message that its definition does not describe, made when they are first read.
 //!
-//! Objects with an identity (`_msgbuf`, `_header`, `_payload`) are kept in the instance dictionary once made, so that
+//! Objects with an identity (`_msgbuf`, `_header`, `_payload`, `data`) are kept in the instance dictionary once made, so that
 //! a caller who changes them sees the change again.
 
 use pyo3::IntoPyObjectExt;
@@ -10,121 +10,92 @@ use pyo3::types::{PyByteArray, PyBytes, PyDict};
 use mavwire_core::frame::{CHECKSUM_LEN, FrameRef, Header, SIGNATURE_LEN};
 use std::sync::atomic::Ordering;
 
-use crate::message::object::{Message, Origin, flags, instance_dict, payload_of};
+use crate::message::object::{Message, Origin, flags, flags_for, instance_dict, payload_of};
 use crate::python::calling::Calling;
 
-/// One underscore attribute.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Meta {
-    Header,
-    Payload,
-    Msgbuf,
-    Crc,
-    Fieldnames,
-    Type,
-    Signed,
-    LinkId,
-    Instances,
-    InstanceField,
-    InstanceOffset,
-    Posted,
-    Link,
+/// The underscore attributes in the order of `vars(message)`. The last two are only there once they are set, and
+/// `_instance_offset` only in messages of a definition.
+pub(crate) const NAMES: [&str; 13] = [
+    "_header",
+    "_payload",
+    "_msgbuf",
+    "_crc",
+    "_fieldnames",
+    "_type",
+    "_signed",
+    "_link_id",
+    "_instances",
+    "_instance_field",
+    "_instance_offset",
+    "_posted",
+    "_link",
+];
+
+/// The fields of BAD_DATA and UNKNOWN, which no definition describes.
+pub(crate) const SPECIAL_FIELDS: [&str; 2] = ["data", "reason"];
+
+/// The attributes that depend on the frame.
+const OF_FRAME: [&str; 4] = ["_header", "_payload", "_msgbuf", "_crc"];
+
+/// Reason of bytes that start no frame.
+pub(crate) const BAD_PREFIX: &str = "Bad prefix";
+
+/// The value, or `None` if the attribute is not set. An object with an identity is stored, so that the next call gives the
+/// same one.
+pub(crate) fn read(message: &Bound<'_, Message>, name: &str) -> PyResult<Option<Py<PyAny>>> {
+    let py = message.py();
+    let this = message.get();
+    let packed = this.packed(py);
+    let value = value(message, name)?;
+    if value.is_none() || !matches!(name, "_header" | "_payload" | "_msgbuf" | "data") {
+        return Ok(value);
+    }
+    // The header is made by Python code. Another thread may have stored its own meanwhile, or packed another frame.
+    let attributes = instance_dict(message)?;
+    if let Some(kept) = attributes.get_item(name)? {
+        return Ok(Some(kept.unbind()));
+    }
+    if this.is_packed_as(py, packed.as_ref()) {
+        attributes.set_item(name, &value)?;
+        Message::written(message, flags_for(name));
+    }
+    Ok(value)
 }
 
-impl Meta {
-    /// In the order of `vars(message)`; the last two are only there once they are set, and `_instance_offset` only in
-    /// messages of a definition.
-    pub(crate) const ALL: [Self; 13] = [
-        Self::Header,
-        Self::Payload,
-        Self::Msgbuf,
-        Self::Crc,
-        Self::Fieldnames,
-        Self::Type,
-        Self::Signed,
-        Self::LinkId,
-        Self::Instances,
-        Self::InstanceField,
-        Self::InstanceOffset,
-        Self::Posted,
-        Self::Link,
-    ];
-
-    /// The attributes that depend on the frame.
-    pub(crate) const OF_FRAME: [Self; 4] = [Self::Header, Self::Payload, Self::Msgbuf, Self::Crc];
-
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Header => "_header",
-            Self::Payload => "_payload",
-            Self::Msgbuf => "_msgbuf",
-            Self::Crc => "_crc",
-            Self::Fieldnames => "_fieldnames",
-            Self::Type => "_type",
-            Self::Signed => "_signed",
-            Self::LinkId => "_link_id",
-            Self::Instances => "_instances",
-            Self::InstanceField => "_instance_field",
-            Self::InstanceOffset => "_instance_offset",
-            Self::Posted => "_posted",
-            Self::Link => "_link",
+fn value(message: &Bound<'_, Message>, name: &str) -> PyResult<Option<Py<PyAny>>> {
+    let py = message.py();
+    let this = message.get();
+    let class = message.get_type();
+    Ok(Some(match name {
+        "_header" => header_object(message)?,
+        "_payload" => payload_object(py, this)?,
+        "_msgbuf" => msgbuf_object(py, this),
+        "_crc" => crc(py, this).into_py_any(py)?,
+        "_fieldnames" => class.getattr(intern!(py, "fieldnames"))?.unbind(),
+        "_type" => match (this.info, this.origin) {
+            (Some(info), _) => info.name.clone_ref(py).into_any(),
+            (None, Origin::Bad) => "BAD_DATA".into_py_any(py)?,
+            (None, Origin::Unknown) => unknown_name(this).into_py_any(py)?,
+            (None, _) => class.getattr(intern!(py, "msgname"))?.unbind(),
+        },
+        "_signed" => this.has(flags::SIGNED).into_py_any(py)?,
+        "_link_id" => link_id(this).into_py_any(py)?,
+        "_instances" => py.None(),
+        "_instance_field" => class.getattr(intern!(py, "instance_field"))?.unbind(),
+        "_instance_offset" if this.info.is_some() => {
+            class.getattr(intern!(py, "instance_offset"))?.unbind()
         }
-    }
-
-    pub(crate) fn by_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|meta| meta.name() == name)
-    }
-
-    /// The value, or `None` if the attribute is not set. The object is stored, so that the next call gives the same one.
-    pub(crate) fn read(self, message: &Bound<'_, Message>) -> PyResult<Option<Py<PyAny>>> {
-        let py = message.py();
-        let this = message.get();
-        let packed = this.packed(py);
-        let value = self.value(message)?;
-        if !matches!(self, Self::Header | Self::Payload | Self::Msgbuf) {
-            return Ok(value);
+        "_posted" if this.has(flags::POSTED) => true.into_py_any(py)?,
+        "_link" if this.has(flags::LINK) => this.link.load(Ordering::Relaxed).into_py_any(py)?,
+        "data" if matches!(this.origin, Origin::Bad | Origin::Unknown) => {
+            PyByteArray::new(py, &this.frame).into_py_any(py)?
         }
-        // The header is made by Python code. Another thread may have stored its own meanwhile, or packed another frame.
-        let attributes = instance_dict(message)?;
-        if let Some(kept) = attributes.get_item(self.name())? {
-            return Ok(Some(kept.unbind()));
-        }
-        if this.is_packed_as(py, packed.as_ref()) {
-            attributes.set_item(self.name(), &value)?;
-            Message::written(message, flags::DICT | flags::META);
-        }
-        Ok(value)
-    }
-
-    fn value(self, message: &Bound<'_, Message>) -> PyResult<Option<Py<PyAny>>> {
-        let py = message.py();
-        let this = message.get();
-        let class = message.get_type();
-        Ok(Some(match self {
-            Self::Header => header_object(message)?,
-            Self::Payload => payload_object(py, this)?,
-            Self::Msgbuf => msgbuf_object(py, this),
-            Self::Crc => crc(py, this).into_py_any(py)?,
-            Self::Fieldnames => class.getattr(intern!(py, "fieldnames"))?.unbind(),
-            Self::Type => match (this.info, this.origin) {
-                (Some(info), _) => info.name.clone_ref(py).into_any(),
-                (None, Origin::Bad) => "BAD_DATA".into_py_any(py)?,
-                (None, Origin::Unknown) => unknown_name(this).into_py_any(py)?,
-                (None, _) => class.getattr(intern!(py, "msgname"))?.unbind(),
-            },
-            Self::Signed => this.has(flags::SIGNED).into_py_any(py)?,
-            Self::LinkId => link_id(this).into_py_any(py)?,
-            Self::Instances => py.None(),
-            Self::InstanceField => class.getattr(intern!(py, "instance_field"))?.unbind(),
-            Self::InstanceOffset if this.info.is_none() => return Ok(None),
-            Self::InstanceOffset => class.getattr(intern!(py, "instance_offset"))?.unbind(),
-            Self::Posted if this.has(flags::POSTED) => true.into_py_any(py)?,
-            Self::Link if this.has(flags::LINK) => {
-                this.link.load(Ordering::Relaxed).into_py_any(py)?
-            }
-            Self::Posted | Self::Link => return Ok(None),
-        }))
-    }
+        "reason" if this.origin == Origin::Bad => match this.reason(py) {
+            Some(reason) => reason.unbind(),
+            None => intern!(py, BAD_PREFIX).into_py_any(py)?,
+        },
+        _ => return Ok(None),
+    }))
 }
 
 /// Updates a complete dictionary to the frame packed last. Values are replaced and never removed: other threads may read
@@ -132,12 +103,12 @@ impl Meta {
 pub(crate) fn refresh(message: &Bound<'_, Message>) -> PyResult<()> {
     let py = message.py();
     let packed = message.get().packed(py);
-    for meta in Meta::OF_FRAME {
-        let value = meta.value(message)?;
+    for name in OF_FRAME {
+        let value = value(message, name)?;
         if !message.get().is_packed_as(py, packed.as_ref()) {
             return Ok(()); // the thread that packed another frame updates it
         }
-        instance_dict(message)?.set_item(meta.name(), value)?;
+        instance_dict(message)?.set_item(name, value)?;
     }
     Ok(())
 }
@@ -156,9 +127,9 @@ pub(crate) fn set_packed(slf: &Bound<'_, Message>, frame: &Bound<'_, PyBytes>) -
     }
     if this.has(flags::META) {
         let attributes = instance_dict(slf)?;
-        for meta in Meta::OF_FRAME {
-            if attributes.contains(meta.name())? {
-                attributes.del_item(meta.name())?;
+        for name in OF_FRAME {
+            if attributes.contains(name)? {
+                attributes.del_item(name)?;
             }
         }
     }

@@ -12,8 +12,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
 
 use crate::message::create::pooled_frame;
+use crate::message::meta::BAD_PREFIX;
 use crate::message::object::{Message, Origin, flags, instance_dict};
-use crate::message::special_fields::BAD_PREFIX;
 use crate::protocol::acceptance::Acceptance;
 use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::protocol::signing::Signing;
