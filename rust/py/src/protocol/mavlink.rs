@@ -3,7 +3,6 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU64, Ordering::Relaxed};
 
-use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -13,47 +12,48 @@ use crate::protocol::sender::{Sender, header_byte};
 use crate::protocol::sending::Sending;
 use crate::protocol::signing::Signing;
 use crate::python::calling::Calling;
+use crate::python::intern::Interned;
 use crate::python::lists::collected;
 use crate::sync::lock::{Guard, Lock};
 use crate::sync::slot::Slot;
 
-/// A callback with the arguments it was registered with.
+/// A callback. Attributes of the `MAVLink` object hold what else it is called with.
 pub(crate) struct Callback {
     /// Whether there is one, so that its absence costs nothing.
     is_set: AtomicBool,
     pub(super) function: Slot,
-    pub(super) args: Slot,
-    pub(super) kwargs: Slot,
+    args: Interned,
+    kwargs: Interned,
 }
 
 impl Callback {
-    pub(super) const fn new() -> Self {
+    pub(super) const fn new(args: &'static str, kwargs: &'static str) -> Self {
         Self {
             is_set: AtomicBool::new(false),
             function: Slot::new(),
-            args: Slot::new(),
-            kwargs: Slot::new(),
+            args: Interned::new(args),
+            kwargs: Interned::new(kwargs),
         }
     }
 
-    pub(super) fn set(
-        &self,
-        function: Py<PyAny>,
-        args: &Bound<'_, PyTuple>,
-        kwargs: Option<&Bound<'_, PyDict>>,
-    ) {
-        let py = args.py();
-        self.args.set(Some(args.clone().into_any().unbind()));
-        self.kwargs.set(Some(match kwargs {
-            Some(kwargs) => kwargs.clone().into_any().unbind(),
-            None => PyDict::new(py).into_any().unbind(),
-        }));
-        self.set_function((!function.is_none(py)).then_some(function));
-    }
-
-    pub(super) fn set_function(&self, function: Option<Py<PyAny>>) {
+    pub(super) fn set(&self, function: Option<Py<PyAny>>) {
         self.is_set.store(function.is_some(), Relaxed);
         self.function.set(function);
+    }
+
+    pub(super) fn set_with(
+        &self,
+        mav: &Bound<'_, MAVLink>,
+        function: Option<Py<PyAny>>,
+        args: &Bound<'_, PyTuple>,
+        kwargs: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        let py = mav.py();
+        mav.setattr(self.args.get(py), args)?;
+        let none = || PyDict::new(py);
+        mav.setattr(self.kwargs.get(py), kwargs.cloned().unwrap_or_else(none))?;
+        self.set(function);
+        Ok(())
     }
 
     pub(crate) fn is_set(&self) -> bool {
@@ -61,25 +61,24 @@ impl Callback {
     }
 
     /// Calls `function(message, *args, **kwargs)` if one is registered.
-    pub(crate) fn call(&self, message: &Bound<'_, PyAny>) -> PyResult<()> {
+    pub(crate) fn call(
+        &self,
+        mav: &Bound<'_, MAVLink>,
+        message: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
         if !self.is_set() {
             return Ok(());
         }
         let py = message.py();
         let Some(function) = self.function.get(py) else { return Ok(()) };
         let mut arguments = vec![message.clone()];
-        if let Some(extra) = self.args.get(py) {
+        let extra = mav.getattr(self.args.get(py))?;
+        if !extra.is_none() {
             arguments.extend(collected(extra.try_iter()?)?);
         }
-        let kwargs = self.kwargs.get(py).and_then(|kwargs| kwargs.cast_into::<PyDict>().ok());
+        let kwargs = mav.getattr(self.kwargs.get(py))?.cast_into::<PyDict>().ok();
         function.invoke(PyTuple::new(py, arguments)?, kwargs.as_ref())?;
         Ok(())
-    }
-
-    pub(super) fn traverse(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        self.function.traverse(visit)?;
-        self.args.traverse(visit)?;
-        self.kwargs.traverse(visit)
     }
 }
 

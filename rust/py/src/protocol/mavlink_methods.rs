@@ -30,12 +30,6 @@ fn warn_not_called(py: Python<'_>) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), text, 1)
 }
 
-macro_rules! counter {
-    ($self:ident, $name:ident, $value:ident) => {
-        $self.counters.$name.store($value, Relaxed)
-    };
-}
-
 #[pymethods]
 impl MAVLink {
     #[new]
@@ -72,8 +66,8 @@ impl MAVLink {
             counters: Counters::default(),
             parser: Lock::new(LinkParser::new()),
             file: Slot::new(),
-            callback: Callback::new(),
-            send_callback: Callback::new(),
+            callback: Callback::new("callback_args", "callback_kwargs"),
+            send_callback: Callback::new("send_callback_args", "send_callback_kwargs"),
             overridden: AtomicU8::new(replaced),
         })
     }
@@ -179,53 +173,23 @@ impl MAVLink {
         drop(old);
     }
 
+    /// `callback(message, *callback_args, **callback_kwargs)` is called for every message received.
     #[getter]
     fn callback<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         self.callback.function.get(py)
     }
     #[setter(callback)]
     fn put_callback(&self, value: Option<Py<PyAny>>) {
-        self.callback.set_function(value);
+        self.callback.set(value);
     }
-    #[getter]
-    fn callback_args<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.callback.args.get(py)
-    }
-    #[setter]
-    fn set_callback_args(&self, value: Option<Py<PyAny>>) {
-        self.callback.args.set(value);
-    }
-    #[getter]
-    fn callback_kwargs<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.callback.kwargs.get(py)
-    }
-    #[setter]
-    fn set_callback_kwargs(&self, value: Option<Py<PyAny>>) {
-        self.callback.kwargs.set(value);
-    }
+    /// The same for every message sent, with `send_callback_args` and `send_callback_kwargs`.
     #[getter]
     fn send_callback<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         self.send_callback.function.get(py)
     }
     #[setter(send_callback)]
     fn put_send_callback(&self, value: Option<Py<PyAny>>) {
-        self.send_callback.set_function(value);
-    }
-    #[getter]
-    fn send_callback_args<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.send_callback.args.get(py)
-    }
-    #[setter]
-    fn set_send_callback_args(&self, value: Option<Py<PyAny>>) {
-        self.send_callback.args.set(value);
-    }
-    #[getter]
-    fn send_callback_kwargs<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.send_callback.kwargs.get(py)
-    }
-    #[setter]
-    fn set_send_callback_kwargs(&self, value: Option<Py<PyAny>>) {
-        self.send_callback.kwargs.set(value);
+        self.send_callback.set(value);
     }
 
     /// Frames sent.
@@ -253,7 +217,7 @@ impl MAVLink {
     }
     #[setter]
     fn set_total_packets_received(&self, value: u64) {
-        counter!(self, packets_received, value);
+        self.counters.packets_received.store(value, Relaxed);
     }
     /// Bytes given to `parse_char` and `parse_buffer`.
     #[getter]
@@ -262,7 +226,7 @@ impl MAVLink {
     }
     #[setter]
     fn set_total_bytes_received(&self, value: u64) {
-        counter!(self, bytes_received, value);
+        self.counters.bytes_received.store(value, Relaxed);
     }
     /// Runs of junk and rejected frames.
     #[getter]
@@ -271,7 +235,7 @@ impl MAVLink {
     }
     #[setter]
     fn set_total_receive_errors(&self, value: u64) {
-        counter!(self, receive_errors, value);
+        self.counters.receive_errors.store(value, Relaxed);
     }
 
     /// Bytes received and not parsed yet (a copy).
@@ -311,26 +275,39 @@ impl MAVLink {
         self.parser().have_prefix_error = value;
     }
 
+    #[classattr]
+    #[pyo3(name = "callback_args")]
+    const CALLBACK_ARGS: Option<bool> = None;
+    #[classattr]
+    #[pyo3(name = "callback_kwargs")]
+    const CALLBACK_KWARGS: Option<bool> = None;
+    #[classattr]
+    #[pyo3(name = "send_callback_args")]
+    const SEND_CALLBACK_ARGS: Option<bool> = None;
+    #[classattr]
+    #[pyo3(name = "send_callback_kwargs")]
+    const SEND_CALLBACK_KWARGS: Option<bool> = None;
+
     /// `callback(message, *args, **kwargs)` is called for every message received.
     #[pyo3(signature = (callback, *args, **kwargs))]
     fn set_callback(
-        &self,
-        callback: Py<PyAny>,
+        slf: &Bound<'_, Self>,
+        callback: Option<Py<PyAny>>,
         args: &Bound<'_, PyTuple>,
         kwargs: Option<&Bound<'_, PyDict>>,
-    ) {
-        self.callback.set(callback, args, kwargs);
+    ) -> PyResult<()> {
+        slf.get().callback.set_with(slf, callback, args, kwargs)
     }
 
     /// `callback(message, *args, **kwargs)` is called for every message sent.
     #[pyo3(signature = (callback, *args, **kwargs))]
     fn set_send_callback(
-        &self,
-        callback: Py<PyAny>,
+        slf: &Bound<'_, Self>,
+        callback: Option<Py<PyAny>>,
         args: &Bound<'_, PyTuple>,
         kwargs: Option<&Bound<'_, PyDict>>,
-    ) {
-        self.send_callback.set(callback, args, kwargs);
+    ) -> PyResult<()> {
+        slf.get().send_callback.set_with(slf, callback, args, kwargs)
     }
 
     /// Packs the message and writes it to `file`. Nothing advances if packing or writing fails.
@@ -409,18 +386,15 @@ impl MAVLink {
         if let Some(parser) = unsafe { self.parser.try_lock() } {
             visit.call(parser.signing.as_ref())?;
         }
-        self.callback.traverse(visit)?;
-        self.send_callback.traverse(visit)
+        self.callback.function.traverse(visit)?;
+        self.send_callback.function.traverse(visit)
     }
 
     fn __clear__(&self) {
         self.file.set(None);
         let signing = self.parser().signing.take();
         drop(signing);
-        for callback in [&self.callback, &self.send_callback] {
-            callback.set_function(None);
-            callback.args.set(None);
-            callback.kwargs.set(None);
-        }
+        self.callback.set(None);
+        self.send_callback.set(None);
     }
 }

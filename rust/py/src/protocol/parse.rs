@@ -233,7 +233,7 @@ impl<'a, 'py> Session<'a, 'py> {
             Step::Bad { bytes, error } => bad_data(self.mav, bytes, error)?,
         };
         shared::add(&this.counters.packets_received, 1);
-        this.callback.call(message.as_any())?;
+        this.callback.call(self.mav, message.as_any())?;
         Ok(Some(message))
     }
 

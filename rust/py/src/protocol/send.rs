@@ -29,7 +29,7 @@ pub(crate) fn send(
         let len = frame.len()?;
         Ok((frame, len))
     })?;
-    mav.get().send_callback.call(message)
+    mav.get().send_callback.call(mav, message)
 }
 
 /// Writes the frame that `pack` makes, and its length says, before other threads write theirs.
