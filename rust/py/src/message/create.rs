@@ -1,8 +1,8 @@
 //! Making and unmaking message objects fast.
 //!
 //! PyO3 makes an instance of a Python subclass through `tp_new`, which costs as much as everything else about a message
-//! together. [`create`] allocates as `object.__new__` does and writes the Rust value where PyO3 keeps it. Whether that
-//! is where it is expected gets checked once on an instance that PyO3 made; if not, all instances are made by PyO3.
+//! together. [`create`] allocates as `object.__new__` does and writes the Rust value where PyO3 keeps it. The import of
+//! the extension checks that place on an instance that PyO3 made.
 //!
 //! A message that came off the wire refers to no Python object but its class, so the garbage collector need not know
 //! it: it is untracked here and tracked again by [`track`] when something is first written to it. That keeps lists of
@@ -12,14 +12,12 @@
 //! have a `tp_dealloc` of their own, which keeps a limited number of dead objects for [`pooled`]: those that never had
 //! a dictionary or a weak reference. It saves two thirds of what CPython and PyO3 do for an object's birth and death.
 
-use std::cell::RefCell;
 use std::ffi::{CStr, c_void};
 use std::mem::offset_of;
 use std::ptr::null_mut;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed};
 
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
@@ -39,28 +37,35 @@ struct Instance {
     weak_references: *mut ffi::PyObject,
 }
 
-thread_local! {
-    /// What the next `Message.__new__` on this thread shall hold.
-    static PREPARED: RefCell<Option<Message>> = const { RefCell::new(None) };
+/// Refuses a PyO3 that lays out instances differently from [`Instance`].
+pub(crate) fn check_layout(py: Python<'_>) -> PyResult<()> {
+    let object = Bound::new(py, Message::built(None))?;
+    let number = |name: &str| object.get_type().getattr(name)?.extract::<usize>();
+    // There must be nothing else that would have to be initialised.
+    let is_expected = std::ptr::from_ref(object.get()) as usize - object.as_ptr() as usize
+        == offset_of!(Instance, message)
+        && number("__basicsize__")? == size_of::<Instance>()
+        && number("__dictoffset__")? == offset_of!(Instance, dict)
+        && number("__weakrefoffset__")? == offset_of!(Instance, weak_references);
+    if is_expected {
+        return Ok(());
+    }
+    Err(PyRuntimeError::new_err("mavwire does not know how this Python lays out objects"))
 }
-
-/// What `Message.__new__` was called for, if it was called by [`create`].
-pub(crate) fn take_prepared() -> Option<Message> {
-    PREPARED.take()
-}
-
-/// Whether instances are laid out like [`Instance`]; if not, PyO3 has to make them.
-static AS_EXPECTED: OnceLock<bool> = OnceLock::new();
 
 /// An instance of `class` (a Python subclass of `Message`) around `message`, without going through its `__init__`.
 pub(crate) fn create<'py>(
     class: &Bound<'py, PyType>,
     message: Message,
 ) -> PyResult<Bound<'py, Message>> {
-    match AS_EXPECTED.get() {
-        Some(true) => allocate(class, message),
-        Some(false) => create_by_pyo3(class, message),
-        None => create_and_measure(class, message),
+    // SAFETY: `class` derives from `Message`, so that the allocation gives a zeroed object of at least `Message`'s basic
+    // size, laid out like `Instance` (see `check_layout`). The value is written before anybody can see the object.
+    unsafe {
+        let object = ffi::PyType_GenericAlloc(class.as_type_ptr(), 0);
+        let object = Bound::from_owned_ptr_or_err(class.py(), object)?;
+        (&raw mut (*object.as_ptr().cast::<Instance>()).message).write(message);
+        untrack(&object);
+        Ok(object.cast_into_unchecked())
     }
 }
 
@@ -127,8 +132,7 @@ pub(crate) fn renew(
     // weak ones mean that no code but this sees it, so that nothing borrowed from its value is in use; the interpreter's
     // lock is held. Dropping the old value frees a `bytes` or a `str` at most.
     unsafe {
-        if AS_EXPECTED.get() != Some(&true)
-            || object.as_ptr() == message.as_ptr()
+        if object.as_ptr() == message.as_ptr()
             || ffi::Py_TYPE(object.as_ptr()) != ffi::Py_TYPE(message.as_ptr())
             || ffi::Py_REFCNT(object.as_ptr()) != CALLER_AND_TABLE
             || !(*instance).weak_references.is_null()
@@ -163,54 +167,6 @@ fn revive<'py>(
         let object = ffi::PyObject_Init(instance.cast(), class.as_type_ptr());
         Bound::from_owned_ptr(class.py(), object).cast_into_unchecked()
     }
-}
-
-fn allocate<'py>(class: &Bound<'py, PyType>, message: Message) -> PyResult<Bound<'py, Message>> {
-    // SAFETY: `class` derives from `Message`, so that the allocation gives a zeroed object of at least `Message`'s basic
-    // size, laid out like `Instance` (see `create_and_measure`). The value is written before anybody can see the object.
-    unsafe {
-        let object = ffi::PyType_GenericAlloc(class.as_type_ptr(), 0);
-        let object = Bound::from_owned_ptr_or_err(class.py(), object)?;
-        (&raw mut (*object.as_ptr().cast::<Instance>()).message).write(message);
-        untrack(&object);
-        Ok(object.cast_into_unchecked())
-    }
-}
-
-/// Makes the first instance and looks how it is laid out.
-fn create_and_measure<'py>(
-    class: &Bound<'py, PyType>,
-    message: Message,
-) -> PyResult<Bound<'py, Message>> {
-    let object = create_by_pyo3(class, message)?;
-    let base = class.py().get_type::<Message>();
-    let number = |name: &str| base.getattr(name)?.extract::<usize>();
-    // There must be nothing else that would have to be initialised.
-    let as_expected = std::ptr::from_ref(object.get()) as usize - object.as_ptr() as usize
-        == offset_of!(Instance, message)
-        && number("__basicsize__")? == size_of::<Instance>()
-        && number("__dictoffset__")? == offset_of!(Instance, dict)
-        && number("__weakrefoffset__")? == offset_of!(Instance, weak_references);
-    let _ = AS_EXPECTED.set(as_expected);
-    Ok(object)
-}
-
-fn create_by_pyo3<'py>(
-    class: &Bound<'py, PyType>,
-    message: Message,
-) -> PyResult<Bound<'py, Message>> {
-    PREPARED.set(Some(message));
-    let empty = PyTuple::empty(class.py());
-    // SAFETY: `class` is a type object whose `tp_new` slot is set (it inherits `Message`'s), and `empty` is a tuple;
-    // `tp_new` returns a new reference or sets an exception.
-    let object = unsafe {
-        let new: ffi::newfunc =
-            std::mem::transmute(ffi::PyType_GetSlot(class.as_type_ptr(), ffi::Py_tp_new));
-        let object = new(class.as_type_ptr(), empty.as_ptr(), null_mut());
-        Bound::from_owned_ptr_or_err(class.py(), object)
-    };
-    let object = object.inspect_err(|_| drop(take_prepared()))?;
-    Ok(object.cast_into::<Message>()?)
 }
 
 /// `Message`'s own `tp_dealloc`, as PyO3 made it.
@@ -290,9 +246,7 @@ unsafe extern "C" fn dealloc(object: *mut ffi::PyObject) {
 /// would have to be waited for.
 #[cfg(not(Py_GIL_DISABLED))]
 mod pool {
-    use super::{
-        AS_EXPECTED, AtomicPtr, AtomicUsize, Instance, Message, Relaxed, ffi, flags, null_mut,
-    };
+    use super::{AtomicPtr, AtomicUsize, Instance, Message, Relaxed, ffi, flags, null_mut};
 
     /// Objects that are kept, at most: half a megabyte.
     const CAPACITY: usize = 4096;
@@ -316,15 +270,14 @@ mod pool {
     /// `instance` must be an object of a class derived from `Message`.
     #[inline]
     pub(super) unsafe fn may_keep(instance: *mut Instance) -> bool {
-        // SAFETY: objects are laid out like this, as was found when the first one was made.
-        AS_EXPECTED.get() == Some(&true)
-            && unsafe {
-                let message: &Message = &(*instance).message;
-                message.has(flags::POOLED)
-                    && (*instance).dict.is_null()
-                    && (*instance).weak_references.is_null()
-                    && ffi::PyObject_GC_IsTracked(instance.cast()) == 0
-            }
+        // SAFETY: such objects are laid out like this.
+        unsafe {
+            let message: &Message = &(*instance).message;
+            message.has(flags::POOLED)
+                && (*instance).dict.is_null()
+                && (*instance).weak_references.is_null()
+                && ffi::PyObject_GC_IsTracked(instance.cast()) == 0
+        }
     }
 
     /// Puts an object in that nobody uses any more, its value dropped; false if there is no room.

@@ -6,7 +6,6 @@ use pyo3::types::{PyDict, PyString, PyTuple, PyType};
 
 use mavwire_core::frame::Header;
 
-use crate::message::create;
 use crate::message::dict;
 use crate::message::info::MessageInfo;
 use crate::message::object::{Message, flags, flags_for, instance_dict};
@@ -25,9 +24,6 @@ impl Message {
         _args: &Bound<'_, PyTuple>,
         _kwargs: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        if let Some(prepared) = create::take_prepared() {
-            return Ok(prepared);
-        }
         let info = cls.getattr(intern!(cls.py(), "_info"))?;
         Ok(Self::built(info.cast::<MessageInfo>().ok().map(|info| info.get().info)))
     }
@@ -189,10 +185,6 @@ impl Message {
 
     fn __eq__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
         text::equal(slf, other)
-    }
-
-    fn __ne__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
-        Ok(!text::equal(slf, other)?)
     }
 
     /// The message of one instance (battery, named value, ...), where mavutil keeps several.
