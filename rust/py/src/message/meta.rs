@@ -5,7 +5,7 @@
 
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyBytes, PyDict};
+use pyo3::types::{PyByteArray, PyBytes};
 
 use mavwire_core::frame::{CHECKSUM_LEN, FrameRef, Header, SIGNATURE_LEN};
 use std::sync::atomic::Ordering;
@@ -149,14 +149,10 @@ fn header_object(message: &Bound<'_, Message>) -> PyResult<Py<PyAny>> {
         };
         return Ok(class.invoke1((msgid,))?.unbind());
     };
-    let kwargs = PyDict::new(py);
-    kwargs.set_item(intern!(py, "incompat_flags"), header.incompat_flags)?;
-    kwargs.set_item(intern!(py, "compat_flags"), header.compat_flags)?;
-    kwargs.set_item(intern!(py, "mlen"), header.payload_len)?;
-    kwargs.set_item(intern!(py, "seq"), header.seq)?;
-    kwargs.set_item(intern!(py, "srcSystem"), header.sysid)?;
-    kwargs.set_item(intern!(py, "srcComponent"), header.compid)?;
-    Ok(class.invoke((header.msgid,), Some(&kwargs))?.unbind())
+    let Header { incompat_flags, compat_flags, payload_len, seq, sysid, compid, msgid, .. } =
+        header;
+    let arguments = (msgid, incompat_flags, compat_flags, payload_len, seq, sysid, compid);
+    Ok(class.invoke1(arguments)?.unbind())
 }
 
 /// After `pack` the payload as sent. After decoding a slice from byte 6 whatever the header's length: that is what

@@ -2,10 +2,9 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use mavwire_core::frame::{self, FrameError, FrameRef, Header, IFLAG_SIGNED};
+use mavwire_core::frame::{FrameError, FrameRef};
 use mavwire_core::parser::{Run, Step};
 use mavwire_core::registry::Entry;
-use mavwire_core::x25;
 use pyo3::exceptions::{PyAttributeError, PyIndexError, PyRuntimeError};
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -246,14 +245,26 @@ impl<'a, 'py> Session<'a, 'py> {
         if self.mav.get().is_overridden(overridden::RECEIVE) {
             return decode_by_method(self.mav, &bytes, self.robust);
         }
+        self.accepted(bytes, entry)
+    }
+
+    fn accepted(&self, bytes: FrameBytes, entry: Option<Entry>) -> PyResult<Bound<'py, Message>> {
         let acceptance = match &self.signing {
             Some(signing) => signing.get().accept(self.mav, &bytes, entry.is_some())?,
             None => Acceptance::Unchecked,
         };
-        match acceptance {
-            Acceptance::Rejected => self.rejected(&bytes),
-            _ => message_object(self.mav, bytes, entry, acceptance),
+        if acceptance == Acceptance::Rejected {
+            return self.rejected(&bytes);
         }
+        let (py, dialect) = (self.mav.py(), self.mav.get().dialect.get());
+        let message = match entry {
+            Some(entry) => dialect.message(py, entry.index, bytes)?,
+            None => dialect.unknown(py, Message::received(None, bytes, Origin::Unknown))?,
+        };
+        if acceptance == Acceptance::Verified {
+            message.get().set(flags::SIGNED);
+        }
+        Ok(message)
     }
 
     /// What becomes of a frame that signing does not let pass.
@@ -265,24 +276,6 @@ impl<'a, 'py> Session<'a, 'py> {
             Err(mav_error(self.mav, error))
         }
     }
-}
-
-fn message_object<'py>(
-    mav: &Bound<'py, MAVLink>,
-    bytes: FrameBytes,
-    entry: Option<Entry>,
-    acceptance: Acceptance,
-) -> PyResult<Bound<'py, Message>> {
-    let py = mav.py();
-    let dialect = mav.get().dialect.get();
-    let message = match entry {
-        Some(entry) => dialect.message(py, entry.index, bytes)?,
-        None => unknown(mav, bytes)?,
-    };
-    if acceptance == Acceptance::Verified {
-        message.get().set(flags::SIGNED);
-    }
-    Ok(message)
 }
 
 /// A subclass has its own `decode`, which gets the frame and whose `MAVError` becomes BAD_DATA.
@@ -324,11 +317,6 @@ fn bad_data<'py>(
     })
 }
 
-fn unknown<'py>(mav: &Bound<'py, MAVLink>, bytes: FrameBytes) -> PyResult<Bound<'py, Message>> {
-    let message = Message::received(None, bytes, Origin::Unknown);
-    mav.get().dialect.get().unknown(mav.py(), message)
-}
-
 fn mav_error(mav: &Bound<'_, MAVLink>, error: FrameError) -> PyErr {
     let class = mav.get().dialect.get().global(mav.py(), "MAVError");
     match class.and_then(|class| class.invoke1((error.to_string(),))) {
@@ -350,15 +338,9 @@ pub(crate) fn decode<'py>(
         )));
     };
     let bytes = buffer.to_vec();
-    let (_, entry) = check_frame(mav, &bytes)?;
-    let acceptance = match mav.get().signing(py) {
-        Some(signing) => signing.get().accept(mav, &bytes, entry.is_some())?,
-        None => Acceptance::Unchecked,
-    };
-    let message = match acceptance {
-        Acceptance::Rejected => return Err(mav_error(mav, FrameError::InvalidSignature)),
-        _ => message_object(mav, FrameBytes::from(bytes.as_slice()), entry, acceptance)?,
-    };
+    let entry = check_frame(mav, &bytes)?;
+    let session = Session { robust: false, ..Session::new(mav) };
+    let message = session.accepted(FrameBytes::from(bytes.as_slice()), entry)?;
     // The message shows the very object it was decoded from.
     let message_buffer = intern!(py, "_msgbuf");
     instance_dict(&message)?.set_item(message_buffer, msgbuf)?;
@@ -366,45 +348,21 @@ pub(crate) fn decode<'py>(
     Ok(message)
 }
 
-fn check_frame(mav: &Bound<'_, MAVLink>, bytes: &[u8]) -> PyResult<(Header, Option<Entry>)> {
-    fn fail<T>(mav: &Bound<'_, MAVLink>, error: FrameError) -> PyResult<T> {
-        Err(mav_error(mav, error))
-    }
-    let Some(&first) = bytes.first() else {
+/// The registry's entry for a complete frame, whose checksum is right then; `None` for an unknown id.
+fn check_frame(mav: &Bound<'_, MAVLink>, bytes: &[u8]) -> PyResult<Option<Entry>> {
+    if bytes.is_empty() {
         return Err(PyIndexError::new_err("bytearray index out of range"));
-    };
-    let header_len =
-        if first == frame::STX_V1 { frame::HEADER_LEN_V1 } else { frame::HEADER_LEN_V2 };
-    if bytes.len() < header_len {
-        return fail(mav, FrameError::ShortHeader { needed: header_len as u8 });
     }
-    let Some(header) = Header::parse(bytes) else {
-        return fail(mav, FrameError::InvalidStx(first));
-    };
-    let signature_len =
-        if header.incompat_flags & IFLAG_SIGNED != 0 { frame::SIGNATURE_LEN } else { 0 };
-    let got = bytes.len() as i64 - (header_len + frame::CHECKSUM_LEN + signature_len) as i64;
-    if got != i64::from(header.payload_len) {
-        return fail(
-            mav,
-            FrameError::LengthMismatch {
-                got,
-                expected: header.payload_len,
-                msgid: header.msgid,
-                header_len: header_len as u8,
-            },
-        );
-    }
+    let fail = |error| mav_error(mav, error);
+    let frame = FrameRef::parse(bytes).map_err(fail)?;
     let dialect = mav.get().dialect.get();
-    let Some(entry) = dialect.registry.lookup(header.msgid) else { return Ok((header, None)) };
-    let frame = FrameRef::parse(bytes).or_else(|error| fail(mav, error))?;
-    let body = &bytes[1..header_len + usize::from(header.payload_len)];
-    let calculated = x25::accumulate(x25::checksum(body), &[entry.crc_extra]);
-    let received = frame.checksum();
+    let msgid = frame.header().msgid;
+    let Some(entry) = dialect.registry.lookup(msgid) else { return Ok(None) };
+    let (received, calculated) = (frame.checksum(), frame.calculated_checksum(entry.crc_extra));
     if calculated != received && !dialect.global(mav.py(), "MAVLINK_IGNORE_CRC")?.is_truthy()? {
-        return fail(mav, FrameError::BadChecksum { msgid: header.msgid, received, calculated });
+        return Err(fail(FrameError::BadChecksum { msgid, received, calculated }));
     }
-    Ok((header, Some(entry)))
+    Ok(Some(entry))
 }
 
 /// `mav.check_signature(msgbuf, srcSystem, srcComponent)`; the source is the one in the frame, which is what is signed.
