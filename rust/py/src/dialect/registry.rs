@@ -104,19 +104,23 @@ impl Dialect {
         }
     }
 
-    /// Frames are made in version 2: the module's `WIRE_PROTOCOL_VERSION`, which user code may change at any time.
-    pub(crate) fn is_v2(&self, py: Python<'_>) -> PyResult<bool> {
+    /// The version in which frames are made: the module's `WIRE_PROTOCOL_VERSION`, which user code may change at any time.
+    pub(crate) fn version(&self, py: Python<'_>, force_mavlink1: bool) -> PyResult<WireVersion> {
+        if force_mavlink1 {
+            return Ok(WireVersion::V1);
+        }
         let version = self.namespace(py)?.get_item(intern!(py, "WIRE_PROTOCOL_VERSION"))?;
-        let Some(version) = version else { return Ok(true) };
+        let Some(version) = version else { return Ok(WireVersion::V2) };
         // The strings that modules start with are interned, so that comparing pointers is enough.
         if version.is(intern!(py, "2.0")) {
-            return Ok(true);
+            return Ok(WireVersion::V2);
         }
         if version.is(intern!(py, "1.0")) {
-            return Ok(false);
+            return Ok(WireVersion::V1);
         }
         let number = py.get_type::<pyo3::types::PyFloat>().invoke1((version,))?;
-        Ok((number.extract::<f64>()? - 2.0).abs() < f64::EPSILON)
+        let is_v2 = (number.extract::<f64>()? - 2.0).abs() < f64::EPSILON;
+        Ok(if is_v2 { WireVersion::V2 } else { WireVersion::V1 })
     }
 
     /// The class of the message with this index, if it was used before.
@@ -350,16 +354,9 @@ impl Dialect {
         for class in self.classes.iter().filter_map(OnceLock::get) {
             visit.call(&class.class)?;
         }
-        if let Some(namespace) = self.namespace.get() {
-            visit.call(namespace)?;
-        }
-        if let Some(make_class) = self.make_class.get() {
-            visit.call(make_class)?;
-        }
-        for class in self.special.get().into_iter().flatten() {
-            visit.call(class)?;
-        }
-        Ok(())
+        visit.call(self.namespace.get())?;
+        visit.call(self.make_class.get())?;
+        self.special.get().into_iter().flatten().try_for_each(|class| visit.call(class))
     }
 }
 

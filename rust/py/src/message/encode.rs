@@ -4,7 +4,7 @@
 //! errors included, is left to Python's own `struct`: it decides what fits, and its exceptions are the ones callers
 //! of pymavlink know.
 
-use mavwire_schema::{FieldType, Message as Definition};
+use mavwire_schema::{FieldType, Message as Definition, WireVersion};
 use pyo3::Borrowed;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyTuple};
@@ -34,8 +34,13 @@ impl Payload {
         payload
     }
 
-    pub(crate) fn as_slice(&self) -> &[u8] {
-        &self.bytes[..self.len]
+    /// The bytes that a version carries, before zeros at the end are cut off: extension fields are never sent in version 1.
+    #[inline]
+    pub(crate) fn sent(&self, definition: &Definition, version: WireVersion) -> &[u8] {
+        match version {
+            WireVersion::V1 => &self.bytes[..usize::from(definition.min_len)],
+            WireVersion::V2 => &self.bytes[..self.len],
+        }
     }
 
     /// Encodes the value of a field; `None` if `struct` has to judge it.

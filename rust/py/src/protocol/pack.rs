@@ -35,11 +35,6 @@ fn sender_of<'py>(mav: &Bound<'py, PyAny>) -> PyResult<Sender<'py>> {
     })
 }
 
-fn dialect_of<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, Dialect>> {
-    let py = message.py();
-    Ok(message.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?)
-}
-
 /// `message.pack(mav, force_mavlink1)`
 pub(crate) fn pack_message<'py>(
     message: &Bound<'py, Message>,
@@ -50,12 +45,7 @@ pub(crate) fn pack_message<'py>(
     let payload = payload(message, info)?;
     let version = version(message, force_mavlink1)?;
     let definition = &info.definition;
-    let payload = match version {
-        // Extension fields are never sent in version 1.
-        WireVersion::V1 => &payload.as_slice()[..usize::from(definition.min_len)],
-        WireVersion::V2 => payload.as_slice(),
-    };
-    finish(message, mav, payload, definition.crc_extra, version)
+    finish(message, mav, payload.sent(definition, version), definition.crc_extra, version)
 }
 
 /// `message._pack(mav, crc_extra, payload, force_mavlink1)`
@@ -71,8 +61,9 @@ pub(crate) fn pack_payload<'py>(
 }
 
 fn version(message: &Bound<'_, Message>, force_mavlink1: bool) -> PyResult<WireVersion> {
-    let v2 = !force_mavlink1 && dialect_of(message)?.get().is_v2(message.py())?;
-    Ok(if v2 { WireVersion::V2 } else { WireVersion::V1 })
+    let py = message.py();
+    let dialect = message.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?;
+    dialect.get().version(py, force_mavlink1)
 }
 
 fn finish<'py>(

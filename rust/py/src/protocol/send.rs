@@ -1,7 +1,6 @@
 //! Sending: one frame after the other, whatever the number of threads.
 
 use mavwire_core::frame::FrameBuffer;
-use mavwire_schema::WireVersion;
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
@@ -152,12 +151,8 @@ fn send_directly(
             return Ok(false);
         }
     }
-    let v2 = !force_mavlink1 && this.dialect.get().is_v2(py)?;
-    let (version, payload) = if v2 {
-        (WireVersion::V2, payload.as_slice())
-    } else {
-        (WireVersion::V1, &payload.as_slice()[..usize::from(definition.min_len)])
-    };
+    let version = this.dialect.get().version(py, force_mavlink1)?;
+    let payload = payload.sent(definition, version);
     in_turn(mav, || {
         let mut frame = FrameBuffer::default();
         let sender = this.sender(py)?;
