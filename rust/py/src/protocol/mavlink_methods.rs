@@ -7,20 +7,20 @@ use mavwire_core::scan::Resync;
 use pyo3::exceptions::{PyRuntimeWarning, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyDict, PyList, PyString, PyTuple, PyType};
+use pyo3::types::{PyByteArray, PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 
 use crate::dialect::registry::Dialect;
 use crate::message::object::Message;
 use crate::protocol::mavlink::{Callback, Counters, MAVLink, overridden};
-use crate::protocol::parse;
+use crate::protocol::parse::{self, Session};
 use crate::protocol::parser::LinkParser;
 use crate::protocol::peer_check;
 use crate::protocol::send;
 use crate::protocol::sending::Sending;
 use crate::protocol::signing::Signing;
-use crate::python::calling::truth;
+use crate::python::calling::{Calling, truth};
 use crate::python::instance_dict::generic_setattr;
-use crate::python::lists::bytes;
+use crate::python::lists::{bytes, bytes_like};
 use crate::sync::lock::Lock;
 use crate::sync::slot::Slot;
 
@@ -317,7 +317,15 @@ impl MAVLink {
         mavmsg: &Bound<'_, PyAny>,
         #[pyo3(from_py_with = truth)] force_mavlink1: bool,
     ) -> PyResult<()> {
-        send::send(slf, mavmsg, force_mavlink1)
+        let py = slf.py();
+        let kwargs = PyDict::new(py);
+        kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
+        send::in_turn(slf, || {
+            let frame = mavmsg.invoke_method(intern!(py, "pack"), (slf,), Some(&kwargs))?;
+            let len = frame.len()?;
+            Ok((frame, len))
+        })?;
+        slf.get().send_callback.call(slf, mavmsg)
     }
 
     /// From now on the sequence numbers and counters of what is sent are those of `other`, whose place this one takes:
@@ -347,7 +355,15 @@ impl MAVLink {
         slf: &Bound<'py, Self>,
         c: &Bound<'py, PyAny>,
     ) -> PyResult<Option<Bound<'py, Message>>> {
-        parse::parse_char(slf, c)
+        if !parse::feed(slf, c)? {
+            return Ok(None);
+        }
+        let this = slf.get();
+        let session = Session::new(slf);
+        let step = this.parser().step(&this.dialect.get().registry, session.robust);
+        let message = session.take_step(step);
+        this.parser().tidy();
+        message
     }
 
     /// Takes bytes and returns all messages in them as a list, or None if there are none.
@@ -366,8 +382,8 @@ impl MAVLink {
         parse::decode(slf, msgbuf)
     }
 
-    /// True if the frame's signature is good and fresh; only then the stream's state moves.
-    #[pyo3(name = "check_signature")]
+    /// True if the frame's signature is good and fresh; only then the stream's state moves. The source is the one in the
+    /// frame, which is what is signed.
     fn check_signature(
         slf: &Bound<'_, Self>,
         msgbuf: &Bound<'_, PyAny>,
@@ -375,7 +391,9 @@ impl MAVLink {
         #[allow(non_snake_case)] srcComponent: u8,
     ) -> PyResult<bool> {
         let _ = (srcSystem, srcComponent);
-        parse::check_signature(slf, msgbuf)
+        let bytes = bytes_like(msgbuf)?;
+        let Some(signing) = slf.get().signing(slf.py()) else { return Ok(false) };
+        signing.get().check(slf, bytes.cast::<PyBytes>()?.as_bytes())
     }
 
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {

@@ -160,8 +160,7 @@ pub(crate) unsafe extern "C" fn build(
     // SAFETY: the arguments are this function's own.
     unsafe {
         raw_function::call(arguments, count, |_, arguments| {
-            let message = arguments.get(0).ok_or_else(no_arguments)?;
-            store(&*message.cast::<Message>()?, &arguments.from(1))
+            store(&*arguments.require(0)?.cast::<Message>()?, &arguments.from(1))
         })
     }
 }
@@ -180,11 +179,6 @@ fn store(message: &Bound<'_, Message>, values: &Arguments<'_, '_>) -> PyResult<(
     }
     Message::written(message, flags::DICT | flags::FIELDS);
     Ok(())
-}
-
-/// What a raw function says that was called without arguments.
-pub(crate) fn no_arguments() -> PyErr {
-    pyo3::exceptions::PyTypeError::new_err("arguments are missing")
 }
 
 /// The text of a `char[n]` argument: up to the first NUL, ASCII, other bytes replaced.

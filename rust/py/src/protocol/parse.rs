@@ -23,7 +23,7 @@ use crate::sync::shared;
 use mavwire_core::frame::FrameBytes;
 
 /// Takes the input; true if a message may be complete now.
-fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
+pub(super) fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
     let converted;
     let bytes = if let Ok(bytes) = data.cast_exact::<PyBytes>() {
         bytes.as_bytes()
@@ -36,6 +36,10 @@ fn feed(mav: &Bound<'_, MAVLink>, data: &Bound<'_, PyAny>) -> PyResult<bool> {
     // A program may hand over more than there is memory for twice.
     let is_enough = parser.try_push(bytes).map_err(Error::from)?;
     shared::add(&this.counters.bytes_received, bytes.len() as u64);
+    drop(parser);
+    if is_enough {
+        obey_ignore_checksum(mav)?;
+    }
     Ok(is_enough)
 }
 
@@ -57,21 +61,7 @@ pub(crate) fn obey_ignore_checksum(mav: &Bound<'_, MAVLink>) -> PyResult<()> {
 pub(crate) struct Session<'a, 'py> {
     mav: &'a Bound<'py, MAVLink>,
     signing: Option<Bound<'py, Signing>>,
-    robust: bool,
-}
-
-/// `mav.parse_char(c)`
-pub(crate) fn parse_char<'py>(
-    mav: &Bound<'py, MAVLink>,
-    c: &Bound<'py, PyAny>,
-) -> PyResult<Option<Bound<'py, Message>>> {
-    if !feed(mav, c)? {
-        return Ok(None);
-    }
-    obey_ignore_checksum(mav)?;
-    let message = Session::new(mav).next_message();
-    mav.get().parser().tidy();
-    message
+    pub(super) robust: bool,
 }
 
 /// `mav.parse_buffer(s)`
@@ -93,7 +83,6 @@ pub(crate) fn parse_buffer<'py>(
     if !feed(mav, s)? {
         return Ok(None);
     }
-    obey_ignore_checksum(mav)?;
     let mut run = mav.get().parser().new_run();
     let messages = Session::new(mav).collect(&mut run);
     let mut parser = mav.get().parser();
@@ -207,13 +196,6 @@ impl<'a, 'py> Session<'a, 'py> {
             |signing: &Signing| signing.has_key() && !self.robust || signing.asks(self.mav.py());
         !self.signing.as_ref().is_some_and(|signing| refuses(signing.get()))
             && !self.mav.get().callback.is_set()
-    }
-
-    /// The next message of what was fed.
-    fn next_message(&self) -> PyResult<Option<Bound<'py, Message>>> {
-        let this = self.mav.get();
-        let step = this.parser().step(&this.dialect.get().registry, self.robust);
-        self.take_step(step)
     }
 
     /// What the parser found as a message, with counter and callback.
@@ -363,14 +345,4 @@ fn check_frame(mav: &Bound<'_, MAVLink>, bytes: &[u8]) -> PyResult<Option<Entry>
         return Err(fail(FrameError::BadChecksum { msgid, received, calculated }));
     }
     Ok(Some(entry))
-}
-
-/// `mav.check_signature(msgbuf, srcSystem, srcComponent)`; the source is the one in the frame, which is what is signed.
-pub(crate) fn check_signature(
-    mav: &Bound<'_, MAVLink>,
-    msgbuf: &Bound<'_, PyAny>,
-) -> PyResult<bool> {
-    let bytes = bytes_like(msgbuf)?;
-    let Some(signing) = mav.get().signing(mav.py()) else { return Ok(false) };
-    signing.get().check(mav, bytes.cast::<PyBytes>()?.as_bytes())
 }

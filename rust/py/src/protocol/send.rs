@@ -8,35 +8,17 @@ use pyo3::types::{PyBytes, PyTuple};
 use crate::message::encode::Payload;
 use crate::message::info::{Info, MessageInfo};
 use crate::protocol::mavlink::{MAVLink, overridden};
-use crate::protocol::pack::no_arguments;
 use crate::python::calling::Calling;
 use crate::python::raw_function;
 use crate::python::raw_function::Arguments;
 use crate::sync::thread_lock::ThreadGuard;
-
-/// `mav.send(message, force_mavlink1)`
-pub(crate) fn send(
-    mav: &Bound<'_, MAVLink>,
-    message: &Bound<'_, PyAny>,
-    force_mavlink1: bool,
-) -> PyResult<()> {
-    let py = mav.py();
-    let kwargs = pyo3::types::PyDict::new(py);
-    kwargs.set_item(intern!(py, "force_mavlink1"), force_mavlink1)?;
-    in_turn(mav, || {
-        let frame = message.invoke_method(intern!(py, "pack"), (mav,), Some(&kwargs))?;
-        let len = frame.len()?;
-        Ok((frame, len))
-    })?;
-    mav.get().send_callback.call(mav, message)
-}
 
 /// Writes the frame that `pack` makes, and its length says, before other threads write theirs.
 ///
 /// Where somebody passed meanwhile, in a `pack` or a timestamp store of the program's own, the frame may have a number that
 /// is used, or a timestamp that is too old: it is made again, once, since that may take as long.
 #[inline]
-fn in_turn<'py>(
+pub(super) fn in_turn<'py>(
     mav: &Bound<'py, MAVLink>,
     pack: impl Fn() -> PyResult<(Bound<'py, PyAny>, usize)>,
 ) -> PyResult<()> {
@@ -101,12 +83,8 @@ pub(crate) unsafe extern "C" fn send_values(
     // SAFETY: the arguments are this function's own.
     unsafe {
         raw_function::call(arguments, count, |_, arguments| {
-            let (Some(mav), Some(info), Some(force_mavlink1)) =
-                (arguments.get(0), arguments.get(1), arguments.get(2))
-            else {
-                return Err(no_arguments());
-            };
-            let info = info.cast::<MessageInfo>()?.get().info;
+            let info = arguments.require(1)?.cast::<MessageInfo>()?.get().info;
+            let (mav, force_mavlink1) = (arguments.require(0)?, arguments.require(2)?);
             send_arguments(&mav, info, &force_mavlink1, &arguments.from(3))
         })
     }

@@ -8,6 +8,7 @@ use std::any::Any;
 use std::ffi::CStr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::ffi;
 use pyo3::panic::PanicException;
 use pyo3::prelude::*;
@@ -26,15 +27,17 @@ pub(crate) struct Arguments<'a, 'py> {
 }
 
 impl<'a, 'py> Arguments<'a, 'py> {
-    pub(crate) fn len(&self) -> usize {
-        self.items.len()
-    }
-
     /// The argument at `index`, if there is one.
     #[inline]
     pub(crate) fn get(&self, index: usize) -> Option<Borrowed<'a, 'py, PyAny>> {
         // SAFETY: the caller of the function holds a reference to each of its arguments until it returns.
         self.items.get(index).map(|&item| unsafe { Borrowed::from_ptr(self.py, item) })
+    }
+
+    /// The argument at `index`, which the function needs.
+    #[inline]
+    pub(crate) fn require(&self, index: usize) -> PyResult<Borrowed<'a, 'py, PyAny>> {
+        self.get(index).ok_or_else(|| PyTypeError::new_err("arguments are missing"))
     }
 
     /// All arguments from `start` on.
@@ -43,7 +46,7 @@ impl<'a, 'py> Arguments<'a, 'py> {
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = Borrowed<'a, 'py, PyAny>> {
-        (0..self.len()).filter_map(|index| self.get(index))
+        (0..self.items.len()).filter_map(|index| self.get(index))
     }
 }
 
