@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyIterator, PyList};
 
 use crate::dialect::registry::Dialect;
+use crate::message::object::Message;
 use crate::python::calling::Calling;
 use crate::python::error::Result;
 use crate::tables::columns::{LogColumns, Query};
@@ -84,7 +85,8 @@ impl FrameBatch {
         for (info, bytes) in self.frames.iter() {
             let frame = FrameBytes::from(bytes);
             let time = info.time as f64 / 1e6;
-            messages.append(self.dialect.get().stamped(py, info.index, frame, time, 0)?)?;
+            let stamped = |message: Message| message.stamped(time, 0);
+            messages.append(self.dialect.get().message(py, info.index, frame, stamped)?)?;
         }
         Ok(messages)
     }

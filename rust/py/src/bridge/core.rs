@@ -114,7 +114,8 @@ impl BridgeCore {
         let Some(latest) = py.detach(|| hub.latest(msgid, sysid, compid)) else { return Ok(None) };
         let frame = FrameBytes::from(&latest.frame[..]);
         let time = latest.info.time as f64 / 1e6;
-        Ok(Some(self.dialect.get().stamped(py, latest.info.index, frame, time, 0)?))
+        let stamped = |message: Message| message.stamped(time, 0);
+        Ok(Some(self.dialect.get().message(py, latest.info.index, frame, stamped)?))
     }
 
     /// The last complete status text of a component; `None` if it has sent no text.

@@ -131,11 +131,7 @@ impl Dialect {
     /// The class of the message with this index, made if it is the first use.
     #[inline]
     pub(crate) fn class(&self, py: Python<'_>, index: u16) -> PyResult<&MessageClass> {
-        let cell = &self.classes[usize::from(index)];
-        if let Some(class) = cell.get() {
-            return Ok(class);
-        }
-        self.make_class(py, index)
+        self.known_class(index).map_or_else(|| self.make_class(py, index), Ok)
     }
 
     #[cold]
@@ -149,46 +145,24 @@ impl Dialect {
         Ok(cell.get_or_init(|| MessageClass { class, info }))
     }
 
-    /// A message object around a received frame of a known id.
+    /// A message object around a received frame, finished by `finish`; `index` is `None` for an unknown id.
     pub(crate) fn message<'py>(
-        &self,
-        py: Python<'py>,
-        index: u16,
-        frame: FrameBytes,
-    ) -> PyResult<Bound<'py, Message>> {
-        let class = self.class(py, index)?;
-        let message = Message::received(Some(class.info), frame, Origin::Decoded);
-        create::pooled(class.class.bind(py), message)
-    }
-
-    /// A message object for a frame with an id that the dialect does not have.
-    pub(crate) fn unknown<'py>(
-        &self,
-        py: Python<'py>,
-        message: Message,
-    ) -> PyResult<Bound<'py, Message>> {
-        self.special(py, "MAVLink_unknown", message, |message| {
-            let id = Header::parse(&message.frame).map_or(0, |header| header.msgid);
-            (id, PyByteArray::new(py, &message.frame)).into_pyobject(py)
-        })
-    }
-
-    /// A message object around a frame that was received at a time; `index` is `None` for an unknown id.
-    pub(crate) fn stamped<'py>(
         &self,
         py: Python<'py>,
         index: Option<u16>,
         frame: FrameBytes,
-        seconds: f64,
-        link: u8,
+        finish: impl FnOnce(Message) -> Message,
     ) -> PyResult<Bound<'py, Message>> {
-        let Some(index) = index else {
-            let message = Message::received(None, frame, Origin::Unknown).stamped(seconds, link);
-            return self.unknown(py, message);
-        };
-        let class = self.class(py, index)?;
-        let message = Message::received(Some(class.info), frame, Origin::Decoded);
-        create::pooled(class.class.bind(py), message.stamped(seconds, link))
+        if let Some(index) = index {
+            let class = self.class(py, index)?;
+            let message = Message::received(Some(class.info), frame, Origin::Decoded);
+            return create::pooled(class.class.bind(py), finish(message));
+        }
+        let message = finish(Message::received(None, frame, Origin::Unknown));
+        self.special(py, "MAVLink_unknown", message, |message| {
+            let id = Header::parse(&message.frame).map_or(0, |header| header.msgid);
+            (id, PyByteArray::new(py, &message.frame)).into_pyobject(py)
+        })
     }
 }
 

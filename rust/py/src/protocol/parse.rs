@@ -12,7 +12,7 @@ use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
 
 use crate::message::create::pooled_frame;
 use crate::message::meta::BAD_PREFIX;
-use crate::message::object::{Message, Origin, flags, instance_dict};
+use crate::message::object::{Message, flags, instance_dict};
 use crate::protocol::acceptance::Acceptance;
 use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::protocol::signing::Signing;
@@ -239,10 +239,8 @@ impl<'a, 'py> Session<'a, 'py> {
             return self.rejected(&bytes);
         }
         let (py, dialect) = (self.mav.py(), self.mav.get().dialect.get());
-        let message = match entry {
-            Some(entry) => dialect.message(py, entry.index, bytes)?,
-            None => dialect.unknown(py, Message::received(None, bytes, Origin::Unknown))?,
-        };
+        let message =
+            dialect.message(py, entry.map(|entry| entry.index), bytes, |message| message)?;
         if acceptance == Acceptance::Verified {
             message.get().set(flags::SIGNED);
         }

@@ -299,7 +299,8 @@ impl LogScan {
             ready.accept(next);
             (next, frame)
         };
-        self.dialect.get().stamped(py, next.index, frame, next.time, next.link).map(Some)
+        let stamped = |message: Message| message.stamped(next.time, next.link);
+        self.dialect.get().message(py, next.index, frame, stamped).map(Some)
     }
 }
 
