@@ -42,8 +42,9 @@ pub(crate) fn keep(link: &Bound<'_, Link>, message: &Bound<'_, Message>) -> PyRe
 fn field<'py>(message: &Bound<'py, Message>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     let this = message.get();
     if let Some(info) = this.info.filter(|_| this.is_pristine())
-        && let (Some((_, field)), Some(payload)) = (info.field(name), this.quick_payload())
+        && let Some((_, field)) = info.field(name)
     {
+        let payload = this.decoded_payload();
         return Ok(field_value(message.py(), field, payload)?.into_bound(message.py()));
     }
     message.getattr(name)

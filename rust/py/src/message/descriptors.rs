@@ -157,7 +157,7 @@ impl FieldGetter {
         if !plain || message.origin != Origin::Decoded || message.has(flags::MATERIALISED) {
             return None;
         }
-        values::scalar(py, field_type, message.quick_payload()?, usize::from(offset)).ok()
+        values::scalar(py, field_type, message.decoded_payload(), usize::from(offset)).ok()
     }
 
     /// What the class answers, of itself or of an instance from which the field was deleted.

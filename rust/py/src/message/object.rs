@@ -135,15 +135,6 @@ impl Message {
         payload_of(&self.frame)
     }
 
-    /// The same; `None` where that would panic, which no frame does that was checked.
-    #[inline]
-    pub(crate) fn quick_payload(&self) -> Option<&[u8]> {
-        let frame: &[u8] = &self.frame;
-        let &[stx, len, ..] = frame else { return None };
-        let start = if stx == STX_V2 { HEADER_LEN_V2 } else { HEADER_LEN_V1 };
-        frame.get(start..)?.get(..usize::from(len))
-    }
-
     /// Header of the frame packed last, else of the frame received.
     #[inline]
     pub(crate) fn header(&self) -> Option<Header> {
@@ -221,11 +212,12 @@ impl Message {
     }
 }
 
-/// Payload bytes of a complete frame.
+/// Payload bytes of a complete frame; empty for any other.
 #[inline]
 pub(crate) fn payload_of(frame: &[u8]) -> &[u8] {
-    let header_len = if frame[0] == STX_V2 { HEADER_LEN_V2 } else { HEADER_LEN_V1 };
-    &frame[header_len..header_len + usize::from(frame[1])]
+    let &[stx, len, ..] = frame else { return &[] };
+    let start = if stx == STX_V2 { HEADER_LEN_V2 } else { HEADER_LEN_V1 };
+    frame.get(start..).and_then(|rest| rest.get(..usize::from(len))).unwrap_or_default()
 }
 
 /// The instance's own dictionary, as it stands.

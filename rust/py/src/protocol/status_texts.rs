@@ -4,7 +4,7 @@ use mavwire_core::telemetry::{StatusTexts as Texts, TextFields};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::message::object::Message;
+use crate::message::object::{Message, Origin};
 use crate::sync::lock::Lock;
 
 /// A message and the text that begins with it.
@@ -26,14 +26,11 @@ impl StatusTexts {
     fn hear<'py>(&self, message: &Bound<'py, Message>) -> PyResult<Vec<Text<'py>>> {
         let (py, this) = (message.py(), message.get());
         let fields = this.info.and_then(|info| TextFields::of(&info.definition));
-        let (Some(fields), Some(header), Some(payload)) =
-            (fields, this.header(), this.quick_payload())
-        else {
-            return whole_text(message);
-        };
+        let header = this.header().filter(|_| this.origin == Origin::Decoded);
+        let (Some(fields), Some(header)) = (fields, header) else { return whole_text(message) };
         let own = || message.clone().unbind();
         let sender = (header.sysid, header.compid);
-        Ok(shown(py, self.0.lock(py).receive(fields, sender, payload, own)))
+        Ok(shown(py, self.0.lock(py).receive(fields, sender, this.decoded_payload(), own)))
     }
 
     /// Gives up the texts that are incomplete.

@@ -88,7 +88,7 @@ impl Track {
         if way.gps.is_none_or(|(known, _)| !std::ptr::eq(known, info)) {
             way.gps = gps(info);
         }
-        Some((way.gps?, this.quick_payload()?))
+        Some((way.gps?, this.decoded_payload()))
     }
 
     fn go_on<'py>(
