@@ -2,7 +2,7 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use mavwire_core::frame::{FrameRef, Header};
+use mavwire_core::frame::FrameRef;
 use mavwire_core::pyfloat::write_repr;
 use mavwire_core::signing::{Stream, Verdict};
 use pyo3::exceptions::PyAssertionError;
@@ -46,36 +46,20 @@ impl Signing {
         if !has_key {
             return Ok(Acceptance::Unchecked);
         }
-        if header.is_signed() && mav.get().is_overridden(overridden::SIGNATURE) {
-            return self.accept_by_method(mav, bytes, header);
-        }
-        let verdict = self.judge(&frame);
-        log_verdict(mav, verdict)?;
-        match verdict {
-            Verdict::NoKey => Ok(Acceptance::Unchecked),
-            Verdict::Good { .. } => {
-                shared::add(&self.good, 1);
-                self.store_timestamp()?;
-                Ok(Acceptance::Verified)
+        let is_good = if header.is_signed() && mav.get().is_overridden(overridden::SIGNATURE) {
+            let arguments = (PyByteArray::new(mav.py(), bytes), header.sysid, header.compid);
+            let method = intern!(mav.py(), "check_signature");
+            mav.invoke_method1(method, arguments)?.is_truthy()?
+        } else {
+            let verdict = self.judge(&frame);
+            log_verdict(mav, verdict)?;
+            match verdict {
+                Verdict::NoKey => return Ok(Acceptance::Unchecked),
+                Verdict::Unsigned => return self.ask(mav, header.msgid),
+                verdict => verdict.is_verified(),
             }
-            Verdict::Unsigned => self.ask(mav, header.msgid),
-            _ => {
-                shared::add(&self.bad, 1);
-                self.ask(mav, header.msgid)
-            }
-        }
-    }
-
-    /// Checks a signature with the program's own `check_signature`.
-    fn accept_by_method(
-        &self,
-        mav: &Bound<'_, MAVLink>,
-        bytes: &[u8],
-        header: &Header,
-    ) -> PyResult<Acceptance> {
-        let py = mav.py();
-        let arguments = (PyByteArray::new(py, bytes), header.sysid, header.compid);
-        if mav.invoke_method1(intern!(py, "check_signature"), arguments)?.is_truthy()? {
+        };
+        if is_good {
             shared::add(&self.good, 1);
             self.store_timestamp()?;
             return Ok(Acceptance::Verified);
