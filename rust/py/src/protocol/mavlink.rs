@@ -120,22 +120,20 @@ pub(crate) mod overridden {
     pub(crate) const SIGNATURE: u8 = 16;
 
     /// Methods of the native class whose replacement matters.
-    pub(crate) const METHODS: [&str; 5] =
-        ["send", "decode", "parse_char", "bytes_needed", "check_signature"];
+    pub(crate) const METHODS: [(&str, u8); 5] = [
+        ("send", SEND),
+        ("decode", RECEIVE),
+        ("parse_char", RECEIVE | PARSER),
+        ("bytes_needed", PARSER),
+        ("check_signature", RECEIVE | SIGNATURE),
+    ];
 
     /// A method of pymavlink's parser that this parser never calls.
     pub(crate) const NOT_CALLED: &str = "buf_len";
 
     pub(crate) fn by_name(name: &str) -> u8 {
-        match name {
-            "send" => SEND,
-            "parse_char" => RECEIVE | PARSER,
-            "bytes_needed" => PARSER,
-            "decode" => RECEIVE,
-            "check_signature" => RECEIVE | SIGNATURE,
-            _ if name.ends_with("_encode") => ENCODE,
-            _ => 0,
-        }
+        let encode = if name.ends_with("_encode") { ENCODE } else { 0 };
+        METHODS.iter().find(|(method, _)| *method == name).map_or(encode, |&(_, bits)| bits)
     }
 }
 

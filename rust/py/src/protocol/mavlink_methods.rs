@@ -44,9 +44,9 @@ impl MAVLink {
         let dialect = cls.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?.unbind();
         let native = py.get_type::<Self>();
         let mut replaced = 0;
-        for name in overridden::METHODS {
+        for (name, bits) in overridden::METHODS {
             if !cls.getattr(name)?.is(&native.getattr(name)?) {
-                replaced |= overridden::by_name(name);
+                replaced |= bits;
             }
         }
         let buf_len = intern!(py, "buf_len");

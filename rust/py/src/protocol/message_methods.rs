@@ -1,6 +1,6 @@
 //! The Python methods of `Message`.
 
-use pyo3::exceptions::{PyAttributeError, PyIndexError, PyNotImplementedError};
+use pyo3::exceptions::{PyAttributeError, PyIndexError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple, PyType};
 
@@ -206,11 +206,6 @@ impl Message {
         mav: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = truth)] force_mavlink1: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        if slf.get().info.is_none() {
-            return Err(PyNotImplementedError::new_err(
-                "MAVLink_message cannot be serialized directly",
-            ));
-        }
         pack::pack_message(slf, mav, force_mavlink1)
     }
 
@@ -223,7 +218,7 @@ impl Message {
         payload: &[u8],
         #[pyo3(from_py_with = truth)] force_mavlink1: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        pack::pack_payload(slf, mav, crc_extra, payload, force_mavlink1)
+        pack::pack_payload(slf, mav, crc_extra, |_| payload, force_mavlink1)
     }
 
     /// Appends a signature to the packed frame and advances the signing timestamp.

@@ -2,6 +2,7 @@
 
 use mavwire_core::frame::{self, FrameBuffer};
 use mavwire_schema::WireVersion;
+use pyo3::exceptions::PyNotImplementedError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use pyo3::{Borrowed, ffi};
@@ -41,45 +42,32 @@ pub(crate) fn pack_message<'py>(
     mav: &Bound<'py, PyAny>,
     force_mavlink1: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let Some(info) = message.get().info else { unreachable!("checked by the caller") };
+    let Some(info) = message.get().info else {
+        let text = "MAVLink_message cannot be serialized directly";
+        return Err(PyNotImplementedError::new_err(text));
+    };
     let payload = payload(message, info)?;
-    let version = version(message, force_mavlink1)?;
-    let definition = &info.definition;
-    finish(message, mav, payload.sent(definition, version), definition.crc_extra, version)
+    let sent = |version| payload.sent(&info.definition, version);
+    pack_payload(message, mav, info.definition.crc_extra, sent, force_mavlink1)
 }
 
-/// `message._pack(mav, crc_extra, payload, force_mavlink1)`
-pub(crate) fn pack_payload<'py>(
+/// The same with a ready payload, which may depend on the version.
+pub(crate) fn pack_payload<'a, 'py>(
     message: &Bound<'py, Message>,
     mav: &Bound<'py, PyAny>,
     crc_extra: u8,
-    payload: &[u8],
+    payload: impl FnOnce(WireVersion) -> &'a [u8],
     force_mavlink1: bool,
-) -> PyResult<Bound<'py, PyAny>> {
-    let version = version(message, force_mavlink1)?;
-    finish(message, mav, payload, crc_extra, version)
-}
-
-fn version(message: &Bound<'_, Message>, force_mavlink1: bool) -> PyResult<WireVersion> {
-    let py = message.py();
-    let dialect = message.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?;
-    dialect.get().version(py, force_mavlink1)
-}
-
-fn finish<'py>(
-    message: &Bound<'py, Message>,
-    mav: &Bound<'py, PyAny>,
-    payload: &[u8],
-    crc_extra: u8,
-    version: WireVersion,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = message.py();
     let msgid = match &message.get().info {
         Some(info) if !message.get().has(flags::META) => info.definition.id,
         _ => message.getattr(intern!(py, "_header"))?.getattr(intern!(py, "msgId"))?.extract()?,
     };
+    let dialect = message.getattr(intern!(py, "_dialect"))?.cast_into::<Dialect>()?;
+    let version = dialect.get().version(py, force_mavlink1)?;
     let mut frame = FrameBuffer::default();
-    sender_of(mav)?.frame(&mut frame, msgid, payload, crc_extra, version)?;
+    sender_of(mav)?.frame(&mut frame, msgid, payload(version), crc_extra, version)?;
     let packed = PyBytes::new(py, &frame);
     meta::set_packed(message, &packed)?;
     Ok(packed.into_any())

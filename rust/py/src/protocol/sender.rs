@@ -29,7 +29,7 @@ impl Sender<'_> {
         version: WireVersion,
     ) -> PyResult<()> {
         if version == WireVersion::V1 && msgid > 255 {
-            return Err(struct_error(msgid.into()));
+            Python::attach(|py| header_byte(py, msgid.into()))?; // raises
         }
         let signing = self.signing.as_ref().filter(|_| version == WireVersion::V2);
         let header = Header {
@@ -60,12 +60,4 @@ pub(crate) fn byte(value: &Bound<'_, PyAny>) -> PyResult<u8> {
 /// A number that must fit a byte: the number, or what `struct` says to it.
 pub(crate) fn header_byte(py: Python<'_>, value: i64) -> PyResult<u8> {
     u8::try_from(value).or_else(|_| byte(value.into_pyobject(py)?.as_any()))
-}
-
-/// The error of `struct` about a number that does not fit a byte.
-fn struct_error(value: i64) -> PyErr {
-    Python::attach(|py| match header_byte(py, value) {
-        Ok(_) => pyo3::exceptions::PyValueError::new_err(value),
-        Err(error) => error,
-    })
 }
