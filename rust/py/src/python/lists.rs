@@ -18,11 +18,8 @@ fn too_long() -> PyErr {
     PyValueError::new_err(format!("a list of more than {MAX_ITEMS} items"))
 }
 
-/// The items of any iterable but a string, for `#[pyo3(from_py_with = list)]`.
-///
-/// # Errors
-/// `TypeError` for what cannot be iterated over and for strings, `ValueError` for more than 1,048,576 items, and what
-/// iterating raises or an item says that does not fit.
+/// The items of any iterable but a string, for `#[pyo3(from_py_with = list)]`. `TypeError` for other types, `ValueError` for
+/// more than 1,048,576 items.
 pub(crate) fn list<'py, T: FromPyObjectOwned<'py>>(object: &Bound<'py, PyAny>) -> PyResult<Vec<T>> {
     if object.is_instance_of::<PyString>() {
         return Err(PyTypeError::new_err("a list is needed, not a string"));
@@ -34,10 +31,7 @@ pub(crate) fn list<'py, T: FromPyObjectOwned<'py>>(object: &Bound<'py, PyAny>) -
     collected(object.try_iter()?.map(|item| item?.extract().map_err(Into::into)))
 }
 
-/// What an iterator over objects of a program yields, if that is not too much.
-///
-/// # Errors
-/// `ValueError` for more than 1,048,576 items, and the first of its own.
+/// The items of an iterator over objects of a program, if they are not too many.
 pub(crate) fn collected<T>(from: impl Iterator<Item = PyResult<T>>) -> PyResult<Vec<T>> {
     let mut items = Vec::new();
     for item in from {
@@ -49,10 +43,7 @@ pub(crate) fn collected<T>(from: impl Iterator<Item = PyResult<T>>) -> PyResult<
     Ok(items)
 }
 
-/// The same where `None` stands for no list.
-///
-/// # Errors
-/// As [`list`].
+/// The items of a [`list`], or `None` for `None`.
 pub(crate) fn optional_list<'py, T: FromPyObjectOwned<'py>>(
     object: &Bound<'py, PyAny>,
 ) -> PyResult<Option<Vec<T>>> {
@@ -60,9 +51,6 @@ pub(crate) fn optional_list<'py, T: FromPyObjectOwned<'py>>(
 }
 
 /// Bytes: of any length if they are `bytes` or a `bytearray`, else the numbers of a [`list`].
-///
-/// # Errors
-/// As [`list`].
 pub(crate) fn bytes(object: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
     if let Ok(bytes) = object.cast::<PyBytes>() {
         return Ok(bytes.as_bytes().to_vec());
@@ -73,10 +61,7 @@ pub(crate) fn bytes(object: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
     }
 }
 
-/// The same where `None` stands for no bytes.
-///
-/// # Errors
-/// As [`list`].
+/// The same, or `None` for `None`.
 #[cfg(unix)] // only options of the bridge use it
 pub(crate) fn optional_bytes(object: &Bound<'_, PyAny>) -> PyResult<Option<Vec<u8>>> {
     if object.is_none() { Ok(None) } else { bytes(object).map(Some) }
