@@ -279,17 +279,14 @@ impl Dialect {
         &self,
         py: Python<'py>,
         types: Option<HashSet<u32>>,
-    ) -> PyResult<Bound<'py, PyBytes>> {
+    ) -> Bound<'py, PyBytes> {
         let mut bytes = Vec::new();
         for message in &self.registry.dialect().messages {
             if types.as_ref().is_none_or(|some| some.contains(&message.id)) {
                 put_message(&mut bytes, message);
             }
         }
-        PyBytes::new_with(py, bytes.len(), |room| {
-            room.copy_from_slice(&bytes);
-            Ok(())
-        })
+        PyBytes::new(py, &bytes)
     }
 
     /// The fields of a frame that have invalid values: for each element, whether it is invalid.

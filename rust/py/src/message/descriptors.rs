@@ -215,7 +215,7 @@ impl MetaAttr {
 }
 
 /// What reading an attribute says that is not there.
-fn no_attribute(obj: &Bound<'_, PyAny>, name: &str) -> PyErr {
+pub(crate) fn no_attribute(obj: &Bound<'_, PyAny>, name: &str) -> PyErr {
     match class_name(&obj.get_type()) {
         Ok(class) => {
             PyAttributeError::new_err(format!("'{class}' object has no attribute '{name}'"))

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::Ordering;
 
+use pyo3::exceptions::PyValueError;
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
@@ -9,7 +10,7 @@ use pyo3::types::{PyBytes, PyDict, PyTuple};
 use crate::message::create::{self, create};
 use crate::message::meta;
 use crate::message::object::{Message, Origin, flags, instance_dict};
-use mavwire_core::frame::FrameBytes;
+use mavwire_core::frame::{FrameBytes, FrameRef};
 
 /// `vars(message)`: the dictionary with every attribute in it.
 #[pyfunction]
@@ -112,12 +113,10 @@ pub(crate) fn reduce<'py>(message: &Bound<'py, Message>) -> PyResult<Bound<'py, 
     let frame = decoded.then(|| PyBytes::new(py, &this.frame));
     let timestamp = this.timestamp().filter(|_| decoded);
     let link = this.link.load(Ordering::Relaxed);
-    let attributes = if decoded && !this.has(flags::DICT) {
-        None
-    } else if decoded {
-        Some(instance_dict(message)?)
-    } else {
-        Some(message_dict(message)?)
+    let attributes = match decoded {
+        false => Some(message_dict(message)?),
+        true if this.has(flags::DICT) => Some(instance_dict(message)?),
+        true => None,
     };
     // A copy: other threads may write to the message while pickle reads it.
     let state = attributes.map(|attributes| attributes.copy()).transpose()?;
@@ -141,15 +140,9 @@ pub(crate) fn restore<'py>(
     let info = class.getattr(intern!(py, "_info"))?;
     let info = info.cast::<crate::message::info::MessageInfo>().ok().map(|info| info.get().info);
     let origin = match frame {
-        Some(frame) if info.is_some() && mavwire_core::frame::FrameRef::parse(frame).is_ok() => {
-            Origin::Decoded
-        }
-        Some(_) => {
-            return Err(pyo3::exceptions::PyValueError::new_err(
-                "pickled message has no valid frame",
-            ));
-        }
         None => Origin::Built,
+        Some(frame) if info.is_some() && FrameRef::parse(frame).is_ok() => Origin::Decoded,
+        Some(_) => return Err(PyValueError::new_err("pickled message has no valid frame")),
     };
     let message = Message::received(info, FrameBytes::from(frame.unwrap_or_default()), origin);
     message.set(flags & flags::WIRE);

@@ -1,17 +1,18 @@
 //! The Python methods of `Message`.
 
-use pyo3::exceptions::{PyAttributeError, PyIndexError};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyTuple, PyType};
 
 use mavwire_core::frame::Header;
 
+use crate::message::descriptors::no_attribute;
 use crate::message::dict;
 use crate::message::info::MessageInfo;
 use crate::message::object::{Message, flags, flags_for, instance_dict};
 use crate::message::text;
 use crate::protocol::pack;
-use crate::python::calling::{Calling, class_name, truth};
+use crate::python::calling::{Calling, truth};
 use crate::python::instance_dict::generic_setattr;
 
 #[pymethods]
@@ -65,10 +66,7 @@ impl Message {
         } else if let Some(seconds) = this.timestamp() {
             return Ok(seconds.into_pyobject(py)?.into_any().unbind());
         }
-        Err(PyAttributeError::new_err(format!(
-            "'{}' object has no attribute '_timestamp'",
-            class_name(&slf.get_type())?
-        )))
+        Err(no_attribute(slf, "_timestamp"))
     }
 
     #[setter(_timestamp)]

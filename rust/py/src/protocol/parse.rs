@@ -5,18 +5,19 @@ use std::sync::atomic::Ordering::Relaxed;
 use mavwire_core::frame::{FrameError, FrameRef};
 use mavwire_core::parser::{Run, Step};
 use mavwire_core::registry::Entry;
-use pyo3::exceptions::{PyAttributeError, PyIndexError, PyRuntimeError};
+use pyo3::exceptions::{PyIndexError, PyRuntimeError};
 use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyList, PyString};
 
 use crate::message::create::pooled_frame;
+use crate::message::descriptors::no_attribute;
 use crate::message::meta::BAD_PREFIX;
 use crate::message::object::{Message, flags, instance_dict};
 use crate::protocol::acceptance::Acceptance;
 use crate::protocol::mavlink::{MAVLink, overridden};
 use crate::protocol::signing::Signing;
-use crate::python::calling::{Calling, class_name};
+use crate::python::calling::Calling;
 use crate::python::error::Error;
 use crate::python::lists::bytes_like;
 use crate::sync::shared;
@@ -312,10 +313,7 @@ pub(crate) fn decode<'py>(
 ) -> PyResult<Bound<'py, Message>> {
     let py = mav.py();
     let Ok(buffer) = msgbuf.cast::<PyByteArray>() else {
-        return Err(PyAttributeError::new_err(format!(
-            "'{}' object has no attribute 'append'",
-            class_name(&msgbuf.get_type())?
-        )));
+        return Err(no_attribute(msgbuf, "append"));
     };
     let bytes = buffer.to_vec();
     let entry = check_frame(mav, &bytes)?;
