@@ -1,7 +1,8 @@
-"""Reading a dialect's XML and the files it includes, for dialects loaded at run time."""
+"""Definition files as text: one file, or a dialect's file with the files it includes."""
 
 from __future__ import annotations
 
+import codecs
 import errno
 import os
 import re
@@ -15,6 +16,11 @@ MAX_FILES = 64
 
 # White space is stripped afterwards: matched here, it would take quadratic time.
 _INCLUDE = re.compile(r"<include\s*>([^<]*)</include\s*>")
+_DECLARATION = re.compile(rb"""<\?xml[^>]{0,200}?encoding\s{0,9}=\s{0,9}["']([\w-]{1,40})""")
+# Others take more than linear time, or are no encodings of text.
+_ENCODING = re.compile(
+    r"utf-?(8(-sig)?|16)|(us-)?ascii|(iso-?8859|latin|koi8|windows|cp)[\w-]*", re.I
+)
 
 
 def collect(path: str | os.PathLike[str], name: str | None) -> tuple[str, dict[str, str]]:
@@ -30,7 +36,7 @@ def collect(path: str | os.PathLike[str], name: str | None) -> tuple[str, dict[s
     if not text:
         raise FileNotFoundError(errno.ENOENT, "no definition file: the name is empty")
     main = name or Path(text).stem
-    sources = {main: _read(Path(text))}
+    sources = {main: read_text(text)}
     _add_includes(Path(text).parent, sources[main], sources)
     return main, sources
 
@@ -55,7 +61,7 @@ def _add_includes(folder: Path, text: str, sources: dict[str, str]) -> None:
             continue
         if len(sources) >= MAX_FILES:
             raise ValueError(f"{file}: more than {MAX_FILES} included files")
-        sources[file.stem] = _read(file)
+        sources[file.stem] = read_text(file)
         pending += [(file.parent, inner) for inner in _includes(sources[file.stem])]
 
 
@@ -64,17 +70,32 @@ def _includes(text: str) -> list[str]:
     return [include for include in found if include]
 
 
-def _read(file: Path) -> str:
+def read_text(file: str | os.PathLike[str]) -> str:
+    """The text of a definition file in the encoding that it declares. Raises OSError or ``DefinitionError``."""
     from mavwire._native import DefinitionError
 
-    if file.exists() and not (file.is_file() or file.is_dir()):
-        raise DefinitionError(f"{file}: not a regular file")  # a pipe would be waited on for ever
-    with file.open("rb") as source:
+    if os.path.exists(file) and not (os.path.isfile(file) or os.path.isdir(file)):
+        raise DefinitionError(
+            f"{file}: not a regular file"
+        )  # open() would wait for the writer of a pipe
+    with open(file, "rb") as source:
         data = source.read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:
         raise DefinitionError(f"{file}: definition file larger than {MAX_BYTES} bytes")
+    encoding = _encoding(data)
     try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise DefinitionError(f"{file}:{line}: the text is not in UTF-8") from error
+        if not _ENCODING.fullmatch(encoding):
+            raise LookupError(f"unknown encoding: {encoding}")
+        return data.decode(encoding)
+    except (LookupError, UnicodeError) as error:
+        line = data.count(b"\n", 0, getattr(error, "start", 0)) + 1
+        failure = DefinitionError(f"{file}:{line}:1: not well-formed XML: {error}")
+        failure.lineno, failure.offset = line, 0  # type: ignore[attr-defined]
+        raise failure from None
+
+
+def _encoding(data: bytes) -> str:
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    declared = _DECLARATION.match(data)
+    return declared[1].decode() if declared else "utf-8-sig"

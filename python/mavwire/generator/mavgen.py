@@ -11,15 +11,14 @@ import errno
 import importlib.util
 import keyword
 import os
-import stat
 import sys
 from collections.abc import Sequence
 from typing import Any, Protocol, TypeAlias
 
 from mavwire._native import DefinitionFile
+from mavwire.dialects._sources import read_text
 from mavwire.generator import mavparse
 from mavwire.generator._errors import MAVParseError, parse_errors
-from mavwire.generator._reading import read_text
 from mavwire.generator._sources import included_paths, module_problems
 
 DEFAULT_WIRE_PROTOCOL = mavparse.PROTOCOL_1_0
@@ -200,40 +199,27 @@ def _is_built_in(path: str) -> bool:
 
 
 def _read_file(opts: _Options, filename: str, included_by: str | None = None) -> mavparse.MAVXML:
-    if not os.path.isfile(filename):
-        raise _no_file(filename, f"; {included_by} includes it" if included_by else "")
+    try:
+        with parse_errors():
+            text = read_text(filename)
+    except OSError as error:
+        included = f"; {included_by} includes it" if included_by else ""
+        raise OSError(error.errno, f"{error.strerror}{included}", filename) from None
     if opts.validate:
         print(f"Validating {filename}")
-        _validate(filename, opts.strict_units)
+        with parse_errors():
+            problems = DefinitionFile(filename, text).schema_problems(opts.strict_units)
+        if problems:
+            sys.exit("\n".join(f"ERROR: {problem}" for problem in problems))
     else:
         print(f"Validation skipped for {filename}.")
     print(f"Parsing {filename}")
     return mavparse.MAVXML(filename, opts.wire_protocol)
 
 
-def _no_file(filename: str, included: str) -> OSError | MAVParseError:
-    """What to say of a definition file that is none."""
-    try:
-        mode = os.stat(filename).st_mode
-    except (FileNotFoundError, ValueError):  # the latter for names that no file can have
-        return FileNotFoundError(errno.ENOENT, f"No such file{included}", filename)
-    except OSError as error:  # such as symbolic links that lead round
-        return OSError(error.errno, f"{error.strerror}{included}", filename)
-    if stat.S_ISDIR(mode):
-        return IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), filename)
-    return MAVParseError(f"{filename}: not a regular file{included}")
-
-
 def _enum_names(dialects: set[str]) -> set[str]:
     modules = [importlib.import_module(f"mavwire.dialects.v20.{name}") for name in dialects]
     return {name for module in modules for name in module.enums}
-
-
-def _validate(filename: str, strict_units: bool) -> None:
-    with parse_errors():
-        problems = DefinitionFile(filename, read_text(filename)).schema_problems(strict_units)
-    if problems:
-        sys.exit("\n".join(f"ERROR: {problem}" for problem in problems))
 
 
 def _plain(opts: _Options) -> dict[str, Any]:

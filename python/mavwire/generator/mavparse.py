@@ -13,6 +13,7 @@ import os
 import time
 
 from mavwire._native import DefinitionFile, crc_extra
+from mavwire.dialects._sources import read_text
 from mavwire.generator import _build
 from mavwire.generator._build import FLAG_HAVE_TARGET_COMPONENT, FLAG_HAVE_TARGET_SYSTEM
 from mavwire.generator._errors import MAVParseError, MAVSyntaxError, parse_errors
@@ -24,7 +25,6 @@ from mavwire.generator._model import (
     MAVField,
     MAVType,
 )
-from mavwire.generator._reading import read_text
 
 __all__ = [
     "FLAG_HAVE_TARGET_COMPONENT",
@@ -89,8 +89,8 @@ class MAVXML:
         )
 
     def _read(self) -> None:
-        self.text = read_text(self.filename)
         with parse_errors():
+            self.text = read_text(self.filename)
             data, layouts = json.loads(DefinitionFile(self.filename, self.text).parse())
         self.version: int = _DEFAULT_VERSION if data["version"] is None else data["version"]
         self.include: list[str] = data["includes"]

@@ -548,7 +548,7 @@ def test_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
         f"Generated {tmp_path}/by_cli.py OK",
     ]
     assert cli.main(["gen", str(tmp_path / "nope.xml")]) == 1
-    assert capsys.readouterr().err == f"ERROR: {tmp_path}/nope.xml: No such file\n"
+    assert capsys.readouterr().err == f"ERROR: {tmp_path}/nope.xml: No such file or directory\n"
     write(tmp_path, "probe.xml", "<mavlink>")
     assert cli.main(["gen", "--no-validate", path]) == 1
     assert f"ERROR: {path}:1:1: not well-formed XML: the root node was" in capsys.readouterr().err

@@ -11,10 +11,10 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 from xml.parsers import expat
 
+from mavwire._native import DefinitionError
 from mavwire._text import printable
 from mavwire.cli._errors import CommandError
-from mavwire.generator._errors import MAVParseError
-from mavwire.generator._reading import read_text
+from mavwire.dialects._sources import read_text
 
 # Of 32, the highest is the sign.
 BITS = 31
@@ -30,7 +30,7 @@ class ParameterDocs:
     def __init__(self, path: str) -> None:
         try:
             root = _read(path)
-        except MAVParseError as error:
+        except DefinitionError as error:
             raise CommandError(f"--param-docs: {error}") from error
         self._bits: dict[str, dict[int, str]] = {}
         self._values: dict[str, dict[str, str]] = {}
@@ -62,13 +62,15 @@ class ParameterDocs:
 def _read(path: str) -> Element:
     text = read_text(path)
     if "<!DOCTYPE" in text:  # entities, which it declares, grow without bound
-        raise MAVParseError(f"{path}: a document type declaration (<!DOCTYPE>) has no place here")
+        raise DefinitionError(f"{path}: a document type declaration (<!DOCTYPE>) has no place here")
     try:
         return ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         line, column = error.position
         reason = expat.ErrorString(error.code)
-        raise MAVParseError(f"{path}:{line}:{column + 1}: not well-formed XML: {reason}") from None
+        raise DefinitionError(
+            f"{path}:{line}:{column + 1}: not well-formed XML: {reason}"
+        ) from None
 
 
 def _bits(parameter: Element) -> dict[int, str]:
