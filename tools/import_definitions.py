@@ -23,26 +23,13 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
+from mavwire._native import DefinitionFile
+
 OUTPUT = Path(__file__).resolve().parent.parent / "message_definitions" / "v1.0"
 
 HEADER = """<?xml version="1.0"?>
 <!-- Facts of a MAVLink dialect, without descriptions. Written by tools/import_definitions.py. -->
 """
-
-# Which elements a definition is made of, and which may stand inside which; anything else is an
-# error, because an unknown element may carry a fact that would be lost silently.
-CHILDREN: dict[str, frozenset[str]] = {
-    "mavlink": frozenset({"include", "version", "dialect", "enums", "messages"}),
-    "enums": frozenset({"enum"}),
-    "messages": frozenset({"message"}),
-    "enum": frozenset({"wip", "superseded", "deprecated", "description", "entry"}),
-    "entry": frozenset({"wip", "superseded", "deprecated", "description", "param"}),
-    "message": frozenset({"wip", "superseded", "deprecated", "description", "field", "extensions"}),
-    "field": frozenset({"description"}),
-    "wip": frozenset({"description"}),
-    "superseded": frozenset({"description"}),
-    "deprecated": frozenset({"description"}),
-}
 
 # Elements whose text is a fact.
 TEXT_ELEMENTS = frozenset({"include", "version", "dialect"})
@@ -104,12 +91,9 @@ def write_element(element: ET.Element, depth: int, lines: list[str]) -> None:
     if element.tag in TEXT_ELEMENTS:
         lines.append(f"{start}>{escape((element.text or '').strip())}</{element.tag}>")
         return
-    allowed = CHILDREN.get(element.tag, frozenset())
     inner: list[str] = []
     described = element.tag != "message"
     for child in element:
-        if child.tag not in allowed:
-            raise DefinitionError(f"unexpected element <{child.tag}> in <{element.tag}>")
         if not described and child.tag not in MARKS:
             inner.append(f"{indent}  <description/>")
             described = True
@@ -124,13 +108,17 @@ def write_element(element: ET.Element, depth: int, lines: list[str]) -> None:
 def facts(source: Path) -> str:
     """The canonical facts-only text of one upstream file."""
     try:
-        root = ET.parse(source).getroot()
-        if root.tag != "mavlink":
-            raise DefinitionError(f"the root element is <{root.tag}>, not <mavlink>")
-        lines: list[str] = []
-        write_element(root, 0, lines)
-    except (ET.ParseError, OSError, UnicodeDecodeError, DefinitionError) as reason:
+        text = source.read_text(encoding="utf-8-sig")
+        root = ET.fromstring(text)
+        problems = DefinitionFile(str(source), text).schema_problems(False)
+    except (ET.ParseError, OSError, ValueError) as reason:
         raise DefinitionError(f"{source}: {reason}") from reason
+    # The text of an unknown element would be lost. An unknown attribute is kept.
+    for problem in problems:
+        if " has no attribute " not in problem:
+            raise DefinitionError(problem)
+    lines: list[str] = []
+    write_element(root, 0, lines)
     return HEADER + "\n".join(lines) + "\n"
 
 
