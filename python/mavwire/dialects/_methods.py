@@ -26,7 +26,8 @@ _SEND = (
 )
 
 
-def _annotation(field_type: str, array_length: int) -> str:
+def annotation(field_type: str, array_length: int) -> str:
+    """The type annotation of a field's argument, as text."""
     if field_type == "char":
         return "bytes"
     number = "float" if field_type in ("float", "double") else "int"
@@ -42,7 +43,7 @@ def _default(field_type: str, array_length: int) -> bytes | tuple[int, ...] | in
 def _parameters(info: MessageInfo, version_default: bool) -> str:
     parts = []
     for name, field_type, array_length, is_extension, version in info.parameters:
-        text = f"{name}: {_annotation(field_type, array_length)}"
+        text = f"{name}: {annotation(field_type, array_length)}"
         if is_extension:
             text += f" = {_default(field_type, array_length)!r}"
         elif version is not None and version_default:

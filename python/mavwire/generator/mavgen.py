@@ -224,13 +224,8 @@ def _enum_names(dialects: set[str]) -> set[str]:
 
 def _plain(opts: _Options) -> dict[str, Any]:
     """The options as keyword arguments of pymavlink's `Opts`."""
-    return {
-        "output": os.fspath(opts.output),
-        "wire_protocol": opts.wire_protocol,
-        "language": opts.language,
-        "validate": opts.validate,
-        "strict_units": opts.strict_units,
-    }
+    names = ("wire_protocol", "language", "validate", "strict_units")
+    return {"output": os.fspath(opts.output)} | {name: getattr(opts, name) for name in names}
 
 
 def _language_name(language: str) -> str:

@@ -12,6 +12,7 @@ import os
 
 from mavwire._atomic_file import replace_text
 from mavwire._native import field_type
+from mavwire.dialects._methods import annotation
 from mavwire.generator._errors import MAVParseError
 from mavwire.generator._model import MAVField, MAVType
 from mavwire.generator._sources import standalone_sources
@@ -114,10 +115,7 @@ def native_mavfmt(field: MAVField) -> str:
 
 def mavpytype(field: MAVField) -> str:
     """The type annotation of a field's argument, as text."""
-    if field.type == "char":
-        return "bytes"
-    scalar = "float" if field.type in ("float", "double") else "int"
-    return f"Sequence[{scalar}]" if field.array_length else scalar
+    return annotation(field.type, field.array_length)
 
 
 def mavdefault(field: MAVField) -> str:
