@@ -72,14 +72,14 @@ class Texts:
         from mavwire.dialects import _summaries
 
         texts: tuple[str, dict[str, str]] = self._find()["messages"].get(name, ("", {}))
-        return texts[0] or _summaries.message(name), texts[1]
+        return texts[0] or _summaries.summary("messages", name), texts[1]
 
     def entry(self, enum: str, name: str) -> str:
         """Description of an enum entry."""
         from mavwire.dialects import _summaries
 
         text = self._entry(enum, name)[0]
-        return text or (_summaries.command(name) if enum == "MAV_CMD" else "")
+        return text or (_summaries.summary("commands", name) if enum == "MAV_CMD" else "")
 
     def params(self, enum: str, name: str) -> dict[int, str]:
         """Descriptions of a command's parameters by number."""

@@ -31,12 +31,6 @@ def _wrapped(text: str, indent: str) -> str:
     return "\n".join(textwrap.wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent))
 
 
-def class_doc(dialect: Dialect, info: MessageInfo, texts: _descriptions.Texts) -> str:
-    """``MAVLink_x_message.__doc__``: the message's description."""
-    message, _ = _texts(dialect, info, texts)
-    return f"\n{_wrapped(message or info.name, '    ')}\n    "
-
-
 def method_doc(dialect: Dialect, info: MessageInfo) -> str:
     """Docstring of ``x_encode`` and ``x_send``: the definition's own description and one line per field.
 
@@ -57,10 +51,12 @@ def method_doc(dialect: Dialect, info: MessageInfo) -> str:
 
 
 class ClassDoc:
-    """``__doc__`` of a message class."""
+    """``__doc__`` of a message class: the message's description."""
 
     def __init__(self, dialect: Dialect, info: MessageInfo, texts: _descriptions.Texts) -> None:
         self._parts = (dialect, info, texts)
 
     def __get__(self, obj: Any, cls: type) -> str:
-        return class_doc(*self._parts)
+        dialect, info, texts = self._parts
+        message, _ = _texts(dialect, info, texts)
+        return f"\n{_wrapped(message or info.name, '    ')}\n    "

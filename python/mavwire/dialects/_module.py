@@ -118,27 +118,19 @@ def _message_class(native: _native.Dialect, attribute: str) -> type | None:
 def _late_attributes(
     namespace: dict[str, Any], native: _native.Dialect, texts: Texts
 ) -> dict[str, Callable[[], Any]]:
-    def module(name: str) -> Callable[[], Any]:
+    def module(name: str, member: str | None = None) -> Callable[[], Any]:
         def load() -> Any:
             import importlib
 
-            return importlib.import_module(name)
+            loaded = importlib.import_module(name)
+            return loaded if member is None else getattr(loaded, member)
 
         return load
-
-    def typing_name(name: str) -> Callable[[], Any]:
-        return lambda: getattr(module("typing")(), name)
-
-    def enum_class(name: str) -> Callable[[], Any]:
-        return lambda: getattr(module("mavwire.dialects._enums")(), name)
 
     def enums() -> Any:
         from mavwire.dialects._enums import make_enums
 
         return make_enums(native.enums(), texts)
-
-    def mavlink_map() -> Any:
-        return _replaced.MessageMap(namespace, native)
 
     def logger() -> Any:
         import logging
@@ -146,9 +138,10 @@ def _late_attributes(
         return logging.getLogger(namespace["__name__"])
 
     late: dict[str, Callable[[], Any]] = {name: module(name) for name in LEAKED_MODULES}
-    late |= {name: typing_name(name) for name in LEAKED_TYPING}
-    late |= {name: enum_class(name) for name in ("Enum", "EnumEntry")}
-    late |= {"enums": enums, "mavlink_map": mavlink_map, "logger": logger}
+    late |= {name: module("typing", name) for name in LEAKED_TYPING}
+    late |= {name: module("mavwire.dialects._enums", name) for name in ("Enum", "EnumEntry")}
+    late |= {"enums": enums, "logger": logger}
+    late["mavlink_map"] = lambda: _replaced.MessageMap(namespace, native)
     late |= {alias: _type_alias(alias) for alias in ALIASES}
     return late
 

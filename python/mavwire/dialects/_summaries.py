@@ -1,6 +1,6 @@
-"""What the messages, commands and enums of common traffic are for, in mavwire's own words: one line each.
+"""Summaries of common messages, commands and enums in mavwire's own words: one line each.
 
-The lines are in ``_data/summaries.toml``, which is read when somebody first asks for a description.
+The lines are in ``_data/summaries.toml``. The first request for a description reads it.
 """
 
 from __future__ import annotations
@@ -20,16 +20,6 @@ def load() -> dict[str, dict[str, str]]:
         return tomllib.load(source)
 
 
-def message(name: str) -> str:
-    """Summary of a message, or an empty text."""
-    return load()["messages"].get(name, "")
-
-
-def command(name: str) -> str:
-    """Summary of an entry of ``MAV_CMD``, or an empty text."""
-    return load()["commands"].get(name, "")
-
-
-def enum(name: str) -> str:
-    """Summary of an enum, or an empty text."""
-    return load()["enums"].get(name, "")
+def summary(kind: str, name: str) -> str:
+    """Summary of one of ``messages``, ``commands`` or ``enums``, or an empty text."""
+    return load()[kind].get(name, "")

@@ -82,11 +82,11 @@ def test_they_are_in_our_own_words() -> None:
 
 def test_they_stand_in_for_descriptions(plain: str) -> None:
     texts = _descriptions.Texts("plain")
-    assert texts.message("HEARTBEAT") == (_summaries.message("HEARTBEAT"), {})
+    assert texts.message("HEARTBEAT") == (_summaries.summary("messages", "HEARTBEAT"), {})
     assert texts.entry("MAV_CMD", "MAV_CMD_NAV_LAND") == "Land at a place, or here"
     assert texts.entry("MAV_TYPE", "MAV_TYPE_QUADROTOR") == ""
     module: Any = dialects.load(plain)
-    assert _summaries.message("ATTITUDE") in module.MAVLink_attitude_message.__doc__
+    assert _summaries.summary("messages", "ATTITUDE") in module.MAVLink_attitude_message.__doc__
 
 
 def show(capsys: pytest.CaptureFixture[str], name: str, dialect: str) -> list[str]:
@@ -97,7 +97,7 @@ def show(capsys: pytest.CaptureFixture[str], name: str, dialect: str) -> list[st
 def test_a_message_is_shown(plain: str, capsys: pytest.CaptureFixture[str]) -> None:
     title, summary, empty, *fields = show(capsys, "battery_status", plain)
     assert (title, empty) == ("BATTERY_STATUS (147)", "")
-    assert summary == _summaries.message("BATTERY_STATUS")
+    assert summary == _summaries.summary("messages", "BATTERY_STATUS")
     assert fields[0].split() == ["id", "uint8_t", "tells", "instances", "apart"]
     assert ["voltages", "uint16_t[10]", "mV"] in [field.split() for field in fields]
     assert fields[-1].split() == ["fault_bitmask", "uint32_t", "MAV_BATTERY_FAULT,", "extension"]
@@ -105,7 +105,7 @@ def test_a_message_is_shown(plain: str, capsys: pytest.CaptureFixture[str]) -> N
 
 def test_enums_and_commands_are_shown(plain: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert show(capsys, "MAV_STATE", plain)[:4] == [
-        "MAV_STATE", _summaries.enum("MAV_STATE"), "", "  0  MAV_STATE_UNINIT",
+        "MAV_STATE", _summaries.summary("enums", "MAV_STATE"), "", "  0  MAV_STATE_UNINIT",
     ]  # fmt: skip
     assert "values are bits" in show(capsys, "MAV_SYS_STATUS_SENSOR", plain)[1]
     assert not any("ENUM_END" in line for line in show(capsys, "MAV_RESULT", plain))

@@ -67,7 +67,7 @@ def _enum(name: str, enum: Any) -> str:
         if not entry.name.endswith("_ENUM_END")
     ]
     bits = "values are bits" if enum.bitmask else ""
-    return _page(name, ": ".join(filter(None, [_summaries.enum(name), bits])), rows)
+    return _page(name, ": ".join(filter(None, [_summaries.summary("enums", name), bits])), rows)
 
 
 def _entry(enum: str, value: int, entry: Any) -> str:
