@@ -2,6 +2,10 @@
 //!
 //! Good frames of known messages are taken off in runs, so that a caller can make their objects afterwards.
 
+mod run;
+
+pub use run::Run;
+
 use std::collections::TryReserveError;
 
 use crate::frame::{
@@ -59,48 +63,6 @@ pub enum Step {
     BadPrefix(Option<u8>),
     /// Nothing is complete.
     Nothing,
-}
-
-/// Good frames of known messages that follow each other.
-#[derive(Default)]
-pub struct Run {
-    /// Message index and length of each.
-    frames: Vec<(u16, u16)>,
-    /// Holds the frames from `start` on, and perhaps more.
-    bytes: Vec<u8>,
-    start: usize,
-    /// How many carry a signature.
-    pub signed: u64,
-}
-
-impl Run {
-    /// Number of frames.
-    pub fn len(&self) -> usize {
-        self.frames.len()
-    }
-
-    /// There are no frames.
-    pub fn is_empty(&self) -> bool {
-        self.frames.is_empty()
-    }
-
-    /// Each frame's message index and length, with the bytes from its start on.
-    #[inline]
-    pub fn iter(&self) -> impl Iterator<Item = (u16, usize, &[u8])> {
-        let mut rest = &self.bytes[self.start..];
-        self.frames.iter().map(move |&(index, len)| {
-            let at = rest;
-            rest = &rest[usize::from(len)..];
-            (index, usize::from(len), at)
-        })
-    }
-
-    fn clear(&mut self) {
-        self.frames.clear();
-        self.bytes.clear();
-        self.start = 0;
-        self.signed = 0;
-    }
 }
 
 fn header_len(stx: u8) -> usize {
