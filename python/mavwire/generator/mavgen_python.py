@@ -2,7 +2,7 @@
 the classes.
 
 The file holds facts and descriptions as string literals and one call, so nothing in an XML file can
-become code, and a module made today gains whatever later versions of mavwire do better.
+become code. A module made today gains the improvements of later versions of mavwire.
 """
 
 from __future__ import annotations
@@ -81,9 +81,7 @@ def _source_literal(key: str, text: str) -> str:
 
 
 def _check_loads(name: str, wire_protocol: str, sources: dict[str, str], main: str) -> None:
-    """Load the definitions as the module will, so that whatever is wrong shows now and not at its
-    first import.
-    """
+    """Load the definitions as the module will, so that errors show now and not at its first import."""
     from mavwire.dialects import populate
 
     namespace: dict[str, object] = {"__name__": name}

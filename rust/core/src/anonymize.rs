@@ -124,7 +124,7 @@ impl Anonymizer {
         }
     }
 
-    /// Shifts all elements of a field; 0, the largest integer and not-a-number stand for no position and stay.
+    /// Shifts all elements of a field; 0, the largest integer and not-a-number mean "no position" and stay.
     fn shift_field(&self, field: &Field, axis: Axis, units: f64, payload: &mut [u8]) {
         let (kind, size) = (field.field_type, field.field_type.size());
         for bytes in bytes_of(field, payload).chunks_exact_mut(size) {

@@ -32,7 +32,7 @@ pub struct BorderOptions {
     pub verify: bool,
     /// Message ids that may come in without a signature all the same.
     pub unsigned: Vec<u32>,
-    /// Frames leave signed by this side, if there is a key, whoever signed them before.
+    /// Frames leave signed by this side, if there is a key. An earlier signature does not matter.
     pub sign: bool,
     /// Signatures are taken off what comes in, after they were verified.
     pub strip_in: bool,

@@ -85,7 +85,7 @@ enum Verdict {
 #[derive(Debug, Clone)]
 pub struct Scanner {
     policy: Resync,
-    /// Deliver frames of known messages whatever their checksum.
+    /// Deliver frames of known messages with any checksum.
     pub ignore_checksum: bool,
     /// Under `Rescan`, deliver frames of known ids too whose checksum some other `crc_extra` explains, by the rules for
     /// unknown ids.
@@ -143,8 +143,8 @@ impl Scanner {
         self.window.work.get()
     }
 
-    /// Whether a good frame of a known message at the front is taken whatever came before it: nothing in front of the
-    /// front is still in doubt.
+    /// Whether a good frame of a known message at the front is taken in any case: no byte before it is still in
+    /// doubt.
     pub fn is_settled(&self) -> bool {
         !self.window.is_open()
     }
@@ -320,7 +320,7 @@ impl Scanner {
         if !bytes.first().is_some_and(|&byte| is_stx(byte)) {
             return None;
         }
-        // The flags alone may settle it, with no need to wait for the rest.
+        // The flags alone may decide, without the rest of the frame.
         if let &[STX_V2, _, flags, ..] = bytes
             && flags & !IFLAG_SIGNED != 0
         {

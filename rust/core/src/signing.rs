@@ -316,7 +316,7 @@ fn stream_of(frame: &FrameRef<'_>) -> Option<(StreamId, u64)> {
     Some((id, signature.timestamp))
 }
 
-/// Two digests are equal; takes as long whatever differs.
+/// Whether two digests are equal, in constant time.
 #[inline]
 fn same_digest(one: Digest, other: Digest) -> Choice {
     // As numbers, which takes one step; byte by byte is as constant and takes six.

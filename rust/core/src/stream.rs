@@ -20,7 +20,7 @@ pub struct Piece<'a> {
     pub found: Found,
 }
 
-/// A scanner and the bytes it has not dealt with yet.
+/// A scanner and its unread bytes.
 #[derive(Debug, Clone)]
 pub struct FrameStream {
     scanner: Scanner,
@@ -60,7 +60,7 @@ impl FrameStream {
         self.take(found)
     }
 
-    /// Scans `chunk` in place behind whatever is buffered. Dropping the result buffers what it has not handed out.
+    /// Scans `chunk` in place behind the buffered bytes. Dropping the result buffers what it has not handed out.
     pub fn feed<'a>(&'a mut self, chunk: &'a [u8]) -> Feed<'a> {
         self.compact();
         let carried = self.buffer.len();

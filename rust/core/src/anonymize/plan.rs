@@ -162,7 +162,7 @@ pub(super) fn plan(message: &Message) -> Plan {
     Plan::Edit(edits)
 }
 
-/// What to do with a field whatever message it is in.
+/// The treatment of a field in any message.
 fn edit_of(field: &Field) -> Option<Edit> {
     if IDENTIFIERS.contains(&field.name.as_str()) {
         return Some(Edit::Empty(field.clone()));

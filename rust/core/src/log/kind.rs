@@ -25,12 +25,12 @@ pub const MOST: usize = 4 * WINDOW;
 const FILLER: usize = 16;
 /// The first byte of a time until the year 4253.
 const TIME_START: u8 = 0;
-/// Whole records at the start of a telemetry log that show what it is, whatever messages they are.
+/// Whole records at the start of a telemetry log of any messages that identify it.
 const STARTING_RECORDS: usize = 3;
 /// Bytes of a text log among which a description stands.
 const TEXT_START: usize = 8000;
 /// Of so many of these one at most is no text: damage, or a mark of the encoding. A log that begins with a description is
-/// one whatever follows.
+/// a text log in any case.
 const TEXT_SHARE: usize = 2;
 /// What describes a record in a text log.
 const TEXT: &[u8] = b"FMT,";
@@ -55,7 +55,7 @@ const OTHERS: [(&[u8], Kind); 12] = [
     (b"\x0A\x0D\x0D\x0A", Kind::Pcap),
 ];
 
-/// The messages by which telemetry is recognised, whatever dialect reads it.
+/// The messages by which telemetry is recognised in any dialect.
 static TELEMETRY: LazyLock<Registry> = LazyLock::new(|| {
     Registry::new(
         builtin::dialect(builtin::UPSTREAM, WireVersion::V2).expect("it comes with the crate"),

@@ -61,7 +61,7 @@ impl Dedup {
     }
 }
 
-/// A keyed digest: eight bytes at a time, multiplied to 128 bits and folded. Never 0, which stands for an empty slot.
+/// A keyed digest: eight bytes at a time, multiplied to 128 bits and folded. Never 0, which marks an empty slot.
 #[inline]
 fn digest(bytes: &[u8], seed: u64) -> u64 {
     const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15;

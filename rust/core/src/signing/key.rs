@@ -45,7 +45,7 @@ impl SecretKey {
         key.try_into().map(Self).map_err(|_| SigningError::KeyLength(key.len()))
     }
 
-    /// True for the same key; takes as long whatever differs.
+    /// True for the same key, in constant time.
     pub fn equals(&self, other: &Self) -> bool {
         self.0.ct_eq(&other.0).into()
     }

@@ -157,7 +157,7 @@ fn check_counts(
     Ok(())
 }
 
-/// The dialect a path stands for: its last component without `.xml`.
+/// The name of the dialect of a path: its last component without `.xml`.
 ///
 /// ```
 /// assert_eq!(mavwire_schema::dialect_name("../v1.0/common.xml"), "common");

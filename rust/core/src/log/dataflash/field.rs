@@ -1,4 +1,4 @@
-//! Fields of binary records: what each format character of a FMT record stands for.
+//! Fields of binary records: the meaning of each format character of a FMT record.
 
 /// The type of a field, named by one character of the format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -47,7 +47,7 @@ pub enum FieldKind {
 pub const ARRAY_LEN: usize = 32;
 
 impl FieldKind {
-    /// The kind that a format character stands for.
+    /// The kind of a format character.
     pub fn from_char(character: u8) -> Option<Self> {
         Some(match character {
             b'b' => Self::I8,

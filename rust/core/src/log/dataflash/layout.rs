@@ -79,7 +79,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// A type by its parts. `len` 0 stands for the length that the fields need.
+    /// A type by its parts. `len` 0 means the length that the fields need.
     ///
     /// # Errors
     /// Unknown format characters, and fields that do not fit into `len`.

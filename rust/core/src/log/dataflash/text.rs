@@ -8,7 +8,7 @@ use super::definitions::MAX_DEFINITIONS;
 use super::field::FieldKind;
 use super::layout::{Layout, LayoutError, split_columns};
 
-/// Bytes of the longest line that is looked at; whatever is longer is no record.
+/// Bytes of the longest line that can be a record.
 pub const MAX_LINE_LEN: usize = 64 * 1024;
 
 /// The values of a FMT line; the last are the names of its columns, which have commas between them.

@@ -27,7 +27,7 @@ pub fn recordable(frame: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// The same `SETUP_SIGNING` with every byte of the key FF, whatever zeros were cut from it.
+/// The same `SETUP_SIGNING` with every byte of the key FF, including zeros that were cut from it.
 fn without_key(frame: &FrameRef<'_>) -> Vec<u8> {
     let addressing = &frame.payload()[..frame.payload().len().min(KEY_OFFSET)];
     let mut redacted = Vec::with_capacity(MAX_FRAME_LEN);
