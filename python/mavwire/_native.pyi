@@ -120,6 +120,7 @@ __all__ = [
     "log_summary",
     "message_class",
     "message_dict",
+    "number_behind",
     "peer_to_replace",
     "receive_batch",
     "recordable",
@@ -659,6 +660,13 @@ def field_type(text: str) -> tuple[str, int, int, str]:
 
 def crc_extra(name: str, fields: list[tuple[str, str, int]]) -> int:
     """The checksum seed of a message with these base fields in wire order: type, name and length."""
+
+def number_behind(
+    automatic: list[int], own: tuple[int, int], included: tuple[int, int]
+) -> list[int]:
+    """The values of entries that have none in the definitions, after an included file adds to their
+    enum. Ranges are the lowest and the highest value of each file.
+    """
 
 def describe(main: str, sources: dict[str, str]) -> dict[str, Any]:
     """All descriptions of a dialect, out of XML texts by base name. Raises DefinitionError.

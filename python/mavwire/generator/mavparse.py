@@ -12,7 +12,7 @@ import json
 import os
 import time
 
-from mavwire._native import DefinitionFile, crc_extra
+from mavwire._native import DefinitionFile, crc_extra, number_behind
 from mavwire.dialects._sources import read_text
 from mavwire.generator import _build
 from mavwire.generator._build import FLAG_HAVE_TARGET_COMPONENT, FLAG_HAVE_TARGET_SYSTEM
@@ -145,18 +145,15 @@ def merge_enums(xml: list[MAVXML]) -> None:
 
 
 def _move_behind(enum: MAVEnum, included: MAVEnum) -> None:
-    """Number entries without a value behind those of an included file, if the ranges of both files
-    overlap. `NumberedPart` in rust/schema has the same rule.
-    """
+    """Number entries without a value behind those of an included file."""
     if enum.start_value is None or included.start_value is None:
         return
-    if enum.start_value > included.highest_value or included.start_value > enum.highest_value:
-        return
-    highest = included.highest_value
-    for entry in enum.entry:
-        if entry.autovalue and entry.value <= highest:
-            highest += 1
-            entry.value = highest
+    automatic = [entry for entry in enum.entry if entry.autovalue]
+    own = (enum.start_value, enum.highest_value)
+    other = (included.start_value, included.highest_value)
+    values = number_behind([entry.value for entry in automatic], own, other)
+    for entry, value in zip(automatic, values, strict=True):
+        entry.value = value
 
 
 def check_duplicates(xml: list[MAVXML]) -> bool:

@@ -41,7 +41,7 @@ mod _native {
     #[pymodule_export]
     use crate::dataflash::shape::DataflashShape;
     #[pymodule_export]
-    use crate::dialect::definition_file::{DefinitionFile, crc_extra, field_type};
+    use crate::dialect::definition_file::{DefinitionFile, crc_extra, field_type, number_behind};
     #[pymodule_export]
     use crate::dialect::describe::describe;
     #[pymodule_export]

@@ -117,43 +117,36 @@ struct NumberedPart {
     entries: Vec<(Place, EnumEntry)>,
     /// Indices of entries that have no value in the definitions. Those of the main file come first.
     automatic: Vec<usize>,
-    lowest: i128,
-    highest: i128,
+    /// The lowest and the highest value.
+    range: (i128, i128),
 }
 
 impl NumberedPart {
     /// An entry without a value gets the highest value before it plus one.
     fn new(file: &Rc<str>, definition: EnumDef) -> Result<Self, SchemaError> {
-        let mut part =
-            Self { entries: Vec::new(), automatic: Vec::new(), lowest: i128::MAX, highest: 0 };
+        let mut part = Self { entries: Vec::new(), automatic: Vec::new(), range: (i128::MAX, 0) };
         for entry in definition.entries {
             let place = Place { file: Rc::clone(file), line: entry.line };
             let value = match entry.value {
                 Some(value) => value,
-                None => next_value(&place, part.highest)?,
+                None => next_value(&place, part.range.1)?,
             };
             if entry.value.is_none() {
                 part.automatic.push(part.entries.len());
             }
-            part.lowest = part.lowest.min(value);
-            part.highest = part.highest.max(value);
+            part.range = (part.range.0.min(value), part.range.1.max(value));
             part.entries.push((place, numbered(entry, value)));
         }
         Ok(part)
     }
 
-    /// Puts the entries of an included file in front. If its range of values overlaps that of the first file, entries without
-    /// a value move behind it. Otherwise they stay.
+    /// Puts the entries of an included file in front.
     fn extend(&mut self, included: Self) -> Result<(), SchemaError> {
-        if self.lowest <= included.highest && included.lowest <= self.highest {
-            let mut highest = included.highest;
-            for &index in &self.automatic {
-                let (place, entry) = &mut self.entries[index];
-                if entry.value <= highest {
-                    highest = next_value(place, highest)?;
-                    entry.value = highest;
-                }
-            }
+        let automatic: Vec<_> = self.automatic.iter().map(|&at| self.entries[at].1.value).collect();
+        let moved = number_behind(&automatic, self.range, included.range);
+        for (&index, value) in self.automatic.iter().zip(moved) {
+            let (place, entry) = &mut self.entries[index];
+            entry.value = next_value(place, value - 1)?;
         }
         let count = included.entries.len();
         self.automatic.iter_mut().for_each(|index| *index += count);
@@ -163,11 +156,24 @@ impl NumberedPart {
     }
 }
 
+/// The values of entries that have none in the definitions, after an included file adds to their enum. They move behind
+/// the range of the included file if it overlaps the range of the `own` file.
+pub fn number_behind(automatic: &[i128], own: (i128, i128), included: (i128, i128)) -> Vec<i128> {
+    let overlaps = own.0 <= included.1 && included.0 <= own.1;
+    let mut highest = included.1;
+    let moved = automatic.iter().map(|&value| {
+        if !overlaps || value > highest {
+            return value;
+        }
+        highest = highest.saturating_add(1);
+        highest
+    });
+    moved.collect()
+}
+
 fn next_value(place: &Place, highest: i128) -> Result<i128, SchemaError> {
-    match highest + 1 {
-        value if value > MAX_VALUE => Err(place.error(Reason::NoValueLeft(highest))),
-        value => Ok(value),
-    }
+    let next = Some(highest + 1).filter(|&value| value <= MAX_VALUE);
+    next.ok_or_else(|| place.error(Reason::NoValueLeft(highest)))
 }
 
 fn numbered(entry: EnumEntryDef, value: i128) -> EnumEntry {

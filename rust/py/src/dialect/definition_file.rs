@@ -77,3 +77,14 @@ pub(crate) fn crc_extra(name: &str, fields: Vec<(String, String, u8)>) -> u8 {
     let fields = fields.iter().map(|(kind, name, length)| (&**kind, &**name, *length));
     mavwire_schema::crc_extra(name, fields)
 }
+
+/// The values of entries that have none in the definitions, after an included file adds to their enum. Ranges are the
+/// lowest and the highest value of each file.
+#[pyfunction]
+pub(crate) fn number_behind(
+    automatic: Vec<i128>,
+    own: (i128, i128),
+    included: (i128, i128),
+) -> Vec<i128> {
+    mavwire_schema::number_behind(&automatic, own, included)
+}
