@@ -186,15 +186,15 @@ def measures() -> dict[str, int]:
 
 LIMITS = {
     "lines of rust/schema": 2_650,
-    "lines of rust/core": 8_950,
-    "lines of rust/columns": 7_000,
+    "lines of rust/core": 9_100,
+    "lines of rust/columns": 7_050,
     "lines of rust/io": 6_900,
-    "lines of rust/py": 16_100,
-    "lines of Rust without tests": 41_400,
-    "lines of Python without stubs": 46_900,
-    "files over 400 lines": 13,
-    "functions over 40 lines": 31,
-    "comments against the style": 163,
+    "lines of rust/py": 15_700,
+    "lines of Rust without tests": 41_300,
+    "lines of Python without stubs": 46_450,
+    "files over 400 lines": 9,
+    "functions over 40 lines": 28,
+    "comments against the style": 161,
     "modules of the extension in cycles": 0,
     "Python modules in cycles": 0,
 }
