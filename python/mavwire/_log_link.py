@@ -51,4 +51,23 @@ def open_link(path: str, **options: Any) -> Any:
     is_empty = os.path.isfile(path) and not os.path.getsize(path)
     if is_empty and log_kind(path, True) is LogKind.DATAFLASH:
         return mavutil.mavmmaplog(path)
+    if not options.get("notimestamps"):
+        _foresee_version(path)
     return mavutil.mavlink_connection(path, **options)
+
+
+def _foresee_version(path: str) -> None:
+    """Choose MAVLink 2 for a telemetry log that begins with a frame of it before the definitions of
+    version 1 are loaded, which the log would replace as soon as it is opened.
+    """
+    from mavwire._native import LogKind
+    from mavwire.links import state
+    from mavwire.links.mavfile import MARKER_V2
+    from mavwire.links.recognise import STAMP_LEN, kind_of
+
+    if not state.is_postponed() or kind_of(path) is not LogKind.TLOG:
+        return
+    with open(path, "rb") as file:
+        file.seek(STAMP_LEN)
+        if file.read(1) == bytes((MARKER_V2,)):
+            state.set_wire_protocol("2.0")
