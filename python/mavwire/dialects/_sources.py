@@ -6,7 +6,10 @@ import codecs
 import errno
 import os
 import re
-from pathlib import Path
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from pathlib import Path
 
 MAX_BYTES = 16 * 1024 * 1024
 """A definition file larger than this is refused."""
@@ -35,6 +38,8 @@ def collect(path: str | os.PathLike[str], name: str | None) -> tuple[str, dict[s
         return main, {main: text}
     if not text:
         raise FileNotFoundError(errno.ENOENT, "no definition file: the name is empty")
+    from pathlib import Path  # which takes longer to import than most files to read
+
     main = name or Path(text).stem
     sources = {main: read_text(text)}
     _add_includes(Path(text).parent, sources[main], sources)

@@ -109,6 +109,7 @@ def test_times_as_pandas_has_them(flight, zone):
     assert rest["timestamp"].tolist() == table["timestamp"][table["timestamp"] >= middle].tolist()
 
 
+@pytest.mark.filterwarnings("ignore::mavwire.logs.unknown.UnknownMessageWarning")
 def test_a_dialect_may_be_a_path(flight, tmp_path):
     path = tmp_path / "own.xml"
     path.write_text("<mavlink><include>minimal.xml</include></mavlink>")

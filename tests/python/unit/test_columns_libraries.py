@@ -440,13 +440,13 @@ ROW = {"path": "x", "name": "x", "size": 1, "mtime_ns": 1, "rows": 1, "bad_bytes
         "[]",
         "{}",
         "[" * 100_000,
-        '{"version": 1}',
-        '{"version": 2, "options": {}, "logs": []}',
-        '{"version": 1, "options": {}, "logs": {}}',
-        '{"version": 1, "options": {}, "logs": [{"path": "x"}]}',
+        '{"version": 2}',
+        '{"version": 3, "options": {}, "logs": []}',
+        '{"version": 2, "options": {}, "logs": {}}',
+        '{"version": 2, "options": {}, "logs": [{"path": "x"}]}',
         json.dumps(
             {
-                "version": 1,
+                "version": 2,
                 "options": {},
                 "logs": [{**ROW, "name": "../../x", "files": {}, "error": None}],
             }

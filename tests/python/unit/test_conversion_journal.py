@@ -147,7 +147,7 @@ def test_what_a_killed_run_noted_is_not_done_again(tmp_path, tiny):
 def test_with_other_options_a_journal_counts_for_nothing(tmp_path, tiny):
     out = tmp_path / "out"
     (out).mkdir()
-    head = {"version": 1, "options": {"format": "csv"}}
+    head = {"version": 2, "options": {"format": "csv"}}
     (out / JOURNAL).write_text(json.dumps(head) + "\n")
     (row,) = convert(tiny[:1], out)
     assert (row.error, row.skipped) == (None, False)
@@ -155,7 +155,7 @@ def test_with_other_options_a_journal_counts_for_nothing(tmp_path, tiny):
 
 
 @pytest.mark.parametrize(
-    "content", ["not a journal\n", "[]\n", '{"version": 1, "options": {}}\n7\n']
+    "content", ["not a journal\n", "[]\n", '{"version": 2, "options": {}}\n7\n']
 )
 def test_a_file_of_something_else_is_not_replaced(tmp_path, tiny, content):
     (tmp_path / JOURNAL).write_text(content)
@@ -165,7 +165,7 @@ def test_a_file_of_something_else_is_not_replaced(tmp_path, tiny, content):
 
 
 def test_a_journal_without_a_whole_line_is_an_empty_one(tmp_path, tiny):
-    (tmp_path / JOURNAL).write_bytes(b'{"version": 1, "opt')
+    (tmp_path / JOURNAL).write_bytes(b'{"version": 2, "opt')
     assert convert(tiny[:1], tmp_path)[0].error is None
     assert not (tmp_path / JOURNAL).exists()
 
@@ -274,7 +274,7 @@ def test_a_drive_that_is_not_there_is_no_endless_search(monkeypatch):
 def test_a_draft_of_the_manifest_is_removed(tiny, tmp_path):
     draft = tmp_path / f"{MANIFEST}.123-0a1b2c3d.part"
     draft.write_text("{")
-    (tmp_path / JOURNAL).write_bytes(b'{"version": 1, "opt')
+    (tmp_path / JOURNAL).write_bytes(b'{"version": 2, "opt')
     convert(tiny[:1], tmp_path)
     assert [path.name for path in tmp_path.iterdir() if path.is_file()] == [MANIFEST]
 
