@@ -269,8 +269,7 @@ class _Run:
         for part in parts:
             whole.rows += part.rows
             whole.bad_bytes += part.bad_bytes
-            for kind, count in part.unknown.items():
-                whole.unknown[kind] = whole.unknown.get(kind, 0) + count
+            whole.unknown.update(part.unknown)  # a log that has any is not cut
             whole.files.update(part.files)
             whole.error = whole.error or part.error
         if len(parts) > 1:

@@ -112,7 +112,7 @@ impl Registry {
         (entry.index != NO_MESSAGE).then_some(entry)
     }
 
-    /// The entry with an index; `None` for an index that is none of a message.
+    /// The entry of the message at an index, or `None` beyond the last message.
     pub fn entry(&self, index: u16) -> Option<Entry> {
         let message = self.dialect.messages.get(usize::from(index))?;
         Some(Entry::of(message, index.into()))

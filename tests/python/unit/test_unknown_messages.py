@@ -79,7 +79,7 @@ def test_info_says_which(vendor: Path, capsys: pytest.CaptureFixture[str]) -> No
     assert json.loads(capsys.readouterr().out)["unknown"] == {KIND: 17}
 
 
-def test_parts_of_a_log_are_one_row_of_the_fleet() -> None:
+def test_a_text_names_the_most_frequent_kinds() -> None:
     from mavwire.logs.unknown import named, unknown_text
 
     counts = {(1000 + one, 7): 10 - one for one in range(10)}
@@ -91,7 +91,7 @@ def test_parts_of_a_log_are_one_row_of_the_fleet() -> None:
 
 
 def test_an_earlier_layout_is_a_message(tmp_path: Path) -> None:
-    """CAMERA_SETTINGS had eight more fields until 2018, with CRC_EXTRA 8."""
+    """Id 149 was SETPOINT_6DOF until 2014, with CRC_EXTRA 15. It is LANDING_TARGET now."""
     names = {name for name, msgid in upstream.MAVLink(None)._dialect.messages() if msgid == 149}
     assert names == {"LANDING_TARGET"}
     payload = bytes(range(25))

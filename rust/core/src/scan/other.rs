@@ -13,9 +13,9 @@ use crate::frame::Header;
 use crate::registry::Entry;
 
 const SLOTS: usize = 64;
-/// Frames that have to agree. At 4, a million damaged frames make one false verdict in about 10^6 runs.
+/// Frames that have to agree. The test of a million damaged frames finds no false verdict.
 const ENOUGH: u8 = 4;
-/// Frames that disagree before the first one is not believed.
+/// The most evidence that is kept. More would delay the end of a definition that is no longer used.
 const TRUST: u8 = 8;
 
 /// Frames of one id and sender whose checksum is wrong for the dialect.

@@ -57,7 +57,7 @@ pub(crate) enum Error {
     Opening {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         error: io::Error,
         /// What to do about it, behind the system's text.
         advice: &'static str,
@@ -100,6 +100,10 @@ impl From<ArrowError> for Error {
 
 impl From<Error> for PyErr {
     fn from(error: Error) -> Self {
+        // The text of an exception may be a program's own `__str__`, which nobody has asked for here.
+        if let Error::Python(error) = error {
+            return error;
+        }
         let text = error.to_string();
         match error {
             Error::Python(error) => error,
