@@ -91,10 +91,11 @@ def read_text(file: str | os.PathLike[str]) -> str:
     try:
         if not _ENCODING.fullmatch(encoding):
             raise LookupError(f"unknown encoding: {encoding}")
-        return data.decode(encoding)
+        return data.decode(encoding).removeprefix("\ufeff")
     except (LookupError, UnicodeError) as error:
         line = data.count(b"\n", 0, getattr(error, "start", 0)) + 1
-        failure = DefinitionError(f"{file}:{line}:1: not well-formed XML: {error}")
+        reason = f"text not in {encoding.upper()}" if isinstance(error, UnicodeError) else error
+        failure = DefinitionError(f"{file}:{line}:1: not well-formed XML: {reason}")
         failure.lineno, failure.offset = line, 0  # type: ignore[attr-defined]
         raise failure from None
 
@@ -103,4 +104,4 @@ def _encoding(data: bytes) -> str:
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
     declared = _DECLARATION.match(data)
-    return declared[1].decode() if declared else "utf-8-sig"
+    return declared[1].decode() if declared else "utf-8"

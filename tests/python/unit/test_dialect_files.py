@@ -17,10 +17,10 @@ def test_dialect_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
     text = "<?xml version='1.0'?>\n<mavlink>\n<!-- \xe9 -->\n</mavlink>"
     latin = tmp_path / "latin.xml"
     latin.write_text(text, encoding="latin-1")
-    with pytest.raises(DefinitionError, match=r"latin\.xml:3: the text is not in UTF-8"):
+    with pytest.raises(DefinitionError, match=r"latin\.xml:3:1: .*: text not in UTF-8"):
         dialects.load(latin)
-    latin.write_text(text, encoding="utf-16")
-    with pytest.raises(DefinitionError, match=r"latin\.xml:1: the text is not in UTF-8"):
+    latin.write_text(text.replace("?>", " encoding='klingon'?>"))
+    with pytest.raises(DefinitionError, match=r"latin\.xml:1:1: .*: unknown encoding: klingon"):
         dialects.load(latin)
     os.mkfifo(tmp_path / "pipe.xml")
     for path in (tmp_path / "pipe.xml", "/dev/zero"):
@@ -31,6 +31,17 @@ def test_dialect_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
         file.truncate(16 * 1024 * 1024 + 1)
     with pytest.raises(DefinitionError, match=r"large\.xml: definition file larger than"):
         dialects.load(large)
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-16"])
+def test_a_dialect_file_is_read_in_the_encoding_that_it_declares(
+    tmp_path: Path, encoding: str
+) -> None:
+    path = definitions(tmp_path)
+    text = path.read_text().replace("<mavlink>", "<mavlink><!-- \xe9 -->", 1)
+    text = text.split("?>", 1)[-1]
+    path.write_text(f"<?xml version='1.0' encoding='{encoding}'?>{text}", encoding=encoding)
+    assert round_trip(dialects.load(path), 1, 2).b == 2
 
 
 def test_an_error_names_the_file_that_was_given(tmp_path: Path) -> None:
