@@ -101,10 +101,7 @@ impl From<ArrowError> for Error {
 impl From<Error> for PyErr {
     fn from(error: Error) -> Self {
         // The text of an exception may be a program's own `__str__`, which nobody has asked for here.
-        if let Error::Python(error) = error {
-            return error;
-        }
-        let text = error.to_string();
+        let text = if let Error::Python(_) = error { String::new() } else { error.to_string() };
         match error {
             Error::Python(error) => error,
             Error::Columns(error) => columns_error(error),
