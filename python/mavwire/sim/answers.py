@@ -2,34 +2,21 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable, Mapping
-from functools import cache
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.dialects.v20 import upstream
 
+from .personality.px4_events import GENERAL_PATH
 from .service import Handler, Service, sender
 
 if TYPE_CHECKING:
     from .vehicle import Vehicle
 
 PROTOCOL_VERSION_ID = 300
-# The dialects carry this message no longer, but ground stations still ask for it.
-PROTOCOL_VERSION_XML = """<mavlink><messages><message id="300" name="PROTOCOL_VERSION">
-<field type="uint16_t" name="version">.</field>
-<field type="uint16_t" name="min_version">.</field>
-<field type="uint16_t" name="max_version">.</field>
-<field type="uint8_t[8]" name="spec_version_hash">.</field>
-<field type="uint8_t[8]" name="library_version_hash">.</field>
-</message></messages></mavlink>"""
-
-
-@cache
-def _protocol_dialect() -> ModuleType:
-    from mavwire import dialects
-
-    return dialects.load(PROTOCOL_VERSION_XML, name="sim_protocol_version")
+COMPONENT_METADATA_ID = 397
 
 
 class Answers(Service):
@@ -39,6 +26,7 @@ class Answers(Service):
         super().__init__(vehicle)
         self._special: dict[int, Callable[[int], None]] = {
             PROTOCOL_VERSION_ID: lambda _: self.send_protocol_version(),
+            COMPONENT_METADATA_ID: self._send_metadata,
             mavlink.MAVLINK_MSG_ID_AVAILABLE_MODES: self._send_modes,
             mavlink.MAVLINK_MSG_ID_MESSAGE_INTERVAL: self._send_interval,
         }
@@ -57,8 +45,20 @@ class Answers(Service):
     def send_protocol_version(self) -> None:
         """PROTOCOL_VERSION: MAVLink 2, and 1 will do."""
         nothing = [0] * 8
-        message: Any = _protocol_dialect().MAVLink_protocol_version_message
-        self.vehicle.send(message(200, 100, 200, nothing, nothing))
+        self.vehicle.send(
+            upstream.MAVLink_protocol_version_message(200, 100, 200, nothing, nothing)
+        )
+
+    def _send_metadata(self, _: int) -> None:
+        """COMPONENT_METADATA, with the checksum of the general file."""
+        path = GENERAL_PATH
+        data = self.vehicle.ftp.files.read(path, 0)
+        if data is not None:
+            milliseconds = round(self.vehicle.time * 1000) & 0xFFFFFFFF
+            uri = f"mftp://{path}".encode()
+            self.vehicle.send(
+                upstream.MAVLink_component_metadata_message(milliseconds, zlib.crc32(data), uri)
+            )
 
     def _send_interval(self, message_id: int) -> None:
         interval = self.vehicle.streams.interval(message_id)

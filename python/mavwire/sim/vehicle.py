@@ -24,7 +24,7 @@ from .guided import Guided
 from .impairment import PERFECT, Channel, Counters, Impairment, flip_bit
 from .missions import FENCE, MISSION, RALLY, Missions
 from .params import Parameters
-from .personality import PERSONALITIES, Personality
+from .personality import PERSONALITIES, Personality, px4_events
 from .physics import Copter
 from .plans import Plan
 from .sensors import Battery, Sensors
@@ -116,6 +116,7 @@ class Vehicle:
         self.servos: dict[int, int] = {}
         self.armed_unix_us = self.takeoff_unix_us = 0
         self._texts = Texts()
+        self._events_sent = 0
         self._load_tuning()
         self.guided = Guided(self)
         self.autopilot = Autopilot(self)
@@ -289,7 +290,11 @@ class Vehicle:
     def say(self, key: str, **values: Any) -> None:
         """Say what the autopilot would say, if it says anything at all."""
         if key in self.personality.phrases:
-            self.text(self.personality.phrases[key][0], self.phrase(key, **values))
+            severity, text = self.personality.phrases[key]
+            self.text(severity, self.phrase(key, **values))
+            if self.personality.sends_events and px4_events.is_event(text):
+                self._events_sent += 1
+                self.send(px4_events.message(key, severity, self.time, self._events_sent))
 
     def introduce(self) -> None:
         """Say what it is."""

@@ -38,7 +38,7 @@ def test_mavsdk_flies_the_px4_like_vehicle() -> None:
     }  # fmt: skip
     assert (vehicle.params["COM_FLTMODE1"], vehicle.params["MPC_XY_CRUISE"]) == (-5, 7.5)
     assert found["files"] == {
-        "files": ["version.txt"], "text": "PX4 1.15.4 (mavwire)\n", "same": True,
+        "files": ["extras", "version.txt"], "text": "PX4 1.15.4 (mavwire)\n", "same": True,
     }  # fmt: skip
     assert found["circles"] == 1
     assert found["height"] == pytest.approx(6, abs=0.6)

@@ -84,6 +84,7 @@ class Personality:
     modes: ClassVar[dict[str, Mode]]
     roles: ClassVar[dict[Role, str]]
     phrases: ClassVar[Phrases]
+    sends_events: ClassVar = False
     params: ClassVar[list[Param]]
     bytewise_params: ClassVar[bool]
     sysid_param: ClassVar[str]

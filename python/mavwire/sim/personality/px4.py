@@ -11,6 +11,7 @@ from mavwire.dialects.v20 import all as mavlink
 from ..geo import Place
 from ..plans import RELATIVE
 from ..steering import Tuning
+from . import px4_events
 from .base import Mode, Personality, Role
 from .common import (
     AUTO,
@@ -87,6 +88,7 @@ class Px4(Personality):
         Role.TAKEOFF: "TAKEOFF",
         Role.CIRCLE: "ORBIT",
     }
+    sends_events = True
     phrases: ClassVar = {
         "position_ok": (INFO, "Ready for takeoff!"),
         "armed": (INFO, "Armed by external command"),
@@ -202,6 +204,7 @@ class Px4(Personality):
             "/fs/microsd/etc/readme.txt": b"Settings of the simulated vehicle go here.\n",
             "/fs/microsd/log/readme.txt": b"The simulated vehicle keeps no logs.\n",
             "/fs/microsd/parameters.bson": b"\x05\x00\x00\x00\x00",
+            **px4_events.files(self.phrases),
             "/etc/version.txt": self.version_text.encode() + b"\n",
         }
 
