@@ -58,7 +58,7 @@ class Channel:
         msg = self.master.recv_match(
             type=["FILE_TRANSFER_PROTOCOL"], blocking=True, timeout=max(timeout, 0.0)
         )
-        if msg is None or not self._is_for_us(msg):
+        if msg is None or not self.is_for_us(msg):
             return None
         op = parse(msg)
         if op is None or random.randrange(100) < self.settings.pkt_loss_rx:
@@ -67,7 +67,7 @@ class Channel:
             log.info("FTP: < %s", op)
         return op
 
-    def _is_for_us(self, msg: Any) -> bool:
+    def is_for_us(self, msg: Any) -> bool:
         """Whether the vehicle sent it, and not to another station."""
         system, component = self.target
         if msg.get_srcSystem() != system or component not in (0, msg.get_srcComponent()):

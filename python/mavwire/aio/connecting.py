@@ -7,6 +7,9 @@ import os
 from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, Any, TypedDict
 
+from mavwire.dialects import UPSTREAM
+from mavwire.links import state
+
 from .background import close_in_background, in_background
 from .feed import check_backlog
 from .link import BACKLOG, Link
@@ -110,6 +113,8 @@ def _open(device: str, options: dict[str, Any]) -> Any:
     """What may block: connecting, looking up a name, opening a port, reading a log's index."""
     from mavwire import mavutil
 
+    if state.current_dialect == state.DEFAULT_DIALECT and "MAVLINK_DIALECT" not in os.environ:
+        options = {"dialect": UPSTREAM, **options}
     sync = mavutil.mavlink_connection(device, **options)
     sends_to_a_host = getattr(sync, "destination_addr", None) and hasattr(sync, "_destination")
     if sends_to_a_host and sync._destination() is None:

@@ -6,10 +6,13 @@ import asyncio
 import math
 from typing import Any
 
+from mavwire import component_metadata
+from mavwire.component_metadata import Kind
 from mavwire.links import state
 
 from .deadline import deadline_after
 from .errors import CommandError, NoVehicleError
+from .files import read_file
 from .filters import Wants, message_filter
 
 MAV_CMD_SET_MESSAGE_INTERVAL = 511
@@ -20,6 +23,8 @@ MAV_RESULT_IN_PROGRESS = 5
 # How often something is sent when no answer comes, and how long each time is waited for one.
 RETRIES = 3
 TIMEOUT = 1.5
+# How long a file transfer may stand still.
+FILE_TIMEOUT = 10.0
 # How long a vehicle that said that it is at work may take until it says so again.
 PROGRESS_TIMEOUT = 30.0
 MAX_CONFIRMATION = 255
@@ -135,6 +140,32 @@ class Vehicle:
             MAV_CMD_SET_MESSAGE_INTERVAL, message_id(type), interval,
             sysid=sysid, compid=compid, retries=retries, timeout=timeout,
         )  # fmt: skip
+
+    async def read_file(
+        self, path: str, *, sysid: int | None = None, compid: int | None = None,
+        limit: int = component_metadata.MAX_BYTES, timeout: float = FILE_TIMEOUT,
+    ) -> bytes:  # fmt: skip
+        """The content of a file of the vehicle, read over MAVFTP.
+
+        OSError for one that cannot be read or has more than `limit` bytes; TimeoutError if nothing comes for
+        `timeout` seconds.
+        """
+        return await read_file(self, path, self._target(sysid, compid), limit, timeout)
+
+    async def component_metadata(
+        self, kind: Kind, *, sysid: int | None = None, compid: int | None = None
+    ) -> bytes:
+        """A metadata file of the vehicle, which may be compressed: `mavwire.events` reads those of events.
+
+        LookupError if the vehicle offers none of this kind. Raises as `request_message` and `read_file` do.
+        """
+        answer = await self.request_message("COMPONENT_METADATA", sysid=sysid, compid=compid)
+        path = component_metadata.path_of(answer.uri)
+        general = await self.read_file(path, sysid=sysid, compid=compid)
+        if kind == Kind.GENERAL:
+            return general
+        path = component_metadata.path_of(component_metadata.uri_of(general, kind))
+        return await self.read_file(path, sysid=sysid, compid=compid)
 
     def _target(self, sysid: int | None, compid: int | None) -> tuple[int, int]:
         """Whom to address. NoVehicleError if nobody was named or heard."""

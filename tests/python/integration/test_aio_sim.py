@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import socket
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from mavwire import aio
+from mavwire import aio, mavutil
+from mavwire.component_metadata import Kind
+from mavwire.events import EventDefinitions
 from mavwire.sim import Impairment, Runner, Vehicle, serve
 from unit.aio_tools import LOOPS, run
 from unit.link_tools import KEY, free_port
@@ -193,3 +197,36 @@ def test_a_vehicle_that_is_switched_off_and_on():
         await link.close()
 
     run(main())
+
+
+def test_a_vehicle_offers_its_events_and_files():
+    async def ask(device):
+        async with aio.connect(device, source_component=190) as link:
+            await link.wait_heartbeat(timeout=WAIT)
+            events = link.stream("EVENT")
+            definitions = EventDefinitions(await link.component_metadata(Kind.EVENTS))
+            assert definitions.event(await anext(events)).text == "Ready for takeoff!"
+            assert await link.read_file("/etc/version.txt") == b"PX4 1.15.4 (mavwire)\n"
+            with pytest.raises(OSError, match=r"/none: system 1 answers FileNotFound"):
+                await link.read_file("/none")
+            with pytest.raises(LookupError, match="no metadata of the kind actuators"):
+                await link.component_metadata(Kind.ACTUATORS)
+
+    with flying("udp", Vehicle("px4")) as (device, _):
+        run(ask(device))
+
+
+def test_a_synchronous_link_fetches_events(tmp_path):
+    saved = tmp_path / "events.json.xz"
+    with flying("udp", Vehicle("px4")) as (device, _):
+        link = mavutil.mavlink_connection(device, dialect="upstream")
+        assert link.wait_heartbeat(timeout=WAIT) is not None
+        assert len(EventDefinitions.of_vehicle(link)) > 10
+        link.close()
+    with flying("udp", Vehicle("px4")) as (device, _):
+        command = [sys.executable, "-m", "mavwire", "events", device, "--save", str(saved)]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+            line = process.stdout.readline()
+            process.kill()
+    assert line.endswith(": 1/1 info: Ready for takeoff!\n")
+    assert len(EventDefinitions.read(saved)) > 10
