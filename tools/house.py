@@ -191,7 +191,7 @@ LIMITS = {
     "lines of rust/io": 6_900,
     "lines of rust/py": 15_700,
     "lines of Rust without tests": 41_300,
-    "lines of Python without stubs": 46_470,
+    "lines of Python without stubs": 47_060,
     "files over 400 lines": 9,
     "functions over 40 lines": 28,
     "comments against the style": 161,

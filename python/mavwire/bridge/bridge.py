@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from typing import Any, Self
 
     from mavwire._native import BridgeCore
+    from mavwire.events import EventDefinitions
 
     from .config import Config
     from .sinks import Sink
@@ -86,6 +87,8 @@ class Bridge:
             whole("source_system", source_system, 255, least=1),
             whole("source_component", source_component, 255, least=1),
         )
+        self.event_definitions: EventDefinitions | None = None
+        """The texts of PX4's events, for the inspector."""
         self.sinks: list[Sink] = []
         """Those that are open: `open_sink` puts them there."""
         self._groups: list[str] = []

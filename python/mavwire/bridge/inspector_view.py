@@ -111,7 +111,11 @@ class View:
         return [NO_VALUE, ""]
 
     def _meaning(self, message: Any, field: str, value: object) -> str:
-        """What an enum calls the value; the names of the bits that are set for a bit mask."""
+        """The name of an enum's value, the names of the bits of a bit mask, or the text of an event."""
+        events = self._bridge.event_definitions
+        if field == "id" and events is not None and message.get_type() == "EVENT":
+            event = events.event(message)
+            return f"{event.level}: {event.text}"
         entries = self._bridge.dialect.enums.get(message.fieldenums_by_name.get(field))
         if entries is None or not isinstance(value, int):
             return ""

@@ -81,6 +81,7 @@ COMMANDS = {
     ),
     "extract_parms": ("vehicle", "extract_parms", "parameters that are not at their defaults"),
     "tools": ("dev", "", "give these the names of pymavlink's scripts"),
+    "events": ("vehicle", "", "the events of PX4 vehicles in words"),
     "sim": ("vehicle", "", "fly simulated vehicles for a ground station or a test"),
     "bridge": ("bridge", "", "route MAVLink between serial ports, UDP and TCP; record it"),
     "replay": ("bridge", "", "send the frames of a log again, at their pace or faster"),

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mavwire.cli._errors import CommandError
 from mavwire.dialects import UPSTREAM
+
+if TYPE_CHECKING:
+    from mavwire.events import EventDefinitions
 
 
 def _load_functions(path: str) -> str:
@@ -19,6 +22,17 @@ def _load_functions(path: str) -> str:
         reason = f"{type(error).__name__}: {error}"
         raise CommandError(f"--user-functions {path}: {reason}") from error
     return path
+
+
+def _load_events(path: str) -> EventDefinitions:
+    from mavwire.events import EventDefinitions
+
+    try:
+        return EventDefinitions.read(path)
+    except OSError as error:
+        raise CommandError(f"--event-definitions {path}: {error.strerror}") from error
+    except ValueError as error:
+        raise CommandError(f"--event-definitions {error}") from error
 
 
 def _option(*flags: str, **options: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
@@ -51,6 +65,10 @@ _SHARED = {
     "system": _option("--system", type=int, metavar="ID", help="default: the first autopilot"),
     "start": _option("--start", help="first time: seconds since 1970, or 2024-01-31T12:00:00"),
     "end": _option("--end", help="first time that is not wanted any more"),
+    "event_definitions": _option(
+        "--event-definitions", metavar="FILE", type=_load_events,
+        help="the texts of PX4's events: JSON, plain or compressed with xz",
+    ),
     "image": _option("--image", metavar="FILE", help="draw images, and no windows"),
 }  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import socket
 import sys
@@ -23,6 +24,8 @@ from mavwire.bridge.inspector import MAX_UNSEEN, TABLES_INTERVAL, Inspector
 from mavwire.bridge.inspector_view import MAX_COMPONENTS, View, plain
 from mavwire.bridge.web_server import MAX_REQUEST
 from mavwire.dialects.v20 import all as mavlink
+from mavwire.dialects.v20 import upstream
+from mavwire.events import EventDefinitions
 from unit.bridge_tools import LIMIT, UDP, udp_peer, wait_until
 from unit.link_tools import heartbeat, pack
 from unit.web_tools import PageClient, WebSocketClient
@@ -110,7 +113,6 @@ def test_a_page_that_does_not_keep_up_gets_the_newest_values(
 
 
 def test_made_up_addresses_do_not_flood_a_page(bridge: Bridge) -> None:
-    import json
 
     count = MAX_COMPONENTS + 10
     bridge.send(b"".join(heartbeat(0, 1 + n // 200, 1 + n % 200) for n in range(count)))
@@ -120,7 +122,6 @@ def test_made_up_addresses_do_not_flood_a_page(bridge: Bridge) -> None:
 
 
 def test_each_type_is_described_once(bridge: Bridge) -> None:
-    import json
 
     bridge.send(heartbeat())
     bridge.send(pack(mavlink.MAVLink_attitude_message(1, 0, 0, 0, 0, 0, 0)))
@@ -308,3 +309,26 @@ def test_it_ends_with_the_bridge_and_when_it_is_closed(bridge: Bridge) -> None:
             assert page.closed() == 1001
     with pytest.raises(OSError):
         socket.create_connection(("127.0.0.1", inspector.port), 1)
+
+
+def test_an_event_is_shown_in_words(bridge: Bridge) -> None:
+    event = {
+        "name": "denied",
+        "message": "Arming denied: {1}",
+        "arguments": [{"name": "a", "type": "uint8_t"}],
+    }
+    component = {"namespace": "px4", "event_groups": {"default": {"events": {"7": event}}}}
+    definitions = json.dumps({"components": {"1": component}}).encode()
+    arguments = [3, *[0] * 39]
+    bridge.send(pack(upstream.MAVLink_event_message(0, 0, 1 << 24 | 7, 0, 0, 0x64, arguments)))
+    wait_until("it", lambda: bridge.latest(410))
+    view = View(bridge)
+    view.hear('{"open": [[1, 1, 410]]}')
+    number = [1 << 24 | 7, ""]
+    for given, shown in (
+        (None, number),
+        (EventDefinitions(definitions), [number[0], "warning: Arming denied: 3"]),
+    ):
+        bridge.event_definitions = given
+        (values,) = json.loads(view.values() or "")["values"].values()
+        assert shown in values[1]

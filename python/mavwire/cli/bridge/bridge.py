@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 from mavwire._signals import ended_in_order
 from mavwire.cli._errors import CommandError, describe_link_error, refused, tell
+from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._values import duration, size
 
 if TYPE_CHECKING:
@@ -80,7 +81,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--record-flush", type=duration, metavar="T",
         help="write what came after this time at the latest [default: 1s]",
     )
-    add = parser.add_argument_group("watching").add_argument
+    watching = parser.add_argument_group("watching")
+    add_shared(watching, "event_definitions")
+    add = watching.add_argument
     add("--status", action="store_true", help="a table that keeps up to date")
     add("--json", type=duration, metavar="T", help="print the counters as a line of JSON this often")
     for option, what in (
@@ -175,7 +178,9 @@ def _bridge(args: Namespace) -> tuple[Bridge, Config]:
                 raise CommandError(reason, 2) from None
         elif given:
             raise CommandError("--record-size, --record-time and --record-flush need --record", 2)
-        return Bridge.from_options(config), config
+        bridge = Bridge.from_options(config)
+        bridge.event_definitions = args.event_definitions
+        return bridge, config
 
 
 def _add_options(config: Config, args: Namespace) -> None:

@@ -20,6 +20,7 @@ class Standard:
     def __init__(self, args: Namespace) -> None:
         self._show_source = args.show_source
         self._show_seq = args.show_seq
+        self._events = args.event_definitions
 
     def line(self, msg: Any) -> str:
         """The message without a newline."""
@@ -28,6 +29,9 @@ class Standard:
             text += f" srcSystem={msg.get_srcSystem()} srcComponent={msg.get_srcComponent()}"
         if self._show_seq:
             text += f" seq={msg.get_seq()}"
+        if self._events and msg.get_type() == "EVENT":
+            event = self._events.event(msg)
+            text += f" {event.level}: {event.text}"
         return text
 
 
@@ -51,6 +55,7 @@ class Json:
 
     def __init__(self, args: Namespace) -> None:
         self._show_source = args.show_source
+        self._events = args.event_definitions
 
     def line(self, msg: Any, text: bytes | None = None) -> str:
         """The message without a newline; `text` stands in the place of a part of it."""
@@ -63,7 +68,10 @@ class Json:
             data["data"] = recordable(bytes(data["data"]))
         if text is not None:
             data["text"] = text.decode("ascii", "replace")
-        return json.dumps({"meta": meta, "data": data}, default=_plain)
+        line = {"meta": meta, "data": data}
+        if self._events and msg.get_type() == "EVENT":
+            line["event"] = self._events.event(msg)._asdict()
+        return json.dumps(line, default=_plain)
 
 
 def _plain(value: Any) -> Any:

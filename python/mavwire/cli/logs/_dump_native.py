@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 # Options whose meaning depends on more than the message itself.
 SLOW_OPTIONS = (
     "follow", "no_timestamps", "planner", "verbose", "show_types", "show_loss", "reduce",
-    "csv_safe",
+    "csv_safe", "event_definitions",
 )  # fmt: skip
 NO_SOURCE = -1
 

@@ -30,6 +30,7 @@ from mavwire.cli._shared_arguments import add_shared
 from mavwire.cli._telemetry import record_of
 from mavwire.cli.logs import _dump_format, _dump_native
 from mavwire.cli.logs._dump_select import Selection, unknown_types
+from mavwire.dialects import UPSTREAM
 
 if TYPE_CHECKING:
     from mavwire.cli.logs._dump_mat import Tables
@@ -75,6 +76,7 @@ def _add_output(group: Any) -> None:
     add("--csv_sep", default=",", help="CSV: what separates the columns; 'tab' for a tab")
     add("--csv-safe", action="store_true", help="CSV: ' before texts that a spreadsheet would run")
     add("--show-source", action="store_true", help="show system and component ids")
+    add_shared(group, "event_definitions")
     add("--show-seq", action="store_true", help="show sequence numbers")
     add("--show-types", action="store_true", help="show only which types there are")
     add("--show-loss", action="store_true", help="show where messages were lost")
@@ -91,6 +93,8 @@ def main(args: Namespace) -> int:
     writer = Writer()
     name = STANDARD_INPUT if args.log == "-" else args.log
     with ExitStack() as stack:
+        if args.event_definitions and args.dialect == "ardupilotmega":
+            args.dialect = UPSTREAM  # which has everything of it, and EVENT
         stack.enter_context(definitions(args.dialect, "1.0" if args.mav10 else "2.0"))
         if args.log == "-":
             if args.follow:

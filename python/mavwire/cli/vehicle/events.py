@@ -1,0 +1,72 @@
+"""`mavwire events LOG`: the events of PX4 vehicles in words.
+
+LOG is a telemetry log or a link that mavutil opens (`udpin:0.0.0.0:14550`). The texts are in the
+vehicle's component metadata: --event-definitions names a file with them, such as all_events.json.xz of a
+PX4 release. A vehicle on a link is asked for its own; --save keeps them.
+"""
+
+from __future__ import annotations
+
+import os
+from argparse import ArgumentParser, Namespace
+from typing import Any
+
+from mavwire._atomic_file import replacing
+from mavwire.cli._errors import CommandError, tell
+from mavwire.cli._reading import definitions, reading
+from mavwire.cli._shared_arguments import add_shared
+from mavwire.cli._times import local_stamp
+from mavwire.component_metadata import Kind, fetch
+from mavwire.dialects import UPSTREAM
+from mavwire.events import EventDefinitions
+
+HEARTBEAT_TIMEOUT = 10.0
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Options of the subcommand."""
+    parser.add_argument("log", metavar="LOG", help="telemetry log, or a link")
+    add_shared(parser, "event_definitions")
+    parser.add_argument("--save", metavar="FILE", help="write the vehicle's definitions to a file")
+    parser.add_argument(
+        "--protocol", action="store_true", help="show events between programs, which are hidden"
+    )
+
+
+def main(args: Namespace) -> int:
+    """Run the subcommand."""
+    is_link = not os.path.isfile(args.log)
+    if args.save and not is_link:
+        raise CommandError("--save: a log has no definitions; give a link to the vehicle")
+    described = args.event_definitions
+    with definitions(UPSTREAM), reading("events", args.log) as log:
+        if is_link and (described is None or args.save):
+            described = _of_vehicle(log.link, args.save)
+        if described is None:
+            tell("mavwire events: the texts are in --event-definitions FILE; these are numbers")
+            described = EventDefinitions(b'{"components": {}}')
+        for message in log.messages(["EVENT"], alone=True, blocking=is_link):
+            event = described.event(message)
+            if args.protocol or event.level not in ("protocol", "disabled"):
+                sender = f"{message.get_srcSystem()}/{message.get_srcComponent()}"
+                stamp = local_stamp(message._timestamp)
+                print(f"{stamp}: {sender} {event.level}: {event.text}", flush=is_link)
+    return 0
+
+
+def _of_vehicle(link: Any, save: str | None) -> EventDefinitions | None:
+    """What the vehicle offers. None, and a line on standard error, where it offers none."""
+    try:
+        if link.wait_heartbeat(timeout=HEARTBEAT_TIMEOUT) is None:
+            raise TimeoutError(f"no heartbeat within {HEARTBEAT_TIMEOUT:.0f} s")
+        data = fetch(link, Kind.EVENTS)
+        found = EventDefinitions(data, "the vehicle's event definitions")
+    except (TimeoutError, LookupError, ValueError) as error:
+        if save:
+            raise CommandError(str(error)) from error
+        tell(f"mavwire events: {error}")
+        return None
+    if save:
+        with replacing(save) as file:
+            file.write(data)
+    return found
