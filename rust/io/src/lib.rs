@@ -9,6 +9,7 @@ pub mod bridge;
 pub mod bytes;
 pub mod clock;
 pub mod dataflash;
+pub mod dataflash_log;
 pub mod datagrams;
 pub mod error_text;
 pub mod files;

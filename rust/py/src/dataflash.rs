@@ -7,6 +7,5 @@ pub(crate) mod reader;
 mod render;
 pub(crate) mod shape;
 mod shape_methods;
-mod source;
 mod state;
 mod value;

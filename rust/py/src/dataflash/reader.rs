@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::Delimiter;
 use mavwire_io::dataflash::Contents;
+use mavwire_io::dataflash_log::{BUDGET, DataflashLog};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple, PyType};
@@ -15,7 +16,6 @@ use pyo3::{PyTraverseError, PyVisit};
 use super::clock::MicrosClock;
 use super::message::DFMessage;
 use super::shape::{self, Names};
-use super::source::{BUDGET, Source};
 use super::state::{Kind, Search, State, Taken, closed};
 use crate::python::calling::{Calling, truth};
 use crate::python::instance_dict::generic_setattr;
@@ -184,7 +184,7 @@ impl DataflashReader {
         &self,
         py: Python<'_>,
         progress: Option<Py<PyAny>>,
-        walk: impl Send + FnOnce(&mut Source, &mut dyn FnMut(u64) -> bool) -> io::Result<T>,
+        walk: impl Send + FnOnce(&mut DataflashLog, &mut dyn FnMut(u64) -> bool) -> io::Result<T>,
     ) -> PyResult<T> {
         let state = self.state.lock(py);
         let len = state.len.max(1);
@@ -250,7 +250,7 @@ impl DataflashReader {
         path: PathBuf,
         text: bool,
     ) -> PyResult<Bound<'py, PyList>> {
-        let source = py.detach(|| Source::open(&path, text))?;
+        let source = py.detach(|| DataflashLog::open(&path, text))?;
         let layouts = PyList::empty(py);
         for layout in source.layouts() {
             let columns = PyList::new(py, &layout.columns)?;
@@ -258,7 +258,7 @@ impl DataflashReader {
             layouts.append(row)?;
         }
         let mut state = self.state.lock(py);
-        state.len = source.len();
+        state.len = source.size();
         state.offset = 0;
         state.latched = None;
         let before = std::mem::take(&mut state.kinds);
@@ -313,7 +313,7 @@ impl DataflashReader {
     /// The lines of a text log by their first characters, and how many there are at all.
     fn _lines(&self, py: Python<'_>) -> (Vec<(String, u64)>, u64) {
         let state = self.state.lock(py);
-        let Some(Source::Text(file)) = &state.source else { return (Vec::new(), 0) };
+        let Some(DataflashLog::Text(file)) = &state.source else { return (Vec::new(), 0) };
         let counts = file.counts().into_iter().map(|(key, count)| (key.to_owned(), count));
         (counts.collect(), file.lines())
     }
@@ -321,15 +321,14 @@ impl DataflashReader {
     /// Where the lines of a text log start, by their first characters.
     fn _line_offsets(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u64>)>> {
         self.walk(py, None, |source, tell| match source {
-            Source::Text(file) => file.offsets(tell),
-            Source::Binary(_) => Ok(Vec::new()),
+            DataflashLog::Text(file) => file.offsets(tell),
+            DataflashLog::Binary(_) => Ok(Vec::new()),
         })
     }
 
     /// Offsets of all records, by layout.
     fn _offsets(&self, py: Python<'_>) -> PyResult<Vec<Vec<u64>>> {
-        let count = self.state.lock(py).kinds.len();
-        self.walk(py, None, |source, tell| source.offsets(count, tell))
+        self.walk(py, None, |source, tell| source.offsets(tell))
     }
 
     /// Lets go of the file.

@@ -9,8 +9,8 @@ use pyo3::types::{PyDict, PyString};
 use super::clock::MicrosClock;
 use super::message::DFMessage;
 use super::shape::Names;
-use super::source::{self, Source};
 use mavwire_core::frame::FrameBytes;
+use mavwire_io::dataflash_log::{self, DataflashLog};
 
 /// Keys of instances that are remembered for a type; more are spelled anew each time.
 const MAX_KEYS: usize = 4096;
@@ -48,7 +48,7 @@ impl Kind {
 
 /// See the module.
 pub(super) struct State {
-    pub(super) source: Option<Source>,
+    pub(super) source: Option<DataflashLog>,
     pub(super) kinds: Vec<Kind>,
     pub(super) offset: u64,
     /// Length of the log when it was opened.
@@ -147,7 +147,7 @@ impl State {
             );
             let clock = self.clock.as_ref().filter(|_| stamps);
             if let Some(clock) = clock {
-                let seconds = source::seconds(layout, record.bytes, delimiter);
+                let seconds = dataflash_log::seconds(layout, record.bytes, delimiter);
                 let unit = layout.time.map(|(_, unit)| unit);
                 clock.get().stamp(&message.timestamp, seconds, unit);
             }

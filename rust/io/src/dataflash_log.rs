@@ -1,4 +1,4 @@
-//! The open log below a reader, binary or text.
+//! An open dataflash log, binary or text.
 
 use std::io;
 use std::path::Path;
@@ -6,29 +6,41 @@ use std::sync::Arc;
 
 use mavwire_core::log::dataflash::text::{Delimiter, nth_value, number};
 use mavwire_core::log::dataflash::{HEAD_LEN, Layout, TimeUnit};
-use mavwire_io::dataflash::{Contents, DataflashFile};
-use mavwire_io::text_log::TextLogFile;
 
-/// Records that are passed over before the user's wish to stop is heeded.
-pub(super) const BUDGET: u32 = 1 << 16;
+use crate::dataflash::{Contents, DataflashFile};
+use crate::text_log::TextLogFile;
+
+/// Records between two looks at whether the user wishes to stop.
+pub const BUDGET: u32 = 1 << 16;
 
 /// A log.
-#[derive(Clone)]
-pub(super) enum Source {
+#[derive(Debug, Clone)]
+pub enum DataflashLog {
+    /// A `.BIN` file.
     Binary(Box<DataflashFile>),
+    /// A `.log` file.
     Text(Box<TextLogFile>),
 }
 
-/// A record: where it is, its layout, its body or line, and where to look for the next.
-pub(super) struct Record<'a> {
-    pub(super) offset: u64,
-    pub(super) layout: usize,
-    pub(super) bytes: &'a [u8],
-    pub(super) next: u64,
+/// A record.
+#[derive(Debug)]
+pub struct Record<'a> {
+    /// The record starts here.
+    pub offset: u64,
+    /// Index of its layout.
+    pub layout: usize,
+    /// The body, or the line.
+    pub bytes: &'a [u8],
+    /// The next record is at or behind this offset.
+    pub next: u64,
 }
 
-impl Source {
-    pub(super) fn open(path: &Path, text: bool) -> io::Result<Self> {
+impl DataflashLog {
+    /// Opens a file and reads its FMT records.
+    ///
+    /// # Errors
+    /// The error of the operating system.
+    pub fn open(path: &Path, text: bool) -> io::Result<Self> {
         Ok(if text {
             Self::Text(Box::new(TextLogFile::open(path)?))
         } else {
@@ -36,51 +48,51 @@ impl Source {
         })
     }
 
-    pub(super) fn len(&self) -> u64 {
+    /// Bytes of the file when it was opened.
+    pub fn size(&self) -> u64 {
         match self {
             Self::Binary(file) => file.len(),
             Self::Text(file) => file.len(),
         }
     }
 
-    pub(super) fn delimiter(&self) -> Option<Delimiter> {
+    /// The text between the values of a text log.
+    pub fn delimiter(&self) -> Option<Delimiter> {
         match self {
             Self::Binary(_) => None,
             Self::Text(file) => Some(file.delimiter()),
         }
     }
 
-    pub(super) fn layouts(&self) -> &[Arc<Layout>] {
+    /// The layouts of the records.
+    pub fn layouts(&self) -> &[Arc<Layout>] {
         match self {
             Self::Binary(file) => file.definitions().layouts(),
             Self::Text(file) => file.layouts(),
         }
     }
 
-    pub(super) fn contents(
-        &mut self,
-        progress: &mut dyn FnMut(u64) -> bool,
-    ) -> io::Result<Contents> {
+    /// Goes through the whole log. `progress` gets the offset now and then, and ends the run with false.
+    ///
+    /// # Errors
+    /// The error of the operating system. `Interrupted` if `progress` ended the run.
+    pub fn contents(&mut self, progress: &mut dyn FnMut(u64) -> bool) -> io::Result<Contents> {
         match self {
             Self::Binary(file) => file.contents(progress),
             Self::Text(file) => file.contents(progress),
         }
     }
 
-    /// Offsets of all records, by the `count` layouts. `progress` is told now and then where this has come to, and ends
-    /// it with false: `Interrupted`.
-    pub(super) fn offsets(
-        &mut self,
-        count: usize,
-        progress: &mut dyn FnMut(u64) -> bool,
-    ) -> io::Result<Vec<Vec<u64>>> {
-        let mut offsets = vec![Vec::new(); count];
+    /// Offsets of all records, by layout. `progress` is that of [`Self::contents`].
+    ///
+    /// # Errors
+    /// Those of [`Self::contents`].
+    pub fn offsets(&mut self, progress: &mut dyn FnMut(u64) -> bool) -> io::Result<Vec<Vec<u64>>> {
+        let mut offsets = vec![Vec::new(); self.layouts().len()];
         let (mut at, mut records) = (0, 0_u32);
         while let Some(record) = self.record_at(at)? {
             at = record.next;
-            if let Some(offsets) = offsets.get_mut(record.layout) {
-                offsets.push(record.offset);
-            }
+            offsets[record.layout].push(record.offset);
             records = records.wrapping_add(1);
             if records % BUDGET == 0 && !progress(at) {
                 return Err(io::ErrorKind::Interrupted.into());
@@ -89,15 +101,13 @@ impl Source {
         Ok(offsets)
     }
 
-    /// Passes over records of layouts that are not `wanted`, `most` of them at most, where there is a quick way; returns where
-    /// it stopped and how many it passed.
+    /// Passes at most `most` records of layouts that are not `wanted`, as far as a quick way exists. Returns the offset behind
+    /// them, and their number.
+    ///
+    /// # Errors
+    /// The error of the operating system.
     #[inline]
-    pub(super) fn pass(
-        &mut self,
-        offset: u64,
-        wanted: &[bool],
-        most: u32,
-    ) -> io::Result<(u64, u32)> {
+    pub fn pass(&mut self, offset: u64, wanted: &[bool], most: u32) -> io::Result<(u64, u32)> {
         match self {
             Self::Binary(file) => file.pass(offset, wanted, most),
             Self::Text(_) => Ok((offset, 0)),
@@ -105,8 +115,11 @@ impl Source {
     }
 
     /// The first record at or behind `offset`.
+    ///
+    /// # Errors
+    /// The error of the operating system.
     #[inline]
-    pub(super) fn record_at(&mut self, offset: u64) -> io::Result<Option<Record<'_>>> {
+    pub fn record_at(&mut self, offset: u64) -> io::Result<Option<Record<'_>>> {
         match self {
             Self::Binary(file) => Ok(file.record_at(offset)?.map(|(entry, bytes)| Record {
                 offset: entry.offset,
@@ -126,7 +139,7 @@ impl Source {
 
 /// Seconds since start, for records that carry a time.
 #[inline]
-pub(super) fn seconds(layout: &Layout, bytes: &[u8], delimiter: Option<Delimiter>) -> Option<f64> {
+pub fn seconds(layout: &Layout, bytes: &[u8], delimiter: Option<Delimiter>) -> Option<f64> {
     let Some(delimiter) = delimiter else { return layout.seconds(bytes) };
     let (index, unit) = layout.time?;
     let kind = layout.fields.get(index)?.kind;
