@@ -24,7 +24,10 @@ mod tables;
 
 #[pymodule(gil_used = true)]
 mod _native {
+    use pyo3::exceptions::PyImportError;
     use pyo3::prelude::*;
+
+    use crate::python::calling::Calling;
 
     #[cfg(unix)]
     #[pymodule_export]
@@ -134,6 +137,7 @@ mod _native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        require_interpreter_lock(module.py())?;
         crate::sync::thread_number::follow_forks(module)?;
         crate::sync::thread_lock::prepare(module.py())?;
         crate::link::replaced::prepare(module.py())?;
@@ -150,6 +154,17 @@ mod _native {
             doc,
             crate::protocol::send::send_values,
         )
+    }
+
+    /// `ImportError` where `PYTHON_GIL=0` keeps the lock off, which guards all state of this module.
+    fn require_interpreter_lock(py: Python<'_>) -> PyResult<()> {
+        let ask = py.import(intern!(py, "sys"))?.getattr_opt(intern!(py, "_is_gil_enabled"))?;
+        if ask.map_or(Ok(true), |ask| ask.invoke1(())?.is_truthy())? {
+            return Ok(());
+        }
+        Err(PyImportError::new_err(
+            "mavwire needs the global interpreter lock: start Python without PYTHON_GIL=0 and -X gil=0",
+        ))
     }
 
     /// The package's version.

@@ -120,7 +120,6 @@ pub(crate) fn around(info: &'static Info, frame: &[u8]) -> Message {
 }
 
 /// Makes `object` a copy of `message` that has `written` to it, if only the caller and one table refer to it.
-#[cfg(not(Py_GIL_DISABLED))]
 pub(crate) fn renew(
     object: &Bound<'_, Message>,
     message: &Bound<'_, Message>,
@@ -132,7 +131,8 @@ pub(crate) fn renew(
     // weak ones mean that no code but this sees it, so that nothing borrowed from its value is in use; the interpreter's
     // lock is held. Dropping the old value frees a `bytes` or a `str` at most.
     unsafe {
-        if object.as_ptr() == message.as_ptr()
+        if cfg!(Py_GIL_DISABLED)
+            || object.as_ptr() == message.as_ptr()
             || ffi::Py_TYPE(object.as_ptr()) != ffi::Py_TYPE(message.as_ptr())
             || ffi::Py_REFCNT(object.as_ptr()) != CALLER_AND_TABLE
             || !(*instance).weak_references.is_null()
@@ -144,12 +144,6 @@ pub(crate) fn renew(
         (*instance).message = copy;
     }
     true
-}
-
-/// Free-threaded builds cannot tell who else refers to an object.
-#[cfg(Py_GIL_DISABLED)]
-pub(crate) fn renew(_: &Bound<'_, Message>, _: &Bound<'_, Message>, _: u32) -> bool {
-    false
 }
 
 /// Makes an object of the pool a message.
@@ -244,7 +238,6 @@ unsafe extern "C" fn dealloc(object: *mut ffi::PyObject) {
 ///
 /// A stack of pointers and not a list linked through the objects: those are cold when their turn comes, and a link
 /// would have to be waited for.
-#[cfg(not(Py_GIL_DISABLED))]
 mod pool {
     use super::{AtomicPtr, AtomicUsize, Instance, Message, Relaxed, ffi, flags, null_mut};
 
@@ -273,7 +266,8 @@ mod pool {
         // SAFETY: such objects are laid out like this.
         unsafe {
             let message: &Message = &(*instance).message;
-            message.has(flags::POOLED)
+            cfg!(not(Py_GIL_DISABLED))
+                && message.has(flags::POOLED)
                 && (*instance).dict.is_null()
                 && (*instance).weak_references.is_null()
                 && ffi::PyObject_GC_IsTracked(instance.cast()) == 0
@@ -288,23 +282,5 @@ mod pool {
         place.store(instance, Relaxed);
         COUNT.store(count + 1, Relaxed);
         true
-    }
-}
-
-/// Free-threaded builds have no lock that could guard a pool.
-#[cfg(Py_GIL_DISABLED)]
-mod pool {
-    use super::Instance;
-
-    pub(super) fn take() -> Option<*mut Instance> {
-        None
-    }
-
-    pub(super) unsafe fn may_keep(_: *mut Instance) -> bool {
-        false
-    }
-
-    pub(super) fn keep(_: *mut Instance) -> bool {
-        false
     }
 }

@@ -6,10 +6,6 @@ use std::sync::atomic::{AtomicPtr, Ordering::Relaxed};
 use pyo3::ffi;
 use pyo3::prelude::*;
 
-/// Free-threaded builds need a moment's protection between reading the pointer and counting the reference.
-#[cfg(Py_GIL_DISABLED)]
-static LOCK: std::sync::Mutex<()> = std::sync::Mutex::new(());
-
 /// A `bytes` or a `str`, or nothing. Neither can be part of a reference cycle, so the garbage collector need not know.
 pub(crate) struct Extra(AtomicPtr<ffi::PyObject>);
 
@@ -24,20 +20,14 @@ impl Extra {
     }
 
     pub(crate) fn get<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        #[cfg(Py_GIL_DISABLED)]
-        let _guard = LOCK.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        // SAFETY: null or an object of which this holds a reference; nobody can replace it before it is counted.
+        // SAFETY: null or an object of which this holds a reference. Only an attached thread can replace it.
         unsafe { Bound::from_borrowed_ptr_or_opt(py, self.0.load(Relaxed)) }
     }
 
     pub(crate) fn set(&self, value: &Bound<'_, PyAny>) {
         let new = value.clone().into_ptr();
-        #[cfg(Py_GIL_DISABLED)]
-        let guard = LOCK.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let old = self.0.load(Relaxed);
         self.0.store(new, Relaxed);
-        #[cfg(Py_GIL_DISABLED)]
-        drop(guard);
         // SAFETY: null or an object of which this held a reference, which it has given up.
         unsafe { ffi::Py_XDECREF(old) };
     }

@@ -1,122 +1,81 @@
 //! A mutex for values that only attached threads touch, and never while Python code runs.
 //!
-//! Where the interpreter has its lock, that lock is the mutex: all that is left to do is to notice that somebody let go
-//! of it half-way, which no code here does. Taking and leaving a standard mutex costs five nanoseconds, as much as parsing
-//! a byte. Free-threaded builds get the standard one.
+//! The interpreter's lock is the mutex, see `docs/decisions`. Here is only checked that no thread let go of it half-way.
 
-#[cfg(not(Py_GIL_DISABLED))]
-pub(crate) use attached::{Guard, Lock};
-#[cfg(Py_GIL_DISABLED)]
-pub(crate) use free_threaded::{Guard, Lock};
+use std::cell::UnsafeCell;
+use std::ops::{Deref, DerefMut};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-#[cfg(not(Py_GIL_DISABLED))]
-mod attached {
-    use std::cell::UnsafeCell;
-    use std::ops::{Deref, DerefMut};
-    use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use pyo3::prelude::*;
 
-    use pyo3::prelude::*;
+/// See the module.
+pub(crate) struct Lock<T> {
+    held: AtomicBool,
+    value: UnsafeCell<T>,
+}
 
-    /// See the module.
-    pub(crate) struct Lock<T> {
-        held: AtomicBool,
-        value: UnsafeCell<T>,
+// SAFETY: the value is only reached through `lock`, which takes the proof that the thread is attached, and through
+// `held`, which a thread sets before and clears after. Only one thread is attached at a time, and the interpreter's
+// lock orders what one thread writes before what the next one reads.
+unsafe impl<T: Send> Sync for Lock<T> {}
+
+/// Access to the value.
+pub(crate) struct Guard<'a, T>(&'a Lock<T>);
+
+impl<T> Lock<T> {
+    pub(crate) const fn new(value: T) -> Self {
+        Self { held: AtomicBool::new(false), value: UnsafeCell::new(value) }
     }
 
-    // SAFETY: the value is only reached through `lock`, which takes the proof that the thread is attached, and through
-    // `held`, which a thread sets before and clears after. Only one thread is attached at a time, and the interpreter's
-    // lock orders what one thread writes before what the next one reads.
-    unsafe impl<T: Send> Sync for Lock<T> {}
-
-    /// Access to the value.
-    pub(crate) struct Guard<'a, T>(&'a Lock<T>);
-
-    impl<T> Lock<T> {
-        pub(crate) const fn new(value: T) -> Self {
-            Self { held: AtomicBool::new(false), value: UnsafeCell::new(value) }
+    #[inline]
+    pub(crate) fn lock(&self, py: Python<'_>) -> Guard<'_, T> {
+        while self.held.load(Relaxed) {
+            wait(py);
         }
-
-        #[inline]
-        pub(crate) fn lock(&self, py: Python<'_>) -> Guard<'_, T> {
-            while self.held.load(Relaxed) {
-                wait(py);
-            }
-            self.held.store(true, Relaxed);
-            Guard(self)
-        }
-
-        /// The value, for the garbage collector; `None` while somebody holds it.
-        ///
-        /// # Safety
-        /// The thread must be attached.
-        pub(crate) unsafe fn try_lock(&self) -> Option<Guard<'_, T>> {
-            if self.held.load(Relaxed) {
-                return None;
-            }
-            self.held.store(true, Relaxed);
-            Some(Guard(self))
-        }
+        self.held.store(true, Relaxed);
+        Guard(self)
     }
 
-    /// Lets the thread go on that was interrupted while it held the lock.
-    #[cold]
-    fn wait(py: Python<'_>) {
-        py.detach(std::thread::yield_now);
-    }
-
-    impl<T> Deref for Guard<'_, T> {
-        type Target = T;
-
-        #[inline]
-        fn deref(&self) -> &T {
-            // SAFETY: there is one guard at a time.
-            unsafe { &*self.0.value.get() }
+    /// The value, for the garbage collector; `None` while another call holds it.
+    ///
+    /// # Safety
+    /// The thread must be attached.
+    pub(crate) unsafe fn try_lock(&self) -> Option<Guard<'_, T>> {
+        if self.held.load(Relaxed) {
+            return None;
         }
-    }
-
-    impl<T> DerefMut for Guard<'_, T> {
-        #[inline]
-        fn deref_mut(&mut self) -> &mut T {
-            // SAFETY: as above.
-            unsafe { &mut *self.0.value.get() }
-        }
-    }
-
-    impl<T> Drop for Guard<'_, T> {
-        #[inline]
-        fn drop(&mut self) {
-            self.0.held.store(false, Relaxed);
-        }
+        self.held.store(true, Relaxed);
+        Some(Guard(self))
     }
 }
 
-#[cfg(Py_GIL_DISABLED)]
-mod free_threaded {
-    use std::sync::{Mutex, MutexGuard, PoisonError};
+/// Lets the thread go on that was interrupted while it held the lock.
+#[cold]
+fn wait(py: Python<'_>) {
+    py.detach(std::thread::yield_now);
+}
 
-    use pyo3::prelude::*;
+impl<T> Deref for Guard<'_, T> {
+    type Target = T;
 
-    /// See the module.
-    pub(crate) struct Lock<T>(Mutex<T>);
+    #[inline]
+    fn deref(&self) -> &T {
+        // SAFETY: there is one guard at a time.
+        unsafe { &*self.0.value.get() }
+    }
+}
 
-    /// Access to the value.
-    pub(crate) type Guard<'a, T> = MutexGuard<'a, T>;
+impl<T> DerefMut for Guard<'_, T> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut T {
+        // SAFETY: as above.
+        unsafe { &mut *self.0.value.get() }
+    }
+}
 
-    impl<T> Lock<T> {
-        pub(crate) const fn new(value: T) -> Self {
-            Self(Mutex::new(value))
-        }
-
-        pub(crate) fn lock(&self, _: Python<'_>) -> Guard<'_, T> {
-            self.0.lock().unwrap_or_else(PoisonError::into_inner)
-        }
-
-        /// The value, for the garbage collector; `None` while somebody holds it.
-        ///
-        /// # Safety
-        /// None is asked for here.
-        pub(crate) unsafe fn try_lock(&self) -> Option<Guard<'_, T>> {
-            self.0.try_lock().ok()
-        }
+impl<T> Drop for Guard<'_, T> {
+    #[inline]
+    fn drop(&mut self) {
+        self.0.held.store(false, Relaxed);
     }
 }
