@@ -1,28 +1,32 @@
-"""A word on standard error about a file that is no log, or not the kind of log its name says.
+"""Warnings about files that are no logs, or not the kind of log that their name says.
 
-Whatever looks like a record in it has been read all the same; the reader of the output should know
-what it was read from.
+Commands read by chance what looks like a record in such a file, so its user has to know what it is.
 """
 
 from __future__ import annotations
 
 import os
-from types import ModuleType, SimpleNamespace
+from contextlib import closing
+from types import ModuleType
+from typing import Any
 
-from mavwire._native import LogKind, LogScan, identify
+from mavwire._log_link import open_link
+from mavwire._native import LogKind, identify
 from mavwire.cli._errors import tell
 from mavwire.links.recognise import TELEMETRY
 
-# Which messages are looked for. The class for it in `mavwire.logs` takes time to load.
-_EVERYTHING = SimpleNamespace(types=None, unknown=None, systems=None, start=None, end=None)
 DAMAGED = "a telemetry log with damage before each record; run `mavwire repair` on it, and read the result"
 COMPRESSED = "a compressed log, which info, convert and mavwire.read take as it is; unpack it first"
 
 
-def warn_if_foreign(command: str, path: str, name: str | None = None) -> bool:
-    """Whether `path` is a file and no log that the command reads by messages, as mavutil does, after
-    saying what it is. That a log is empty or cut off in its first record is said too. `name` is what
-    the user calls it, where that is not its path.
+def warn_if_foreign(
+    command: str, path: str, name: str | None = None, *, is_indexed: bool = False
+) -> bool:
+    """Warn of a file that mavutil finds no message in, and of a log that is empty or cut off in its
+    first record. Returns whether the file is no log for a command that reads messages.
+
+    `name` is the user's name of the file. `is_indexed` says that the command took records from the
+    index of the log, which has some that reading from the start misses.
     """
     if not os.path.isfile(path):
         return False
@@ -30,13 +34,16 @@ def warn_if_foreign(command: str, path: str, name: str | None = None) -> bool:
 
     try:
         kind = identify(path)
-        if _has_messages(path, kind):
+        is_telemetry = kind in TELEMETRY
+        if kind is LogKind.DATAFLASH or (is_telemetry and (is_indexed or _begins(path, kind))):
             return False
         said, is_foreign = _lacking(path, state.mavlink)
+        if not said and is_telemetry and not _has_message(open_link(path)):
+            said, is_foreign = DAMAGED, True
     except OSError:  # gone since it was read
         return False
-    if not said and kind in TELEMETRY | {LogKind.GZIP, LogKind.ZSTD}:
-        said, is_foreign = DAMAGED if kind in TELEMETRY else COMPRESSED, True
+    if not said and kind in (LogKind.GZIP, LogKind.ZSTD):
+        said, is_foreign = COMPRESSED, True
     if said:
         _say(command, said, path, name)
     return is_foreign
@@ -75,11 +82,13 @@ def _lacking(path: str, dialect: str | ModuleType) -> tuple[str, bool]:
         return str(error), True
 
 
-def _has_messages(path: str, kind: LogKind) -> bool:
-    """Whether mavutil is sure to find a message in a file."""
-    if kind not in TELEMETRY:
-        return kind is LogKind.DATAFLASH
-    from mavwire.links import state
+def _begins(path: str, kind: LogKind) -> bool:
+    """Whether there is a message in a telemetry log that is read without an index."""
+    from mavwire import mavutil
 
-    native = state.mavlink.MAVLink(None)._dialect
-    return next(LogScan(path, native, False, _EVERYTHING), None) is not None
+    return _has_message(mavutil.mavlogfile(path, notimestamps=kind is LogKind.RAW))
+
+
+def _has_message(link: Any) -> bool:
+    with closing(link) as log:
+        return any(msg.get_msgId() >= 0 for msg in iter(log.recv_msg, None))

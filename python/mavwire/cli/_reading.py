@@ -118,6 +118,8 @@ class Reading:
         self.path = path
         self.link = link
         self.progress = progress
+        self.by_index = False
+        """Whether records were looked up by type."""
         self.is_text = self._is_text_log()
         self._checked: str | None = None
         """The condition of which the names were looked at."""
@@ -140,6 +142,7 @@ class Reading:
             yield from self._follow(types, condition)
             return
         wanted = None if types is None else list(types)
+        self.by_index = wanted is not None
         # In a text log it is for `holds` to say what a condition over words gives.
         checked = None if self.is_text else condition
         receive = self._received(wanted, checked, blocking, alone)
@@ -294,7 +297,8 @@ def reading(
                 path, progress_callback=progress.update, **options
             )
         try:
-            yield Reading(command, name, link, progress)
+            log = Reading(command, name, link, progress)
+            yield log
         except AttributeError as error:
             msg: Any = error.obj
             if not hasattr(msg, "fmt"):  # no message of a dataflash log: it is ours
@@ -309,4 +313,5 @@ def reading(
     finally:
         progress.finish()
     if not options.get("notimestamps"):
-        warn_if_foreign(command, path, name=name)
+        is_indexed = log.by_index and bool(getattr(link, "counts", None))
+        warn_if_foreign(command, path, name, is_indexed=is_indexed)

@@ -212,6 +212,7 @@ def _dump(
     selection = Selection(args, log)
     if isinstance(shape, _dump_format.Csv):
         writer.line(shape.header())
+    log.by_index = selection.visited is not None
     if _dump_native.fits(args, link):
         _dump_native.dump(args, link, selection, shape, writer.write, record, log.progress.update)
     else:
