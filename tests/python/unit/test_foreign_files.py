@@ -39,29 +39,25 @@ def test_an_empty_log(name: str, command: str, capsys: pytest.CaptureFixture[str
 
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize(
-    ("name", "content", "said", "is_refused"),
+    ("name", "content", "said"),
     [
-        ("noise.BIN", NOISE, NO_DATAFLASH, False),
-        ("text.tlog", b"hello\n", NO_TELEMETRY, True),
-        ("one.tlog", b"x", NO_TELEMETRY, True),
-        ("seven.tlog", b"1234567", NO_TELEMETRY, True),
-        ("markers.tlog", b"\xfd" * 20_000, NO_TELEMETRY, True),
+        ("noise.BIN", NOISE, NO_DATAFLASH),
+        ("text.tlog", b"hello\n", NO_TELEMETRY),
+        ("one.tlog", b"x", NO_TELEMETRY),
+        ("seven.tlog", b"1234567", NO_TELEMETRY),
+        ("markers.tlog", b"\xfd" * 20_000, NO_TELEMETRY),
     ],
 )
 def test_no_record(
     name: str,
     content: bytes,
     said: str,
-    is_refused: bool,
     command: str,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """`is_refused`: by `info`, which sees at the head of the file what it is not, before it reads on."""
     Path(name).write_bytes(content)
     assert cli.main([command, name]) == (1 if command == "info" else 0)
-    line = f"{said}: {name!r}"
-    if command == "info" and is_refused:
-        line = f"{name}: {said}"
+    line = f"{name}: {said}" if command == "info" else f"{said}: {name!r}"
     assert capsys.readouterr().err == f"mavwire {command}: {line}\n"
 
 

@@ -10,6 +10,7 @@ import json
 import os
 import random
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -18,6 +19,7 @@ import pytest
 from dataflash_writer import Log, sample
 from mavwire import cli, traffic
 from mavwire.cli.logs import info
+from mavwire.logs.summary import Count
 from unit.link_tools import T0, heartbeat, record
 
 
@@ -47,21 +49,22 @@ def test_summary_of_clean_traffic(dialect: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "flight.tlog"
     written = traffic.generate(path, 5_000, systems=2, dialect=dialect)
     summary = info.read(str(path))
-    assert summary.messages == sum(summary.types.values()) == 5_000
-    assert summary.systems.keys() == {(1, 1), (2, 1), (255, 190)}
-    assert sum(one.messages for one in summary.systems.values()) == 5_000
-    assert (summary.lost, summary.bad_bytes, summary.bad_messages) == (0, 0, 0)
-    assert summary.span == pytest.approx(written.seconds, abs=1e-3)
-    assert summary.rate(summary.types["ATTITUDE"]) == pytest.approx(20, rel=0.05)
+    found = summary.info
+    assert found.messages == sum(one.messages for one in found.types.values()) == 5_000
+    assert found.senders.keys() == {(1, 1), (2, 1), (255, 190)}
+    assert sum(one.count.messages for one in found.senders.values()) == 5_000
+    assert (found.lost, found.bad_bytes, found.bad_count) == (0, 0, 0)
+    assert found.count.seconds == pytest.approx(written.seconds, abs=1e-3)
+    assert summary.rate(found.types["ATTITUDE"].messages) == pytest.approx(20, rel=0.05)
 
 
 def test_summary_counts_losses_and_damage(dialect: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "flight.tlog"
     written = traffic.generate(path, 5_000, loss=0.05, corruption=0.01, dialect=dialect)
-    summary = info.read(str(path))
-    assert summary.lost > 150
-    assert summary.bad_messages == written.corrupted > 0
-    assert summary.bad_bytes > 10 * summary.bad_messages
+    found = info.read(str(path)).info
+    assert found.lost > 150
+    assert found.bad_count == written.corrupted > 0
+    assert found.bad_bytes > 10 * found.bad_count
 
 
 def test_table_and_json_say_the_same(dialect: ModuleType, tmp_path: Path) -> None:
@@ -83,13 +86,16 @@ def test_empty_log(tmp_path: Path) -> None:
     path = tmp_path / "empty.tlog"
     path.write_bytes(b"")
     summary = info.read(str(path))
-    assert summary.messages == 0
+    assert summary.info.messages == 0
     assert "0 messages of 0 types" in info.table(summary)
     assert "time     none, there is no message" in info.table(summary)
 
 
-def test_times_that_no_calendar_has_are_shown_as_years() -> None:
-    summary = info.Summary("x", first=1e17, last=float("1e17"), messages=1)
+def test_times_that_no_calendar_has_are_shown_as_years(tmp_path: Path) -> None:
+    path = tmp_path / "one.tlog"
+    path.write_bytes(record(heartbeat(0), T0))
+    summary = info.read(str(path))
+    summary.info = replace(summary.info, count=Count(1, 1e17, 1e17, 0))
     assert "year 3.169e9" in info.table(summary)
 
 
@@ -206,7 +212,7 @@ def test_messages_that_two_links_heard_are_not_lost(tmp_path: Path) -> None:
     beats = [record(heartbeat(n), T0 + n) for n in (0, 1, 2, 5, 6)]
     path.write_bytes(b"".join(beats[n // 2] for n in range(10)))
     summary = info.read(str(path))
-    assert (summary.lost, summary.repeated) == (2, 5)
+    assert (summary.info.lost, summary.info.repeated) == (2, 5)
     assert summary.as_dict()["systems"] == {"1/1": {"messages": 10, "lost": 2, "repeated": 5}}
     text = info.table(summary)
     assert "  lost     2 messages by sequence number, 5 came again\n" in text
